@@ -1,0 +1,50 @@
+// The background: an immutable mesh with its metric, where new and moved vertices read theirs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshing/adjacency.h"
+#include "meshing/mesh_data.h"
+#include "meshing/metric.h"
+
+namespace weft::meshing {
+
+/// Log-Euclidean P1 interpolation (Arsigny et al. 2006) of a metric field, found by walking from a nearby tet.
+/// Never diffuses: every query reads the input's own metric. Safe to read from many threads.
+class Background {
+ public:
+  static constexpr std::uint32_t kNoHint = 0xFFFFFFFFu;
+
+  /// Refers to `mesh` and `log_metrics`, which must outlive it.
+  Background(const MeshData& mesh, std::span<const LogMetric> log_metrics);
+
+  struct Sample {
+    LogMetric log_metric;
+    std::uint32_t tet;  ///< the hint for the next query nearby
+  };
+  /// The metric at `p`; the walk starts at tet `hint` (kNoHint: anywhere). Outside the mesh: at the closest point
+  /// that the walk finds.
+  Sample at(const Point& p, std::uint32_t hint) const;
+
+  /// A tet that has this vertex of the background mesh.
+  std::uint32_t tet_of(std::uint32_t vertex) const { return vertex_tets_[vertex]; }
+  const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
+
+ private:
+  using Barycentric = std::array<double, 4>;
+  Barycentric barycentric(std::uint32_t tet, const Point& p) const;
+  bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
+  bool close_enough(const Point& p, std::uint32_t tet, const Barycentric& clamped) const;
+  std::uint32_t search_everywhere(const Point& p) const;
+  LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
+
+  const MeshData& mesh_;
+  std::span<const LogMetric> log_metrics_;
+  Adjacency adjacency_;
+  std::vector<std::uint32_t> vertex_tets_;
+};
+
+}  // namespace weft::meshing

@@ -1,0 +1,94 @@
+// What an operator works with: the mesh, where it reads metric and geometry, its limits, one thread's scratch.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "meshing/background.h"
+#include "meshing/ball_objective.h"
+#include "meshing/neighbourhood.h"
+#include "meshing/quality.h"
+#include "meshing/speculation.h"
+#include "meshing/surface.h"
+#include "meshing/tet_mesh.h"
+#include "meshing/verdict.h"
+
+namespace weft::meshing {
+
+/// Bounds that the judges apply. Lengths in the metric.
+struct Limits {
+  double long_edge = 1.41421356237309505;   ///< split beyond
+  double short_edge = 0.70710678118654752;  ///< collapse below
+  double collapse_longest = 1.41421356237309505;  ///< a collapse creates no edge longer than this
+  double split_shortest = 0.5;    ///< a split creates no edge shorter than this
+  double split_quality = 0.05;    ///< a split may lower quality down to this, or to this share of the worst before
+  double collapse_quality = 0.3;  ///< a collapse may lower the worst quality to this
+  double hausd = 0;               ///< largest deviation of the boundary from the reference surface
+};
+
+struct Kernel {
+  TetMesh& mesh;
+  const Background& background;
+  const Surface& surface;
+  Limits limits;
+};
+
+/// One thread's scratch: claims, gathered neighbourhoods, free slots, counts. No allocation once warm.
+struct Worker {
+  Worker(Kernel& k, std::uint32_t owner, bool sole) : kernel(k), mesh(k.mesh), claims(k.mesh, owner, sole) {}
+
+  Kernel& kernel;
+  TetMesh& mesh;
+  Claims claims;
+  Ball ball, other_ball;
+  Shell shell;
+  SmallSet vertices_seen;
+  std::vector<float> qualities;
+  std::vector<BallFace> faces;
+  OperationCounts counts;
+  std::vector<TetId> free_tets;
+  std::vector<VertexId> free_vertices;
+
+  TetId new_tet() {
+    if (free_tets.empty()) take_tets();
+    const TetId t = free_tets.back();
+    free_tets.pop_back();
+    return t;
+  }
+  VertexId new_vertex() {
+    if (free_vertices.empty()) take_vertices();
+    const VertexId v = free_vertices.back();
+    free_vertices.pop_back();
+    return v;
+  }
+  void free(TetId t) {
+    mesh.kill(t);
+    free_tets.push_back(t);
+  }
+  void free(VertexId v) {
+    mesh.kill(v);
+    free_vertices.push_back(v);
+  }
+
+ private:
+  static constexpr std::uint32_t kChunk = 64;
+  void take_tets() {
+    const std::uint32_t first = mesh.take_tet_slots(kChunk);
+    for (std::uint32_t i = kChunk; i-- > 0;) free_tets.push_back(TetId(first + i));
+  }
+  void take_vertices() {
+    const std::uint32_t first = mesh.take_vertex_slots(kChunk);
+    for (std::uint32_t i = kChunk; i-- > 0;) free_vertices.push_back(VertexId(first + i));
+  }
+};
+
+/// How an edge lies in the boundary: told by the patches of the faces around it.
+struct EdgeClass {
+  VertexKind kind = VertexKind::interior;  ///< interior, surface or ridge (a feature edge)
+  PatchId patch;                           ///< of a surface edge
+  CurveId curve;                           ///< of a feature edge
+};
+/// Classifies the edge of a gathered shell.
+EdgeClass classify(const TetMesh& mesh, const Shell& shell);
+
+}  // namespace weft::meshing

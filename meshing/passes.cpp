@@ -1,0 +1,149 @@
+// What each pass does with one tet or vertex.
+#include "meshing/passes.h"
+
+#include <algorithm>
+
+#include "meshing/collapse_edge.h"
+#include "meshing/move_vertex.h"
+#include "meshing/split_edge.h"
+#include "meshing/swap.h"
+
+namespace weft::meshing {
+namespace {
+
+/// Counts a verdict and lets go of everything the operator claimed.
+Verdict done(Worker& w, Operator op, Verdict v) {
+  w.counts.add(op, v);
+  w.claims.release();
+  return v;
+}
+
+struct EdgeLength {
+  int edge;
+  double length;
+};
+
+/// The six edges of a claimed tet by length, ascending.
+std::array<EdgeLength, 6> edges_by_length(const TetMesh& mesh, const TetVertices& v) {
+  std::array<EdgeLength, 6> e;
+  for (int i = 0; i < 6; ++i) e[i] = {i, length_between(mesh, v[kTetEdges[i][0]], v[kTetEdges[i][1]])};
+  std::sort(e.begin(), e.end(), [](const EdgeLength& a, const EdgeLength& b) { return a.length < b.length; });
+  return e;
+}
+
+Verdict split_longest(Worker& w, TetId t, double longest) {
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const auto edges = edges_by_length(w.mesh, v);
+  Verdict r = Verdict::not_needed;
+  for (int i = 5; i >= 0 && edges[i].length > longest; --i) {
+    const auto& e = kTetEdges[edges[i].edge];
+    r = split_edge(w, t, v[e[0]], v[e[1]]);
+    if (r == Verdict::accepted || r == Verdict::conflict) break;
+    w.counts.add(Operator::split, r);
+  }
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::split, r);
+  w.claims.release();
+  return r;
+}
+
+/// Tries both directions of an edge of a claimed tet.
+Verdict collapse_either(Worker& w, TetId t, VertexId a, VertexId b, CollapseGoal goal) {
+  // The vertex with more freedom goes; of equals the one that comes later, which is more often a new one.
+  if (w.mesh.kind(a) > w.mesh.kind(b) || (w.mesh.kind(a) == w.mesh.kind(b) && a < b)) std::swap(a, b);
+  Verdict r = collapse_edge(w, t, a, b, goal);
+  if (r == Verdict::accepted || r == Verdict::conflict) return r;
+  if (w.mesh.kind(a) != w.mesh.kind(b)) return r;
+  w.counts.add(Operator::collapse, r);
+  return collapse_edge(w, t, b, a, goal);
+}
+
+Verdict collapse_shortest(Worker& w, TetId t) {
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::collapse, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const auto edges = edges_by_length(w.mesh, v);
+  Verdict r = Verdict::not_needed;
+  for (int i = 0; i < 6 && edges[i].length < w.kernel.limits.short_edge; ++i) {
+    const auto& e = kTetEdges[edges[i].edge];
+    r = collapse_either(w, t, v[e[0]], v[e[1]], CollapseGoal::length);
+    if (r == Verdict::accepted || r == Verdict::conflict) break;
+    w.counts.add(Operator::collapse, r);
+  }
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::collapse, r);
+  w.claims.release();
+  return r;
+}
+
+/// Swaps one edge or face of the tet, the first that helps.
+Verdict swap_any(Worker& w, TetId t) {
+  Verdict r = w.claims.claim_tet(t);
+  if (r != Verdict::accepted) return done(w, Operator::swap_edge, r);
+  const TetVertices v = w.mesh.vertices(t);
+  for (const auto& e : kTetEdges) {
+    r = swap_edge(w, t, v[e[0]], v[e[1]]);
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::swap_edge, r);
+    w.counts.add(Operator::swap_edge, r);
+  }
+  for (int f = 0; f < 4; ++f) {
+    r = swap_face(w, t, f);
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::swap_face, r);
+    w.counts.add(Operator::swap_face, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
+Verdict collapse_any(Worker& w, TetId t) {
+  Verdict r = w.claims.claim_tet(t);
+  if (r != Verdict::accepted) return done(w, Operator::collapse, r);
+  const TetVertices v = w.mesh.vertices(t);
+  for (const EdgeLength& el : edges_by_length(w.mesh, v)) {
+    const auto& e = kTetEdges[el.edge];
+    r = collapse_either(w, t, v[e[0]], v[e[1]], CollapseGoal::quality);
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::collapse, r);
+    w.counts.add(Operator::collapse, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
+Verdict relocate_any(Worker& w, TetId t) {
+  if (!w.mesh.alive(t)) return Verdict::not_needed;
+  Verdict r = Verdict::not_needed;
+  for (const VertexId v : w.mesh.vertices(t)) {
+    r = done(w, Operator::relocate, relocate_vertex(w, v));
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+  }
+  return Verdict::worsens_quality;
+}
+
+Verdict improve(Worker& w, TetId t, double quality) {
+  if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+  for (const auto& operation : {swap_any, relocate_any, collapse_any})
+    if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
+  return Verdict::worsens_quality;
+}
+
+}  // namespace
+
+std::uint64_t split_pass(Crew& crew, double longest) {
+  return crew.sweep_tets(kCheckLong, [longest](Worker& w, TetId t) { return split_longest(w, t, longest); });
+}
+
+std::uint64_t collapse_pass(Crew& crew) { return crew.sweep_tets(kCheckShort, collapse_shortest); }
+
+std::uint64_t swap_pass(Crew& crew, double quality) {
+  return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
+    return w.mesh.alive(t) && w.mesh.quality(t) < quality ? swap_any(w, t) : Verdict::not_needed;
+  });
+}
+
+std::uint64_t smooth_pass(Crew& crew) {
+  return crew.sweep_vertices([](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+}
+
+std::uint64_t improve_pass(Crew& crew, double quality) {
+  return crew.sweep_tets(kCheckPoor, [quality](Worker& w, TetId t) { return improve(w, t, quality); });
+}
+
+}  // namespace weft::meshing

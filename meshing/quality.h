@@ -1,0 +1,50 @@
+// The quality that operators judge by: mean ratio in the arithmetic mean of the vertices' metrics.
+// Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh resolves the metric.
+#pragma once
+
+#include <cmath>
+
+#include "meshing/metric.h"
+#include "meshing/predicates.h"
+#include "meshing/tet_mesh.h"
+
+namespace weft::meshing {
+
+/// Sum over the six edges of v.M.v for a tet whose edges from vertex 0 are e1, e2, e3.
+inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+  const Vec m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
+  return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
+}
+
+/// Mean ratio of a tet of positive six_volume in the sum of its four vertices' metrics (four times their mean: the
+/// measure does not depend on the metric's scale).
+inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+  const double v = six_volume * (1.0 / 6);
+  return kMeanRatioFactor * std::cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
+}
+
+/// A vertex as the judges see it.
+struct Corner {
+  Point x;
+  Metric m;
+};
+inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), mesh.metric(v)}; }
+
+/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
+inline double judge_quality(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+  const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
+  if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
+  const double volume = dot(cross(e1, e2), e3);
+  if (!(volume > 0)) return 0;
+  return mean_ratio(volume, a.m + b.m + c.m + d.m, e1, e2, e3);
+}
+
+inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
+  return judge_quality(corner(mesh, a), corner(mesh, b), corner(mesh, c), corner(mesh, d));
+}
+
+inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {
+  return edge_length_fast(mesh.point(b) - mesh.point(a), mesh.metric(a), mesh.metric(b));
+}
+
+}  // namespace weft::meshing

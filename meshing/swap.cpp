@@ -1,0 +1,241 @@
+// Edge swap by the best triangulation of the ring; face swap two tets to three.
+#include "meshing/swap.h"
+
+#include <algorithm>
+
+#include "meshing/surface_fit.h"
+
+namespace weft::meshing {
+namespace {
+
+/// A swap must improve the worst tet by more than rounding, lest two swaps undo each other for ever.
+double enough_for(double old_worst) { return old_worst + std::max(1e-3, 0.01 * old_worst); }
+
+/// Best triangulation of the ring polygon by dynamic programming over its chains i..j.
+struct RingTriangulation {
+  double best[kMaxRing][kMaxRing];
+  std::int8_t apex[kMaxRing][kMaxRing];
+  float quality[kMaxRing][kMaxRing][2];  ///< of the tets (triangle, a) and (triangle, b) on chain i..j
+};
+
+/// Qualities of the tets over ring triangle (i, k, j), i < k < j, with the edge's two ends.
+std::pair<double, double> judge_triangle(const Corner& a, const Corner& b, const Corner* ring, int i, int k, int j,
+                                         double enough) {
+  const double qb = judge_quality(ring[i], ring[k], ring[j], b);
+  if (qb <= enough) return {qb, -1};
+  return {qb, judge_quality(ring[k], ring[i], ring[j], a)};
+}
+
+/// Fills `r`; false when no triangulation has all tets better than `enough`.
+bool triangulate(const Corner& a, const Corner& b, const Corner* ring, int m, double enough, RingTriangulation& r) {
+  for (int i = 0; i + 1 < m; ++i) r.best[i][i + 1] = 2;
+  for (int width = 2; width < m; ++width)
+    for (int i = 0; i + width < m; ++i) {
+      const int j = i + width;
+      r.best[i][j] = enough;
+      r.apex[i][j] = -1;
+      for (int k = i + 1; k < j; ++k) {
+        const double bound = std::min(r.best[i][k], r.best[k][j]);
+        if (bound <= r.best[i][j]) continue;
+        const auto [qb, qa] = judge_triangle(a, b, ring, i, k, j, r.best[i][j]);
+        const double q = std::min({bound, qa, qb});
+        if (q <= r.best[i][j]) continue;
+        r.best[i][j] = q;
+        r.apex[i][j] = static_cast<std::int8_t>(k);
+        r.quality[i][j][0] = static_cast<float>(qa);
+        r.quality[i][j][1] = static_cast<float>(qb);
+      }
+      // A chain that cannot be triangulated well enough is never used: its best stays at the bound, which fails below.
+    }
+  return r.apex[0][m - 1] >= 0;
+}
+
+/// A face of the hole: the outer neighbour and patch it had.
+struct OuterFace {
+  TetFace neighbour;
+  PatchId patch;
+};
+
+/// Writes the tets of the chosen triangulation into the hole that the shell leaves.
+class RingBuilder {
+ public:
+  RingBuilder(Worker& w, const Shell& shell, const RingTriangulation& r) : w_(w), mesh_(w.mesh), shell_(shell), r_(r) {
+    for (int i = 0; i < shell.size; ++i) {
+      const auto& e = shell.tets[i];
+      outer_a_[i] = {mesh_.neighbour(e.tet, e.b), mesh_.patch(e.tet, e.b)};
+      outer_b_[i] = {mesh_.neighbour(e.tet, e.a), mesh_.patch(e.tet, e.a)};
+    }
+    ref_ = mesh_.ref(shell.tets[0].tet);
+  }
+
+  /// Builds all tets; the patch goes on the faces of the ring's closing edge where the shell was open.
+  void build(PatchId patch) {
+    const int m = shell_.closed ? shell_.size : shell_.size + 1;
+    const Faces root = chain(0, m - 1);
+    const OuterFace closing_a = shell_.closed ? outer_a_[m - 1] : OuterFace{TetFace(), patch};
+    const OuterFace closing_b = shell_.closed ? outer_b_[m - 1] : OuterFace{TetFace(), patch};
+    attach(root.a, closing_a);
+    attach(root.b, closing_b);
+    for (; used_ < shell_.size; ++used_) w_.free(shell_.tets[used_].tet);
+  }
+
+ private:
+  /// The faces over one ring chord, on a's and on b's side.
+  struct Faces { TetFace a, b; };
+
+  TetId next_tet() { return used_ < shell_.size ? shell_.tets[used_++].tet : w_.new_tet(); }
+
+  void attach(TetFace f, const OuterFace& o) {
+    mesh_.set_neighbour(f.tet(), f.face(), o.neighbour);
+    if (o.neighbour.valid()) mesh_.set_neighbour(o.neighbour.tet(), o.neighbour.face(), f);
+    mesh_.set_patch(f.tet(), f.face(), o.patch);
+  }
+
+  TetId write(const TetVertices& v, float quality) {
+    const TetId t = next_tet();
+    mesh_.set_vertices(t, v);
+    mesh_.set_ref(t, ref_);
+    mesh_.set_quality(t, quality);
+    for (int f = 0; f < 4; ++f) mesh_.set_patch(t, f, PatchId());
+    mesh_.mark(t, kAllTetMarks);
+    for (const VertexId x : v) {
+      mesh_.set_tet_of(x, t);
+      mesh_.set_smooth_mark(x, true);
+    }
+    return t;
+  }
+
+  /// Triangulates chain i..j and returns the open faces over its chord.
+  Faces chain(int i, int j) {
+    const int k = r_.apex[i][j];
+    const VertexId vi = shell_.ring[i], vk = shell_.ring[k], vj = shell_.ring[j];
+    const TetId tb = write({vi, vk, vj, shell_.b}, r_.quality[i][j][1]);
+    const TetId ta = write({vk, vi, vj, shell_.a}, r_.quality[i][j][0]);
+    mesh_.glue(TetFace(ta, 3), TetFace(tb, 3));
+    side(i, k, TetFace(ta, 2), TetFace(tb, 2));  // opposite vj
+    side(k, j, TetFace(ta, 1), TetFace(tb, 0));  // opposite vi
+    return {TetFace(ta, 0), TetFace(tb, 1)};     // opposite vk
+  }
+
+  void side(int i, int j, TetFace fa, TetFace fb) {
+    if (j == i + 1) {
+      attach(fa, outer_a_[i]);
+      attach(fb, outer_b_[i]);
+      return;
+    }
+    const Faces below = chain(i, j);
+    mesh_.glue(fa, below.a);
+    mesh_.glue(fb, below.b);
+  }
+
+  Worker& w_;
+  TetMesh& mesh_;
+  const Shell& shell_;
+  const RingTriangulation& r_;
+  std::array<OuterFace, kMaxRing> outer_a_, outer_b_;
+  std::int32_t ref_;
+  int used_ = 0;
+};
+
+/// May this edge go at all?
+Verdict judge_edge(const Worker& w, const Shell& shell, const EdgeClass& on) {
+  if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
+  // An interface inside the mesh has tets on both sides: its edges stay.
+  if (on.kind == VertexKind::surface && shell.closed) return Verdict::breaks_classification;
+  const int m = shell.closed ? shell.size : shell.size + 1;
+  if (m > kMaxRing) return Verdict::too_large;
+  return m < 3 ? Verdict::not_needed : Verdict::accepted;
+}
+
+/// Open shell: the boundary edge becomes the one between the ends of the ring.
+Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
+  const VertexId c = shell.ring[0], d = shell.ring[shell.size];
+  const std::array<VertexId, 3> old_a = {shell.a, shell.b, c}, old_b = {shell.b, shell.a, d};
+  if (!w.kernel.surface.patches()[patch.value].planar &&
+      (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a) || !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b)))
+    return Verdict::leaves_surface;
+  // The new edge may exist already where the boundary bends back on itself.
+  if (const Verdict r = gather_ball(w.mesh, w.claims, c, w.other_ball); r != Verdict::accepted) return r;
+  for (const auto& [t, local] : w.other_ball.tets)
+    if (w.mesh.local_index(t, d) >= 0) return Verdict::breaks_topology;
+  return Verdict::accepted;
+}
+
+double worst_of(const TetMesh& mesh, const Shell& shell) {
+  double worst = 1;
+  for (int i = 0; i < shell.size; ++i) worst = std::min<double>(worst, mesh.quality(shell.tets[i].tet));
+  return worst;
+}
+
+}  // namespace
+
+Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
+  TetMesh& mesh = w.mesh;
+  Shell& shell = w.shell;
+  if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, shell); r != Verdict::accepted) return r;
+  const EdgeClass on = classify(mesh, shell);
+  if (const Verdict r = judge_edge(w, shell, on); r != Verdict::accepted) return r;
+  const int m = shell.closed ? shell.size : shell.size + 1;
+  std::array<Corner, kMaxRing> ring;
+  for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
+  RingTriangulation r;
+  if (!triangulate(corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(worst_of(mesh, shell)), r))
+    return Verdict::worsens_quality;
+  if (!shell.closed)
+    if (const Verdict v = judge_boundary(w, shell, on.patch); v != Verdict::accepted) return v;
+  RingBuilder(w, shell, r).build(on.patch);
+  return Verdict::accepted;
+}
+
+Verdict swap_face(Worker& w, TetId t, int face) {
+  TetMesh& mesh = w.mesh;
+  const TetFace across = mesh.neighbour(t, face);
+  if (!across.valid() || mesh.patch(t, face).valid()) return Verdict::breaks_classification;
+  const TetId u = across.tet();
+  const VertexId p = mesh.vertex(t, face), q = mesh.vertex(u, across.face());
+  if (const Verdict r = w.claims.claim(q); r != Verdict::accepted) return r;
+  std::array<VertexId, 3> f;
+  for (int i = 0; i < 3; ++i) f[i] = mesh.vertex(t, kTetFaces[face][i]);
+  const double enough = enough_for(std::min(mesh.quality(t), mesh.quality(u)));
+  std::array<double, 3> quality;
+  const Corner cp = corner(mesh, p), cq = corner(mesh, q);
+  for (int i = 0; i < 3; ++i) {
+    quality[i] = judge_quality(cq, cp, corner(mesh, f[i]), corner(mesh, f[(i + 1) % 3]));
+    if (quality[i] < 0) return Verdict::inverts;
+    if (quality[i] <= enough) return Verdict::worsens_quality;
+  }
+  // New tet i is (q, p, f_i, f_i+1): its face opposite q is the face of t over edge i, that opposite p is u's.
+  std::array<OuterFace, 3> outer_t, outer_u;
+  for (int i = 0; i < 3; ++i) {
+    const int it = mesh.local_index(t, f[(i + 2) % 3]), iu = mesh.local_index(u, f[(i + 2) % 3]);
+    outer_t[i] = {mesh.neighbour(t, it), mesh.patch(t, it)};
+    outer_u[i] = {mesh.neighbour(u, iu), mesh.patch(u, iu)};
+  }
+  const std::array<TetId, 3> tets = {t, u, w.new_tet()};
+  const std::int32_t ref = mesh.ref(t);
+  for (int i = 0; i < 3; ++i) {
+    const TetId n = tets[i];
+    mesh.set_vertices(n, {q, p, f[i], f[(i + 1) % 3]});
+    mesh.set_ref(n, ref);
+    mesh.set_quality(n, static_cast<float>(quality[i]));
+    mesh.mark(n, kAllTetMarks);
+    mesh.set_tet_of(f[i], n);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const TetId n = tets[i];
+    mesh.glue(TetFace(n, 0), outer_t[i].neighbour);
+    mesh.set_neighbour(n, 0, outer_t[i].neighbour);
+    mesh.set_patch(n, 0, outer_t[i].patch);
+    mesh.glue(TetFace(n, 1), outer_u[i].neighbour);
+    mesh.set_neighbour(n, 1, outer_u[i].neighbour);
+    mesh.set_patch(n, 1, outer_u[i].patch);
+    mesh.glue(TetFace(n, 2), TetFace(tets[(i + 1) % 3], 3));  // faces (q, p, f_i+1)
+    mesh.set_patch(n, 2, PatchId());
+    mesh.set_patch(n, 3, PatchId());
+  }
+  for (const VertexId v : {p, q}) mesh.set_tet_of(v, tets[0]);
+  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.set_smooth_mark(v, true);
+  return Verdict::accepted;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,168 @@
+// The kernel's mesh: structure of arrays of plain data, growing without moving, written by
+// several threads under claims (speculation.h).
+#pragma once
+
+#include <tbb/concurrent_hash_map.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "meshing/ids.h"
+#include "meshing/metric.h"
+#include "meshing/point.h"
+#include "meshing/stable_array.h"
+#include "meshing/surface.h"
+#include "meshing/tet_tables.h"
+
+namespace weft::meshing {
+
+/// One face of one tet, packed: 4 * tet + face. Invalid: beyond the boundary.
+struct TetFace {
+  std::uint32_t code = 0xFFFFFFFFu;
+  TetFace() = default;
+  explicit TetFace(std::uint32_t c) : code(c) {}
+  TetFace(TetId t, int face) : code(4 * t.value + static_cast<std::uint32_t>(face)) {}
+  bool valid() const { return code != 0xFFFFFFFFu; }
+  TetId tet() const { return TetId(code >> 2); }
+  int face() const { return static_cast<int>(code & 3u); }
+  friend bool operator==(TetFace, TetFace) = default;
+};
+
+using TetVertices = std::array<VertexId, 4>;
+
+/// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
+enum TetMark : std::uint8_t { kCheckShort = 1, kCheckLong = 2, kCheckSwap = 4, kCheckPoor = 8, kAllTetMarks = 15 };
+
+/// Why a vertex is fixed, kept for the output.
+enum FixedFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4 };
+
+class TetMesh {
+ public:
+  static constexpr std::uint32_t kFree = 0;             ///< claim word of a vertex nobody holds
+  static constexpr std::uint32_t kFrozen = 0xFFFFFFFF;  ///< claim word of a vertex that can never be claimed
+
+  /// Reserves address space (not memory) for that many entities. Throws std::bad_alloc.
+  TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity);
+
+  // --- sizes: slots, dead ones included ---
+  std::uint32_t vertex_slots() const { return vertex_slots_.load(std::memory_order_relaxed); }
+  std::uint32_t tet_slots() const { return tet_slots_.load(std::memory_order_relaxed); }
+  /// Takes `count` fresh slots for the calling thread; they are dead until written. Throws std::length_error.
+  std::uint32_t take_vertex_slots(std::uint32_t count);
+  std::uint32_t take_tet_slots(std::uint32_t count);
+
+  // --- tets ---
+  bool alive(TetId t) const { return load(tets_[t.value].v[0]) != load(tets_[t.value].v[1]); }
+  /// The four vertices, readable without a claim (words never tear; they may change at once).
+  TetVertices vertices(TetId t) const {
+    const Tet& r = tets_[t.value];
+    return {VertexId(load(r.v[0])), VertexId(load(r.v[1])), VertexId(load(r.v[2])), VertexId(load(r.v[3]))};
+  }
+  VertexId vertex(TetId t, int i) const { return VertexId(load(tets_[t.value].v[i])); }
+  void set_vertices(TetId t, const TetVertices& v) {
+    for (int i = 0; i < 4; ++i) store(tets_[t.value].v[i], v[i].value);
+  }
+  void set_vertex(TetId t, int i, VertexId v) { store(tets_[t.value].v[i], v.value); }
+  void kill(TetId t) { set_vertices(t, {VertexId(0), VertexId(0), VertexId(0), VertexId(0)}); store(marks_[t.value], std::uint8_t{0}); }
+  TetFace neighbour(TetId t, int face) const { return TetFace(load(tets_[t.value].n[face])); }
+  void set_neighbour(TetId t, int face, TetFace n) { store(tets_[t.value].n[face], n.code); }
+  /// Makes two faces neighbours of each other; either may be invalid.
+  void glue(TetFace a, TetFace b) {
+    if (a.valid()) set_neighbour(a.tet(), a.face(), b);
+    if (b.valid()) set_neighbour(b.tet(), b.face(), a);
+  }
+  int local_index(TetId t, VertexId v) const {
+    const Tet& r = tets_[t.value];
+    for (int i = 0; i < 4; ++i)
+      if (load(r.v[i]) == v.value) return i;
+    return -1;
+  }
+  /// The patch that a face lies on: boundary or material interface, on both its tets. Invalid inside.
+  PatchId patch(TetId t, int face) const { return PatchId(patches_[t.value][face] - 1); }
+  void set_patch(TetId t, int face, PatchId p) { patches_[t.value][face] = p.value + 1; }
+  std::int32_t ref(TetId t) const { return tet_refs_[t.value]; }
+  void set_ref(TetId t, std::int32_t r) { tet_refs_[t.value] = r; }
+  /// Cached mean ratio (quality.h), kept right by every operator.
+  float quality(TetId t) const { return load(quality_[t.value]); }
+  void set_quality(TetId t, float q) { store(quality_[t.value], q); }
+  std::uint8_t marks(TetId t) const { return load(marks_[t.value]); }
+  void mark(TetId t, std::uint8_t m) { std::atomic_ref(marks_[t.value]).fetch_or(m, std::memory_order_relaxed); }
+  /// Removes marks and says which of them were there.
+  std::uint8_t take_marks(TetId t, std::uint8_t m) {
+    if (!(marks(t) & m)) return 0;
+    return std::atomic_ref(marks_[t.value]).fetch_and(static_cast<std::uint8_t>(~m), std::memory_order_relaxed) & m;
+  }
+
+  // --- vertices ---
+  bool alive(VertexId v) const { return load(vertex_tets_[v.value]) != 0; }
+  const Point& point(VertexId v) const { return points_[v.value]; }
+  const Metric& metric(VertexId v) const { return metrics_[v.value]; }
+  const LogMetric& log_metric(VertexId v) const { return log_metrics_[v.value]; }
+  void set_point(VertexId v, const Point& p) { points_[v.value] = p; }
+  void set_metric(VertexId v, const LogMetric& l, const Metric& m) { log_metrics_[v.value] = l; metrics_[v.value] = m; }
+  TetId tet_of(VertexId v) const { return TetId(load(vertex_tets_[v.value]) - 1); }
+  void set_tet_of(VertexId v, TetId t) { store(vertex_tets_[v.value], t.value + 1); }
+  VertexKind kind(VertexId v) const { return kinds_[v.value]; }
+  void set_kind(VertexId v, VertexKind k) { kinds_[v.value] = k; }
+  /// True for a vertex that must stay where it is and as it is (corner, required).
+  bool fixed(VertexId v) const { return fixed_[v.value] & kFixed; }
+  std::uint8_t fixed_flags(VertexId v) const { return fixed_[v.value]; }
+  void set_fixed(VertexId v, int flags) { fixed_[v.value] = static_cast<std::uint8_t>(flags); }
+  std::int32_t ref(VertexId v) const { return vertex_refs_[v.value]; }
+  void set_ref(VertexId v, std::int32_t r) { vertex_refs_[v.value] = r; }
+  /// Where in the background and on the reference surface the vertex is (a start for nearby queries).
+  std::uint32_t background_hint(VertexId v) const { return background_hints_[v.value]; }
+  void set_background_hint(VertexId v, std::uint32_t h) { background_hints_[v.value] = h; }
+  std::uint32_t surface_hint(VertexId v) const { return surface_hints_[v.value]; }
+  void set_surface_hint(VertexId v, std::uint32_t h) { surface_hints_[v.value] = h; }
+  bool smooth_mark(VertexId v) const { return load(smooth_marks_[v.value]); }
+  void set_smooth_mark(VertexId v, bool on) { store(smooth_marks_[v.value], static_cast<std::uint8_t>(on)); }
+  void kill(VertexId v) { store(vertex_tets_[v.value], 0u); set_smooth_mark(v, false); }
+
+  // --- claims: see speculation.h, the only user besides freeze ---
+  std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
+  void freeze(VertexId v) { claims_[v.value] = kFrozen; }
+  bool frozen(VertexId v) const { return load(claims_[v.value]) == kFrozen; }
+
+  // --- feature edges ---
+  /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
+  CurveId curve(VertexId a, VertexId b) const;
+  void set_curve(VertexId a, VertexId b, CurveId c);  ///< an invalid curve erases
+  struct FeatureEdge { VertexId a, b; CurveId curve; };
+  std::vector<FeatureEdge> feature_edges() const;  ///< sorted; not while operators run
+
+  /// Moves everything to new places: new id of each live vertex and tet (invalid for dead ones). Order of slots
+  /// becomes that of the maps; dead slots vanish and their memory is returned. Not while operators run.
+  void renumber(const std::vector<VertexId>& old_to_new_vertex, std::uint32_t num_vertices,
+                const std::vector<TetId>& old_to_new_tet, std::uint32_t num_tets);
+
+ private:
+  struct Tet { std::uint32_t v[4]; std::uint32_t n[4]; };
+  template <class T>
+  static T load(const T& x) { return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed); }
+  template <class T>
+  static void store(T& x, T value) { std::atomic_ref(x).store(value, std::memory_order_relaxed); }
+  static std::uint64_t edge_key(VertexId a, VertexId b) {
+    return a < b ? (std::uint64_t{a.value} << 32 | b.value) : (std::uint64_t{b.value} << 32 | a.value);
+  }
+
+  std::atomic<std::uint32_t> vertex_slots_{0}, tet_slots_{0};
+  StableArray<Tet> tets_;
+  StableArray<std::array<std::uint32_t, 4>> patches_;  // patch + 1, so that fresh memory means none
+  StableArray<std::int32_t> tet_refs_;
+  StableArray<float> quality_;
+  StableArray<std::uint8_t> marks_;
+  StableArray<Point> points_;
+  StableArray<Metric> metrics_;
+  StableArray<LogMetric> log_metrics_;
+  StableArray<std::uint32_t> vertex_tets_;  // tet + 1, 0 for a dead vertex
+  StableArray<VertexKind> kinds_;
+  StableArray<std::uint8_t> fixed_, smooth_marks_;
+  StableArray<std::int32_t> vertex_refs_;
+  StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
+  tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
+};
+
+}  // namespace weft::meshing

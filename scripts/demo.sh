@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# From a bare machine to adapted meshes: a shock layer in a cube, and a delta wing; results in build/demo/.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh
+scripts/build.sh release --no-tests
+weft=build/bin/weft
+out=build/demo
+mkdir -p "$out"
+
+say() { printf '\n=== %s\n' "$*"; }
+
+say "A structured cube"
+"$weft" mesh box -o "$out/cube-0.meshb" --cells 8 8 8
+"$weft" stat "$out/cube-0.meshb" --metric-fn polar-2
+
+# A metric is known at the vertices of a mesh: a coarse mesh misses the thin layer, so that the result of each
+# stage is where the next one samples the metric.
+previous=$out/cube-0.meshb
+for complexity in 1000 4000 16000 50000; do
+  next=$out/cube-$complexity.meshb
+  say "The cylindrical layer polar-2 at complexity $complexity"
+  status=0
+  "$weft" adapt "$previous" --metric-fn polar-2 --complexity "$complexity" -o "$next" \
+    --report "$out/cube-$complexity-report" || status=$?
+  ((status <= 1)) || exit "$status"
+  previous=$next
+done
+"$weft" verify "$previous" --against "$out/cube-0.meshb"
+
+say "A delta wing and its far field, from a coarse mesh"
+previous=tests/data/delta-wing-coarse.meshb
+for size in 1 0.3; do
+  next=$out/wing-$size.meshb
+  status=0
+  "$weft" adapt "$previous" --metric-fn "uniform:$size" -o "$next" --report "$out/wing-$size-report" || status=$?
+  ((status <= 1)) || exit "$status"
+  previous=$next
+done
+"$weft" verify "$previous" --against tests/data/delta-wing-coarse.meshb
+
+for mesh in cube-50000 wing-0.3; do
+  "$weft" convert "$out/$mesh.meshb" "$out/$mesh.vtu" --sol "$out/$mesh.solb" >/dev/null
+done
+say "Results in $out: meshes (.meshb), their metrics (.solb), reports (*-report/report.json); for ParaView:"
+ls -1 "$out"/*.vtu

@@ -1,0 +1,257 @@
+// Tests of reading, scaling, limiting and grading metric fields.
+#include "meshing/metric_field.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+
+#include "meshing/error.h"
+#include "meshing/measures.h"
+#include "tests/support/meshes.h"
+
+namespace weft::meshing {
+namespace {
+
+using support::unit_cube;
+
+SolutionData solution_of(Field::Kind kind, std::vector<double> values) {
+  const std::size_t n = values.size() / static_cast<std::size_t>(components(kind));
+  return {n, {{kind, std::move(values), ""}}};
+}
+
+std::string error_of(const SolutionData& solution, std::size_t num_points) {
+  try {
+    metric_from_solution(solution, num_points, "m.solb");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+double size_of(const LogMetric& isotropic) { return std::exp(-0.5 * isotropic.xx); }
+
+/// By how much the worst edge violates gradation: the largest eigenvalue of M_q^-1 (grown M_p), less 1.
+double worst_violation(const MeshData& mesh, double beta, const LogMetricField& field) {
+  double worst = -1;
+  const auto visit = [&](std::uint32_t p, std::uint32_t q) {
+    const Metric mp = exp_exact(field[p]), mq = exp_exact(field[q]);
+    const double growth = 1 + std::sqrt(squared_length(mp, mesh.points[q] - mesh.points[p])) * std::log(beta);
+    // The largest s for which M_q still is at least as fine as s times the grown M_p, by bisection.
+    double lo = 0, hi = 2;
+    for (int i = 0; i < 40; ++i) {
+      const double s = 0.5 * (lo + hi);
+      const SymTensor rest = mq - (s / (growth * growth)) * mp;
+      (is_positive_definite(rest) ? lo : hi) = s;
+    }
+    worst = std::max(worst, 1 / lo - 1);
+  };
+  for (const auto& tet : mesh.tets)
+    for (const std::uint32_t p : tet)
+      for (const std::uint32_t q : tet)
+        if (p != q) visit(p, q);
+  return worst;
+}
+
+TEST(MetricFromSolution, ReadsSizesAndTensors) {
+  const auto sizes = metric_from_solution(solution_of(Field::Kind::scalar, {1, 0.1}), 2, "m.solb");
+  EXPECT_EQ(sizes[0], SymTensor{});
+  EXPECT_NEAR(sizes[1].yy, std::log(100.0), 1e-14);
+  EXPECT_EQ(sizes[1].xy, 0);
+  const Metric m{5, 1, 6, -1, 0.5, 7};  // in the order of files: m11 m12 m22 m13 m23 m33
+  const auto tensors =
+      metric_from_solution(solution_of(Field::Kind::tensor, {5, 1, 6, -1, 0.5, 7}), 1, "m.solb");
+  const Metric back = exp_exact(tensors[0]);
+  EXPECT_NEAR(back.yy, m.yy, 1e-13);
+  EXPECT_NEAR(back.xz, m.xz, 1e-13);
+  EXPECT_NEAR(back.yz, m.yz, 1e-13);
+}
+
+TEST(MetricFromSolution, TakesTheFirstFieldThatCanBeAMetric) {
+  SolutionData solution = solution_of(Field::Kind::vector, {1, 2, 3});
+  EXPECT_EQ(error_of(solution, 1), "m.solb: holds no scalar or tensor field, so no metric");
+  solution.fields.push_back({Field::Kind::scalar, {0.5}, ""});
+  solution.fields.push_back({Field::Kind::scalar, {-1}, ""});
+  EXPECT_NEAR(size_of(metric_from_solution(solution, 1, "m.solb")[0]), 0.5, 1e-15);
+}
+
+TEST(MetricFromSolution, RoundTripsThroughASolution) {
+  const MeshData mesh = unit_cube(4);
+  const auto field = sample(AnalyticMetric("polar-2"), mesh);
+  const SolutionData solution = solution_from_metric(field);
+  EXPECT_EQ(solution.num_points, mesh.points.size());
+  const auto back = metric_from_solution(solution, mesh.points.size(), "m.solb");
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    EXPECT_NEAR(back[i].xx, field[i].xx, 1e-9);
+    EXPECT_NEAR(back[i].xy, field[i].xy, 1e-9);
+    EXPECT_NEAR(back[i].zz, field[i].zz, 1e-9);
+  }
+}
+
+TEST(MetricFromSolution, RefusesTheMetricOfAnotherMesh) {
+  EXPECT_EQ(error_of(solution_of(Field::Kind::scalar, {1, 1}), 3),
+            "m.solb: metric of another mesh: it has 2 vertices, the mesh 3");
+}
+
+TEST(MetricFromSolution, NamesTheFirstBadVertex) {
+  std::vector<double> values(5000, 1.0);
+  values[4000] = 0;
+  values[1234] = -2;
+  EXPECT_EQ(error_of(solution_of(Field::Kind::scalar, values), 5000),
+            "m.solb: vertex 1235: the size is not positive");
+  values[17] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(error_of(solution_of(Field::Kind::scalar, values), 5000),
+            "m.solb: vertex 18: a value of the metric is not a finite number");
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(error_of(solution_of(Field::Kind::tensor, {1, 0, 1, 0, inf, 1}), 1),
+            "m.solb: vertex 1: a value of the metric is not a finite number");
+}
+
+TEST(MetricFromSolution, RecognisesTheRowWiseOrder) {
+  // Row-wise these six have the rows (2 0.1 1.5), (0.1 3 0.2), (1.5 0.2 4); in the order of files m11 m33 <
+  // m13^2.
+  const std::vector<double> good = {1, 0, 1, 0, 0, 1}, row_wise = {2, 0.1, 1.5, 3, 0.2, 4};
+  std::vector<double> values = row_wise;
+  values.insert(values.end(), row_wise.begin(), row_wise.end());
+  EXPECT_EQ(
+      error_of(solution_of(Field::Kind::tensor, values), 2),
+      "m.solb: vertex 1: not positive definite (it would be in row-wise order m11 m12 m13 m22 m23 m33)");
+  values = good;  // row-wise this would have m22 = 0
+  values.insert(values.end(), row_wise.begin(), row_wise.end());
+  EXPECT_EQ(error_of(solution_of(Field::Kind::tensor, values), 2), "m.solb: vertex 2: not positive definite");
+}
+
+TEST(ScaleToComplexity, ReachesTheTarget) {
+  const MeshData mesh = unit_cube(6);
+  auto field = sample(AnalyticMetric("polar-2"), mesh);
+  const auto before = field;
+  scale_to_complexity(mesh, 12345, field);
+  EXPECT_NEAR(complexity(mesh, field), 12345, 1e-8);
+  EXPECT_EQ(field[7].xy, before[7].xy);
+  EXPECT_NEAR(field[7].xx - before[7].xx, field[9].zz - before[9].zz, 1e-13);
+}
+
+TEST(ScaleToComplexity, ReachesTheTargetWithinLimits) {
+  const MeshData mesh = unit_cube(6);
+  auto field = sample(AnalyticMetric("polar-2"), mesh);
+  EXPECT_NEAR(scale_to_complexity(mesh, 1000, 0.01, 0.15, field), 1000, 1);
+  EXPECT_NEAR(complexity(mesh, field), 1000, 1);
+  bool at_hmin = false, at_hmax = false;
+  for (const LogMetric& l : field) {
+    const Eigen3 e = eigen_decomposition(l);
+    EXPECT_GE(e.values[0], -2 * std::log(0.15) - 1e-9);
+    EXPECT_LE(e.values[2], -2 * std::log(0.01) + 1e-9);
+    at_hmax |= e.values[0] < -2 * std::log(0.15) + 1e-9;
+    at_hmin |= e.values[2] > -2 * std::log(0.01) - 1e-9;
+  }
+  EXPECT_TRUE(at_hmin || at_hmax);
+}
+
+TEST(ScaleToComplexity, WithoutLimitsIsThePlainScaling) {
+  const MeshData mesh = unit_cube(4);
+  auto field = sample(AnalyticMetric("polar-1"), mesh);
+  auto plain = field;
+  scale_to_complexity(mesh, 500, plain);
+  EXPECT_NEAR(scale_to_complexity(mesh, 500, 0, 0, field), 500, 1e-6);
+  for (std::size_t i = 0; i < field.size(); ++i) EXPECT_NEAR(field[i].xx, plain[i].xx, 1e-9);
+}
+
+TEST(ScaleToComplexity, ComesAsCloseAsLimitsAllow) {
+  const MeshData mesh = unit_cube(4);
+  auto field = sample(AnalyticMetric("polar-2"), mesh);
+  EXPECT_NEAR(scale_to_complexity(mesh, 1e6, 0.1, 0, field), 1000, 1e-6);  // everywhere h = hmin
+  EXPECT_NEAR(scale_to_complexity(mesh, 1, 0, 0.2, field), 125, 1e-6);     // everywhere h = hmax
+}
+
+TEST(ScaleToComplexity, RefusesAMeshWithoutVolume) {
+  MeshData mesh;
+  LogMetricField field;
+  EXPECT_THROW(scale_to_complexity(mesh, 100, field), InputError);
+  EXPECT_THROW(scale_to_complexity(mesh, 100, 0.1, 1, field), InputError);
+}
+
+TEST(LimitSizesOfField, ClampsAndLeavesTheRestAlone) {
+  LogMetricField field = {log_of({1, 0, 100, 0, 0, 1e4}), log_of({25, 3, 50, 1, 2, 100})};
+  const LogMetric inside = field[1];
+  limit_sizes(0.02, 0.5, field);
+  const Metric m = exp_exact(field[0]);
+  EXPECT_NEAR(m.xx, 4, 1e-12);
+  EXPECT_NEAR(m.yy, 100, 1e-10);
+  EXPECT_NEAR(m.zz, 2500, 1e-9);
+  EXPECT_EQ(field[1], inside);
+  EXPECT_THROW(limit_sizes(2, 1, field), InputError);
+}
+
+TEST(Gradation, LeavesAConstantFieldUnchanged) {
+  MeshData mesh = unit_cube(5);
+  support::jitter_interior(mesh, 0.02);
+  for (const Metric& m : {identity_tensor(100), Metric{4e5, 4e5 - 10, 4e5, 0, 0, 100}}) {
+    LogMetricField field(mesh.points.size(), log_of(m));
+    const LogMetricField before = field;
+    EXPECT_EQ(limit_gradation(mesh, 1.2, field), 0);
+    EXPECT_EQ(field, before);
+  }
+}
+
+TEST(Gradation, AsksForNothingWhenOff) {
+  const MeshData mesh = unit_cube(5);
+  LogMetricField field = sample(AnalyticMetric("polar-2"), mesh);
+  const LogMetricField before = field;
+  for (const double beta : {-1.0, 0.0, 1.0}) EXPECT_EQ(limit_gradation(mesh, beta, field), 0);
+  EXPECT_EQ(field, before);
+}
+
+TEST(Gradation, SmoothsAJumpByItsFormula) {
+  const MeshData mesh = unit_cube(8);
+  LogMetricField field(mesh.points.size(), identity_tensor(0));  // size 1
+  std::size_t fine = 0;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v)
+    if (norm(mesh.points[v] - Point{0.5, 0.5, 0.5}) < 1e-9) fine = v;
+  field[fine] = identity_tensor(-2 * std::log(0.01));
+  const LogMetricField before = field;
+  EXPECT_GE(limit_gradation(mesh, 1.5, field), 1);
+  EXPECT_EQ(field[fine], before[fine]);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    // In metric space an isotropic size grows by ln(beta) per Euclidean length: h_q = h_p + d ln beta; over
+    // several edges the way is at least as long as the straight line.
+    const double d = norm(mesh.points[v] - mesh.points[fine]);
+    EXPECT_GE(size_of(field[v]), (0.01 + d * std::log(1.5)) * (1 - 1e-3));
+    EXPECT_LE(size_of(field[v]), 0.01 + 1.8 * d * std::log(1.5) + 1e-9);
+  }
+}
+
+TEST(Gradation, LeavesNoEdgeThatViolatesIt) {
+  MeshData mesh = unit_cube(6);
+  support::jitter_interior(mesh, 0.01);
+  support::shuffle(mesh);
+  for (const char* name : {"polar-2", "linear"})
+    for (const double beta : {1.05, 1.2}) {
+      LogMetricField field = sample(AnalyticMetric(name), mesh);
+      const LogMetricField before = field;
+      EXPECT_GT(worst_violation(mesh, beta, field), 0.05);
+      const int sweeps = limit_gradation(mesh, beta, field);
+      EXPECT_GE(sweeps, 1);
+      EXPECT_LT(sweeps, 50);
+      EXPECT_LT(worst_violation(mesh, beta, field), 1.01e-3);
+      for (std::size_t v = 0; v < field.size(); ++v)  // never coarser than before
+        EXPECT_GE(trace(field[v]), trace(before[v]) - 1e-9);
+    }
+}
+
+TEST(Gradation, DoesNotDependOnTheThreads) {
+  const MeshData mesh = unit_cube(12);
+  const LogMetricField before = sample(AnalyticMetric("polar-2"), mesh);
+  LogMetricField expected = before;
+  limit_gradation(mesh, 1.3, expected);
+  EXPECT_NE(expected, before);
+  for (const int threads : {1, 2, 3}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    LogMetricField field = before;
+    limit_gradation(mesh, 1.3, field);
+    EXPECT_EQ(field, expected);
+  }
+}
+
+}  // namespace
+}  // namespace weft::meshing

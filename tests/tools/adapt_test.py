@@ -1,0 +1,187 @@
+"""`weft adapt` from file to file: results, exit codes, the report, interruption."""
+
+import json
+import signal
+import subprocess
+import time
+import unittest
+
+from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandTest, mesh_text, solution_text
+
+REPORT_KEYS = {
+    "schema", "version", "arguments", "input", "output", "target_complexity", "predicted", "goal_met", "goals_missed",
+    "interrupted", "before", "after", "stages", "operations", "surface_deviation", "seconds", "peak_memory_bytes",
+    "threads", "warnings",
+}
+
+
+class Adapt(CommandTest):
+    def adapt(self, mesh, *words, expect=0):
+        return self.weft("adapt", mesh, "-o", "out.meshb", *words, expect=expect)
+
+    def measures(self, mesh="out.meshb", metric="out.solb"):
+        return json.loads(self.weft("stat", mesh, "--metric", metric, "--json").stdout)["measures"]
+
+    def test_refines_a_box(self):
+        text = self.adapt(self.box(), "--metric-fn", "uniform:0.1").stdout
+        for word in ("GOAL MET", "before", "after", "out.meshb", "out.solb", "collapse", "peak memory"):
+            self.assertIn(word, text)
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        self.assertGreater(self.measures()["edge_length"]["share_unit"], 0.8)
+        self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb"])
+
+    def test_coarsens_a_box(self):
+        self.adapt(self.box(8), "--metric-fn", "uniform:0.5")
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        self.assertLess(self.measures()["tets"], 500)
+
+    def test_metric_from_a_file_scaled(self):
+        self.weft("metric", self.box(4), "--metric-fn", "linear", "-o", "m.solb")
+        self.adapt("box.meshb", "--metric", "m.solb", "--complexity", 500)
+        self.assertAlmostEqual(self.measures()["complexity"] / 500, 1, delta=0.1)
+
+    def test_the_peers_words(self):
+        self.weft("metric", self.box(), "--metric-fn", "uniform:0.3", "-out", "m.solb")
+        self.weft("adapt", "-in", "box.meshb", "-met", "m.solb", "-out", "a.meshb", "-hgrad", "-1", "-hmin", "0.1", "-hmax",
+                  "0.5", "-hausd", "0.01", "-ar", "40")
+        self.weft("adapt", "box.meshb", "-sol", "m.solb", "-x", "b.meshb", "-hgrad", "1.5")
+        self.assertIn("a.solb", self.files())
+        self.assertIn("b.solb", self.files())
+
+    def test_text_and_vtu_results(self):
+        mesh = self.box()
+        self.weft("adapt", mesh, "--metric-fn", "uniform:0.4", "-o", "a.mesh")
+        self.weft("adapt", mesh, "--metric-fn", "uniform:0.4", "-o", "b.vtu")
+        self.assertEqual(self.files(), ["a.mesh", "a.sol", "b.solb", "b.vtu", "box.meshb"])
+        self.weft("verify", "a.mesh", "--against", mesh)
+
+    def test_in_place(self):
+        self.weft("metric", self.box(), "--metric-fn", "uniform:0.4", "-o", "box.solb")
+        self.weft("adapt", "box.meshb", "--metric", "box.solb", "-o", "box.meshb")
+        self.assertEqual(self.files(), ["box.meshb", "box.solb"])
+        self.weft("stat", "box.meshb", "--metric", "box.solb")
+
+    def test_metric_of_a_background_mesh(self):
+        self.weft("metric", self.box(5, "background.meshb"), "--metric-fn", "uniform:0.25", "-o", "background.solb")
+        text = self.adapt(self.box(2), "--background", "background.meshb", "--metric", "background.solb").stdout
+        self.assertIn("GOAL MET", text)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_quiet_prints_nothing(self):
+        done = self.adapt(self.box(), "--metric-fn", "uniform:0.4", "--quiet")
+        self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_progress_in_plain_lines(self):
+        done = self.adapt(self.box(), "--metric-fn", "uniform:0.4")
+        self.assertRegex(done.stderr, r"^weft: reading ")
+        self.assertNotIn("\r", done.stderr)
+        self.assertEqual(self.adapt("box.meshb", "--metric-fn", "uniform:0.4", "--progress", "none").stderr, "")
+
+    def test_same_bytes_twice_with_one_thread(self):
+        mesh = self.box(4)
+        for name in ("a.meshb", "b.meshb"):
+            self.weft("adapt", mesh, "--metric-fn", "polar-2", "--complexity", 300, "-o", name, "--threads", 1)
+        self.assertEqual((self.folder / "a.meshb").read_bytes(), (self.folder / "b.meshb").read_bytes())
+
+    def test_more_threads_than_cores(self):
+        self.adapt(self.box(4), "--metric-fn", "uniform:0.1", "--threads", 64)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_one_tet(self):
+        self.write("a.mesh", ONE_TET)
+        self.adapt("a.mesh", "--metric-fn", "uniform:1.2")
+        self.weft("verify", "out.meshb", "--against", "a.mesh")
+        self.adapt("a.mesh", "--metric-fn", "uniform:0.2")
+        self.weft("verify", "out.meshb", "--against", "a.mesh")
+
+    def test_sizes_far_beyond_the_mesh_miss_the_goal(self):
+        done = self.adapt(self.box(), "--metric-fn", "uniform:1e6", expect=1)
+        self.assertIn("GOAL NOT MET", done.stdout)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_a_finished_mesh_stays_nearly_as_it_is(self):
+        self.adapt(self.box(), "--metric-fn", "uniform:0.1")
+        first = self.measures()
+        self.weft("adapt", "out.meshb", "--metric", "out.solb", "-o", "again.meshb")
+        again = self.measures("again.meshb", "again.solb")
+        self.assertAlmostEqual(again["tets"] / first["tets"], 1, delta=0.05)
+
+    def test_missing_boundary_triangles_are_made_with_a_warning(self):
+        self.write("a.mesh", mesh_text(ONE_TET_POINTS, [(1, 2, 3, 4)], ONE_TET_FACES[:3]))
+        done = self.adapt("a.mesh", "--metric-fn", "uniform:1.2")
+        self.assertIn("warning", done.stdout)
+        self.weft("verify", "out.meshb")
+
+    def test_the_delta_wing(self):
+        mesh = DATA / "delta-wing-coarse.meshb"
+        self.weft("adapt", mesh, "--metric-fn", "uniform:1", "-o", "wing.meshb")
+        self.weft("verify", "wing.meshb", "--against", mesh)
+
+
+class Report(CommandTest):
+    def test_holds_everything(self):
+        self.box()
+        self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--report", "new/report",
+                  "--threads", 1)
+        path = self.folder / "new/report/report.json"
+        self.assertEqual([file.name for file in path.parent.iterdir()], ["report.json"])
+        report = json.loads(path.read_text())
+        self.assertEqual(set(report), REPORT_KEYS)
+        self.assertEqual(report["schema"], "weft-report-1")
+        self.assertEqual(report["arguments"][:2], ["adapt", "box.meshb"])
+        self.assertNotIn(str(self.folder), path.read_text())
+        self.assertEqual(report["input"]["tets"], 48)
+        self.assertEqual(report["output"]["tets"], report["after"]["tets"])
+        self.assertIs(report["goal_met"], True)
+        self.check_measures(report["before"])
+        self.check_measures(report["after"])
+        self.check_operations(report)
+
+    def check_measures(self, measures):
+        for name, count in (("quality", "tets"), ("edge_length", "edges")):
+            for histogram in (measures[name]["histogram"], measures[name]["histogram_log"]):
+                total = sum(histogram["counts"]) + histogram["below"] + histogram["above"]
+                self.assertEqual(total, measures[count])
+
+    def check_operations(self, report):
+        self.assertGreater(report["operations"]["split"]["done"], 0)
+        for operation in report["operations"].values():
+            parts = operation["done"] + operation["rolled_back"] + sum(operation["refused"].values())
+            self.assertEqual(operation["tried"], parts)
+        self.assertLessEqual(report["seconds"]["adapt"], report["seconds"]["total"])
+        self.assertGreater(report["peak_memory_bytes"], 1e6)
+
+    def test_has_no_measures_before_when_the_metric_is_another_mesh(self):
+        self.weft("metric", self.box(3, "background.meshb"), "--metric-fn", "uniform:0.4", "-o", "m.solb")
+        self.weft("adapt", self.box(), "--background", "background.meshb", "--metric", "m.solb", "-o", "out.meshb",
+                  "--report", "r")
+        self.assertIsNone(json.loads((self.folder / "r/report.json").read_text())["before"])
+
+
+class Interrupt(CommandTest):
+    def interrupted(self, number):
+        """Sends a signal in the midst of a long adaptation."""
+        self.box(8)
+        command = [WEFT, "adapt", "box.meshb", "--metric-fn", "polar-2", "--complexity", "400000", "-o", "out.meshb",
+                   "--report", "r", "--progress", "plain"]
+        process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        process.stderr.readline()  # the first stage has begun: signals are caught
+        time.sleep(1.5)
+        process.send_signal(number)
+        out, _ = process.communicate(timeout=120)
+        return process.returncode, out
+
+    def test_ends_with_a_valid_mesh_and_code_1(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            code, out = self.interrupted(number)
+            self.assertEqual(code, 1, out)
+            self.assertIn("interrupted", out)
+            self.weft("verify", "out.meshb", "--against", "box.meshb")
+            self.assertIs(json.loads((self.folder / "r/report.json").read_text())["interrupted"], True)
+            self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb", "r"])
+
+
+if __name__ == "__main__":
+    unittest.main()

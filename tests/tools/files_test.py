@@ -1,0 +1,129 @@
+"""The subcommands around adapt: stat, verify, metric, mesh box, convert."""
+
+import json
+import math
+import unittest
+
+from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, CommandTest, mesh_text, solution_text
+
+
+class MeshBox(CommandTest):
+    def test_conforms(self):
+        self.weft("mesh", "box", "-o", "b.meshb", "--cells", 2, 3, 4, "--min", -1, -1, -1, "--max", 1, 1, "1e3")
+        self.weft("verify", "b.meshb")
+        stat = json.loads(self.weft("stat", "b.meshb", "--json").stdout)
+        self.assertEqual(stat["tets"], 6 * 2 * 3 * 4)
+        self.assertEqual(stat["bounding_box"], [[-1, -1, -1], [1, 1, 1000]])
+        self.assertEqual(sorted(stat["area_by_ref"]), list("123456"))
+        self.assertAlmostEqual(stat["volume_by_ref"]["1"], 4004, places=8)
+
+
+class Verify(CommandTest):
+    def test_the_delta_wing_conforms(self):
+        self.assertIn("conforms", self.weft("verify", DATA / "delta-wing-coarse.meshb").stdout)
+
+    def test_a_missing_triangle_is_a_problem(self):
+        self.write("a.mesh", mesh_text(ONE_TET_POINTS, [(1, 2, 3, 4)], ONE_TET_FACES[:3]))
+        self.assertIn("PROBLEM", self.weft("verify", "a.mesh", expect=1).stdout)
+
+    def test_an_inverted_tet_is_a_problem(self):
+        self.write("a.mesh", mesh_text(ONE_TET_POINTS, [(2, 1, 3, 4)], ONE_TET_FACES))
+        self.assertIn("PROBLEM", self.weft("verify", "a.mesh", expect=1).stdout)
+
+    def test_unreadable(self):
+        self.assert_fails("verify", "no.meshb", says="no.meshb")
+
+    def test_against_another_mesh(self):
+        self.box(2, "coarse.meshb")
+        self.box(3, "fine.meshb")
+        self.weft("verify", "fine.meshb", "--against", "coarse.meshb")
+        self.weft("mesh", "box", "-o", "longer.meshb", "--max", 1, 1, "1.00000001")
+        done = self.weft("verify", "longer.meshb", "--against", "coarse.meshb", expect=1)
+        self.assertIn("volume of reference 1", done.stdout)
+        self.assertIn("area of reference 1", done.stdout)
+        self.assertNotIn("area of reference 6", done.stdout.split("against")[1])
+
+
+class Stat(CommandTest):
+    def test_measures_in_a_uniform_metric(self):
+        self.box(4)
+        stat = json.loads(self.weft("stat", "box.meshb", "--metric-fn", "uniform:0.25", "--json").stdout)
+        self.assertEqual(stat["schema"], "weft-stat-1")
+        measures = stat["measures"]
+        self.assertAlmostEqual(measures["complexity"], 64, places=9)
+        self.assertAlmostEqual(measures["edge_length"]["min"], 1, places=12)
+        self.assertAlmostEqual(measures["edge_length"]["max"], math.sqrt(3), places=12)
+
+    def test_histograms(self):
+        self.box()
+        text = self.weft("stat", "box.meshb", "--metric-fn", "uniform:1", "--histogram").stdout
+        self.assertIn("#", text)
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        self.assert_fails("stat", "box.meshb", "--histogram", says="--metric", code=64)
+
+
+class Metric(CommandTest):
+    def complexity(self, mesh, metric):
+        stat = json.loads(self.weft("stat", mesh, "--metric", metric, "--json").stdout)
+        return stat["measures"]["complexity"]
+
+    def test_scaled_to_a_complexity(self):
+        self.box(6)
+        self.weft("metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 5000, "-o", "m.solb")
+        self.assertAlmostEqual(self.complexity("box.meshb", "m.solb") / 5000, 1, places=6)
+
+    def test_scaled_within_limits(self):
+        self.box(6)
+        self.weft("metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 5000, "--hmin", 0.02, "-o", "m.sol")
+        self.assertAlmostEqual(self.complexity("box.meshb", "m.sol") / 5000, 1, places=2)
+        text = self.weft("metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 5000, "--hmin", 0.5, "-o",
+                         "m.sol").stdout
+        self.assertIn("warning", text)
+
+    def test_gradation_lowers_sizes(self):
+        self.box(6)
+        self.weft("metric", "box.meshb", "--metric-fn", "polar-1", "-o", "as-is.solb")
+        self.weft("metric", "box.meshb", "-met", "as-is.solb", "-hgrad", 1.2, "-out", "graded.solb")
+        self.assertGreater(self.complexity("box.meshb", "graded.solb"), self.complexity("box.meshb", "as-is.solb"))
+
+    def test_sizes_become_a_metric(self):
+        self.write("a.mesh", ONE_TET)
+        self.write("h.sol", solution_text([(0.5,)] * 4, kind=1))
+        self.weft("metric", "a.mesh", "--metric", "h.sol", "-o", "m.sol")
+        self.assertAlmostEqual(self.complexity("a.mesh", "m.sol"), 8 / 6, places=12)
+
+
+class Convert(CommandTest):
+    def test_there_and_back(self):
+        self.box()
+        self.weft("convert", "box.meshb", "box.mesh")
+        self.weft("convert", "box.mesh", "again.meshb")
+        self.assertEqual((self.folder / "again.meshb").read_bytes(), (self.folder / "box.meshb").read_bytes())
+
+    def test_vtu_says_what_it_drops(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "m.solb")
+        text = self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb").stdout
+        self.assertIn("dropped: 48 triangles", text)
+        self.assertIn("dropped: 8 corners", text)
+        self.assertIn(b"UnstructuredGrid", (self.folder / "box.vtu").read_bytes()[:400])
+        self.assertEqual(self.files(), ["box.meshb", "box.vtu", "m.solb"])
+
+    def test_fields_go_beside_a_mesh(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "m.solb")
+        self.weft("convert", "box.meshb", "a.mesh", "--sol", "m.solb")
+        self.assertEqual(self.files(), ["a.mesh", "a.sol", "box.meshb", "m.solb"])
+
+    def test_fields_of_another_mesh(self):
+        self.box()
+        self.weft("metric", self.box(3, "other.meshb"), "--metric-fn", "linear", "-o", "m.solb")
+        self.assert_fails("convert", "box.meshb", "a.vtu", "--sol", "m.solb", says=["m.solb", "another mesh"])
+
+    def test_unknown_format(self):
+        self.box()
+        self.assert_fails("convert", "box.meshb", "box.stl", says="box.stl", code=64)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,79 @@
+// Result files: complete or absent.
+#include "tools/weft/outputs.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "meshing/error.h"
+#include "meshing/structured_box.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using meshing::InputError;
+
+class Outputs : public testing::Test {
+ protected:
+  Outputs() { fs::create_directories(folder_); }
+  ~Outputs() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("weft-outputs-test-" + std::to_string(getpid()));
+};
+
+TEST_F(Outputs, TheSolutionLiesBesideTheMesh) {
+  EXPECT_EQ(output_paths("a/b.meshb").solution, "a/b.solb");
+  EXPECT_EQ(output_paths("b.mesh").solution, "b.sol");
+  EXPECT_EQ(output_paths("b.vtu").solution, "b.solb");
+}
+
+TEST_F(Outputs, ThePairIsWritten) {
+  const meshing::MeshData mesh = meshing::structured_box({});
+  const meshing::SolutionData solution{
+      mesh.points.size(), {{meshing::Field::Kind::scalar, std::vector<double>(mesh.points.size(), 1), ""}}};
+  write_mesh_with_solution(output_paths(path("a.meshb")), mesh, solution);
+  EXPECT_TRUE(fs::exists(path("a.meshb")));
+  EXPECT_TRUE(fs::exists(path("a.solb")));
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(Outputs, NothingIsLeftWhenOneOfThePairFails) {
+  const meshing::MeshData mesh = meshing::structured_box({});
+  const OutputPaths paths{path("a.meshb"), path("missing/a.solb")};
+  EXPECT_THROW(write_mesh_with_solution(paths, mesh, {}), InputError);
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Outputs, AMissingFolderIsNotWritable) {
+  EXPECT_THROW(check_writable(path("missing/a.meshb")), InputError);
+  EXPECT_THROW(check_writable(folder_.string()), InputError);
+  EXPECT_NO_THROW(check_writable(path("a.meshb")));
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Outputs, TextReplacesTheOldTextWhole) {
+  write_text(path("a.json"), "old and longer");
+  write_text(path("a.json"), "new");
+  std::ostringstream text;
+  text << std::ifstream(path("a.json")).rdbuf();
+  EXPECT_EQ(text.str(), "new");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(Outputs, AFolderIsNotMadeOverAFile) {
+  write_text(path("file"), "");
+  EXPECT_THROW(make_folder(path("file/report")), InputError);
+  EXPECT_NO_THROW(make_folder(path("a/b")));
+}
+
+}  // namespace
+}  // namespace weft::tools

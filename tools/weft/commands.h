@@ -1,0 +1,25 @@
+// The subcommands: each declares its options on the parser and leaves behind what is to be run.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace weft::tools {
+
+/// Set by the subcommand that the user chose; returns the exit code.
+using Action = std::function<int()>;
+
+/// `arguments` are the user's, as typed, for the report.
+void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::string>& arguments);
+void add_stat_command(CLI::App& app, Action& action);
+void add_verify_command(CLI::App& app, Action& action);
+void add_metric_command(CLI::App& app, Action& action);
+void add_mesh_command(CLI::App& app, Action& action);
+void add_convert_command(CLI::App& app, Action& action);
+
+}  // namespace weft::tools

@@ -1,0 +1,34 @@
+// The signal handler; the flag is the one global of the command, because a handler can reach nothing else.
+#include "tools/weft/interrupt.h"
+
+#include <csignal>
+
+namespace weft::tools {
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+extern "C" void request_end(int) { interrupted.store(true); }
+
+void install(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;  // the second signal kills
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  interrupted.store(false);
+  install(request_end);
+}
+
+InterruptGuard::~InterruptGuard() { install(SIG_DFL); }
+
+const std::atomic<bool>* InterruptGuard::flag() const { return &interrupted; }
+
+}  // namespace weft::tools

@@ -1,0 +1,62 @@
+// `weft metric`: samples, limits, grades and scales a metric without adapting to it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "meshing/io/mesh_file.h"
+#include "meshing/measures.h"
+#include "tools/weft/commands.h"
+#include "tools/weft/exit_codes.h"
+#include "tools/weft/metric_source.h"
+#include "tools/weft/named_error.h"
+#include "tools/weft/option_checks.h"
+#include "tools/weft/outputs.h"
+#include "tools/weft/text.h"
+
+namespace weft::tools {
+namespace {
+
+constexpr const char* kFooter = R"(Example:
+  weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
+
+Sizes are limited first, then the gradation, then the whole is scaled to the complexity.)";
+
+struct MetricCommand {
+  std::string mesh, output;
+  MetricRequest metric;
+};
+
+int run_metric(const MetricCommand& command) {
+  if (!command.metric.given())
+    throw CLI::RequiredError("no metric: give --metric FILE or --metric-fn NAME",
+                             CLI::ExitCodes::RequiredError);
+  check_request(command.metric);
+  check_writable(command.output);
+  const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
+  meshing::LogMetricField field = load_metric(command.metric, mesh);
+  const auto warnings = naming(command.mesh, [&] { return process_metric(command.metric, mesh, field); });
+  meshing::write_solution(command.output, meshing::solution_from_metric(field));
+  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("{}: metric at {} vertices, complexity {}\n", command.output,
+             grouped(std::uint64_t{field.size()}), grouped(meshing::complexity(mesh, field)));
+  return kDone;
+}
+
+}  // namespace
+
+void add_metric_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("metric", "sample an analytic metric; limit, grade, scale a metric");
+  sub->footer(kFooter);
+  auto command = std::make_shared<MetricCommand>();
+  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("-o,-x,--out", command->output, "the metric, .solb or .sol (also -out)")
+      ->type_name("FILE")
+      ->check(solution_name())
+      ->required();
+  add_metric_source(*sub, command->metric);
+  add_metric_processing(*sub, command->metric);
+  sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
+}
+
+}  // namespace weft::tools

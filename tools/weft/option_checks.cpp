@@ -1,0 +1,53 @@
+// The checks: each returns what is wrong, or nothing.
+#include "tools/weft/option_checks.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "tools/weft/outputs.h"
+
+namespace weft::tools {
+namespace {
+
+std::optional<double> finite_value(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool good = end != text.c_str() && *end == '\0' && std::isfinite(value);
+  return good ? std::optional(value) : std::nullopt;
+}
+
+CLI::Validator validator(std::string (*problem)(const std::string&)) {
+  return CLI::Validator([problem](const std::string& text) { return problem(text); }, "");
+}
+
+}  // namespace
+
+CLI::Validator finite_number() {
+  return validator([](const std::string& text) -> std::string {
+    return finite_value(text) ? "" : "'" + text + "' is not a number";
+  });
+}
+
+CLI::Validator positive_number() {
+  return validator([](const std::string& text) -> std::string {
+    return finite_value(text).value_or(-1) > 0 ? "" : "'" + text + "' is not a number above zero";
+  });
+}
+
+CLI::Validator mesh_output_name() {
+  return validator([](const std::string& text) -> std::string {
+    return is_mesh_name(text) ? "" : "'" + text + "' must end in .meshb, .mesh or .vtu";
+  });
+}
+
+CLI::Validator solution_name() {
+  return validator([](const std::string& text) -> std::string {
+    const auto extension = std::filesystem::path(text).extension();
+    return extension == ".solb" || extension == ".sol" ? "" : "'" + text + "' must end in .solb or .sol";
+  });
+}
+
+}  // namespace weft::tools

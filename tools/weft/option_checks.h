@@ -1,0 +1,17 @@
+// Checks of option values beyond the parser's own, which accept NaN and infinity.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace weft::tools {
+
+/// Any number but NaN and infinity.
+CLI::Validator finite_number();
+/// A finite number above zero.
+CLI::Validator positive_number();
+/// The name of a mesh file that can be written.
+CLI::Validator mesh_output_name();
+/// The name of a solution file.
+CLI::Validator solution_name();
+
+}  // namespace weft::tools

@@ -1,0 +1,59 @@
+// Draws the bar or prints the lines.
+#include "tools/weft/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tools/weft/text.h"
+
+namespace weft::tools {
+namespace {
+
+constexpr double kSecondsBetweenLines = 2;
+constexpr int kBarWidth = 30;
+
+}  // namespace
+
+Progress::Progress(ProgressStyle style)
+    : form_(style == ProgressStyle::none                                 ? Form::nothing
+            : style == ProgressStyle::automatic && isatty(STDERR_FILENO) ? Form::bar
+                                                                         : Form::lines) {}
+
+Progress::~Progress() { finish(); }
+
+double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+void Progress::update(const std::string& stage, double done, std::uint64_t tets) {
+  if (form_ == Form::bar) draw_bar(stage, done, tets);
+  if (form_ == Form::lines) print_line(stage, done, tets);
+}
+
+void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tets) {
+  const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * kBarWidth);
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
+  const std::string count = tets > 0 ? grouped(tets) + " tets" : "";
+  fmt::print(stderr, "\r{:<16.16} [{}] {:>3.0f} %  {:>18}  {:>9}\033[K", stage, bar, 100 * done, count,
+             seconds_text(seconds()));
+  std::fflush(stderr);
+  bar_drawn_ = true;
+}
+
+void Progress::print_line(const std::string& stage, double done, std::uint64_t tets) {
+  if (seconds() < next_line_) return;
+  next_line_ = seconds() + kSecondsBetweenLines;
+  const std::string count = tets > 0 ? ", " + grouped(tets) + " tets" : "";
+  fmt::print(stderr, "weft: {} {:.0f} %{}, {}\n", stage, 100 * done, count, seconds_text(seconds()));
+}
+
+void Progress::finish() {
+  if (!bar_drawn_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  bar_drawn_ = false;
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,38 @@
+// Tells on stderr how far a run is: a bar on a terminal, plain lines elsewhere.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace weft::tools {
+
+enum class ProgressStyle { automatic, plain, none };
+
+class Progress {
+ public:
+  explicit Progress(ProgressStyle style);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Share done in [0, 1], tets now (0: not known). Prints at most one plain line in two seconds.
+  void update(const std::string& stage, double done, std::uint64_t tets);
+  /// Takes the bar off the terminal, so that the summary starts on a clean line.
+  void finish();
+
+ private:
+  enum class Form { bar, lines, nothing };
+  using Clock = std::chrono::steady_clock;
+
+  double seconds() const;
+  void draw_bar(const std::string& stage, double done, std::uint64_t tets);
+  void print_line(const std::string& stage, double done, std::uint64_t tets);
+
+  Form form_;
+  Clock::time_point start_ = Clock::now();
+  double next_line_ = 0;  ///< seconds from the start before which no further line is printed
+  bool bar_drawn_ = false;
+};
+
+}  // namespace weft::tools
