@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
+static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 
 #include "meshing/import_mesh.h"
 #include "meshing/passes.h"
@@ -25,7 +27,7 @@ class Adaptation {
         options_(options), report_(report) {}
 
   void run() {
-    mark_everything();
+    mark_all(kAllTetMarks, kAllVertexMarks);
     stage("collapse", [&] { repeat(5, 0.01, [&] { return collapse_pass(crew_); }); });
     stage("create points", [&] { create_points(); });
     stage("reconnect and smooth", [&] { optimise(); });
@@ -38,7 +40,7 @@ class Adaptation {
   template <class F>
   void stage(const char* name, F f) {
     if (crew_.interrupted()) return;
-    const auto start = Clock::now();
+    const auto start = Clock::now(); const double cpu = clock() * 1e-6;
     f();
     StageReport s;
     s.name = name;
@@ -51,9 +53,10 @@ class Adaptation {
 
   template <class F>
   std::uint64_t pass(const char* name, F f) {
-    const auto start = Clock::now();
+    const double start = clock() * 1e-6;
     const std::uint64_t n = f();
-    if (getenv("WEFT_DEBUG")) fprintf(stderr, "  %-12s %9lu  %.2f s  slots %u\n", name, n, seconds_since(start), mesh_.tet_slots());
+    if (getenv("WEFT_DEBUG")) fprintf(stderr, "  %-12s %9lu  %.2f s  slots %u\n", name, n, clock() * 1e-6 - start, mesh_.tet_slots());
+    if (getenv("WEFT_DEBUG2")) { std::vector<float> q; double sum=0; for (std::uint32_t i=0;i<mesh_.tet_slots();++i) if (mesh_.alive(TetId(i))) {q.push_back(mesh_.quality(TetId(i))); sum+=q.back();} std::sort(q.begin(),q.end()); fprintf(stderr,"     nt %zu mean %.4f 1%% %.4f min %.4f\n",q.size(),sum/q.size(),q[q.size()/100],q[0]); }
     return n;
   }
 
@@ -67,29 +70,61 @@ class Adaptation {
     }
   }
 
+  /// Longest edges first: levels of twice the wanted size and more come before it, each with its points well spread, so that a
+  /// mesh that is far too coarse in one direction never becomes a heap of needles.
   void create_points() {
+    const Limits wanted = kernel_.limits;
     std::uint32_t renumbered_at = mesh_.tet_slots();
-    const double root2 = kernel_.limits.long_edge;
-    for (int i = 0; i < 40 && !crew_.interrupted(); ++i) {
-      const std::uint64_t n = pass("split", [&] { return split_pass(crew_, root2); });
-      if (n * 1000 < mesh_.tet_slots()) break;
-      pass("swap", [&] { return swap_pass(crew_, 0.5); });
-      if (mesh_.tet_slots() > 2 * renumbered_at) {
-        crew_.run([&] { renumber(); });
-        renumbered_at = mesh_.tet_slots();
+    for (double level = first_level(); level >= 1 && !crew_.interrupted(); level *= 0.5) {
+      kernel_.limits.long_edge = wanted.long_edge * level;
+      kernel_.limits.split_shortest = wanted.split_shortest * level;
+      kernel_.limits.collapse_longest = wanted.collapse_longest * level;
+      mark_all(kCheckLong, 0);
+      if (getenv("WEFT_DEBUG")) fprintf(stderr, " level %g\n", level);
+      for (int i = 0; i < 10 && !crew_.interrupted(); ++i) {
+        const std::uint64_t n = pass("split", [&] { return split_pass(crew_, kernel_.limits.long_edge); });
+        if (n * 50 < mesh_.tet_slots()) break;
+        pass("collapse", [&] { return collapse_pass(crew_); });
+        pass("swap", [&] { return swap_pass(crew_, env("SQ0", 0.5)); });
+        pass("smooth", [&] { return smooth_pass(crew_); });
+        pass("collapse", [&] { return collapse_pass(crew_); });
+        if (mesh_.tet_slots() > 2 * renumbered_at) {
+          crew_.run([&] { renumber(); });
+          renumbered_at = mesh_.tet_slots();
+        }
       }
     }
+    kernel_.limits = wanted;
+  }
+
+  /// The power of two that makes the longest edge at most long at the first level.
+  double first_level() const {
+    double longest = 1;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
+      if (!mesh_.alive(TetId(i))) continue;
+      const TetVertices v = mesh_.vertices(TetId(i));
+      for (const auto& e : kTetEdges) longest = std::max(longest, length_between(mesh_, v[e[0]], v[e[1]]));
+    }
+    return std::exp2(std::max(0.0, std::floor(std::log2(longest / kernel_.limits.long_edge))));
+  }
+
+  void mark_all(std::uint8_t tet_marks, std::uint8_t vertex_marks) {
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+      if (mesh_.alive(TetId(i))) mesh_.mark(TetId(i), tet_marks);
+    for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
+      if (mesh_.alive(VertexId(i))) mesh_.mark(VertexId(i), vertex_marks);
   }
 
   void optimise() {
-    for (int i = 0; i < 4 && !crew_.interrupted(); ++i) {
-      pass("swap", [&] { return swap_pass(crew_, 0.9); });
+    pass("renumber", [&] { crew_.run([&] { renumber(); }); return 0; });
+    for (int i = 0; i < env("N1", 4) && !crew_.interrupted(); ++i) {
+      pass("swap", [&] { return swap_pass(crew_, env("SQ", 0.8)); });
       pass("smooth", [&] { return smooth_pass(crew_); });
       pass("collapse", [&] { return collapse_pass(crew_); });
       pass("split", [&] { return split_pass(crew_, kernel_.limits.long_edge); });
     }
-    for (int i = 0; i < 3 && !crew_.interrupted(); ++i) {
-      pass("swap", [&] { return swap_pass(crew_, 0.95); });
+    for (int i = 0; i < env("N2", 3) && !crew_.interrupted(); ++i) {
+      pass("swap", [&] { return swap_pass(crew_, env("SQ2", 0.8)); });
       pass("smooth", [&] { return smooth_pass(crew_); });
     }
   }
@@ -102,12 +137,6 @@ class Adaptation {
   void renumber() {
     renumber_along_curve(mesh_);
     crew_.forget_free_slots();
-  }
-
-  void mark_everything() {
-    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) mesh_.mark(TetId(i), kAllTetMarks);
-    for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
-      if (mesh_.alive(VertexId(i))) mesh_.set_smooth_mark(VertexId(i), true);
   }
 
   Kernel& kernel_;
@@ -138,6 +167,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& background_data, 
   read_metric(*imported.mesh, background, background_data.mesh == &input);
   Kernel kernel{*imported.mesh, background, *imported.surface, {}};
   kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.01 * bounding_box_diagonal(input);
+  kernel.limits.split_shortest = env("SS", 0.5); kernel.limits.shortest_step = env("ST", 0.03); kernel.limits.far_step = env("FS", 0.1); kernel.limits.collapse_longest = env("CL", 1.4142); kernel.limits.collapse_quality = env("CQ", 0.3);
   if (getenv("WEFT_DEBUG")) fprintf(stderr, "import %.2f s\n", seconds_since(start));
   Adaptation(kernel, options, result.report).run();
   export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result.mesh, result.log_metrics);

@@ -36,7 +36,7 @@ BallDerivatives ball_derivatives(const std::vector<BallFace>& faces, const Point
     const double volume = dot(n, e3);
     if (!(volume > 0)) continue;
     const double s = sum_squared_lengths(m, e1, e2, e3);
-    const double value = s / (kMeanRatioFactor * std::cbrt(volume * volume * determinant(m) / 36));
+    const double value = s / (kMeanRatioFactor * fast_cbrt(volume * volume * determinant(m) / 36));
     // S' = 2 M (3 x - sum of the face's points), S'' = 6 M.
     const Vec ds = (1 / s) * apply(m, 2.0 * (3.0 * e3 - e1 - e2));
     const Vec dv = (1 / volume) * n;

@@ -154,7 +154,7 @@ void commit(Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
     mesh.mark(t, kAllTetMarks);
     for (const VertexId v : mesh.vertices(t)) {
       mesh.set_tet_of(v, t);
-      mesh.set_smooth_mark(v, true);
+      mesh.mark(v, kAllVertexMarks);
     }
   }
   for (std::size_t i = 0; i < w.ball.tets.size(); ++i)
@@ -164,16 +164,19 @@ void commit(Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
 
 }  // namespace
 
-Verdict collapse_edge(Worker& w, TetId t, VertexId removed, VertexId kept, CollapseGoal goal) {
+Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal) {
   TetMesh& mesh = w.mesh;
+  const VertexId removed = w.ball.centre;
   EdgeClass edge;
   const bool boundary = mesh.kind(removed) != VertexKind::interior;
   if (boundary) {
+    const auto at = std::find_if(w.ball.tets.begin(), w.ball.tets.end(),
+                                 [&](const Ball::Entry& e) { return mesh.local_index(e.tet, kept) >= 0; });
+    const TetId t = at->tet;
     if (const Verdict r = gather_shell(mesh, w.claims, t, removed, kept, w.shell); r != Verdict::accepted) return r;
     edge = classify(mesh, w.shell);
   }
   if (const Verdict r = judge_classification(w, edge, removed); r != Verdict::accepted) return r;
-  if (const Verdict r = gather_ball(mesh, w.claims, removed, w.ball); r != Verdict::accepted) return r;
   if (const Verdict r = judge_lengths(w, kept); r != Verdict::accepted) return r;
   if (const Verdict r = judge_qualities(w, kept, goal); r != Verdict::accepted) return r;
   if (boundary) {

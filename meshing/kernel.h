@@ -23,6 +23,8 @@ struct Limits {
   double split_shortest = 0.5;    ///< a split creates no edge shorter than this
   double split_quality = 0.05;    ///< a split may lower quality down to this, or to this share of the worst before
   double collapse_quality = 0.3;  ///< a collapse may lower the worst quality to this
+  double shortest_step = 0.03;    ///< shorter moves are not made
+  double far_step = 0.1;          ///< longer moves make the neighbours worth smoothing again
   double hausd = 0;               ///< largest deviation of the boundary from the reference surface
 };
 
@@ -31,6 +33,12 @@ struct Kernel {
   const Background& background;
   const Surface& surface;
   Limits limits;
+};
+
+/// A neighbour of a vertex and its distance in the metric.
+struct Neighbour {
+  VertexId vertex;
+  double length;
 };
 
 /// One thread's scratch: claims, gathered neighbourhoods, free slots, counts. No allocation once warm.
@@ -45,6 +53,7 @@ struct Worker {
   SmallSet vertices_seen;
   std::vector<float> qualities;
   std::vector<BallFace> faces;
+  std::vector<Neighbour> neighbours;
   OperationCounts counts;
   std::vector<TetId> free_tets;
   std::vector<VertexId> free_vertices;

@@ -62,7 +62,8 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
     step = (-dot(d.gradient, space.direction) / h) * space.direction;
   }
   // Steps far below the local size change nothing worth the work that they would cause around.
-  if (squared_length(mesh.metric(v), step) < 4e-4) return Verdict::not_needed;
+  const double shortest = w.kernel.limits.shortest_step;
+  if (squared_length(mesh.metric(v), step) < shortest * shortest) return Verdict::not_needed;
   double old_worst = 1, old_sum = 0;
   for (const auto& [t, local] : w.ball.tets) {
     old_worst = std::min<double>(old_worst, mesh.quality(t));

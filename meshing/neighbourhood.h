@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "meshing/speculation.h"
@@ -10,34 +11,47 @@
 
 namespace weft::meshing {
 
-/// A small set of 32-bit keys that is emptied in O(1).
+/// A small set of 32-bit keys that is emptied in O(1). It starts at 4 KiB, to stay in the first-level cache, and
+/// grows when a neighbourhood is large.
 class SmallSet {
  public:
-  SmallSet() : slots_(kSize) {}
-  void clear() { ++stamp_; }
+  SmallSet() { grow(9); }
+  void clear() {
+    ++stamp_;
+    size_ = 0;
+  }
   /// True when the key was not there yet.
   bool insert(std::uint32_t key) {
-    std::uint32_t i = (key * 2654435761u) >> (32 - kBits);
-    while (slots_[i].stamp == stamp_) {
-      if (slots_[i].key == key) return false;
-      i = (i + 1) & (kSize - 1);
-    }
-    slots_[i] = {key, stamp_};
+    Slot* s = find(key);
+    if (s->stamp == stamp_) return false;
+    *s = {key, stamp_};
+    if (2 * ++size_ > slots_.size()) grow(bits_ + 1);
     return true;
   }
-  bool contains(std::uint32_t key) const {
-    std::uint32_t i = (key * 2654435761u) >> (32 - kBits);
-    for (; slots_[i].stamp == stamp_; i = (i + 1) & (kSize - 1))
-      if (slots_[i].key == key) return true;
-    return false;
-  }
+  bool contains(std::uint32_t key) const { return const_cast<SmallSet*>(this)->find(key)->stamp == stamp_; }
 
  private:
-  static constexpr int kBits = 12;
-  static constexpr std::uint32_t kSize = 1u << kBits;
   struct Slot { std::uint32_t key = 0, stamp = 0; };
+
+  /// The slot that holds the key, or the free one where it belongs.
+  Slot* find(std::uint32_t key) {
+    std::uint32_t i = (key * 2654435761u) >> (32 - bits_);
+    while (slots_[i].stamp == stamp_ && slots_[i].key != key) i = (i + 1) & mask_;
+    return &slots_[i];
+  }
+
+  void grow(int bits) {
+    const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(std::size_t{1} << bits));
+    bits_ = bits;
+    mask_ = (1u << bits) - 1;
+    for (const Slot& s : old)
+      if (s.stamp == stamp_) *find(s.key) = s;
+  }
+
   std::vector<Slot> slots_;
-  std::uint32_t stamp_ = 1;
+  std::uint32_t stamp_ = 1, mask_ = 0;
+  std::size_t size_ = 0;
+  int bits_ = 0;
 };
 
 /// The tets around a vertex, with the vertex's local index in each.
@@ -71,13 +85,15 @@ inline Verdict gather_ball(const TetMesh& mesh, Claims& claims, VertexId centre,
   const TetId start = mesh.tet_of(centre);
   ball.seen.insert(start.value);
   ball.tets.push_back({start, mesh.local_index(start, centre)});
+  if (const Verdict r = claims.claim_tet(start); r != Verdict::accepted) return r;
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
     const auto [t, local] = ball.tets[i];
     for (int f = 0; f < 4; ++f) {
-      if (f == local) continue;
-      if (const Verdict r = claims.claim(mesh.vertex(t, f)); r != Verdict::accepted) return r;
-      const TetFace n = mesh.neighbour(t, f);
-      if (n.valid() && ball.seen.insert(n.tet().value)) ball.tets.push_back({n.tet(), mesh.local_index(n.tet(), centre)});
+      const TetFace n = f == local ? TetFace() : mesh.neighbour(t, f);
+      if (!n.valid() || !ball.seen.insert(n.tet().value)) continue;
+      // Three of its vertices are held already: only the one across the face is new.
+      if (const Verdict r = claims.claim(mesh.vertex(n.tet(), n.face())); r != Verdict::accepted) return r;
+      ball.tets.push_back({n.tet(), mesh.local_index(n.tet(), centre)});
     }
     if (ball.tets.size() > Ball::kMaxSize) return Verdict::too_large;
   }

@@ -47,25 +47,31 @@ Verdict split_longest(Worker& w, TetId t, double longest) {
   return r;
 }
 
-/// Tries both directions of an edge of a claimed tet.
-Verdict collapse_either(Worker& w, TetId t, VertexId a, VertexId b, CollapseGoal goal) {
-  // The vertex with more freedom goes; of equals the one that comes later, which is more often a new one.
-  if (w.mesh.kind(a) > w.mesh.kind(b) || (w.mesh.kind(a) == w.mesh.kind(b) && a < b)) std::swap(a, b);
-  Verdict r = collapse_edge(w, t, a, b, goal);
-  if (r == Verdict::accepted || r == Verdict::conflict) return r;
-  if (w.mesh.kind(a) != w.mesh.kind(b)) return r;
-  w.counts.add(Operator::collapse, r);
-  return collapse_edge(w, t, b, a, goal);
+/// Those neighbours of the gathered ball's centre that are nearer than `nearest`, by length, ascending.
+void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found) {
+  found.clear();
+  w.vertices_seen.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i) {
+      const VertexId u = w.mesh.vertex(t, i);
+      if (i == local || !w.vertices_seen.insert(u.value)) continue;
+      const double length = length_between(w.mesh, w.ball.centre, u);
+      if (length < nearest) found.push_back({u, length});
+    }
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.length != b.length ? a.length < b.length : a.vertex < b.vertex;
+  });
 }
 
-Verdict collapse_shortest(Worker& w, TetId t) {
-  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::collapse, r);
-  const TetVertices v = w.mesh.vertices(t);
-  const auto edges = edges_by_length(w.mesh, v);
+/// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
+Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
+  if (!w.mesh.alive(v) || w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted) return done(w, Operator::collapse, r);
+  std::vector<Neighbour>& found = w.neighbours;
+  neighbours_within(w, nearest, found);
   Verdict r = Verdict::not_needed;
-  for (int i = 0; i < 6 && edges[i].length < w.kernel.limits.short_edge; ++i) {
-    const auto& e = kTetEdges[edges[i].edge];
-    r = collapse_either(w, t, v[e[0]], v[e[1]], CollapseGoal::length);
+  for (const Neighbour& n : found) {
+    r = collapse_edge(w, n.vertex, goal);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::collapse, r);
   }
@@ -94,16 +100,11 @@ Verdict swap_any(Worker& w, TetId t) {
 }
 
 Verdict collapse_any(Worker& w, TetId t) {
-  Verdict r = w.claims.claim_tet(t);
-  if (r != Verdict::accepted) return done(w, Operator::collapse, r);
-  const TetVertices v = w.mesh.vertices(t);
-  for (const EdgeLength& el : edges_by_length(w.mesh, v)) {
-    const auto& e = kTetEdges[el.edge];
-    r = collapse_either(w, t, v[e[0]], v[e[1]], CollapseGoal::quality);
-    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::collapse, r);
-    w.counts.add(Operator::collapse, r);
+  if (!w.mesh.alive(t)) return Verdict::not_needed;
+  for (const VertexId v : w.mesh.vertices(t)) {
+    const Verdict r = collapse_vertex(w, v, w.kernel.limits.long_edge, CollapseGoal::quality);
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
   }
-  w.claims.release();
   return Verdict::worsens_quality;
 }
 
@@ -130,7 +131,11 @@ std::uint64_t split_pass(Crew& crew, double longest) {
   return crew.sweep_tets(kCheckLong, [longest](Worker& w, TetId t) { return split_longest(w, t, longest); });
 }
 
-std::uint64_t collapse_pass(Crew& crew) { return crew.sweep_tets(kCheckShort, collapse_shortest); }
+std::uint64_t collapse_pass(Crew& crew) { 
+  return crew.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
+    return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
+  });
+}
 
 std::uint64_t swap_pass(Crew& crew, double quality) {
   return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
@@ -139,7 +144,7 @@ std::uint64_t swap_pass(Crew& crew, double quality) {
 }
 
 std::uint64_t smooth_pass(Crew& crew) {
-  return crew.sweep_vertices([](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+  return crew.sweep_vertices(kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
 }
 
 std::uint64_t improve_pass(Crew& crew, double quality) {

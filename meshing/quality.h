@@ -2,6 +2,7 @@
 // Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh resolves the metric.
 #pragma once
 
+#include <bit>
 #include <cmath>
 
 #include "meshing/metric.h"
@@ -16,11 +17,21 @@ inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& 
   return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
 }
 
+/// Cube root of a positive normal number to about 1e-13: a bit-level guess and two Halley steps, a third of the cost of std::cbrt.
+inline double fast_cbrt(double x) {
+  double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 3 + 0x2A9F7893782DA1CEull);
+  for (int i = 0; i < 2; ++i) {
+    const double y3 = y * y * y;
+    y *= (y3 + 2 * x) / (2 * y3 + x);
+  }
+  return y;
+}
+
 /// Mean ratio of a tet of positive six_volume in the sum of its four vertices' metrics (four times their mean: the
 /// measure does not depend on the metric's scale).
 inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
   const double v = six_volume * (1.0 / 6);
-  return kMeanRatioFactor * std::cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
+  return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
 }
 
 /// A vertex as the judges see it.

@@ -109,7 +109,7 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
     mesh.set_quality(u, w.qualities[2 * i + 1]);
     mesh.mark(t, kAllTetMarks);
     mesh.mark(u, kAllTetMarks);
-    mesh.set_smooth_mark(shell.ring[i], true);
+    mesh.mark(shell.ring[i], kAllVertexMarks);
   }
   for (int i = 0; i < shell.size; ++i) {
     const int next = i + 1 < shell.size ? i + 1 : 0;
@@ -119,11 +119,11 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
   if (!shell.closed) {
     mesh.set_neighbour(upper[0], shell.tets[0].s, TetFace());
     mesh.set_neighbour(upper[shell.size - 1], shell.tets[shell.size - 1].r, TetFace());
-    mesh.set_smooth_mark(shell.ring[shell.size], true);
+    mesh.mark(shell.ring[shell.size], kAllVertexMarks);
   }
   mesh.set_tet_of(p, upper[0]);
   mesh.set_tet_of(shell.b, upper[0]);
-  for (VertexId v : {shell.a, shell.b, p}) mesh.set_smooth_mark(v, true);
+  for (VertexId v : {shell.a, shell.b, p}) mesh.mark(v, kAllVertexMarks);
 }
 
 }  // namespace

@@ -103,6 +103,7 @@ class Builder {
   void form_fans();
   void walk_fan(std::uint32_t triangle, int corner);
   void compute_fan_normals();
+  void find_peaks();
   void find_corners();
   bool chain_breaks(std::uint32_t vertex, std::uint32_t a, std::uint32_t b) const;
   bool same_patches(std::uint32_t a, std::uint32_t b) const;
@@ -312,6 +313,7 @@ void Builder::form_fans() {
     }
   }
   compute_fan_normals();
+  find_peaks();
 }
 
 void Builder::walk_fan(std::uint32_t triangle, int corner) {
@@ -358,8 +360,11 @@ void Builder::compute_fan_normals() {
     const double length = norm(fan.normal);
     fan.normal = length > 0 ? (1 / length) * fan.normal : Vec{};
   }
-  // A peak: normals further from their mean than a ridge's may be from each other; or by half of that, where
-  // the step from triangle to triangle is so small that the fan is a cone rather than a coarse sphere.
+}
+
+// A peak has normals further from their mean than a ridge's may be from each other; or by half of that, where
+// the step from triangle to triangle is so small that the fan is a cone rather than a coarse sphere.
+void Builder::find_peaks() {
   std::vector<double> off(s_.fans.size(), 0), step(s_.fans.size(), 0);
   const auto angle = [](const Vec& a, const Vec& b) { return std::atan2(norm(cross(a, b)), dot(a, b)); };
   for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {

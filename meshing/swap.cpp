@@ -100,7 +100,7 @@ class RingBuilder {
     mesh_.mark(t, kAllTetMarks);
     for (const VertexId x : v) {
       mesh_.set_tet_of(x, t);
-      mesh_.set_smooth_mark(x, true);
+      mesh_.mark(x, kAllVertexMarks);
     }
     return t;
   }
@@ -161,9 +161,10 @@ Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   return Verdict::accepted;
 }
 
-double worst_of(const TetMesh& mesh, const Shell& shell) {
-  double worst = 1;
-  for (int i = 0; i < shell.size; ++i) worst = std::min<double>(worst, mesh.quality(shell.tets[i].tet));
+TetId worst_of(const TetMesh& mesh, const Shell& shell) {
+  TetId worst = shell.tets[0].tet;
+  for (int i = 1; i < shell.size; ++i)
+    if (mesh.quality(shell.tets[i].tet) < mesh.quality(worst)) worst = shell.tets[i].tet;
   return worst;
 }
 
@@ -173,13 +174,16 @@ Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = w.mesh;
   Shell& shell = w.shell;
   if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, shell); r != Verdict::accepted) return r;
+  // Every tet of a shell would try the same swap: it is left to the worst if that one is going to be visited.
+  const TetId worst = worst_of(mesh, shell);
+  if (worst != t && mesh.marks(worst) & kCheckSwap) return Verdict::not_needed;
   const EdgeClass on = classify(mesh, shell);
   if (const Verdict r = judge_edge(w, shell, on); r != Verdict::accepted) return r;
   const int m = shell.closed ? shell.size : shell.size + 1;
   std::array<Corner, kMaxRing> ring;
   for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
   RingTriangulation r;
-  if (!triangulate(corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(worst_of(mesh, shell)), r))
+  if (!triangulate(corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(mesh.quality(worst)), r))
     return Verdict::worsens_quality;
   if (!shell.closed)
     if (const Verdict v = judge_boundary(w, shell, on.patch); v != Verdict::accepted) return v;
@@ -234,7 +238,7 @@ Verdict swap_face(Worker& w, TetId t, int face) {
     mesh.set_patch(n, 3, PatchId());
   }
   for (const VertexId v : {p, q}) mesh.set_tet_of(v, tets[0]);
-  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.set_smooth_mark(v, true);
+  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.mark(v, kAllVertexMarks);
   return Verdict::accepted;
 }
 

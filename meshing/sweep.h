@@ -32,16 +32,15 @@ class Crew {
     });
   }
 
-  /// Calls operation(worker, vertex) -> Verdict for every vertex marked for smoothing.
+  /// The same for every vertex that has mark `mark`.
   template <class Operation>
-  std::uint64_t sweep_vertices(Operation operation) {
+  std::uint64_t sweep_vertices(VertexMark mark, Operation operation) {
     TetMesh& mesh = kernel_.mesh;
-    return sweep(mesh.vertex_slots(), [&](Worker& w, std::uint32_t i) {
+    return sweep(mesh.vertex_slots(), [&, mark](Worker& w, std::uint32_t i) {
       const VertexId v(i);
-      if (!mesh.smooth_mark(v)) return false;
-      mesh.set_smooth_mark(v, false);
+      if (!mesh.take_marks(v, mark)) return false;
       const Verdict r = operation(w, v);
-      if (r == Verdict::conflict) mesh.set_smooth_mark(v, true);
+      if (r == Verdict::conflict && mesh.alive(v)) mesh.mark(v, mark);
       return r == Verdict::accepted;
     });
   }

@@ -33,7 +33,8 @@ struct TetFace {
 using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
-enum TetMark : std::uint8_t { kCheckShort = 1, kCheckLong = 2, kCheckSwap = 4, kCheckPoor = 8, kAllTetMarks = 15 };
+enum TetMark : std::uint8_t { kCheckLong = 1, kCheckSwap = 2, kCheckPoor = 4, kAllTetMarks = 7 };
+enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kAllVertexMarks = 3 };
 
 /// Why a vertex is fixed, kept for the output.
 enum FixedFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4 };
@@ -88,12 +89,9 @@ class TetMesh {
   float quality(TetId t) const { return load(quality_[t.value]); }
   void set_quality(TetId t, float q) { store(quality_[t.value], q); }
   std::uint8_t marks(TetId t) const { return load(marks_[t.value]); }
-  void mark(TetId t, std::uint8_t m) { std::atomic_ref(marks_[t.value]).fetch_or(m, std::memory_order_relaxed); }
+  void mark(TetId t, std::uint8_t m) { set_bits(marks_[t.value], m); }
   /// Removes marks and says which of them were there.
-  std::uint8_t take_marks(TetId t, std::uint8_t m) {
-    if (!(marks(t) & m)) return 0;
-    return std::atomic_ref(marks_[t.value]).fetch_and(static_cast<std::uint8_t>(~m), std::memory_order_relaxed) & m;
-  }
+  std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
 
   // --- vertices ---
   bool alive(VertexId v) const { return load(vertex_tets_[v.value]) != 0; }
@@ -117,9 +115,10 @@ class TetMesh {
   void set_background_hint(VertexId v, std::uint32_t h) { background_hints_[v.value] = h; }
   std::uint32_t surface_hint(VertexId v) const { return surface_hints_[v.value]; }
   void set_surface_hint(VertexId v, std::uint32_t h) { surface_hints_[v.value] = h; }
-  bool smooth_mark(VertexId v) const { return load(smooth_marks_[v.value]); }
-  void set_smooth_mark(VertexId v, bool on) { store(smooth_marks_[v.value], static_cast<std::uint8_t>(on)); }
-  void kill(VertexId v) { store(vertex_tets_[v.value], 0u); set_smooth_mark(v, false); }
+  std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
+  void mark(VertexId v, std::uint8_t m) { set_bits(vertex_marks_[v.value], m); }
+  std::uint8_t take_marks(VertexId v, std::uint8_t m) { return take_bits(vertex_marks_[v.value], m); }
+  void kill(VertexId v) { store(vertex_tets_[v.value], 0u); store(vertex_marks_[v.value], std::uint8_t{0}); }
 
   // --- claims: see speculation.h, the only user besides freeze ---
   std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
@@ -144,6 +143,13 @@ class TetMesh {
   static T load(const T& x) { return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed); }
   template <class T>
   static void store(T& x, T value) { std::atomic_ref(x).store(value, std::memory_order_relaxed); }
+  static void set_bits(std::uint8_t& x, std::uint8_t m) {
+    if ((load(x) & m) != m) std::atomic_ref(x).fetch_or(m, std::memory_order_relaxed);
+  }
+  static std::uint8_t take_bits(std::uint8_t& x, std::uint8_t m) {
+    if (!(load(x) & m)) return 0;
+    return std::atomic_ref(x).fetch_and(static_cast<std::uint8_t>(~m), std::memory_order_relaxed) & m;
+  }
   static std::uint64_t edge_key(VertexId a, VertexId b) {
     return a < b ? (std::uint64_t{a.value} << 32 | b.value) : (std::uint64_t{b.value} << 32 | a.value);
   }
@@ -159,7 +165,7 @@ class TetMesh {
   StableArray<LogMetric> log_metrics_;
   StableArray<std::uint32_t> vertex_tets_;  // tet + 1, 0 for a dead vertex
   StableArray<VertexKind> kinds_;
-  StableArray<std::uint8_t> fixed_, smooth_marks_;
+  StableArray<std::uint8_t> fixed_, vertex_marks_;
   StableArray<std::int32_t> vertex_refs_;
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;

@@ -79,16 +79,32 @@ bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target,
 
 void commit_move(Worker& w, VertexId v, const MovedVertex& moved) {
   TetMesh& mesh = w.mesh;
+  const Limits& limits = w.kernel.limits;
+  // A short step hardly changes what is best for the neighbours: only a long one calls them up again.
+  const bool far = squared_length(moved.metric, moved.x - mesh.point(v)) > limits.far_step * limits.far_step;
   mesh.set_point(v, moved.x);
   mesh.set_metric(v, moved.log_metric, moved.metric);
   mesh.set_background_hint(v, moved.background_hint);
   mesh.set_surface_hint(v, moved.surface_hint);
+  w.vertices_seen.clear();
   for (std::size_t i = 0; i < w.ball.tets.size(); ++i) {
     const auto [t, local] = w.ball.tets[i];
     mesh.set_quality(t, w.qualities[i]);
-    mesh.mark(t, kAllTetMarks);
-    for (int k = 0; k < 4; ++k) mesh.set_smooth_mark(mesh.vertex(t, k), true);
+    std::uint8_t marks = kCheckSwap | kCheckPoor;
+    for (int k = 0; k < 4; ++k) {
+      const VertexId u = mesh.vertex(t, k);
+      if (k == local || !w.vertices_seen.insert(u.value)) continue;
+      if (far) mesh.mark(u, kCheckPlace);
+      const double length = length_between(mesh, u, v);
+      if (length > limits.long_edge) marks |= kCheckLong;
+      if (length < limits.short_edge) {
+        mesh.mark(u, kCheckShort);
+        mesh.mark(v, kCheckShort);
+      }
+    }
+    mesh.mark(t, marks);
   }
+  if (far) mesh.mark(v, kCheckPlace);
 }
 
 }  // namespace weft::meshing

@@ -15,8 +15,9 @@ say "A structured cube"
 "$weft" mesh box -o "$out/cube-0.meshb" --cells 8 8 8
 "$weft" stat "$out/cube-0.meshb" --metric-fn polar-2
 
-# A metric is known at the vertices of a mesh: a coarse mesh misses the thin layer, so that the result of each
-# stage is where the next one samples the metric.
+# The metric is sampled at the vertices of the input: the coarse cube misses most of the thin layer. Each stage
+# starts from the result of the one before, which shows the layer better.
+say "The first stages cannot meet the goal yet: the coarse cube does not show the thin layer"
 previous=$out/cube-0.meshb
 for complexity in 1000 4000 16000 50000; do
   next=$out/cube-$complexity.meshb

@@ -49,7 +49,7 @@ class BadInput(CommandTest):
 
     def test_index_out_of_range(self):
         text = mesh_text(ONE_TET_POINTS, [(1, 2, 3, 9)], ONE_TET_FACES)
-        self.refuse(self.write("a.mesh", text), says=["a.mesh", "etrahedron 1"])
+        self.refuse(self.write("a.mesh", text), says=["a.mesh", "etrahedra 1"])
 
     def test_no_tetrahedra(self):
         self.refuse(self.write("a.mesh", mesh_text(ONE_TET_POINTS, [], ONE_TET_FACES)), says=["a.mesh", "tetrahedr"])

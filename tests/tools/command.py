@@ -6,8 +6,8 @@ import subprocess
 import tempfile
 import unittest
 
-WEFT = os.environ["WEFT"]
-DATA = pathlib.Path(os.environ["WEFT_TEST_DATA"])
+WEFT = pathlib.Path(os.environ["WEFT"]).resolve()
+DATA = pathlib.Path(os.environ["WEFT_TEST_DATA"]).resolve()
 
 
 class CommandTest(unittest.TestCase):
@@ -20,7 +20,7 @@ class CommandTest(unittest.TestCase):
 
     def weft(self, *words, expect=0):
         """Runs the command, which must end with `expect` (a code or several); returns what it printed."""
-        done = subprocess.run([WEFT, *map(str, words)], cwd=self.folder, capture_output=True, text=True, timeout=250)
+        done = subprocess.run([str(WEFT), *map(str, words)], cwd=self.folder, capture_output=True, text=True, timeout=250)
         codes = expect if isinstance(expect, tuple) else (expect,)
         self.assertIn(done.returncode, codes, f"weft {' '.join(map(str, words))}\n{done.stdout}{done.stderr}")
         return done

@@ -27,6 +27,9 @@ class Outputs : public testing::Test {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
   }
 
+  const meshing::MeshData mesh_ = meshing::structured_box({{1, 1, 1}, {0, 0, 0}, {1, 1, 1}});
+  const meshing::SolutionData solution_ = {8,
+                                           {{meshing::Field::Kind::scalar, std::vector<double>(8, 1.0), ""}}};
   fs::path folder_ = fs::temp_directory_path() / ("weft-outputs-test-" + std::to_string(getpid()));
 };
 
@@ -37,20 +40,25 @@ TEST_F(Outputs, TheSolutionLiesBesideTheMesh) {
 }
 
 TEST_F(Outputs, ThePairIsWritten) {
-  const meshing::MeshData mesh = meshing::structured_box({});
-  const meshing::SolutionData solution{
-      mesh.points.size(), {{meshing::Field::Kind::scalar, std::vector<double>(mesh.points.size(), 1), ""}}};
-  write_mesh_with_solution(output_paths(path("a.meshb")), mesh, solution);
+  write_mesh_with_solution(output_paths(path("a.meshb")), mesh_, solution_);
   EXPECT_TRUE(fs::exists(path("a.meshb")));
   EXPECT_TRUE(fs::exists(path("a.solb")));
   EXPECT_EQ(files(), 2u);
 }
 
 TEST_F(Outputs, NothingIsLeftWhenOneOfThePairFails) {
-  const meshing::MeshData mesh = meshing::structured_box({});
   const OutputPaths paths{path("a.meshb"), path("missing/a.solb")};
-  EXPECT_THROW(write_mesh_with_solution(paths, mesh, {}), InputError);
+  EXPECT_THROW(write_mesh_with_solution(paths, mesh_, solution_), InputError);
   EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Outputs, ErrorsNameTheFileThatTheUserKnows) {
+  try {
+    write_mesh_with_solution({path("missing/a.meshb"), path("a.solb")}, mesh_, solution_);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(path("missing/a.meshb") + ": ", 0), 0u) << error.what();
+  }
 }
 
 TEST_F(Outputs, AMissingFolderIsNotWritable) {

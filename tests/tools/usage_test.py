@@ -12,7 +12,7 @@ class Usage(CommandTest):
         for words in [[], *SUBCOMMANDS]:
             text = self.weft(*words, "--help").stdout
             self.assertIn("Example", text)
-            self.assertLessEqual(max(map(len, text.splitlines())), 115, words)
+            self.assertLessEqual(max(map(len, text.splitlines())), 108, words)
 
     def test_the_main_job_comes_first(self):
         text = self.weft("--help").stdout

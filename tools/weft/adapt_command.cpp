@@ -39,10 +39,11 @@ constexpr const char* kFooter = R"(Examples:
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb
   weft adapt cube.meshb --metric-fn polar-2 -o layer.meshb --threads 2 --report report
 
-Writes the mesh and, beside it, the metric at its vertices (fine.solb); both whole or not at all. --metric holds
-a symmetric tensor (m11 m12 m22 m13 m23 m33) or a wanted size at every vertex of the input, or of --background.
-The metric is limited (--hmin, --hmax), graded (--hgrad), then scaled (--complexity); expect about 2 vertices
-and 12 tets a unit of complexity. Ctrl-C ends the run with the valid mesh reached so far and exit code 1.)";
+Writes the mesh and, beside it, the metric at its vertices (fine.solb); both whole or not at all.
+--metric holds a symmetric tensor (m11 m12 m22 m13 m23 m33) or a wanted size at every vertex of the
+input, or of --background. The metric is limited (--hmin, --hmax), graded (--hgrad), then scaled
+(--complexity); expect about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with
+the valid mesh reached so far and exit code 1.)";
 
 struct AdaptCommand {
   std::string input, output, background, report;
@@ -248,12 +249,12 @@ void add_background(CLI::App& sub, AdaptCommand& command) {
 
 void add_geometry(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("--ridge-angle", command.options.ridge_angle_degrees,
-                 "boundary edges sharper than this many degrees are kept; default 45 (also -ar)")
+                 "keep boundary edges sharper than this; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
   sub.add_option("--hausd", command.options.hausd,
-                 "largest distance to the curved surface; default 1 % of the bounding box (also -hausd)")
+                 "largest distance to the surface; default 1 % of the box diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");

@@ -22,8 +22,9 @@ using meshing::SolutionData;
 constexpr const char* kFooter = R"(Example:
   weft convert fine.meshb fine.vtu --sol fine.solb
 
-Reads .meshb (versions 1 to 4, either byte order) and .mesh; writes .meshb, .mesh and .vtu. The fields of --sol go
-into the .vtu, or beside a .meshb into a .solb and beside a .mesh into a .sol. Says what the new format cannot hold.)";
+Reads .meshb (versions 1 to 4, either byte order) and .mesh; writes .meshb, .mesh and .vtu. The
+fields of --sol go into the .vtu, or beside a .meshb into a .solb and beside a .mesh into a .sol.
+Says what the new format cannot hold.)";
 
 struct ConvertCommand {
   std::string input, output, solution;

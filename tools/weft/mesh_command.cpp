@@ -19,8 +19,8 @@ namespace {
 constexpr const char* kFooter = R"(Example:
   weft mesh box -o cube.meshb --cells 8 8 8
 
-References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The box's 12 edges are
-ridges, its 8 corners corners.)";
+References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The box's 12
+edges are ridges, its 8 corners corners.)";
 
 struct BoxCommand {
   std::string output;
@@ -47,6 +47,7 @@ int run_box(const BoxCommand& command) {
 void add_mesh_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("mesh", "make a start mesh: a structured box");
   sub->require_subcommand(1);
+  sub->footer(kFooter);
   CLI::App* box = sub->add_subcommand("box", "a structured box of tets");
   box->footer(kFooter);
   auto command = std::make_shared<BoxCommand>();

@@ -45,7 +45,7 @@ void add_metric_source(CLI::App& command, MetricRequest& request) {
 void add_metric_processing(CLI::App& command, MetricRequest& request) {
   command
       .add_option("--complexity", request.complexity,
-                  "scale the metric to this complexity (about half the vertices)")
+                  "scale the metric to this complexity: about half the result's vertices")
       ->type_name("C")
       ->check(positive_number())
       ->group(kGroup);

@@ -28,8 +28,8 @@ using meshing::Point;
 constexpr const char* kFooter = R"(Example:
   weft stat wing.meshb --metric wing.solb --histogram
 
-Without a metric: counts, volumes, bounding box and areas by reference. With one: mean ratios of the tets and
-lengths of the edges in it, as `weft adapt` reports them.)";
+Without a metric: counts, volumes, bounding box and areas by reference. With one: mean ratios of the
+tets and lengths of the edges in it, as `weft adapt` reports them.)";
 
 struct StatCommand {
   std::string mesh;

@@ -98,13 +98,13 @@ std::string main_reasons(const meshing::OperationCounts& counts, meshing::Operat
 }
 
 std::string operations_text(const meshing::OperationCounts& counts) {
-  std::string text = fmt::format("{:<12}{:>14}{:>14}{:>12}   {}\n", "operation", "tried", "done",
+  std::string text = fmt::format("{:<12}{:>13}{:>13}{:>12}  {}\n", "operation", "tried", "done",
                                  "rolled back", "refused mainly because");
   for (std::size_t o = 0; o < meshing::kOperatorNames.size(); ++o) {
     const auto op = static_cast<meshing::Operator>(o);
     const OperatorTally t = tally(counts, op);
     if (t.tried == 0) continue;
-    text += fmt::format("  {:<10}{:>14}{:>14}{:>12}   {}\n", meshing::kOperatorNames[o], grouped(t.tried),
+    text += fmt::format("  {:<10}{:>13}{:>13}{:>12}  {}\n", meshing::kOperatorNames[o], grouped(t.tried),
                         grouped(t.done), grouped(t.rolled_back), main_reasons(counts, op, t.refused));
   }
   return text;

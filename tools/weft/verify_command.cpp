@@ -23,10 +23,10 @@ using ByRef = std::map<std::int32_t, double>;
 constexpr const char* kFooter = R"(Example:
   weft verify fine.meshb --against wing.meshb
 
-Checks with exact arithmetic that every tet is positively oriented, that every face is shared by two tets or
-tracked by one boundary triangle, and that indices, edges and references are in order.
---against: volumes and areas by reference must equal the other mesh's to 1e-9 relative (true where the boundary
-is planar; on curved boundaries they differ a little).
+Checks with exact arithmetic that every tet is positively oriented, that every face is shared by two
+tets or tracked by one boundary triangle, and that indices, edges and references are in order.
+--against: volumes and areas by reference must equal the other mesh's to 1e-9 relative (true where
+the boundary is planar; on curved boundaries they differ a little).
 Exit codes: 0 conforms, 1 does not, 2 cannot be read.)";
 
 struct VerifyCommand {
