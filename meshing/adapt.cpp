@@ -8,6 +8,7 @@
 #include <ctime>
 static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 
+#include "meshing/box.h"
 #include "meshing/import_mesh.h"
 #include "meshing/passes.h"
 #include "meshing/renumber.h"
@@ -88,6 +89,8 @@ class Adaptation {
         pass("swap", [&] { return swap_pass(crew_, env("SQ0", 0.5)); });
         pass("smooth", [&] { return smooth_pass(crew_); });
         pass("collapse", [&] { return collapse_pass(crew_); });
+        if (getenv("DUMP")) { std::vector<std::pair<float,std::uint32_t>> q; for (std::uint32_t i=0;i<mesh_.tet_slots();++i) if (mesh_.alive(TetId(i))) q.push_back({mesh_.quality(TetId(i)),i}); std::sort(q.begin(),q.end());
+          if (q[0].first < 1e-4) { for (int k=0;k<30;++k) { TetId t(q[k*3].second); auto v=mesh_.vertices(t); fprintf(stderr,"q %g ",q[k*3].first); for (auto x:v) fprintf(stderr,"[%u k%d %.5f %.5f %.5f r %.5f]",x.value,(int)mesh_.kind(x),mesh_.point(x).x,mesh_.point(x).y,mesh_.point(x).z,std::hypot(mesh_.point(x).x,mesh_.point(x).y)); fprintf(stderr," L"); for (auto&e:kTetEdges) fprintf(stderr," %.2f",length_between(mesh_,v[e[0]],v[e[1]])); fprintf(stderr,"\n"); } exit(1);} }
         if (mesh_.tet_slots() > 2 * renumbered_at) {
           crew_.run([&] { renumber(); });
           renumbered_at = mesh_.tet_slots();
@@ -147,13 +150,9 @@ class Adaptation {
 };
 
 double bounding_box_diagonal(const MeshData& m) {
-  Point lo = m.points[0], hi = m.points[0];
-  for (const Point& p : m.points)
-    for (int k = 0; k < 3; ++k) {
-      lo[k] = std::min(lo[k], p[k]);
-      hi[k] = std::max(hi[k], p[k]);
-    }
-  return norm(hi - lo);
+  Box box;
+  for (const Point& p : m.points) box.include(p);
+  return norm(box.size());
 }
 
 }  // namespace

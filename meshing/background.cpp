@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "meshing/curved_triangle.h"
 #include "meshing/tet_tables.h"
 
 namespace weft::meshing {
@@ -76,45 +77,52 @@ LogMetric Background::interpolate(std::uint32_t tet, const Barycentric& l) const
   return l[0] * log_metrics_[v[0]] + l[1] * log_metrics_[v[1]] + l[2] * log_metrics_[v[2]] + l[3] * log_metrics_[v[3]];
 }
 
-bool Background::close_enough(const Point& p, std::uint32_t tet, const Barycentric& l) const {
-  const auto& v = mesh_.tets[tet];
-  Point nearest;
-  for (int i = 0; i < 4; ++i) nearest += l[i] * mesh_.points[v[i]];
-  // Within half a unit length the metric hardly changes: no need to look for the other side of a gap.
-  return squared_length(exp_fast(interpolate(tet, l)), p - nearest) < 0.25;
+Point Background::closest_in(std::uint32_t tet, const Point& p) const {
+  const Barycentric inside = barycentric(tet, p);
+  if (*std::min_element(inside.begin(), inside.end()) >= 0) return p;
+  Point closest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int f = 0; f < 4; ++f) {
+    if (inside[f] >= 0) continue;  // the closest point lies on a face that p is beyond
+    std::array<Point, 3> x;
+    for (int i = 0; i < 3; ++i) x[i] = mesh_.points[mesh_.tets[tet][kTetFaces[f][i]]];
+    const TrianglePoint q = closest_point(x[0], x[1], x[2], p);
+    if (q.distance2 >= least) continue;
+    least = q.distance2;
+    closest = q.at[0] * x[0] + q.at[1] * x[1] + q.at[2] * x[2];
+  }
+  return closest;
 }
 
 std::uint32_t Background::search_everywhere(const Point& p) const {
-  std::uint32_t best = 0;
-  double best_distance = std::numeric_limits<double>::infinity();
-  for (std::uint32_t t = 0; t < mesh_.tets.size(); ++t) {
-    const Barycentric l = barycentric(t, p);
-    const double least = *std::min_element(l.begin(), l.end());
-    if (least >= 0) return t;
-    if (-least > 1) continue;
-    const Barycentric c = clamped(l);
-    Point nearest;
-    for (int i = 0; i < 4; ++i) nearest += c[i] * mesh_.points[mesh_.tets[t][i]];
-    const double distance = norm2(p - nearest);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = t;
+  std::call_once(tree_built_, [&] {
+    std::vector<ClosestForest::Item> items(mesh_.tets.size());
+    for (std::uint32_t t = 0; t < items.size(); ++t) {
+      for (const std::uint32_t v : mesh_.tets[t]) items[t].box.include(mesh_.points[v]);
+      items[t].id = t;
     }
+    tree_ = std::make_unique<ClosestForest>();
+    tree_->add(items);
+  });
+  return tree_->closest(0, p, [&](std::uint32_t t) { return norm2(p - closest_in(t, p)); });
+}
+
+/// The walk has ended at the boundary in `tet`. Within half a unit length the metric hardly changes; farther off, the point may lie
+/// beyond a gap (the other side of a thin body), or outside a curved boundary.
+Background::Sample Background::outside(const Point& p, std::uint32_t tet) const {
+  for (int attempt = 0;; ++attempt) {
+    const Point q = closest_in(tet, p);
+    const LogMetric l = interpolate(tet, clamped(barycentric(tet, q)));
+    if (attempt > 0 || squared_length(exp_fast(l), p - q) < 0.25) return {l, tet};
+    tet = search_everywhere(p);
   }
-  return best;
 }
 
 Background::Sample Background::at(const Point& p, std::uint32_t hint) const {
   std::uint32_t tet = hint == kNoHint ? 0 : hint;
   Barycentric l;
-  if (!walk(p, tet, l)) {
-    if (!close_enough(p, tet, clamped(l))) {
-      tet = search_everywhere(p);
-      l = barycentric(tet, p);
-    }
-  }
-  l = clamped(l);
-  return {interpolate(tet, l), tet};
+  if (!walk(p, tet, l)) return outside(p, tet);
+  return {interpolate(tet, clamped(l)), tet};
 }
 
 }  // namespace weft::meshing

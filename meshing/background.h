@@ -3,10 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "meshing/adjacency.h"
+#include "meshing/closest_tree.h"
 #include "meshing/mesh_data.h"
 #include "meshing/metric.h"
 
@@ -25,8 +28,7 @@ class Background {
     LogMetric log_metric;
     std::uint32_t tet;  ///< the hint for the next query nearby
   };
-  /// The metric at `p`; the walk starts at tet `hint` (kNoHint: anywhere). Outside the mesh: at the closest point
-  /// that the walk finds.
+  /// The metric at `p`; the walk starts at tet `hint` (kNoHint: anywhere). Outside the mesh: at its closest point.
   Sample at(const Point& p, std::uint32_t hint) const;
 
   /// A tet that has this vertex of the background mesh.
@@ -37,14 +39,18 @@ class Background {
   using Barycentric = std::array<double, 4>;
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
-  bool close_enough(const Point& p, std::uint32_t tet, const Barycentric& clamped) const;
+  Point closest_in(std::uint32_t tet, const Point& p) const;
   std::uint32_t search_everywhere(const Point& p) const;
+  Sample outside(const Point& p, std::uint32_t tet) const;
   LogMetric interpolate(std::uint32_t tet, const Barycentric& l) const;
 
   const MeshData& mesh_;
   std::span<const LogMetric> log_metrics_;
   Adjacency adjacency_;
   std::vector<std::uint32_t> vertex_tets_;
+  // Built when a walk first ends at the boundary too far from its point: many backgrounds never need it.
+  mutable std::once_flag tree_built_;
+  mutable std::unique_ptr<ClosestForest> tree_;
 };
 
 }  // namespace weft::meshing

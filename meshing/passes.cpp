@@ -6,6 +6,7 @@
 #include "meshing/collapse_edge.h"
 #include "meshing/move_vertex.h"
 #include "meshing/split_edge.h"
+#include "meshing/surface_fit.h"
 #include "meshing/swap.h"
 
 namespace weft::meshing {
@@ -31,14 +32,38 @@ std::array<EdgeLength, 6> edges_by_length(const TetMesh& mesh, const TetVertices
   return e;
 }
 
+/// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are still thick, and before
+/// anything is created between them and the surface.
+Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
+  const Limits& limits = w.kernel.limits;
+  for (int f = 0; f < 4; ++f) {
+    const PatchId patch = w.mesh.patch(t, f);
+    if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
+    for (int i = 0; i < 3; ++i) {
+      const VertexId a = v[kTetFaces[f][i]], b = v[kTetFaces[f][(i + 1) % 3]];
+      if (length_between(w.mesh, a, b) <= limits.finest_long_edge || bulge(w.kernel, a, b, patch) <= limits.largest_bulge) continue;
+      const Verdict r = split_edge(w, t, a, b, limits.finest_split_shortest);
+      if (r == Verdict::accepted || r == Verdict::conflict) return r;
+      w.counts.add(Operator::split, r);
+    }
+  }
+  return Verdict::not_needed;
+}
+
+bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
+  return std::count_if(v.begin(), v.end(), [&](VertexId x) { return mesh.kind(x) != VertexKind::interior; }) > 1;
+}
+
 Verdict split_longest(Worker& w, TetId t, double longest) {
   if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
   const TetVertices v = w.mesh.vertices(t);
+  if (on_boundary(w.mesh, v))
+    if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
   const auto edges = edges_by_length(w.mesh, v);
   Verdict r = Verdict::not_needed;
   for (int i = 5; i >= 0 && edges[i].length > longest; --i) {
     const auto& e = kTetEdges[edges[i].edge];
-    r = split_edge(w, t, v[e[0]], v[e[1]]);
+    r = split_edge(w, t, v[e[0]], v[e[1]], w.kernel.limits.split_shortest);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }

@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "meshing/box.h"
+
 namespace weft::meshing {
 namespace {
 
@@ -21,20 +23,10 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-struct Box {
-  Point lo{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  Point hi = -1.0 * lo;
-};
-
 Box bounding_box(const TetMesh& mesh) {
   Box b;
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i) {
-    if (!mesh.alive(VertexId(i))) continue;
-    for (int k = 0; k < 3; ++k) {
-      b.lo[k] = std::min(b.lo[k], mesh.point(VertexId(i))[k]);
-      b.hi[k] = std::max(b.hi[k], mesh.point(VertexId(i))[k]);
-    }
-  }
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i))) b.include(mesh.point(VertexId(i)));
   return b;
 }
 

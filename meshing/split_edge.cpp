@@ -46,21 +46,23 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   return n;
 }
 
-Verdict judge(Worker& w, const Shell& shell, const NewVertex& n) {
+Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, double shortest) {
   const TetMesh& mesh = w.mesh;
   const Limits& limits = w.kernel.limits;
   const int ring_size = shell.closed ? shell.size : shell.size + 1;
   for (int i = 0; i < ring_size; ++i) {
     const VertexId r = shell.ring[i];
-    if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < limits.split_shortest) return Verdict::too_short;
+    if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < shortest) return Verdict::too_short;
   }
   const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, n.metric};
+  double worst_before = 1;
+  for (int i = 0; i < shell.size; ++i) worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
   w.qualities.clear();
   for (int i = 0; i < shell.size; ++i) {
     const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
     const double qa = judge_quality(a, p, r, s), qb = judge_quality(p, b, r, s);
     if (qa < 0 || qb < 0) return Verdict::inverts;
-    const double enough = limits.split_quality * std::min(1.0, 2.0 * mesh.quality(shell.tets[i].tet));
+    const double enough = std::min(limits.split_quality, 0.3 * worst_before);
     if (std::min(qa, qb) < enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(qa));
     w.qualities.push_back(static_cast<float>(qb));
@@ -128,12 +130,12 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
 
 }  // namespace
 
-Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b) {
+Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, double shortest) {
   if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   const NewVertex n = place(w, a, b, on);
-  if (const Verdict r = judge(w, w.shell, n); r != Verdict::accepted) return r;
+  if (const Verdict r = judge(w, w.shell, n, shortest); r != Verdict::accepted) return r;
   commit(w, w.shell, create(w, n, w.shell));
   return Verdict::accepted;
 }

@@ -15,6 +15,21 @@ double surface_distance(const Kernel& k, PatchId patch, const Point& p, VertexId
   return norm(p - q.x);
 }
 
+double bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
+  const TetMesh& mesh = k.mesh;
+  const Point middle = midpoint(mesh.point(a), mesh.point(b));
+  CurveId curve;
+  if (mesh.kind(a) >= VertexKind::ridge && mesh.kind(b) >= VertexKind::ridge) curve = mesh.curve(a, b);
+  Vec way;
+  if (curve.valid()) {
+    if (k.surface.curves()[curve.value].straight) return 0;
+    way = k.surface.project_to_curve(curve, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
+  } else {
+    way = k.surface.project_to_patch(patch, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
+  }
+  return edge_length_fast(way, mesh.metric(a), mesh.metric(b));
+}
+
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed, const std::array<VertexId, 3>& old) {
   const TetMesh& mesh = k.mesh;
   const Vec n = triangle_normal(mesh, changed), o = triangle_normal(mesh, old);

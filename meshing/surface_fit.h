@@ -12,6 +12,10 @@ namespace weft::meshing {
 /// All vertices must be claimed.
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed, const std::array<VertexId, 3>& old);
 
+/// Length in the metric of the way from the middle of boundary edge (a, b) to the reference surface of `patch` (or to the
+/// curve of a feature edge): what a vertex put there would push into the tets around. Both ends must be claimed.
+double bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch);
+
 /// Distance of point `p` near vertex `near` from the reference surface of `patch`.
 double surface_distance(const Kernel& k, PatchId patch, const Point& p, VertexId near);
 
