@@ -29,6 +29,7 @@ class Adaptation {
 
   void run() {
     mark_all(kAllTetMarks, kAllVertexMarks);
+    judge_by(env("LOGM", 1) > 0 ? MetricMean::log_euclidean : MetricMean::arithmetic);
     stage("collapse", [&] { repeat(5, 0.01, [&] { return collapse_pass(crew_); }); });
     stage("create points", [&] { create_points(); });
     stage("reconnect and smooth", [&] { optimise(); });
@@ -58,6 +59,7 @@ class Adaptation {
     const std::uint64_t n = f();
     if (getenv("WEFT_DEBUG")) fprintf(stderr, "  %-12s %9lu  %.2f s  slots %u\n", name, n, clock() * 1e-6 - start, mesh_.tet_slots());
     if (getenv("WEFT_DEBUG2")) { std::vector<float> q; double sum=0; for (std::uint32_t i=0;i<mesh_.tet_slots();++i) if (mesh_.alive(TetId(i))) {q.push_back(mesh_.quality(TetId(i))); sum+=q.back();} std::sort(q.begin(),q.end()); fprintf(stderr,"     nt %zu mean %.4f 1%% %.4f min %.4f\n",q.size(),sum/q.size(),q[q.size()/100],q[0]); }
+    if (getenv("DUPES")) { std::vector<std::array<std::uint32_t,4>> f; for (std::uint32_t i=0;i<mesh_.tet_slots();++i) if (mesh_.alive(TetId(i))) { auto v=mesh_.vertices(TetId(i)); for (auto&k:kTetFaces) { std::array<std::uint32_t,3> a{v[k[0]].value,v[k[1]].value,v[k[2]].value}; std::sort(a.begin(),a.end()); f.push_back({a[0],a[1],a[2],i}); } } std::sort(f.begin(),f.end()); int bad=0; for (size_t i=2;i<f.size();++i) if (f[i][0]==f[i-2][0]&&f[i][1]==f[i-2][1]&&f[i][2]==f[i-2][2]) { if(!bad) { fprintf(stderr,"dup face %u %u %u:",f[i][0],f[i][1],f[i][2]); for (int k=0;k<3;++k) {fprintf(stderr," k%d(%.5f %.5f %.5f)",(int)mesh_.kind(VertexId(f[i][k])),mesh_.point(VertexId(f[i][k])).x,mesh_.point(VertexId(f[i][k])).y,mesh_.point(VertexId(f[i][k])).z);} for (int k=0;k<3;++k) { TetId t(f[i-k][3]); auto v=mesh_.vertices(t); fprintf(stderr,"\n  tet %u:",t.value); for (int m=0;m<4;++m) fprintf(stderr," %u(k%d n%d p%d)",v[m].value,(int)mesh_.kind(v[m]),mesh_.neighbour(t,m).valid()?(int)mesh_.neighbour(t,m).tet().value:-1,(int)mesh_.patch(t,m).value); } fprintf(stderr,"\n"); } ++bad; } if (bad) {fprintf(stderr,"%s: %d dup\n",name,bad); exit(1);} }
     return n;
   }
 
@@ -89,6 +91,7 @@ class Adaptation {
         pass("swap", [&] { return swap_pass(crew_, env("SQ0", 0.5)); });
         pass("smooth", [&] { return smooth_pass(crew_); });
         pass("collapse", [&] { return collapse_pass(crew_); });
+        if (getenv("IMP")) pass("improve", [&] { return improve_pass(crew_, env("IMP", 0.1)); });
         if (getenv("DUMP")) { std::vector<std::pair<float,std::uint32_t>> q; for (std::uint32_t i=0;i<mesh_.tet_slots();++i) if (mesh_.alive(TetId(i))) q.push_back({mesh_.quality(TetId(i)),i}); std::sort(q.begin(),q.end());
           if (q[0].first < 1e-4) { for (int k=0;k<30;++k) { TetId t(q[k*3].second); auto v=mesh_.vertices(t); fprintf(stderr,"q %g ",q[k*3].first); for (auto x:v) fprintf(stderr,"[%u k%d %.5f %.5f %.5f r %.5f]",x.value,(int)mesh_.kind(x),mesh_.point(x).x,mesh_.point(x).y,mesh_.point(x).z,std::hypot(mesh_.point(x).x,mesh_.point(x).y)); fprintf(stderr," L"); for (auto&e:kTetEdges) fprintf(stderr," %.2f",length_between(mesh_,v[e[0]],v[e[1]])); fprintf(stderr,"\n"); } exit(1);} }
         if (mesh_.tet_slots() > 2 * renumbered_at) {
@@ -109,6 +112,18 @@ class Adaptation {
       for (const auto& e : kTetEdges) longest = std::max(longest, length_between(mesh_, v[e[0]], v[e[1]]));
     }
     return std::exp2(std::max(0.0, std::floor(std::log2(longest / kernel_.limits.long_edge))));
+  }
+
+  /// Switches the judges' mean and brings all cached qualities up to date.
+  void judge_by(MetricMean mean) {
+    mesh_.set_metric_mean(mean);
+    crew_.run([&] {
+      tbb::parallel_for(0u, mesh_.tet_slots(), [&](std::uint32_t i) {
+        if (!mesh_.alive(TetId(i))) return;
+        const TetVertices v = mesh_.vertices(TetId(i));
+        mesh_.set_quality(TetId(i), static_cast<float>(judge_quality(mesh_, v[0], v[1], v[2], v[3])));
+      });
+    });
   }
 
   void mark_all(std::uint8_t tet_marks, std::uint8_t vertex_marks) {

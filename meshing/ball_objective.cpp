@@ -23,14 +23,14 @@ void gather_faces(const TetMesh& mesh, const Ball& ball, std::vector<BallFace>& 
   for (const auto& [t, local] : ball.tets) {
     const auto& f = kTetFaces[local];
     const VertexId a = mesh.vertex(t, f[0]), b = mesh.vertex(t, f[1]), c = mesh.vertex(t, f[2]);
-    faces.push_back({{mesh.point(a), mesh.point(b), mesh.point(c)}, mesh.metric(a) + mesh.metric(b) + mesh.metric(c)});
+    faces.push_back({{mesh.point(a), mesh.point(b), mesh.point(c)}, judge_tensor(mesh, a) + judge_tensor(mesh, b) + judge_tensor(mesh, c)});
   }
 }
 
-BallDerivatives ball_derivatives(const std::vector<BallFace>& faces, const Point& x, const Metric& centre) {
+BallDerivatives ball_derivatives(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& centre) {
   BallDerivatives d;
   for (const BallFace& f : faces) {
-    const SymTensor m = f.metric + centre;
+    const SymTensor m = mean_of_sum(mean, f.tensor + centre);
     const Vec e1 = f.x[1] - f.x[0], e2 = f.x[2] - f.x[0], e3 = x - f.x[0];
     const Vec n = cross(e1, e2);  // gradient of the six-fold volume
     const double volume = dot(n, e3);
@@ -51,14 +51,14 @@ BallDerivatives ball_derivatives(const std::vector<BallFace>& faces, const Point
   return d;
 }
 
-double ball_qualities(const std::vector<BallFace>& faces, const Point& x, const Metric& m, std::vector<float>& qualities) {
+double ball_qualities(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& m, std::vector<float>& qualities) {
   qualities.clear();
   double least = 1;
   for (const BallFace& f : faces) {
     if (orientation(f.x[0], f.x[1], f.x[2], x) <= 0) return -1;
     const Vec e1 = f.x[1] - f.x[0], e2 = f.x[2] - f.x[0], e3 = x - f.x[0];
     const double volume = dot(cross(e1, e2), e3);
-    const double q = volume > 0 ? mean_ratio(volume, f.metric + m, e1, e2, e3) : 0;
+    const double q = volume > 0 ? mean_ratio(volume, mean_of_sum(mean, f.tensor + m), e1, e2, e3) : 0;
     least = std::min(least, q);
     qualities.push_back(static_cast<float>(q));
   }

@@ -20,16 +20,16 @@ struct BallDerivatives {
 /// One tet of a ball as seen from its centre: the opposite face and its share of the metric, gathered once.
 struct BallFace {
   std::array<Point, 3> x;  ///< (x[0], x[1], x[2], centre) is positive
-  SymTensor metric;        ///< sum of the metrics of the three
+  SymTensor tensor;        ///< sum of what MetricMean adds up at the three
 };
 
 /// Gathers the faces opposite the centre of `ball`.
 void gather_faces(const TetMesh& mesh, const Ball& ball, std::vector<BallFace>& faces);
 
-/// Derivatives at `x` where the centre has metric `m`. All tets must be positive there.
-BallDerivatives ball_derivatives(const std::vector<BallFace>& faces, const Point& x, const Metric& m);
+/// Derivatives at `x` where the centre has tensor `m`. All tets must be positive there.
+BallDerivatives ball_derivatives(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& m);
 
 /// Qualities of all tets with the centre at `x`; returns the least, or -1 as soon as one is not exactly positive.
-double ball_qualities(const std::vector<BallFace>& faces, const Point& x, const Metric& m, std::vector<float>& qualities);
+double ball_qualities(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& m, std::vector<float>& qualities);
 
 }  // namespace weft::meshing

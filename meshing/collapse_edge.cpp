@@ -18,31 +18,73 @@ Verdict judge_classification(const Worker& w, const EdgeClass& edge, VertexId re
   return Verdict::accepted;
 }
 
-/// Link condition for boundary vertices: whoever both ends know is in the ring of their edge, so that no edge or face comes to exist
-/// twice. For interior vertices the exactly positive tets imply it; the boundary may close up over a gap.
+using LinkEdge = std::pair<VertexId, VertexId>;
+
+/// The edges of the link of a ball's centre between vertices of `ring`, those of tets that have `other` left out.
+void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const SmallSet& ring, std::vector<LinkEdge>& edges) {
+  edges.clear();
+  for (const auto& [t, local] : ball.tets) {
+    if (mesh.local_index(t, other) >= 0) continue;
+    for (const int i : kTetFaces[local])
+      for (const int j : kTetFaces[local]) {
+        const VertexId x = mesh.vertex(t, i), y = mesh.vertex(t, j);
+        if (x < y && ring.contains(x.value) && ring.contains(y.value)) edges.emplace_back(x, y);
+      }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+/// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are in the link of their edge, so
+/// that nothing comes to exist twice. For interior vertices the exactly positive tets imply it; the boundary may close up over a gap.
 Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
-  TetMesh& mesh = w.mesh;
-  w.vertices_seen.clear();
-  for (const auto& [t, local] : w.ball.tets)
-    if (mesh.local_index(t, kept) < 0)
-      for (int i = 0; i < 4; ++i)
-        if (i != local) w.vertices_seen.insert(mesh.vertex(t, i).value);
-  SmallSet& ring = w.other_ball.seen;  // free until the other ball has been gathered
-  if (const Verdict r = gather_ball(mesh, w.claims, kept, w.other_ball); r != Verdict::accepted) return r;
+  const TetMesh& mesh = w.mesh;
+  if (const Verdict r = gather_ball(w.mesh, w.claims, kept, w.other_ball); r != Verdict::accepted) return r;
+  SmallSet &link = w.vertices_seen, &ring = w.other_ball.seen;  // the latter is free now
+  link.clear();
   ring.clear();
-  for (const auto& [t, local] : w.ball.tets)
-    if (mesh.local_index(t, kept) >= 0)
-      for (const VertexId v : mesh.vertices(t)) ring.insert(v.value);
-  for (const auto& [t, local] : w.other_ball.tets)
-    if (mesh.local_index(t, removed) < 0)
-      for (const VertexId v : mesh.vertices(t))
-        if (v != kept && w.vertices_seen.contains(v.value) && !ring.contains(v.value)) return Verdict::breaks_topology;
+  std::vector<LinkEdge> shell_edges;
+  for (const auto& [t, local] : w.ball.tets) {
+    const int k = mesh.local_index(t, kept);
+    std::array<VertexId, 2> opposite;
+    for (int i = 0, n = 0; i < 4; ++i) {
+      if (i == local || i == k) continue;
+      (k >= 0 ? ring : link).insert(mesh.vertex(t, i).value);
+      if (k >= 0) opposite[n++] = mesh.vertex(t, i);
+    }
+    if (k >= 0) shell_edges.push_back(std::minmax(opposite[0], opposite[1]));
+  }
+  for (const auto& [t, local] : w.other_ball.tets) {
+    if (mesh.local_index(t, removed) >= 0) continue;
+    for (const int i : kTetFaces[local])
+      if (const VertexId v = mesh.vertex(t, i); link.contains(v.value) && !ring.contains(v.value)) return Verdict::breaks_topology;
+  }
+  std::vector<LinkEdge> of_removed, of_kept;
+  link_edges_in(mesh, w.ball, kept, ring, of_removed);
+  link_edges_in(mesh, w.other_ball, removed, ring, of_kept);
+  for (const LinkEdge& e : of_removed)
+    if (std::binary_search(of_kept.begin(), of_kept.end(), e) && std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
+      return Verdict::breaks_topology;
   return Verdict::accepted;
 }
 
+/// The longest edge at the centre of the gathered ball.
+double longest_spoke(Worker& w) {
+  double longest = 0;
+  w.vertices_seen.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i) {
+      const VertexId v = w.mesh.vertex(t, i);
+      if (i != local && w.vertices_seen.insert(v.value)) longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
+    }
+  return longest;
+}
+
 /// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring.
-Verdict judge_lengths(Worker& w, VertexId kept) {
+Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
   const TetMesh& mesh = w.mesh;
+  const double longest = goal == CollapseGoal::quality ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
+                                                       : w.kernel.limits.collapse_longest;
   SmallSet& seen = w.vertices_seen;
   seen.clear();
   for (const auto& [t, local] : w.ball.tets)
@@ -51,7 +93,7 @@ Verdict judge_lengths(Worker& w, VertexId kept) {
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4; ++i)
       if (i != local && seen.insert(mesh.vertex(t, i).value) &&
-          length_between(mesh, mesh.vertex(t, i), kept) > w.kernel.limits.collapse_longest)
+          length_between(mesh, mesh.vertex(t, i), kept) > longest)
         return Verdict::too_long;
   return Verdict::accepted;
 }
@@ -71,7 +113,7 @@ Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
       continue;
     }
     const auto& f = kTetFaces[local];
-    const double q = judge_quality(corner(mesh, mesh.vertex(t, f[0])), corner(mesh, mesh.vertex(t, f[1])),
+    const double q = judge_quality(mesh.metric_mean(), corner(mesh, mesh.vertex(t, f[0])), corner(mesh, mesh.vertex(t, f[1])),
                                    corner(mesh, mesh.vertex(t, f[2])), k);
     if (q < 0) return Verdict::inverts;
     if (q < enough) return Verdict::worsens_quality;
@@ -93,6 +135,17 @@ Verdict judge_topology(const Worker& w, VertexId removed, VertexId kept, const E
         return Verdict::breaks_topology;
   }
   return Verdict::accepted;
+}
+
+/// No tet may come to lie flat upon a curved surface (TetMesh::lies_on_curved).
+bool lies_down(const TetMesh& mesh, const Ball& ball, VertexId kept) {
+  if (!(mesh.flags(kept) & kOnCurved)) return false;
+  return std::any_of(ball.tets.begin(), ball.tets.end(), [&](const Ball::Entry& e) {
+    if (mesh.local_index(e.tet, kept) >= 0) return false;
+    TetVertices v = mesh.vertices(e.tet);
+    v[e.local] = kept;
+    return mesh.lies_on_curved(v);
+  });
 }
 
 /// On curved patches the new boundary triangles must stay near the reference surface and face the same way.
@@ -177,7 +230,8 @@ Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal) {
     edge = classify(mesh, w.shell);
   }
   if (const Verdict r = judge_classification(w, edge, removed); r != Verdict::accepted) return r;
-  if (const Verdict r = judge_lengths(w, kept); r != Verdict::accepted) return r;
+  if (lies_down(mesh, w.ball, kept)) return Verdict::breaks_topology;
+  if (const Verdict r = judge_lengths(w, kept, goal); r != Verdict::accepted) return r;
   if (const Verdict r = judge_qualities(w, kept, goal); r != Verdict::accepted) return r;
   if (boundary) {
     if (const Verdict r = judge_topology(w, removed, kept, edge); r != Verdict::accepted) return r;

@@ -2,13 +2,12 @@
 #include "meshing/import_mesh.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
 #include "meshing/adjacency.h"
 #include "meshing/error.h"
-#include "meshing/quality.h"
+#include "meshing/predicates.h"
 
 namespace weft::meshing {
 namespace {
@@ -151,15 +150,19 @@ void classify_boundary(const Boundary& b, const MeshData& m, const Surface& surf
   for (std::uint32_t v = 0; v < m.points.size(); ++v) {
     mesh.set_kind(VertexId(v), surface.vertex_kind(v));
     mesh.set_surface_hint(VertexId(v), surface.vertex_hint(v));
-    mesh.set_fixed(VertexId(v), surface.vertex_kind(v) == VertexKind::corner ? kFixed : 0);
+    mesh.set_flags(VertexId(v), surface.vertex_kind(v) == VertexKind::corner ? kFixed : 0);
   }
+  const auto add = [&](std::uint32_t v, int flag) { mesh.set_flags(VertexId(v), mesh.flags(VertexId(v)) | flag); };
+  for (std::uint32_t i = 0; i < b.codes.size(); ++i)
+    if (!surface.patches()[surface.triangle_patch(i).value].planar)
+      for (const std::uint32_t v : b.data.triangles[i]) add(v, kOnCurved);
   for (const auto& e : surface.feature_edges()) mesh.set_curve(VertexId(e.vertices[0]), VertexId(e.vertices[1]), e.curve);
   for (const std::uint32_t t : b.data.required_triangles)
-    for (const std::uint32_t v : b.data.triangles[t]) mesh.set_fixed(VertexId(v), kFixed);
+    for (const std::uint32_t v : b.data.triangles[t]) add(v, kFixed);
   for (const std::uint32_t e : b.data.required_edges)
-    for (const std::uint32_t v : b.data.edges[e]) mesh.set_fixed(VertexId(v), kFixed);
-  for (const std::uint32_t v : m.required_points) mesh.set_fixed(VertexId(v), kFixed | kListedRequired);
-  for (const std::uint32_t v : m.corners) mesh.set_fixed(VertexId(v), mesh.fixed_flags(VertexId(v)) | kFixed | kListedCorner);
+    for (const std::uint32_t v : b.data.edges[e]) add(v, kFixed);
+  for (const std::uint32_t v : m.required_points) add(v, kFixed | kListedRequired);
+  for (const std::uint32_t v : m.corners) add(v, kFixed | kListedCorner);
 }
 
 }  // namespace
@@ -205,10 +208,6 @@ void read_metric(TetMesh& mesh, const Background& background, bool background_is
       mesh.set_background_hint(v, hint = s.tet);
     }
   }
-  tbb::parallel_for(0u, mesh.tet_slots(), [&](std::uint32_t i) {
-    const TetVertices v = mesh.vertices(TetId(i));
-    mesh.set_quality(TetId(i), static_cast<float>(judge_quality(mesh, v[0], v[1], v[2], v[3])));
-  });
 }
 
 void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required, MeshData& d,
@@ -222,8 +221,8 @@ void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<
     d.points[i] = mesh.point(v);
     d.point_refs[i] = mesh.ref(v);
     log_metrics[i] = mesh.log_metric(v);
-    if (mesh.kind(v) == VertexKind::corner || mesh.fixed_flags(v) & kListedCorner) d.corners.push_back(i);
-    if (mesh.fixed_flags(v) & kListedRequired) d.required_points.push_back(i);
+    if (mesh.kind(v) == VertexKind::corner || mesh.flags(v) & kListedCorner) d.corners.push_back(i);
+    if (mesh.flags(v) & kListedRequired) d.required_points.push_back(i);
   }
   d.tets.resize(nt);
   d.tet_refs.resize(nt);

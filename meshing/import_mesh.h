@@ -27,8 +27,7 @@ struct ImportedMesh {
 ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std::size_t vertex_capacity,
                          std::size_t tet_capacity);
 
-/// Reads the metric of every vertex from the background (directly where the background is the input mesh) and
-/// caches all qualities. Vertex ids must still be those of the input.
+/// Reads the metric of every vertex from the background (directly where the background is the input mesh). Vertex ids must still be those of the input.
 void read_metric(TetMesh& mesh, const Background& background, bool background_is_input);
 
 /// Plain arrays and metrics of a renumbered (hole-free) mesh.

@@ -9,6 +9,7 @@
 #include "meshing/surface_fit.h"
 #include "meshing/swap.h"
 
+static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 namespace weft::meshing {
 namespace {
 
@@ -32,6 +33,19 @@ std::array<EdgeLength, 6> edges_by_length(const TetMesh& mesh, const TetVertices
   return e;
 }
 
+/// A tet that the input has lying upon a curved surface is raised by a vertex on one of its inner edges.
+Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
+  for (const auto& e : kTetEdges) {
+    if (length_between(w.mesh, v[e[0]], v[e[1]]) <= w.kernel.limits.finest_long_edge) continue;
+    if (const Verdict r = gather_shell(w.mesh, w.claims, t, v[e[0]], v[e[1]], w.shell); r != Verdict::accepted) return r;
+    if (classify(w.mesh, w.shell).kind != VertexKind::interior) continue;
+    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], w.kernel.limits.finest_split_shortest);
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+    w.counts.add(Operator::split, r);
+  }
+  return Verdict::not_needed;
+}
+
 /// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are still thick, and before
 /// anything is created between them and the surface.
 Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
@@ -47,7 +61,7 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
       w.counts.add(Operator::split, r);
     }
   }
-  return Verdict::not_needed;
+  return w.mesh.lies_on_curved(v) ? split_lying(w, t, v) : Verdict::not_needed;
 }
 
 bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
@@ -63,7 +77,9 @@ Verdict split_longest(Worker& w, TetId t, double longest) {
   Verdict r = Verdict::not_needed;
   for (int i = 5; i >= 0 && edges[i].length > longest; --i) {
     const auto& e = kTetEdges[edges[i].edge];
-    r = split_edge(w, t, v[e[0]], v[e[1]], w.kernel.limits.split_shortest);
+    // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with them later.
+    const double shortest = edges[i].length > env("VL", 2) * longest ? env("VS",0.1) * w.kernel.limits.split_shortest : w.kernel.limits.split_shortest;
+    r = split_edge(w, t, v[e[0]], v[e[1]], shortest);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }

@@ -1,4 +1,4 @@
-// The quality that operators judge by: mean ratio in the arithmetic mean of the vertices' metrics.
+// The quality that operators judge by: mean ratio in a mean of the vertices' metrics, cheap or exact (MetricMean).
 // Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh resolves the metric.
 #pragma once
 
@@ -27,31 +27,39 @@ inline double fast_cbrt(double x) {
   return y;
 }
 
-/// Mean ratio of a tet of positive six_volume in the sum of its four vertices' metrics (four times their mean: the
-/// measure does not depend on the metric's scale).
+/// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of it: the
+/// measure does not depend on the metric's scale.
 inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
   const double v = six_volume * (1.0 / 6);
   return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
 }
 
-/// A vertex as the judges see it.
+/// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of mean) add up to.
+inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
+  return mean == MetricMean::arithmetic ? sum : exp_fast(0.25 * sum);
+}
+
+/// A vertex as the judges see it: its place and the tensor that the kind of mean adds up.
 struct Corner {
   Point x;
-  Metric m;
+  SymTensor tensor;
 };
-inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), mesh.metric(v)}; }
+inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
+  return mesh.metric_mean() == MetricMean::arithmetic ? mesh.metric(v) : mesh.log_metric(v);
+}
+inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
 
 /// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
-inline double judge_quality(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
   const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
   if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
   const double volume = dot(cross(e1, e2), e3);
   if (!(volume > 0)) return 0;
-  return mean_ratio(volume, a.m + b.m + c.m + d.m, e1, e2, e3);
+  return mean_ratio(volume, mean_of_sum(mean, a.tensor + b.tensor + c.tensor + d.tensor), e1, e2, e3);
 }
 
 inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
-  return judge_quality(corner(mesh, a), corner(mesh, b), corner(mesh, c), corner(mesh, d));
+  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c), corner(mesh, d));
 }
 
 inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {

@@ -19,8 +19,8 @@ class BallResiduals {
   using Scalar = double;
   enum { NUM_RESIDUALS = kMaxBall, NUM_PARAMETERS = 3 };
 
-  BallResiduals(const std::vector<BallFace>& faces, const Point& origin, const Metric& metric, const Eigen3& frame)
-      : faces_(faces), origin_(origin), metric_(metric) {
+  BallResiduals(const std::vector<BallFace>& faces, MetricMean mean, const Point& origin, const SymTensor& tensor, const Eigen3& frame)
+      : faces_(faces), mean_(mean), origin_(origin), tensor_(tensor) {
     for (int i = 0; i < 3; ++i) axes_[i] = (1 / std::sqrt(frame.values[i])) * frame.vectors[i];
   }
 
@@ -32,7 +32,7 @@ class BallResiduals {
     if (jacobian) std::fill_n(jacobian, 3 * kMaxBall, 0.0);
     for (std::size_t k = 0; k < faces_.size(); ++k) {
       face_[0] = faces_[k];
-      const BallDerivatives d = ball_derivatives(face_, x, metric_);
+      const BallDerivatives d = ball_derivatives(mean_, face_, x, tensor_);
       // An inverted tet contributes nothing there; here it is a wall.
       residuals[k] = d.value > 0 ? d.value * d.value : 1e30;
       if (!jacobian || d.value <= 0) continue;
@@ -43,8 +43,9 @@ class BallResiduals {
 
  private:
   const std::vector<BallFace>& faces_;
+  MetricMean mean_;
   Point origin_;
-  Metric metric_;
+  SymTensor tensor_;
   std::array<Vec, 3> axes_;
   mutable std::vector<BallFace> face_ = std::vector<BallFace>(1);
 };
@@ -60,7 +61,7 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   gather_faces(mesh, w.ball, w.faces);
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const BallResiduals residuals(w.faces, mesh.point(v), mesh.metric(v), eigen_decomposition(mesh.metric(v)));
+  const BallResiduals residuals(w.faces, mesh.metric_mean(), mesh.point(v), judge_tensor(mesh, v), eigen_decomposition(mesh.metric(v)));
   ceres::TinySolver<BallResiduals> solver;
   solver.options.max_num_iterations = 20;
   Eigen::Vector3d y = Eigen::Vector3d::Zero();
@@ -68,7 +69,7 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   MovedVertex moved;
   if (!y.allFinite() || y.squaredNorm() < 1e-6) return Verdict::not_needed;
   if (!move_to(w, v, MoveSpace{}, residuals.position(y.data()), moved)) return Verdict::leaves_surface;
-  const double worst = ball_qualities(w.faces, moved.x, moved.metric, w.qualities);
+  const double worst = ball_qualities(mesh.metric_mean(), w.faces, moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
   if (worst < 0) return Verdict::inverts;
   if (worst < old_worst + std::max(1e-3, 0.02 * old_worst)) return Verdict::worsens_quality;
   commit_move(w, v, moved);

@@ -2,6 +2,7 @@
 #include "meshing/split_edge.h"
 
 #include <algorithm>
+static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 
 namespace weft::meshing {
 namespace {
@@ -54,15 +55,16 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, double shortest
     const VertexId r = shell.ring[i];
     if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < shortest) return Verdict::too_short;
   }
-  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, n.metric};
+  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
+  const MetricMean mean = mesh.metric_mean();
   double worst_before = 1;
   for (int i = 0; i < shell.size; ++i) worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
   w.qualities.clear();
   for (int i = 0; i < shell.size; ++i) {
     const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
-    const double qa = judge_quality(a, p, r, s), qb = judge_quality(p, b, r, s);
+    const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
     if (qa < 0 || qb < 0) return Verdict::inverts;
-    const double enough = std::min(limits.split_quality, 0.3 * worst_before);
+    const double enough = std::min(limits.split_quality, env("WB",0.8) * worst_before);
     if (std::min(qa, qb) < enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(qa));
     w.qualities.push_back(static_cast<float>(qb));
@@ -76,7 +78,7 @@ VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
   mesh.set_point(p, n.x);
   mesh.set_metric(p, n.log_metric, n.metric);
   mesh.set_kind(p, n.on.kind);
-  mesh.set_fixed(p, 0);
+  mesh.set_flags(p, n.on.kind == VertexKind::interior ? 0 : mesh.flags(shell.a) & mesh.flags(shell.b) & kOnCurved);
   mesh.set_ref(p, 0);
   mesh.set_background_hint(p, n.background_hint);
   mesh.set_surface_hint(p, n.surface_hint);

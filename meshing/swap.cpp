@@ -19,15 +19,21 @@ struct RingTriangulation {
 };
 
 /// Qualities of the tets over ring triangle (i, k, j), i < k < j, with the edge's two ends.
-std::pair<double, double> judge_triangle(const Corner& a, const Corner& b, const Corner* ring, int i, int k, int j,
+std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const Corner& b, const Corner* ring, int i, int k, int j,
                                          double enough) {
-  const double qb = judge_quality(ring[i], ring[k], ring[j], b);
+  const double qb = judge_quality(mean, ring[i], ring[k], ring[j], b);
   if (qb <= enough) return {qb, -1};
-  return {qb, judge_quality(ring[k], ring[i], ring[j], a)};
+  return {qb, judge_quality(mean, ring[k], ring[i], ring[j], a)};
 }
 
 /// Fills `r`; false when no triangulation has all tets better than `enough`.
-bool triangulate(const Corner& a, const Corner& b, const Corner* ring, int m, double enough, RingTriangulation& r) {
+/// Would a tet over ring triangle (i, k, j) lie flat upon a curved surface?
+bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
+  const int on = mesh.flags(shell.ring[i]) & mesh.flags(shell.ring[k]) & mesh.flags(shell.ring[j]) & kOnCurved;
+  return on & (mesh.flags(shell.a) | mesh.flags(shell.b));
+}
+
+bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const Corner& a, const Corner& b, const Corner* ring, int m, double enough, RingTriangulation& r) {
   for (int i = 0; i + 1 < m; ++i) r.best[i][i + 1] = 2;
   for (int width = 2; width < m; ++width)
     for (int i = 0; i + width < m; ++i) {
@@ -36,8 +42,8 @@ bool triangulate(const Corner& a, const Corner& b, const Corner* ring, int m, do
       r.apex[i][j] = -1;
       for (int k = i + 1; k < j; ++k) {
         const double bound = std::min(r.best[i][k], r.best[k][j]);
-        if (bound <= r.best[i][j]) continue;
-        const auto [qb, qa] = judge_triangle(a, b, ring, i, k, j, r.best[i][j]);
+        if (bound <= r.best[i][j] || lies_down(mesh, shell, i, k, j)) continue;
+        const auto [qb, qa] = judge_triangle(mean, a, b, ring, i, k, j, r.best[i][j]);
         const double q = std::min({bound, qa, qb});
         if (q <= r.best[i][j]) continue;
         r.best[i][j] = q;
@@ -154,10 +160,13 @@ Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   if (!w.kernel.surface.patches()[patch.value].planar &&
       (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a) || !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b)))
     return Verdict::leaves_surface;
-  // The new edge may exist already where the boundary bends back on itself.
-  if (const Verdict r = gather_ball(w.mesh, w.claims, c, w.other_ball); r != Verdict::accepted) return r;
-  for (const auto& [t, local] : w.other_ball.tets)
-    if (w.mesh.local_index(t, d) >= 0) return Verdict::breaks_topology;
+  // The cavity changes its outline here: an edge across it may exist already, outside, where the boundary bends.
+  for (int i = 0; i + 2 <= shell.size; ++i) {
+    if (const Verdict r = gather_ball(w.mesh, w.claims, shell.ring[i], w.other_ball); r != Verdict::accepted) return r;
+    for (const auto& [t, local] : w.other_ball.tets)
+      for (int j = i + 2; j <= shell.size; ++j)
+        if (w.mesh.local_index(t, shell.ring[j]) >= 0) return Verdict::breaks_topology;
+  }
   return Verdict::accepted;
 }
 
@@ -183,7 +192,7 @@ Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   std::array<Corner, kMaxRing> ring;
   for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
   RingTriangulation r;
-  if (!triangulate(corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(mesh.quality(worst)), r))
+  if (!triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(mesh.quality(worst)), r))
     return Verdict::worsens_quality;
   if (!shell.closed)
     if (const Verdict v = judge_boundary(w, shell, on.patch); v != Verdict::accepted) return v;
@@ -204,7 +213,8 @@ Verdict swap_face(Worker& w, TetId t, int face) {
   std::array<double, 3> quality;
   const Corner cp = corner(mesh, p), cq = corner(mesh, q);
   for (int i = 0; i < 3; ++i) {
-    quality[i] = judge_quality(cq, cp, corner(mesh, f[i]), corner(mesh, f[(i + 1) % 3]));
+    if (mesh.lies_on_curved({q, p, f[i], f[(i + 1) % 3]})) return Verdict::breaks_topology;
+    quality[i] = judge_quality(mesh.metric_mean(), cq, cp, corner(mesh, f[i]), corner(mesh, f[(i + 1) % 3]));
     if (quality[i] < 0) return Verdict::inverts;
     if (quality[i] <= enough) return Verdict::worsens_quality;
   }

@@ -34,7 +34,7 @@ void permute(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint
 TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity)
     : tets_(tet_capacity), patches_(tet_capacity), tet_refs_(tet_capacity), quality_(tet_capacity),
       marks_(tet_capacity), points_(vertex_capacity), metrics_(vertex_capacity), log_metrics_(vertex_capacity),
-      vertex_tets_(vertex_capacity), kinds_(vertex_capacity), fixed_(vertex_capacity), vertex_marks_(vertex_capacity),
+      vertex_tets_(vertex_capacity), kinds_(vertex_capacity), flags_(vertex_capacity), vertex_marks_(vertex_capacity),
       vertex_refs_(vertex_capacity), background_hints_(vertex_capacity), surface_hints_(vertex_capacity),
       claims_(vertex_capacity) {}
 
@@ -93,7 +93,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   permute(log_metrics_, new_vertex, num_vertices);
   permute(vertex_tets_, new_vertex, num_vertices);
   permute(kinds_, new_vertex, num_vertices);
-  permute(fixed_, new_vertex, num_vertices);
+  permute(flags_, new_vertex, num_vertices);
   permute(vertex_marks_, new_vertex, num_vertices);
   permute(vertex_refs_, new_vertex, num_vertices);
   permute(background_hints_, new_vertex, num_vertices);

@@ -36,8 +36,12 @@ using TetVertices = std::array<VertexId, 4>;
 enum TetMark : std::uint8_t { kCheckLong = 1, kCheckSwap = 2, kCheckPoor = 4, kAllTetMarks = 7 };
 enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kAllVertexMarks = 3 };
 
-/// Why a vertex is fixed, kept for the output.
-enum FixedFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4 };
+/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the metric
+/// changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean mean is needed.
+enum class MetricMean : std::uint8_t { arithmetic, log_euclidean };
+
+/// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in the output.
+enum VertexFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4, kOnCurved = 8 };
 
 class TetMesh {
  public:
@@ -93,6 +97,10 @@ class TetMesh {
   /// Removes marks and says which of them were there.
   std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
 
+  /// How judges average the metrics of a tet's vertices. Change it only while no operator runs; cached qualities are then stale.
+  MetricMean metric_mean() const { return metric_mean_; }
+  void set_metric_mean(MetricMean m) { metric_mean_ = m; }
+
   // --- vertices ---
   bool alive(VertexId v) const { return load(vertex_tets_[v.value]) != 0; }
   const Point& point(VertexId v) const { return points_[v.value]; }
@@ -104,10 +112,12 @@ class TetMesh {
   void set_tet_of(VertexId v, TetId t) { store(vertex_tets_[v.value], t.value + 1); }
   VertexKind kind(VertexId v) const { return kinds_[v.value]; }
   void set_kind(VertexId v, VertexKind k) { kinds_[v.value] = k; }
-  /// True for a vertex that must stay where it is and as it is (corner, required).
-  bool fixed(VertexId v) const { return fixed_[v.value] & kFixed; }
-  std::uint8_t fixed_flags(VertexId v) const { return fixed_[v.value]; }
-  void set_fixed(VertexId v, int flags) { fixed_[v.value] = static_cast<std::uint8_t>(flags); }
+  std::uint8_t flags(VertexId v) const { return flags_[v.value]; }
+  void set_flags(VertexId v, int flags) { flags_[v.value] = static_cast<std::uint8_t>(flags); }
+  bool fixed(VertexId v) const { return flags(v) & kFixed; }
+  /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface is retriangulated
+  /// under it the mesh may come to overlap although all its tets are positive. None is ever created.
+  bool lies_on_curved(const TetVertices& v) const { return flags(v[0]) & flags(v[1]) & flags(v[2]) & flags(v[3]) & kOnCurved; }
   std::int32_t ref(VertexId v) const { return vertex_refs_[v.value]; }
   void set_ref(VertexId v, std::int32_t r) { vertex_refs_[v.value] = r; }
   /// Where in the background and on the reference surface the vertex is (a start for nearby queries).
@@ -155,6 +165,7 @@ class TetMesh {
   }
 
   std::atomic<std::uint32_t> vertex_slots_{0}, tet_slots_{0};
+  MetricMean metric_mean_ = MetricMean::arithmetic;
   StableArray<Tet> tets_;
   StableArray<std::array<std::uint32_t, 4>> patches_;  // patch + 1, so that fresh memory means none
   StableArray<std::int32_t> tet_refs_;
@@ -165,7 +176,7 @@ class TetMesh {
   StableArray<LogMetric> log_metrics_;
   StableArray<std::uint32_t> vertex_tets_;  // tet + 1, 0 for a dead vertex
   StableArray<VertexKind> kinds_;
-  StableArray<std::uint8_t> fixed_, vertex_marks_;
+  StableArray<std::uint8_t> flags_, vertex_marks_;
   StableArray<std::int32_t> vertex_refs_;
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
