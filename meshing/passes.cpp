@@ -9,7 +9,6 @@
 #include "meshing/surface_fit.h"
 #include "meshing/swap.h"
 
-static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 namespace weft::meshing {
 namespace {
 
@@ -39,7 +38,7 @@ Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
     if (length_between(w.mesh, v[e[0]], v[e[1]]) <= w.kernel.limits.finest_long_edge) continue;
     if (const Verdict r = gather_shell(w.mesh, w.claims, t, v[e[0]], v[e[1]], w.shell); r != Verdict::accepted) return r;
     if (classify(w.mesh, w.shell).kind != VertexKind::interior) continue;
-    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], w.kernel.limits.finest_split_shortest);
+    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], {w.kernel.limits.finest_split_shortest});
     if (r == Verdict::accepted || r == Verdict::conflict) return r;
     w.counts.add(Operator::split, r);
   }
@@ -55,8 +54,8 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
     if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
     for (int i = 0; i < 3; ++i) {
       const VertexId a = v[kTetFaces[f][i]], b = v[kTetFaces[f][(i + 1) % 3]];
-      if (length_between(w.mesh, a, b) <= limits.finest_long_edge || bulge(w.kernel, a, b, patch) <= limits.largest_bulge) continue;
-      const Verdict r = split_edge(w, t, a, b, limits.finest_split_shortest);
+      if (!curves_too_much(w.kernel, a, b, patch)) continue;
+      const Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
       if (r == Verdict::accepted || r == Verdict::conflict) return r;
       w.counts.add(Operator::split, r);
     }
@@ -68,18 +67,19 @@ bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
   return std::count_if(v.begin(), v.end(), [&](VertexId x) { return mesh.kind(x) != VertexKind::interior; }) > 1;
 }
 
-Verdict split_longest(Worker& w, TetId t, double longest) {
+Verdict split_longest(Worker& w, TetId t) {
+  const Limits& limits = w.kernel.limits;
   if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
   const TetVertices v = w.mesh.vertices(t);
   if (on_boundary(w.mesh, v))
     if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
   const auto edges = edges_by_length(w.mesh, v);
   Verdict r = Verdict::not_needed;
-  for (int i = 5; i >= 0 && edges[i].length > longest; --i) {
+  for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
     const auto& e = kTetEdges[edges[i].edge];
     // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with them later.
-    const double shortest = edges[i].length > env("VL", 2) * longest ? env("VS",0.1) * w.kernel.limits.split_shortest : w.kernel.limits.split_shortest;
-    r = split_edge(w, t, v[e[0]], v[e[1]], shortest);
+    const double shortest = (edges[i].length > 2 * limits.long_edge ? 0.1 : 1) * limits.split_shortest;
+    r = split_edge(w, t, v[e[0]], v[e[1]], {shortest});
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }
@@ -168,9 +168,7 @@ Verdict improve(Worker& w, TetId t, double quality) {
 
 }  // namespace
 
-std::uint64_t split_pass(Crew& crew, double longest) {
-  return crew.sweep_tets(kCheckLong, [longest](Worker& w, TetId t) { return split_longest(w, t, longest); });
-}
+std::uint64_t split_pass(Crew& crew) { return crew.sweep_tets(kCheckLong, split_longest); }
 
 std::uint64_t collapse_pass(Crew& crew) { 
   return crew.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
@@ -186,6 +184,16 @@ std::uint64_t swap_pass(Crew& crew, double quality) {
 
 std::uint64_t smooth_pass(Crew& crew) {
   return crew.sweep_vertices(kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+}
+
+std::uint64_t smooth_poor(Crew& crew, double quality) {
+  return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
+    if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+    Verdict any = Verdict::not_needed;
+    for (const VertexId v : w.mesh.vertices(t))
+      if (done(w, Operator::smooth, smooth_vertex(w, v)) == Verdict::accepted) any = Verdict::accepted;
+    return any;
+  });
 }
 
 std::uint64_t improve_pass(Crew& crew, double quality) {

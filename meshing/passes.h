@@ -7,15 +7,18 @@
 
 namespace weft::meshing {
 
-/// Splits the longest edge of every marked tet that has one longer than `longest`.
-std::uint64_t split_pass(Crew& crew, double longest);
-/// Collapses edges shorter than limits.short_edge of marked tets, shortest first.
+/// Splits the longest edge of every marked tet that has one longer than limits.long_edge; boundary edges that curve too much
+/// first.
+std::uint64_t split_pass(Crew& crew);
+/// Collapses marked vertices into their nearest neighbour nearer than limits.short_edge that allows it.
 std::uint64_t collapse_pass(Crew& crew);
 /// Swaps edges and faces of marked tets with a mean ratio below `quality`.
 std::uint64_t swap_pass(Crew& crew, double quality);
 /// Smooths marked vertices.
 std::uint64_t smooth_pass(Crew& crew);
-/// Repairs marked tets with a mean ratio below `quality` by whatever helps: swap, collapse, relocation, split.
+/// Smooths the vertices of tets with a mean ratio below `quality` that have changed.
+std::uint64_t smooth_poor(Crew& crew, double quality);
+/// Repairs marked tets with a mean ratio below `quality` by whatever helps: swap, relocation, collapse.
 std::uint64_t improve_pass(Crew& crew, double quality);
 
 }  // namespace weft::meshing

@@ -2,7 +2,6 @@
 #include "meshing/split_edge.h"
 
 #include <algorithm>
-static double env(const char* n, double d) { const char* e = getenv(n); return e ? atof(e) : d; }  // DEBUG
 
 namespace weft::meshing {
 namespace {
@@ -47,13 +46,12 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   return n;
 }
 
-Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, double shortest) {
+Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBounds& bounds) {
   const TetMesh& mesh = w.mesh;
-  const Limits& limits = w.kernel.limits;
   const int ring_size = shell.closed ? shell.size : shell.size + 1;
   for (int i = 0; i < ring_size; ++i) {
     const VertexId r = shell.ring[i];
-    if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < shortest) return Verdict::too_short;
+    if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < bounds.shortest) return Verdict::too_short;
   }
   const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
   const MetricMean mean = mesh.metric_mean();
@@ -64,7 +62,7 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, double shortest
     const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
     const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
     if (qa < 0 || qb < 0) return Verdict::inverts;
-    const double enough = std::min(limits.split_quality, env("WB",0.8) * worst_before);
+    const double enough = std::min(w.kernel.limits.split_quality, bounds.keep_share * worst_before);
     if (std::min(qa, qb) < enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(qa));
     w.qualities.push_back(static_cast<float>(qb));
@@ -132,12 +130,12 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
 
 }  // namespace
 
-Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, double shortest) {
+Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds) {
   if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   const NewVertex n = place(w, a, b, on);
-  if (const Verdict r = judge(w, w.shell, n, shortest); r != Verdict::accepted) return r;
+  if (const Verdict r = judge(w, w.shell, n, bounds); r != Verdict::accepted) return r;
   commit(w, w.shell, create(w, n, w.shell));
   return Verdict::accepted;
 }

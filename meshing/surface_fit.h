@@ -7,16 +7,17 @@
 
 namespace weft::meshing {
 
-/// True when the triangle `changed` of a curved patch deviates at most limits.hausd from the reference surface at its
-/// centroid and edge middles and its normal turns by less than 60 degrees from that of `old`, the triangle it replaces.
+/// Must boundary edge (a, b) of a curved `patch` be split? Its middle is farther than limits.hausd from the reference surface (or
+/// curve), or the edge is longer than limits.finest_long_edge and the way from its middle to the surface longer than limits.largest_bulge
+/// in the metric: a vertex put there would be pushed through the tets upon it once they are thin. Both ends must be claimed.
+bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
+
+/// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much, its centroid lie within
+/// limits.hausd of the reference surface, and its normal turn by less than 60 degrees from the surface's and from the old one's.
 /// All vertices must be claimed.
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed, const std::array<VertexId, 3>& old);
 
-/// Length in the metric of the way from the middle of boundary edge (a, b) to the reference surface of `patch` (or to the
-/// curve of a feature edge): what a vertex put there would push into the tets around. Both ends must be claimed.
-double bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch);
-
-/// Distance of point `p` near vertex `near` from the reference surface of `patch`.
-double surface_distance(const Kernel& k, PatchId patch, const Point& p, VertexId near);
+/// Distance from the centroid of a boundary face to the reference surface of `patch`.
+double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face);
 
 }  // namespace weft::meshing

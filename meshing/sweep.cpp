@@ -18,6 +18,18 @@ OperationCounts Crew::take_counts() {
   return sum;
 }
 
+std::uint64_t Crew::live_tets() const {
+  std::uint64_t free = 0;
+  for (const auto& w : workers_) free += w->free_tets.size();
+  return kernel_.mesh.tet_slots() - free;
+}
+
+std::uint64_t Crew::live_vertices() const {
+  std::uint64_t free = 0;
+  for (const auto& w : workers_) free += w->free_vertices.size();
+  return kernel_.mesh.vertex_slots() - free;
+}
+
 void Crew::forget_free_slots() {
   for (auto& w : workers_) {
     w->free_tets.clear();

@@ -47,8 +47,11 @@ class Crew {
 
   /// Runs a plain function with the crew's threads at hand.
   template <class F>
-  void run(F f) { arena_.execute(f); }
+  auto run(F f) { return arena_.execute(f); }
 
+  /// Live entities now, not while a sweep runs.
+  std::uint64_t live_tets() const;
+  std::uint64_t live_vertices() const;
   /// Counts of all workers since the last call.
   OperationCounts take_counts();
   /// Free slots are forgotten: renumbering has closed the holes.
