@@ -1,7 +1,7 @@
 // What smoothing minimises: the sum of inverse mean ratios of a ball as a function of its centre's position.
 #pragma once
 
-#include <array>
+#include <span>
 #include <vector>
 
 #include "meshing/neighbourhood.h"
@@ -17,19 +17,40 @@ struct BallDerivatives {
   SymTensor hessian;
 };
 
-/// One tet of a ball as seen from its centre: the opposite face and its share of the metric, gathered once.
-struct BallFace {
-  std::array<Point, 3> x;  ///< (x[0], x[1], x[2], centre) is positive
-  SymTensor tensor;        ///< sum of what MetricMean adds up at the three
+/// A ball as seen from its centre: the opposite faces, as arrays in which eight faces are worked on at once. Gathered once
+/// per vertex, evaluated at several places.
+class BallFaces {
+ public:
+  /// The faces opposite the centre of `ball`, with what MetricMean adds up at their vertices. `mesh` and `ball` must stay as they
+  /// are while the faces are evaluated.
+  void gather(const TetMesh& mesh, const Ball& ball);
+
+  int size() const { return size_; }
+
+  /// Derivatives at `x` where the centre has tensor `centre`. Tets that are not positive there contribute nothing.
+  BallDerivatives derivatives(const Point& x, const SymTensor& centre);
+  /// After derivatives(): 1/Q of face k (0 for a tet that is not positive) and its gradient.
+  double value(int k) const { return row(kValue)[k]; }
+  Vec gradient(int k) const { return {row(kGradient)[k], row(kGradient + 1)[k], row(kGradient + 2)[k]}; }
+
+  /// Mean ratios of all tets with the centre at `x`; returns the least, or -1 when one is not exactly positive.
+  double qualities(const Point& x, const SymTensor& centre, std::vector<float>& qualities);
+
+ private:
+  // Rows of doubles, one entry a face, padded to whole groups of eight with copies of the last face.
+  enum Row { kOrigin = 0, kEdge1 = 3, kEdge2 = 6, kNormal = 9, kAbsNormal = 12, kTensor = 15, kMean = 21, kValue = 27, kGradient = 28,
+             kWeight = 31, kRows = 32 };
+  double* row(int r) { return data_.data() + r * stride_; }
+  const double* row(int r) const { return data_.data() + r * stride_; }
+  void set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId c);
+  void average(const SymTensor& centre);
+  bool is_positive(int k, const Point& x) const;
+
+  const TetMesh* mesh_ = nullptr;  // for the exact judge, of what has been gathered
+  const Ball* ball_ = nullptr;
+  MetricMean mean_ = MetricMean::arithmetic;
+  int size_ = 0, stride_ = 0;
+  std::vector<double> data_;
 };
-
-/// Gathers the faces opposite the centre of `ball`.
-void gather_faces(const TetMesh& mesh, const Ball& ball, std::vector<BallFace>& faces);
-
-/// Derivatives at `x` where the centre has tensor `m`. All tets must be positive there.
-BallDerivatives ball_derivatives(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& m);
-
-/// Qualities of all tets with the centre at `x`; returns the least, or -1 as soon as one is not exactly positive.
-double ball_qualities(MetricMean mean, const std::vector<BallFace>& faces, const Point& x, const SymTensor& m, std::vector<float>& qualities);
 
 }  // namespace weft::meshing

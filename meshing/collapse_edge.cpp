@@ -87,14 +87,17 @@ Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
                                                        : w.kernel.limits.collapse_longest;
   SmallSet& seen = w.vertices_seen;
   seen.clear();
+  w.short_edges.clear();
   for (const auto& [t, local] : w.ball.tets)
     if (mesh.local_index(t, kept) >= 0)
       for (const VertexId v : mesh.vertices(t)) seen.insert(v.value);
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4; ++i)
-      if (i != local && seen.insert(mesh.vertex(t, i).value) &&
-          length_between(mesh, mesh.vertex(t, i), kept) > longest)
-        return Verdict::too_long;
+      if (i != local && seen.insert(mesh.vertex(t, i).value)) {
+        const double length = length_between(mesh, mesh.vertex(t, i), kept);
+        if (length > longest) return Verdict::too_long;
+        if (length < w.kernel.limits.short_edge) w.short_edges.push_back({mesh.vertex(t, i), length});
+      }
   return Verdict::accepted;
 }
 
@@ -207,12 +210,16 @@ void commit(Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
     mesh.mark(t, kAllTetMarks);
     for (const VertexId v : mesh.vertices(t)) {
       mesh.set_tet_of(v, t);
-      mesh.mark(v, kAllVertexMarks);
+      mesh.touch(v);
     }
   }
   for (std::size_t i = 0; i < w.ball.tets.size(); ++i)
     if (w.qualities[i] < 0) w.free(w.ball.tets[i].tet);
   w.free(removed);
+  for (const Neighbour& n : w.short_edges) {
+    mesh.mark(n.vertex, kCheckShort);
+    mesh.mark(kept, kCheckShort);
+  }
 }
 
 }  // namespace

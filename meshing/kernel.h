@@ -55,7 +55,8 @@ struct Worker {
   Shell shell;
   SmallSet vertices_seen;
   std::vector<float> qualities;
-  std::vector<BallFace> faces;
+  BallFaces faces;
+  std::vector<Neighbour> short_edges;
   std::vector<Neighbour> neighbours;
   OperationCounts counts;
   std::vector<TetId> free_tets;

@@ -48,9 +48,9 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   MoveSpace space;
   if (const Verdict r = move_space(w, v, space); r != Verdict::accepted) return r;
-  gather_faces(mesh, w.ball, w.faces);
+  w.faces.gather(mesh, w.ball);
   const Point old = mesh.point(v);
-  const BallDerivatives d = ball_derivatives(mesh.metric_mean(), w.faces, old, judge_tensor(mesh, v));
+  const BallDerivatives d = w.faces.derivatives(old, judge_tensor(mesh, v));
   Vec step;
   if (space.kind == VertexKind::interior) {
     if (!newton_step(d.hessian, d.gradient, step)) return Verdict::not_needed;
@@ -73,7 +73,7 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   for (double damping = 1; damping > 0.2; damping *= 0.5) {
     MovedVertex moved;
     if (!move_to(w, v, space, old + damping * step, moved)) return Verdict::leaves_surface;
-    const double worst = ball_qualities(mesh.metric_mean(), w.faces, moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
+    const double worst = w.faces.qualities(moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
     verdict = worst < 0 ? Verdict::inverts : Verdict::worsens_quality;
     if (worst >= std::min(old_worst, 0.6) && sum_of_inverses(w.qualities) < 0.999 * old_sum) {
       commit_move(w, v, moved);

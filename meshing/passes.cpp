@@ -104,12 +104,19 @@ void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found)
   });
 }
 
+/// kHasShort says whether the last look found a short edge.
+void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
+  if (has_short) mesh.mark(v, kHasShort);
+  else mesh.take_marks(v, kHasShort);
+}
+
 /// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
 Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
   if (!w.mesh.alive(v) || w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
   if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted) return done(w, Operator::collapse, r);
   std::vector<Neighbour>& found = w.neighbours;
   neighbours_within(w, nearest, found);
+  if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
   Verdict r = Verdict::not_needed;
   for (const Neighbour& n : found) {
     r = collapse_edge(w, n.vertex, goal);

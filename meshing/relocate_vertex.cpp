@@ -19,35 +19,32 @@ class BallResiduals {
   using Scalar = double;
   enum { NUM_RESIDUALS = kMaxBall, NUM_PARAMETERS = 3 };
 
-  BallResiduals(const std::vector<BallFace>& faces, MetricMean mean, const Point& origin, const SymTensor& tensor, const Eigen3& frame)
-      : faces_(faces), mean_(mean), origin_(origin), tensor_(tensor) {
+  BallResiduals(BallFaces& faces, const Point& origin, const SymTensor& tensor, const Eigen3& frame)
+      : faces_(faces), origin_(origin), tensor_(tensor) {
     for (int i = 0; i < 3; ++i) axes_[i] = (1 / std::sqrt(frame.values[i])) * frame.vectors[i];
   }
 
   Point position(const double* y) const { return origin_ + y[0] * axes_[0] + y[1] * axes_[1] + y[2] * axes_[2]; }
 
   bool operator()(const double* y, double* residuals, double* jacobian) const {
-    const Point x = position(y);
     std::fill_n(residuals, kMaxBall, 0.0);
     if (jacobian) std::fill_n(jacobian, 3 * kMaxBall, 0.0);
-    for (std::size_t k = 0; k < faces_.size(); ++k) {
-      face_[0] = faces_[k];
-      const BallDerivatives d = ball_derivatives(mean_, face_, x, tensor_);
-      // An inverted tet contributes nothing there; here it is a wall.
-      residuals[k] = d.value > 0 ? d.value * d.value : 1e30;
-      if (!jacobian || d.value <= 0) continue;
-      for (int i = 0; i < 3; ++i) jacobian[kMaxBall * i + k] = 2 * d.value * dot(d.gradient, axes_[i]);
+    faces_.derivatives(position(y), tensor_);
+    for (int k = 0; k < faces_.size(); ++k) {
+      const double inverse = faces_.value(k);
+      // An inverted tet contributes nothing to the derivatives; here it is a wall.
+      residuals[k] = inverse > 0 ? inverse * inverse : 1e30;
+      if (!jacobian || inverse <= 0) continue;
+      for (int i = 0; i < 3; ++i) jacobian[kMaxBall * i + k] = 2 * inverse * dot(faces_.gradient(k), axes_[i]);
     }
     return true;
   }
 
  private:
-  const std::vector<BallFace>& faces_;
-  MetricMean mean_;
+  BallFaces& faces_;
   Point origin_;
   SymTensor tensor_;
   std::array<Vec, 3> axes_;
-  mutable std::vector<BallFace> face_ = std::vector<BallFace>(1);
 };
 
 }  // namespace
@@ -58,10 +55,10 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   if (mesh.kind(v) != VertexKind::interior || mesh.fixed(v)) return Verdict::not_needed;
   if (w.ball.tets.size() > kMaxBall) return Verdict::too_large;
-  gather_faces(mesh, w.ball, w.faces);
+  w.faces.gather(mesh, w.ball);
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const BallResiduals residuals(w.faces, mesh.metric_mean(), mesh.point(v), judge_tensor(mesh, v), eigen_decomposition(mesh.metric(v)));
+  const BallResiduals residuals(w.faces, mesh.point(v), judge_tensor(mesh, v), eigen_decomposition(mesh.metric(v)));
   ceres::TinySolver<BallResiduals> solver;
   solver.options.max_num_iterations = 20;
   Eigen::Vector3d y = Eigen::Vector3d::Zero();
@@ -69,7 +66,7 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   MovedVertex moved;
   if (!y.allFinite() || y.squaredNorm() < 1e-6) return Verdict::not_needed;
   if (!move_to(w, v, MoveSpace{}, residuals.position(y.data()), moved)) return Verdict::leaves_surface;
-  const double worst = ball_qualities(mesh.metric_mean(), w.faces, moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
+  const double worst = w.faces.qualities(moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
   if (worst < 0) return Verdict::inverts;
   if (worst < old_worst + std::max(1e-3, 0.02 * old_worst)) return Verdict::worsens_quality;
   commit_move(w, v, moved);

@@ -48,10 +48,13 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
 
 Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBounds& bounds) {
   const TetMesh& mesh = w.mesh;
+  w.short_edges.clear();
   const int ring_size = shell.closed ? shell.size : shell.size + 1;
   for (int i = 0; i < ring_size; ++i) {
     const VertexId r = shell.ring[i];
-    if (edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric) < bounds.shortest) return Verdict::too_short;
+    const double length = edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric);
+    if (length < bounds.shortest) return Verdict::too_short;
+    if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
   }
   const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
   const MetricMean mean = mesh.metric_mean();
@@ -111,7 +114,7 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
     mesh.set_quality(u, w.qualities[2 * i + 1]);
     mesh.mark(t, kAllTetMarks);
     mesh.mark(u, kAllTetMarks);
-    mesh.mark(shell.ring[i], kAllVertexMarks);
+    mesh.touch(shell.ring[i]);
   }
   for (int i = 0; i < shell.size; ++i) {
     const int next = i + 1 < shell.size ? i + 1 : 0;
@@ -121,11 +124,15 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
   if (!shell.closed) {
     mesh.set_neighbour(upper[0], shell.tets[0].s, TetFace());
     mesh.set_neighbour(upper[shell.size - 1], shell.tets[shell.size - 1].r, TetFace());
-    mesh.mark(shell.ring[shell.size], kAllVertexMarks);
+    mesh.touch(shell.ring[shell.size]);
   }
   mesh.set_tet_of(p, upper[0]);
   mesh.set_tet_of(shell.b, upper[0]);
-  for (VertexId v : {shell.a, shell.b, p}) mesh.mark(v, kAllVertexMarks);
+  for (VertexId v : {shell.a, shell.b, p}) mesh.touch(v);
+  for (const Neighbour& n : w.short_edges) {
+    mesh.mark(n.vertex, kCheckShort);
+    mesh.mark(p, kCheckShort);
+  }
 }
 
 }  // namespace

@@ -62,6 +62,13 @@ struct OuterFace {
   PatchId patch;
 };
 
+/// A new edge may be short.
+void mark_if_short(const Worker& w, VertexId a, VertexId b) {
+  if (length_between(w.mesh, a, b) >= w.kernel.limits.short_edge) return;
+  w.mesh.mark(a, kCheckShort);
+  w.mesh.mark(b, kCheckShort);
+}
+
 /// Writes the tets of the chosen triangulation into the hole that the shell leaves.
 class RingBuilder {
  public:
@@ -106,7 +113,7 @@ class RingBuilder {
     mesh_.mark(t, kAllTetMarks);
     for (const VertexId x : v) {
       mesh_.set_tet_of(x, t);
-      mesh_.mark(x, kAllVertexMarks);
+      mesh_.touch(x);
     }
     return t;
   }
@@ -129,6 +136,7 @@ class RingBuilder {
       attach(fb, outer_b_[i]);
       return;
     }
+    mark_if_short(w_, shell_.ring[i], shell_.ring[j]);
     const Faces below = chain(i, j);
     mesh_.glue(fa, below.a);
     mesh_.glue(fb, below.b);
@@ -248,7 +256,8 @@ Verdict swap_face(Worker& w, TetId t, int face) {
     mesh.set_patch(n, 3, PatchId());
   }
   for (const VertexId v : {p, q}) mesh.set_tet_of(v, tets[0]);
-  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.mark(v, kAllVertexMarks);
+  mark_if_short(w, p, q);
+  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.touch(v);
   return Verdict::accepted;
 }
 

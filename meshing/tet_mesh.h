@@ -34,7 +34,8 @@ using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
 enum TetMark : std::uint8_t { kCheckLong = 1, kCheckSwap = 2, kCheckPoor = 4, kAllTetMarks = 7 };
-enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kAllVertexMarks = 3 };
+/// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it changes.
+enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
 
 /// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the metric
 /// changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean mean is needed.
@@ -79,10 +80,10 @@ class TetMesh {
     if (b.valid()) set_neighbour(b.tet(), b.face(), a);
   }
   int local_index(TetId t, VertexId v) const {
+    // Without branches: which of the four it is cannot be predicted.
     const Tet& r = tets_[t.value];
-    for (int i = 0; i < 4; ++i)
-      if (load(r.v[i]) == v.value) return i;
-    return -1;
+    return (load(r.v[0]) == v.value) + 2 * (load(r.v[1]) == v.value) + 3 * (load(r.v[2]) == v.value) +
+           4 * (load(r.v[3]) == v.value) - 1;
   }
   /// The patch that a face lies on: boundary or material interface, on both its tets. Invalid inside.
   PatchId patch(TetId t, int face) const { return PatchId(patches_[t.value][face] - 1); }
@@ -127,6 +128,8 @@ class TetMesh {
   void set_surface_hint(VertexId v, std::uint32_t h) { surface_hints_[v.value] = h; }
   std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
   void mark(VertexId v, std::uint8_t m) { set_bits(vertex_marks_[v.value], m); }
+  /// The ball of v has changed.
+  void touch(VertexId v) { mark(v, marks(v) & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace); }
   std::uint8_t take_marks(VertexId v, std::uint8_t m) { return take_bits(vertex_marks_[v.value], m); }
   void kill(VertexId v) { store(vertex_tets_[v.value], 0u); store(vertex_marks_[v.value], std::uint8_t{0}); }
 
