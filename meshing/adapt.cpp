@@ -76,8 +76,9 @@ class Adaptation {
   }
 
   void start() {
-    judge_by(MetricMean::log_euclidean);
+    judge_by(MetricMean::arithmetic);
     mark_what_is_wrong();
+    if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
     collapse_pass(crew_);
     collapse_pass(crew_);
   }
@@ -87,13 +88,13 @@ class Adaptation {
   void create_points() {
     const Limits wanted = kernel_.limits;
     renumbered_at_ = mesh_.tet_slots();
-    for (double level = first_level(); level >= 1 && !crew_.interrupted(); level *= 0.5) {
+    for (double level = first_level_; level >= 1 && !crew_.interrupted(); level *= 0.5) {
       kernel_.limits.long_edge = wanted.long_edge * level;
       kernel_.limits.split_shortest = wanted.split_shortest * level;
       kernel_.limits.collapse_longest = wanted.collapse_longest * level;
-      if (level == 1) judge_by(MetricMean::arithmetic);
+      if (level == 1 && first_level_ > 1) judge_by(MetricMean::arithmetic);
       refine_to_level();
-      mark_all(kCheckLong);
+      if (level > 1) mark_all(kCheckLong);
     }
     kernel_.limits = wanted;
   }
@@ -131,8 +132,8 @@ class Adaptation {
 
   void improve_quality() {
     constexpr int kMostRounds = 6;
-    judge_by(MetricMean::log_euclidean);
-    mark_all(kCheckPoor);
+    mesh_.set_metric_mean(MetricMean::log_euclidean);
+    for_all_tets([&](TetId t) { mark_if_poor(t); });
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
       if (improve_pass(crew_, kPoor) == 0) return;
       smooth_poor(crew_, kPoor);
@@ -142,10 +143,19 @@ class Adaptation {
   /// Switches the judges' mean and brings all cached qualities up to date.
   void judge_by(MetricMean mean) {
     mesh_.set_metric_mean(mean);
-    for_all_tets([&](TetId t) {
-      const TetVertices v = mesh_.vertices(t);
-      mesh_.set_quality(t, static_cast<float>(judge_quality(mesh_, v[0], v[1], v[2], v[3])));
-    });
+    for_all_tets([&](TetId t) { cache_quality(t); });
+  }
+
+  /// The two means differ little: only tets that are poor or nearly so by the cheap one are judged by the exact one.
+  void mark_if_poor(TetId t) {
+    if (mesh_.quality(t) > kPoor + 0.1) return;
+    cache_quality(t);
+    if (mesh_.quality(t) < kPoor) mesh_.mark(t, kCheckPoor);
+  }
+
+  void cache_quality(TetId t) {
+    const TetVertices v = mesh_.vertices(t);
+    mesh_.set_quality(t, static_cast<float>(judge_quality(mesh_, v[0], v[1], v[2], v[3])));
   }
 
   template <class F>
@@ -172,6 +182,7 @@ class Adaptation {
       }
     const double fair = sum < kGoodMean * static_cast<double>(tets) ? 2 : kFair;
     for_all_tets([&](TetId t) { mark_if_wrong(t, fair); });
+    first_level_ = first_level();
   }
 
   void mark_if_wrong(TetId t, double fair) {
@@ -229,6 +240,7 @@ class Adaptation {
   AdaptReport& report_;
   std::string stage_;
   double done_ = 0, stage_end_ = 0;
+  double first_level_ = 1;
   std::uint32_t renumbered_at_ = 0;
 };
 
@@ -277,8 +289,10 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
                                         capacity(12 * expected, input.tets.size()));
     result.report.warnings = std::move(imported.warnings);
     {
-      const Background background(*given.mesh, *given.log_metrics);
-      read_metric(*imported.mesh, background, given.mesh == &input);
+      const bool same = given.mesh == &input;
+      const Background background(*given.mesh, *given.log_metrics,
+                                  same ? std::move(imported.adjacency) : build_adjacency(given.mesh->tets, given.mesh->points.size()));
+      read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
       kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.001 * bounding_box_diagonal(input);
       Adaptation(kernel, options, result.report).run();

@@ -20,8 +20,8 @@ std::array<double, 4> clamped(std::array<double, 4> l) {
 
 }  // namespace
 
-Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics)
-    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(build_adjacency(mesh.tets, mesh.points.size())),
+Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
+    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(std::move(adjacency)),
       vertex_tets_(mesh.points.size(), 0) {
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t)
     for (std::uint32_t v : mesh.tets[t]) vertex_tets_[v] = t;

@@ -21,8 +21,8 @@ class Background {
  public:
   static constexpr std::uint32_t kNoHint = 0xFFFFFFFFu;
 
-  /// Refers to `mesh` and `log_metrics`, which must outlive it.
-  Background(const MeshData& mesh, std::span<const LogMetric> log_metrics);
+  /// Refers to `mesh` and `log_metrics`, which must outlive it; `adjacency` is that of `mesh.tets`.
+  Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency);
 
   struct Sample {
     LogMetric log_metric;

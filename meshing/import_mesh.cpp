@@ -2,6 +2,8 @@
 #include "meshing/import_mesh.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 
@@ -12,18 +14,34 @@
 namespace weft::meshing {
 namespace {
 
+void check_tet(const MeshData& m, std::size_t t) {
+  const auto& v = m.tets[t];
+  for (const std::uint32_t x : v)
+    if (x >= m.points.size())
+      throw InputError("", fmt::format("tet {}", t + 1), fmt::format("vertex {} is out of range 1..{}", x + 1, m.points.size()));
+  const int sign = orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]);
+  if (sign <= 0)
+    throw InputError("", fmt::format("tet {} ({} {} {} {})", t + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1),
+                     sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)");
+}
+
+bool is_sound(const MeshData& m, const std::array<std::uint32_t, 4>& v) {
+  return std::all_of(v.begin(), v.end(), [&](std::uint32_t x) { return x < m.points.size(); }) &&
+         orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]) > 0;
+}
+
+/// Throws for the first tet that is not sound.
 void check_tets(const MeshData& m) {
   if (m.tets.empty()) throw InputError("", "Tetrahedra", "the mesh has none");
-  for (std::size_t t = 0; t < m.tets.size(); ++t) {
-    const auto& v = m.tets[t];
-    for (const std::uint32_t x : v)
-      if (x >= m.points.size())
-        throw InputError("", fmt::format("tet {}", t + 1), fmt::format("vertex {} is out of range 1..{}", x + 1, m.points.size()));
-    const int sign = orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]);
-    if (sign <= 0)
-      throw InputError("", fmt::format("tet {} ({} {} {} {})", t + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1),
-                       sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)");
-  }
+  const std::size_t first = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, m.tets.size()), m.tets.size(),
+      [&](const tbb::blocked_range<std::size_t>& r, std::size_t found) {
+        for (std::size_t t = r.begin(); t < r.end() && t < found; ++t)
+          if (!is_sound(m, m.tets[t])) found = t;
+        return found;
+      },
+      [](std::size_t a, std::size_t b) { return std::min(a, b); });
+  if (first < m.tets.size()) check_tet(m, first);
 }
 
 /// Two positive tets across a face see it turning in opposite ways; the same way means they overlap.
@@ -174,16 +192,14 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   b.data.points = m.points;
   b.data.corners = m.corners;
   b.data.required_points = m.required_points;
-  {
-    const Adjacency adjacency = build_adjacency(m.tets, m.points.size());
-    check_sides(m, adjacency);
-    std::vector<std::uint8_t> covered(m.tets.size(), 0);
-    take_triangles(m, match_triangles(m.triangles, m.tets, m.points.size()), adjacency, covered, b, r.warnings);
-    create_missing(m, adjacency, covered, b, r.warnings);
-    take_edges(m, b, r.warnings);
-    r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
-    fill_tets(m, adjacency, *r.mesh);
-  }
+  r.adjacency = build_adjacency(m.tets, m.points.size());
+  check_sides(m, r.adjacency);
+  std::vector<std::uint8_t> covered(m.tets.size(), 0);
+  take_triangles(m, match_triangles(m.triangles, m.tets, m.points.size()), r.adjacency, covered, b, r.warnings);
+  create_missing(m, r.adjacency, covered, b, r.warnings);
+  take_edges(m, b, r.warnings);
+  r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
+  fill_tets(m, r.adjacency, *r.mesh);
   r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});
   classify_boundary(b, m, *r.surface, *r.mesh);
   r.patch_required.assign(r.surface->patches().size(), false);
@@ -195,18 +211,21 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
 }
 
 void read_metric(TetMesh& mesh, const Background& background, bool background_is_input) {
+  if (background_is_input) {
+    tbb::parallel_for(0u, mesh.vertex_slots(), [&](std::uint32_t i) {
+      mesh.set_metric(VertexId(i), background.log_metric(i), exp_fast(background.log_metric(i)));
+      mesh.set_background_hint(VertexId(i), background.tet_of(i));
+    });
+    return;
+  }
+  // Neighbours in the file are often neighbours in space: each walk starts where the last one ended.
   std::uint32_t hint = Background::kNoHint;
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i) {
     const VertexId v(i);
     if (!mesh.alive(v)) continue;
-    if (background_is_input) {
-      mesh.set_metric(v, background.log_metric(i), exp_fast(background.log_metric(i)));
-      mesh.set_background_hint(v, background.tet_of(i));
-    } else {
-      const Background::Sample s = background.at(mesh.point(v), hint);
-      mesh.set_metric(v, s.log_metric, exp_fast(s.log_metric));
-      mesh.set_background_hint(v, hint = s.tet);
-    }
+    const Background::Sample s = background.at(mesh.point(v), hint);
+    mesh.set_metric(v, s.log_metric, exp_fast(s.log_metric));
+    mesh.set_background_hint(v, hint = s.tet);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/adjacency.h"
 #include "meshing/background.h"
 #include "meshing/mesh_data.h"
 #include "meshing/metric_field.h"
@@ -17,6 +18,7 @@ namespace weft::meshing {
 struct ImportedMesh {
   std::unique_ptr<TetMesh> mesh;
   std::unique_ptr<Surface> surface;
+  Adjacency adjacency;                ///< of the input's tets
   std::vector<bool> patch_required;   ///< patches made of required triangles
   std::vector<std::string> warnings;  ///< what was repaired: missing triangles created, unused points dropped ...
 };
