@@ -51,7 +51,6 @@ bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const
         r.quality[i][j][0] = static_cast<float>(qa);
         r.quality[i][j][1] = static_cast<float>(qb);
       }
-      // A chain that cannot be triangulated well enough is never used: its best stays at the bound, which fails below.
     }
   return r.apex[0][m - 1] >= 0;
 }
@@ -81,20 +80,31 @@ class RingBuilder {
     ref_ = mesh_.ref(shell.tets[0].tet);
   }
 
-  /// Builds all tets; the patch goes on the faces of the ring's closing edge where the shell was open.
-  void build(PatchId patch) {
-    const int m = shell_.closed ? shell_.size : shell_.size + 1;
+  /// The faces over one ring chord, on a's and on b's side.
+  struct Faces { TetFace a, b; };
+
+  /// Builds all tets of a closed shell.
+  void build_closed() {
+    const int m = shell_.size;
     const Faces root = chain(0, m - 1);
-    const OuterFace closing_a = shell_.closed ? outer_a_[m - 1] : OuterFace{TetFace(), patch};
-    const OuterFace closing_b = shell_.closed ? outer_b_[m - 1] : OuterFace{TetFace(), patch};
-    attach(root.a, closing_a);
-    attach(root.b, closing_b);
-    for (; used_ < shell_.size; ++used_) w_.free(shell_.tets[used_].tet);
+    attach(root.a, outer_a_[m - 1]);
+    attach(root.b, outer_b_[m - 1]);
+    free_unused();
+  }
+
+  /// Builds all tets of an open shell; the faces over the ring's closing edge come to lie on `patch`.
+  Faces build_open(PatchId patch) {
+    const Faces root = chain(0, shell_.size);
+    attach(root.a, {TetFace(), patch});
+    attach(root.b, {TetFace(), patch});
+    free_unused();
+    return root;
   }
 
  private:
-  /// The faces over one ring chord, on a's and on b's side.
-  struct Faces { TetFace a, b; };
+  void free_unused() {
+    for (; used_ < shell_.size; ++used_) w_.free(shell_.tets[used_].tet);
+  }
 
   TetId next_tet() { return used_ < shell_.size ? shell_.tets[used_++].tet : w_.new_tet(); }
 
@@ -151,16 +161,6 @@ class RingBuilder {
   int used_ = 0;
 };
 
-/// May this edge go at all?
-Verdict judge_edge(const Worker& w, const Shell& shell, const EdgeClass& on) {
-  if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
-  // An interface inside the mesh has tets on both sides: its edges stay.
-  if (on.kind == VertexKind::surface && shell.closed) return Verdict::breaks_classification;
-  const int m = shell.closed ? shell.size : shell.size + 1;
-  if (m > kMaxRing) return Verdict::too_large;
-  return m < 3 ? Verdict::not_needed : Verdict::accepted;
-}
-
 /// Open shell: the boundary edge becomes the one between the ends of the ring.
 Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   const VertexId c = shell.ring[0], d = shell.ring[shell.size];
@@ -185,27 +185,83 @@ TetId worst_of(const TetMesh& mesh, const Shell& shell) {
   return worst;
 }
 
+/// The best triangulation of one shell's ring, if all its tets are better than `enough`.
+Verdict judge_ring(Worker& w, const Shell& shell, double enough, RingTriangulation& r) {
+  const TetMesh& mesh = w.mesh;
+  const int m = shell.closed ? shell.size : shell.size + 1;
+  if (m > kMaxRing) return Verdict::too_large;
+  if (m < 3) return Verdict::not_needed;
+  std::array<Corner, kMaxRing> ring;
+  for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
+  return triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, shell.a), corner(mesh, shell.b), ring.data(), m, enough, r)
+             ? Verdict::accepted
+             : Verdict::worsens_quality;
+}
+
+Verdict swap_inside(Worker& w, const Shell& shell, double enough) {
+  RingTriangulation r;
+  if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
+  RingBuilder(w, shell, r).build_closed();
+  return Verdict::accepted;
+}
+
+Verdict swap_on_boundary(Worker& w, const Shell& shell, PatchId patch, double enough) {
+  RingTriangulation r;
+  if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
+  if (const Verdict v = judge_boundary(w, shell, patch); v != Verdict::accepted) return v;
+  RingBuilder(w, shell, r).build_open(patch);
+  return Verdict::accepted;
+}
+
+/// The part of a closed shell from ring vertex `from` on, `size` tets, as an open shell.
+Shell part_of(const Shell& shell, int from, int size) {
+  Shell part;
+  part.a = shell.a;
+  part.b = shell.b;
+  part.size = size;
+  for (int i = 0; i < size; ++i) part.tets[i] = shell.tets[(from + i) % shell.size];
+  for (int i = 0; i <= size; ++i) part.ring[i] = shell.ring[(from + i) % shell.size];
+  return part;
+}
+
+/// An edge of an interface inside the mesh: its shell is two open shells, one a material, which are swapped together.
+Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double enough) {
+  std::array<int, 2> at;
+  int found = 0;
+  for (int i = 0; i < shell.size; ++i) {
+    if (!w.mesh.patch(shell.tets[i].tet, shell.tets[i].r).valid()) continue;
+    if (found == 2) return Verdict::breaks_classification;
+    at[found++] = (i + 1) % shell.size;  // the face opposite r ends at the next ring vertex
+  }
+  if (found != 2) return Verdict::breaks_classification;
+  const int size = (at[1] - at[0] + shell.size) % shell.size;
+  const std::array<Shell, 2> halves = {part_of(shell, at[0], size), part_of(shell, at[1], shell.size - size)};
+  std::array<RingTriangulation, 2> r;
+  for (int i = 0; i < 2; ++i) {
+    if (const Verdict v = judge_ring(w, halves[i], enough, r[i]); v != Verdict::accepted) return v;
+    if (const Verdict v = judge_boundary(w, halves[i], patch); v != Verdict::accepted) return v;
+  }
+  RingBuilder first(w, halves[0], r[0]), second(w, halves[1], r[1]);
+  const RingBuilder::Faces one = first.build_open(patch), other = second.build_open(patch);
+  w.mesh.glue(one.a, other.a);
+  w.mesh.glue(one.b, other.b);
+  return Verdict::accepted;
+}
+
 }  // namespace
 
 Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = w.mesh;
-  Shell& shell = w.shell;
-  if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, shell); r != Verdict::accepted) return r;
+  const Shell& shell = w.shell;
+  if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
   // Every tet of a shell would try the same swap: it is left to the worst if that one is going to be visited.
   const TetId worst = worst_of(mesh, shell);
   if (worst != t && mesh.marks(worst) & kCheckSwap) return Verdict::not_needed;
   const EdgeClass on = classify(mesh, shell);
-  if (const Verdict r = judge_edge(w, shell, on); r != Verdict::accepted) return r;
-  const int m = shell.closed ? shell.size : shell.size + 1;
-  std::array<Corner, kMaxRing> ring;
-  for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
-  RingTriangulation r;
-  if (!triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, a), corner(mesh, b), ring.data(), m, enough_for(mesh.quality(worst)), r))
-    return Verdict::worsens_quality;
-  if (!shell.closed)
-    if (const Verdict v = judge_boundary(w, shell, on.patch); v != Verdict::accepted) return v;
-  RingBuilder(w, shell, r).build(on.patch);
-  return Verdict::accepted;
+  if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
+  const double enough = enough_for(mesh.quality(worst));
+  if (on.kind == VertexKind::interior) return swap_inside(w, shell, enough);
+  return shell.closed ? swap_on_interface(w, shell, on.patch, enough) : swap_on_boundary(w, shell, on.patch, enough);
 }
 
 Verdict swap_face(Worker& w, TetId t, int face) {

@@ -179,7 +179,7 @@ class AdaptJob {
   void measure_after() {
     progress_.update("measuring", 1, run_.output_counts.tets);
     run_.after = meshing::measure(mesh_, log_metrics_);
-    run_.missed = missed_goals(run_.after, run_.target_complexity, run_.report.interrupted);
+    run_.missed = missed_goals(run_.after, command_.metric.complexity, run_.report.interrupted);
     run_.times.measure += watch_.lap();
   }
 

@@ -42,7 +42,7 @@ struct AdaptRun {
 
 /// Reasons to call the goal missed: interrupted, less than half of the edges unit, complexity off by more
 /// than 20 %.
-std::vector<std::string> missed_goals(const meshing::Measures& after, double target_complexity,
+std::vector<std::string> missed_goals(const meshing::Measures& after, double asked_complexity,
                                       bool interrupted);
 
 /// How often an operator was tried, done, refused and rolled back (another thread was there).
