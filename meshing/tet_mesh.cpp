@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <type_traits>
 
 namespace weft::meshing {
 namespace {
@@ -18,14 +19,20 @@ std::uint32_t take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count, 
   return first;
 }
 
+/// Permutes one member of an array's elements: that of element i goes to element map[i].
+template <class T, class Id, class Member>
+void permute_member(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size, const Member& member) {
+  std::vector<std::remove_cvref_t<decltype(member(array[0]))>> moved(new_size);
+  tbb::parallel_for(std::size_t{0}, old_to_new.size(), [&](std::size_t i) {
+    if (old_to_new[i].valid()) moved[old_to_new[i].value] = member(array[i]);
+  });
+  tbb::parallel_for(std::size_t{0}, moved.size(), [&](std::size_t i) { member(array[i]) = moved[i]; });
+}
+
 /// Permutes one array: element i goes to map[i]; what has no new place is dropped.
 template <class T, class Id>
 void permute(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size) {
-  std::vector<T> moved(new_size);
-  tbb::parallel_for(std::size_t{0}, old_to_new.size(), [&](std::size_t i) {
-    if (old_to_new[i].valid()) moved[old_to_new[i].value] = array[i];
-  });
-  tbb::parallel_for(std::size_t{0}, moved.size(), [&](std::size_t i) { array[i] = moved[i]; });
+  permute_member(array, old_to_new, new_size, [](T& x) -> T& { return x; });
   array.release_from(new_size);
 }
 
@@ -83,7 +90,10 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   tbb::parallel_for(0u, vertex_slots(), [&](std::uint32_t i) {
     if (vertex_tets_[i] != 0) vertex_tets_[i] = new_tet[vertex_tets_[i] - 1].value + 1;
   });
-  permute(tets_, new_tet, num_tets);
+  // In two halves: the copy of this array would be the peak of the whole run's memory.
+  permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
+  permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
+  tets_.release_from(num_tets);
   permute(patches_, new_tet, num_tets);
   permute(tet_refs_, new_tet, num_tets);
   permute(quality_, new_tet, num_tets);

@@ -151,7 +151,7 @@ class TetMesh {
                 const std::vector<TetId>& old_to_new_tet, std::uint32_t num_tets);
 
  private:
-  struct Tet { std::uint32_t v[4]; std::uint32_t n[4]; };
+  struct Tet { std::array<std::uint32_t, 4> v, n; };
   template <class T>
   static T load(const T& x) { return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed); }
   template <class T>
