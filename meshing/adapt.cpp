@@ -1,5 +1,5 @@
-// The driver: the order of operations of the paper's requirement 6 (collapse, create points, reconnect, smooth; quality
-// improvement last) over work lists.
+// The driver: the order of operations of the paper's requirement 6 (collapse, create points, reconnect,
+// smooth; quality improvement last) over work lists.
 #include "meshing/adapt.h"
 
 #include <tbb/global_control.h>
@@ -24,8 +24,8 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-// Tets worse than this are tried for swaps. Above it nearly no swap is found: on cube-polar2 at 50,000, 0.9 and 0.95
-// cost 40 % more time for 0.0005 more mean quality.
+// Tets worse than this are tried for swaps. Above it nearly no swap is found: on cube-polar2 at 50,000, 0.9
+// and 0.95 cost 40 % more time for 0.0005 more mean quality.
 constexpr double kSwapBelow = 0.8;
 // While points are created only bad tets are swapped: the next splits change the rest anyway.
 constexpr double kSwapBelowWhileCreating = 0.5;
@@ -39,8 +39,11 @@ constexpr double kFair = 0.6;
 class Adaptation {
  public:
   Adaptation(Kernel& kernel, const AdaptOptions& options, AdaptReport& report)
-      : kernel_(kernel), mesh_(kernel.mesh), crew_(kernel, std::max(1, options.threads), options.interrupt),
-        options_(options), report_(report) {}
+      : kernel_(kernel),
+        mesh_(kernel.mesh),
+        crew_(kernel, std::max(1, options.threads), options.interrupt),
+        options_(options),
+        report_(report) {}
 
   void run() {
     stage("collapse", 0, 0.02, [&] { start(); });
@@ -83,8 +86,9 @@ class Adaptation {
     collapse_pass(crew_);
   }
 
-  /// Longest edges first: levels of twice the wanted size, four times and so on come before it, each with its points well
-  /// spread, so that a mesh that is far too coarse in one direction never becomes a heap of needles.
+  /// Longest edges first: levels of twice the wanted size, four times and so on come before it, each with its
+  /// points well spread, so that a mesh that is far too coarse in one direction never becomes a heap of
+  /// needles.
   void create_points() {
     const Limits wanted = kernel_.limits;
     renumbered_at_ = mesh_.tet_slots();
@@ -146,7 +150,8 @@ class Adaptation {
     for_all_tets([&](TetId t) { cache_quality(t); });
   }
 
-  /// The two means differ little: only tets that are poor or nearly so by the cheap one are judged by the exact one.
+  /// The two means differ little: only tets that are poor or nearly so by the cheap one are judged by the
+  /// exact one.
   void mark_if_poor(TetId t) {
     if (mesh_.quality(t) > kPoor + 0.1) return;
     cache_quality(t);
@@ -171,7 +176,8 @@ class Adaptation {
     for_all_tets([&](TetId t) { mesh_.mark(t, m); });
   }
 
-  /// The first work lists: long and short edges, tets that are not fair; everything where the mesh as a whole is not good.
+  /// The first work lists: long and short edges, tets that are not fair; everything where the mesh as a whole
+  /// is not good.
   void mark_what_is_wrong() {
     double sum = 0;
     std::uint64_t tets = 0;
@@ -194,7 +200,8 @@ class Adaptation {
       long_edge |= length > kernel_.limits.long_edge;
       short_edge |= length < kernel_.limits.short_edge;
     }
-    mesh_.mark(t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) | (poor ? kCheckSwap | kCheckPoor : 0)));
+    mesh_.mark(
+        t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) | (poor ? kCheckSwap | kCheckPoor : 0)));
     for (const VertexId x : v)
       mesh_.mark(x, static_cast<std::uint8_t>((short_edge ? kCheckShort : 0) | (poor ? kCheckPlace : 0)));
   }
@@ -212,7 +219,8 @@ class Adaptation {
             for (std::uint32_t i = r.begin(); i < r.end(); ++i) {
               if (!(mesh_.marks(TetId(i)) & kCheckLong)) continue;
               const TetVertices v = mesh_.vertices(TetId(i));
-              for (const auto& e : kTetEdges) longest_yet = std::max(longest_yet, length_between(mesh_, v[e[0]], v[e[1]]));
+              for (const auto& e : kTetEdges)
+                longest_yet = std::max(longest_yet, length_between(mesh_, v[e[0]], v[e[1]]));
             }
             return longest_yet;
           },
@@ -280,18 +288,21 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
   const auto start = Clock::now();
   check_background(given);
   const int threads = std::max(1, options.threads);
-  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   return arena.execute([&] {
     AdaptResult result;
     const double expected = complexity(*given.mesh, *given.log_metrics);
-    ImportedMesh imported = import_mesh(input, options.ridge_angle_degrees, capacity(2 * expected, input.points.size()),
-                                        capacity(12 * expected, input.tets.size()));
+    ImportedMesh imported =
+        import_mesh(input, options.ridge_angle_degrees, capacity(2 * expected, input.points.size()),
+                    capacity(12 * expected, input.tets.size()));
     result.report.warnings = std::move(imported.warnings);
     {
       const bool same = given.mesh == &input;
       const Background background(*given.mesh, *given.log_metrics,
-                                  same ? std::move(imported.adjacency) : build_adjacency(given.mesh->tets, given.mesh->points.size()));
+                                  same ? std::move(imported.adjacency)
+                                       : build_adjacency(given.mesh->tets, given.mesh->points.size()));
       read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
       kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.001 * bounding_box_diagonal(input);

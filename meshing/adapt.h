@@ -20,7 +20,8 @@ namespace weft::meshing {
 struct AdaptOptions {
   int threads = 1;
   double ridge_angle_degrees = 45;
-  double hausd = 0;  ///< largest distance between the mesh's boundary and the reconstructed surface; 0: 0.1 % of the bounding box diagonal
+  double hausd = 0;  ///< largest distance between the mesh's boundary and the reconstructed surface; 0: 0.1 %
+                     ///< of the bounding box diagonal
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
   const std::atomic<bool>* interrupt = nullptr;
   /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.
@@ -39,7 +40,8 @@ struct AdaptReport {
   std::vector<StageReport> stages;
   OperationCounts counts;  ///< of all stages
   bool interrupted = false;
-  double surface_deviation = 0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
+  double surface_deviation =
+      0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
   double seconds = 0;
   std::vector<std::string> warnings;  ///< e.g. boundary triangles that were missing and have been created
 };
@@ -56,8 +58,9 @@ struct AdaptResult {
   AdaptReport report;
 };
 
-/// Adapts `input` to the metric of `background`. Throws InputError (with an empty file name) for a mesh that does not conform.
-/// One thread: the same input gives the same bytes. More threads: every result is valid, none need be equal.
+/// Adapts `input` to the metric of `background`. Throws InputError (with an empty file name) for a mesh that
+/// does not conform. One thread: the same input gives the same bytes. More threads: every result is valid,
+/// none need be equal.
 AdaptResult adapt(const MeshData& input, const BackgroundData& background, const AdaptOptions& options);
 
 }  // namespace weft::meshing

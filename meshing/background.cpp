@@ -21,7 +21,9 @@ std::array<double, 4> clamped(std::array<double, 4> l) {
 }  // namespace
 
 Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
-    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(std::move(adjacency)),
+    : mesh_(mesh),
+      log_metrics_(log_metrics),
+      adjacency_(std::move(adjacency)),
       vertex_tets_(mesh.points.size(), 0) {
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t)
     for (std::uint32_t v : mesh.tets[t]) vertex_tets_[v] = t;
@@ -29,7 +31,8 @@ Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metr
 
 Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& p) const {
   const auto& v = mesh_.tets[tet];
-  const Point &a = mesh_.points[v[0]], &b = mesh_.points[v[1]], &c = mesh_.points[v[2]], &d = mesh_.points[v[3]];
+  const Point &a = mesh_.points[v[0]], &b = mesh_.points[v[1]], &c = mesh_.points[v[2]],
+              &d = mesh_.points[v[3]];
   const Vec u = b - a, w = c - a, z = d - a, q = p - a;
   const Vec wz = cross(w, z), uq = cross(u, q);
   const double inverse = 1 / dot(u, wz);
@@ -74,7 +77,8 @@ bool Background::walk(const Point& p, std::uint32_t& tet, Barycentric& l) const 
 
 LogMetric Background::interpolate(std::uint32_t tet, const Barycentric& l) const {
   const auto& v = mesh_.tets[tet];
-  return l[0] * log_metrics_[v[0]] + l[1] * log_metrics_[v[1]] + l[2] * log_metrics_[v[2]] + l[3] * log_metrics_[v[3]];
+  return l[0] * log_metrics_[v[0]] + l[1] * log_metrics_[v[1]] + l[2] * log_metrics_[v[2]] +
+         l[3] * log_metrics_[v[3]];
 }
 
 Point Background::closest_in(std::uint32_t tet, const Point& p) const {
@@ -107,8 +111,8 @@ std::uint32_t Background::search_everywhere(const Point& p) const {
   return tree_->closest(0, p, [&](std::uint32_t t) { return norm2(p - closest_in(t, p)); });
 }
 
-/// The walk has ended at the boundary in `tet`. Within half a unit length the metric hardly changes; farther off, the point may lie
-/// beyond a gap (the other side of a thin body), or outside a curved boundary.
+/// The walk has ended at the boundary in `tet`. Within half a unit length the metric hardly changes; farther
+/// off, the point may lie beyond a gap (the other side of a thin body), or outside a curved boundary.
 Background::Sample Background::outside(const Point& p, std::uint32_t tet) const {
   for (int attempt = 0;; ++attempt) {
     const Point q = closest_in(tet, p);

@@ -15,8 +15,8 @@
 
 namespace weft::meshing {
 
-/// Log-Euclidean P1 interpolation (Arsigny et al. 2006) of a metric field, found by walking from a nearby tet.
-/// Never diffuses: every query reads the input's own metric. Safe to read from many threads.
+/// Log-Euclidean P1 interpolation (Arsigny et al. 2006) of a metric field, found by walking from a nearby
+/// tet. Never diffuses: every query reads the input's own metric. Safe to read from many threads.
 class Background {
  public:
   static constexpr std::uint32_t kNoHint = 0xFFFFFFFFu;
@@ -28,7 +28,8 @@ class Background {
     LogMetric log_metric;
     std::uint32_t tet;  ///< the hint for the next query nearby
   };
-  /// The metric at `p`; the walk starts at tet `hint` (kNoHint: anywhere). Outside the mesh: at its closest point.
+  /// The metric at `p`; the walk starts at tet `hint` (kNoHint: anywhere). Outside the mesh: at its closest
+  /// point.
   Sample at(const Point& p, std::uint32_t hint) const;
 
   /// A tet that has this vertex of the background mesh.

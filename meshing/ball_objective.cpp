@@ -7,15 +7,19 @@
 namespace weft::meshing {
 namespace {
 
-// GCC's portable vectors: the compiler maps them to what the processor has. Plain loops would not do: sums of doubles
-// are only vectorised by compilers that may reorder them.
+// GCC's portable vectors: the compiler maps them to what the processor has. Plain loops would not do: sums of
+// doubles are only vectorised by compilers that may reorder them.
 constexpr int kLanes = 8;
 typedef double Lanes __attribute__((vector_size(8 * kLanes)));
 typedef float FloatLanes __attribute__((vector_size(4 * kLanes)));
 typedef std::int32_t IntLanes __attribute__((vector_size(4 * kLanes)));
 
-struct VecLanes { Lanes x, y, z; };
-struct TensorLanes { Lanes xx, xy, yy, xz, yz, zz; };
+struct VecLanes {
+  Lanes x, y, z;
+};
+struct TensorLanes {
+  Lanes xx, xy, yy, xz, yz, zz;
+};
 
 Lanes load(const double* p) {
   Lanes v;
@@ -32,10 +36,12 @@ VecLanes operator*(const Lanes& s, const VecLanes& a) { return {s * a.x, s * a.y
 Lanes dot(const VecLanes& a, const VecLanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
 VecLanes apply(const TensorLanes& m, const VecLanes& v) {
-  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z, m.xz * v.x + m.yz * v.y + m.zz * v.z};
+  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+          m.xz * v.x + m.yz * v.y + m.zz * v.z};
 }
 Lanes determinant(const TensorLanes& a) {
-  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
+         a.xz * (a.xy * a.yz - a.yy * a.xz);
 }
 double sum(const Lanes& v) {
   double s = 0;
@@ -43,14 +49,15 @@ double sum(const Lanes& v) {
   return s;
 }
 
-/// fast_cbrt of quality.h for eight numbers, with the first guess from single precision (integer division by three has no
-/// vector form; a multiplication has).
+/// fast_cbrt of quality.h for eight numbers, with the first guess from single precision (integer division by
+/// three has no vector form; a multiplication has).
 Lanes cube_root(Lanes x) {
   x = x > 1e-36 ? x : Lanes{} + 1e-36;
   FloatLanes f = __builtin_convertvector(x, FloatLanes);
   IntLanes bits;
   std::memcpy(&bits, &f, sizeof bits);
-  bits = __builtin_convertvector(__builtin_convertvector(bits, FloatLanes) * (1.0f / 3), IntLanes) + 709921077;
+  bits =
+      __builtin_convertvector(__builtin_convertvector(bits, FloatLanes) * (1.0f / 3), IntLanes) + 709921077;
   std::memcpy(&f, &bits, sizeof f);
   Lanes y = __builtin_convertvector(f, Lanes);
   for (int i = 0; i < 2; ++i) {
@@ -65,7 +72,9 @@ Lanes sum_squared_lengths(const TensorLanes& m, const VecLanes& e1, const VecLan
   return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
 }
 
-struct HessianLanes { Lanes xx{}, xy{}, yy{}, xz{}, yz{}, zz{}; };
+struct HessianLanes {
+  Lanes xx{}, xy{}, yy{}, xz{}, yz{}, zz{};
+};
 
 /// h += s u u^T
 void add_square(HessianLanes& h, const Lanes& s, const VecLanes& u) {
@@ -83,7 +92,8 @@ void add_square(HessianLanes& h, const Lanes& s, const VecLanes& u) {
 void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId c) {
   const Point& o = mesh.point(a);
   const Vec e1 = mesh.point(b) - o, e2 = mesh.point(c) - o, n = cross(e1, e2);
-  const Vec products = {std::abs(e1.y * e2.z) + std::abs(e1.z * e2.y), std::abs(e1.z * e2.x) + std::abs(e1.x * e2.z),
+  const Vec products = {std::abs(e1.y * e2.z) + std::abs(e1.z * e2.y),
+                        std::abs(e1.z * e2.x) + std::abs(e1.x * e2.z),
                         std::abs(e1.x * e2.y) + std::abs(e1.y * e2.x)};
   for (int i = 0; i < 3; ++i) {
     row(kOrigin + i)[k] = o[i];
@@ -120,7 +130,8 @@ void BallFaces::average(const SymTensor& centre) {
   if (mean_ == MetricMean::arithmetic) return;
   for (int k = 0; k < stride_; ++k) {
     double* m = row(kMean) + k;
-    const SymTensor e = mean_of_sum(mean_, {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]});
+    const SymTensor e = mean_of_sum(
+        mean_, {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]});
     const double entries[6] = {e.xx, e.xy, e.yy, e.xz, e.yz, e.zz};
     for (int i = 0; i < 6; ++i) m[i * stride_] = entries[i];
   }
@@ -170,7 +181,8 @@ BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) 
     h.yz += c * m.yz;
     h.zz += c * m.zz;
   }
-  return {sum(value), {sum(gradient.x), sum(gradient.y), sum(gradient.z)},
+  return {sum(value),
+          {sum(gradient.x), sum(gradient.y), sum(gradient.z)},
           {sum(h.xx), sum(h.xy), sum(h.yy), sum(h.xz), sum(h.yz), sum(h.zz)}};
 }
 
@@ -185,7 +197,8 @@ double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector
     const Lanes volume = dot(n, e3);
     // The filter of predicates.h with the centre's row last.
     const VecLanes products = load3(row(kAbsNormal) + k, stride_);
-    const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) + products.z * absolute(e3.z));
+    const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) +
+                                          products.z * absolute(e3.z));
     const Lanes positive = volume > 0 ? volume : Lanes{};
     const Lanes q = kMeanRatioFactor * cube_root(positive * positive * determinant(m) * (1.0 / 36)) /
                     sum_squared_lengths(m, e1, e2, e3);

@@ -20,8 +20,10 @@ Verdict judge_classification(const Worker& w, const EdgeClass& edge, VertexId re
 
 using LinkEdge = std::pair<VertexId, VertexId>;
 
-/// The edges of the link of a ball's centre between vertices of `ring`, those of tets that have `other` left out.
-void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const SmallSet& ring, std::vector<LinkEdge>& edges) {
+/// The edges of the link of a ball's centre between vertices of `ring`, those of tets that have `other` left
+/// out.
+void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const SmallSet& ring,
+                   std::vector<LinkEdge>& edges) {
   edges.clear();
   for (const auto& [t, local] : ball.tets) {
     if (mesh.local_index(t, other) >= 0) continue;
@@ -35,8 +37,9 @@ void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const 
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
-/// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are in the link of their edge, so
-/// that nothing comes to exist twice. For interior vertices the exactly positive tets imply it; the boundary may close up over a gap.
+/// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are
+/// in the link of their edge, so that nothing comes to exist twice. For interior vertices the exactly
+/// positive tets imply it; the boundary may close up over a gap.
 Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
   const TetMesh& mesh = w.mesh;
   if (const Verdict r = gather_ball(w.mesh, w.claims, kept, w.other_ball); r != Verdict::accepted) return r;
@@ -57,13 +60,15 @@ Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
   for (const auto& [t, local] : w.other_ball.tets) {
     if (mesh.local_index(t, removed) >= 0) continue;
     for (const int i : kTetFaces[local])
-      if (const VertexId v = mesh.vertex(t, i); link.contains(v.value) && !ring.contains(v.value)) return Verdict::breaks_topology;
+      if (const VertexId v = mesh.vertex(t, i); link.contains(v.value) && !ring.contains(v.value))
+        return Verdict::breaks_topology;
   }
   std::vector<LinkEdge> of_removed, of_kept;
   link_edges_in(mesh, w.ball, kept, ring, of_removed);
   link_edges_in(mesh, w.other_ball, removed, ring, of_kept);
   for (const LinkEdge& e : of_removed)
-    if (std::binary_search(of_kept.begin(), of_kept.end(), e) && std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
+    if (std::binary_search(of_kept.begin(), of_kept.end(), e) &&
+        std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
       return Verdict::breaks_topology;
   return Verdict::accepted;
 }
@@ -75,7 +80,8 @@ double longest_spoke(Worker& w) {
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4; ++i) {
       const VertexId v = w.mesh.vertex(t, i);
-      if (i != local && w.vertices_seen.insert(v.value)) longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
+      if (i != local && w.vertices_seen.insert(v.value))
+        longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
     }
   return longest;
 }
@@ -83,8 +89,9 @@ double longest_spoke(Worker& w) {
 /// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring.
 Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
   const TetMesh& mesh = w.mesh;
-  const double longest = goal == CollapseGoal::quality ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
-                                                       : w.kernel.limits.collapse_longest;
+  const double longest = goal == CollapseGoal::quality
+                             ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
+                             : w.kernel.limits.collapse_longest;
   SmallSet& seen = w.vertices_seen;
   seen.clear();
   w.short_edges.clear();
@@ -106,8 +113,9 @@ Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
   const TetMesh& mesh = w.mesh;
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const double enough = goal == CollapseGoal::quality ? std::max(1.1 * old_worst, old_worst + 1e-3)
-                                                      : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
+  const double enough = goal == CollapseGoal::quality
+                            ? std::max(1.1 * old_worst, old_worst + 1e-3)
+                            : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
   const Corner k = corner(mesh, kept);
   w.qualities.clear();
   for (const auto& [t, local] : w.ball.tets) {
@@ -116,8 +124,8 @@ Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
       continue;
     }
     const auto& f = kTetFaces[local];
-    const double q = judge_quality(mesh.metric_mean(), corner(mesh, mesh.vertex(t, f[0])), corner(mesh, mesh.vertex(t, f[1])),
-                                   corner(mesh, mesh.vertex(t, f[2])), k);
+    const double q = judge_quality(mesh.metric_mean(), corner(mesh, mesh.vertex(t, f[0])),
+                                   corner(mesh, mesh.vertex(t, f[1])), corner(mesh, mesh.vertex(t, f[2])), k);
     if (q < 0) return Verdict::inverts;
     if (q < enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(q));
@@ -170,11 +178,13 @@ Verdict judge_surface(const Worker& w, VertexId kept) {
   return Verdict::accepted;
 }
 
-/// The tets that vanish hand the neighbour and patch of their face opposite `removed` to the tet across the face opposite `kept`.
+/// The tets that vanish hand the neighbour and patch of their face opposite `removed` to the tet across the
+/// face opposite `kept`.
 void close_gap(Worker& w, TetId t, int removed_local, int kept_local) {
   TetMesh& mesh = w.mesh;
   const TetFace outer = mesh.neighbour(t, removed_local), inner = mesh.neighbour(t, kept_local);
-  const PatchId patch = mesh.patch(t, removed_local).valid() ? mesh.patch(t, removed_local) : mesh.patch(t, kept_local);
+  const PatchId patch =
+      mesh.patch(t, removed_local).valid() ? mesh.patch(t, removed_local) : mesh.patch(t, kept_local);
   mesh.glue(outer, inner);
   for (const TetFace f : {outer, inner})
     if (f.valid()) mesh.set_patch(f.tet(), f.face(), patch);
@@ -189,7 +199,8 @@ void keep_feature(Worker& w, const EdgeClass& edge, VertexId removed, VertexId k
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4; ++i) {
       const VertexId v = mesh.vertex(t, i);
-      if (i == local || v == kept || mesh.kind(v) < VertexKind::ridge || !mesh.curve(removed, v).valid()) continue;
+      if (i == local || v == kept || mesh.kind(v) < VertexKind::ridge || !mesh.curve(removed, v).valid())
+        continue;
       mesh.set_curve(removed, v, CurveId());
       mesh.set_curve(kept, v, edge.curve);
     }
@@ -233,7 +244,8 @@ Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal) {
     const auto at = std::find_if(w.ball.tets.begin(), w.ball.tets.end(),
                                  [&](const Ball::Entry& e) { return mesh.local_index(e.tet, kept) >= 0; });
     const TetId t = at->tet;
-    if (const Verdict r = gather_shell(mesh, w.claims, t, removed, kept, w.shell); r != Verdict::accepted) return r;
+    if (const Verdict r = gather_shell(mesh, w.claims, t, removed, kept, w.shell); r != Verdict::accepted)
+      return r;
     edge = classify(mesh, w.shell);
   }
   if (const Verdict r = judge_classification(w, edge, removed); r != Verdict::accepted) return r;

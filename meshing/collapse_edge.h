@@ -11,8 +11,9 @@ enum class CollapseGoal {
   quality,  ///< the worst tet of the ball must become better
 };
 
-/// Collapses `w.ball.centre`, whose ball has been gathered, into its neighbour `kept`. The removed vertex must be free to go that way:
-/// along its curve, along its patch, or anywhere from the interior. All touched vertices stay claimed; the caller releases.
+/// Collapses `w.ball.centre`, whose ball has been gathered, into its neighbour `kept`. The removed vertex
+/// must be free to go that way: along its curve, along its patch, or anywhere from the interior. All touched
+/// vertices stay claimed; the caller releases.
 Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal);
 
 }  // namespace weft::meshing

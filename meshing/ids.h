@@ -23,10 +23,18 @@ struct Id {
   }
 };
 
-struct VertexTag { static constexpr char kLetter = 'v'; };
-struct TetTag { static constexpr char kLetter = 't'; };
-struct PatchTag { static constexpr char kLetter = 'p'; };
-struct CurveTag { static constexpr char kLetter = 'c'; };
+struct VertexTag {
+  static constexpr char kLetter = 'v';
+};
+struct TetTag {
+  static constexpr char kLetter = 't';
+};
+struct PatchTag {
+  static constexpr char kLetter = 'p';
+};
+struct CurveTag {
+  static constexpr char kLetter = 'c';
+};
 
 using VertexId = Id<VertexTag>;
 using TetId = Id<TetTag>;
@@ -37,5 +45,7 @@ using CurveId = Id<CurveTag>;  ///< a chain of feature edges between two corners
 
 template <class Tag>
 struct std::hash<weft::meshing::Id<Tag>> {
-  std::size_t operator()(weft::meshing::Id<Tag> id) const noexcept { return std::hash<std::uint32_t>{}(id.value); }
+  std::size_t operator()(weft::meshing::Id<Tag> id) const noexcept {
+    return std::hash<std::uint32_t>{}(id.value);
+  }
 };

@@ -18,7 +18,8 @@ void check_tet(const MeshData& m, std::size_t t) {
   const auto& v = m.tets[t];
   for (const std::uint32_t x : v)
     if (x >= m.points.size())
-      throw InputError("", fmt::format("tet {}", t + 1), fmt::format("vertex {} is out of range 1..{}", x + 1, m.points.size()));
+      throw InputError("", fmt::format("tet {}", t + 1),
+                       fmt::format("vertex {} is out of range 1..{}", x + 1, m.points.size()));
   const int sign = orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]);
   if (sign <= 0)
     throw InputError("", fmt::format("tet {} ({} {} {} {})", t + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1),
@@ -58,7 +59,9 @@ void check_sides(const MeshData& m, const Adjacency& adjacency) {
       const auto at = std::find(other.begin(), other.end(), mine[0]) - other.begin();
       if (other[(at + 1) % 3] == mine[1])
         throw InputError("", fmt::format("tets {} and {}", t + 1, (n >> 2) + 1),
-                         m.tets[t] == m.tets[n >> 2] ? "are duplicates" : "overlap: they lie on the same side of their common face");
+                         m.tets[t] == m.tets[n >> 2]
+                             ? "are duplicates"
+                             : "overlap: they lie on the same side of their common face");
     }
 }
 
@@ -80,7 +83,8 @@ void take_triangles(const MeshData& m, const std::vector<std::uint32_t>& codes, 
   for (std::size_t i = 0; i < m.triangles.size(); ++i) {
     const auto& v = m.triangles[i];
     if (codes[i] == kNoNeighbour)
-      throw InputError("", fmt::format("triangle {} ({} {} {})", i + 1, v[0] + 1, v[1] + 1, v[2] + 1), "is not a face of any tet");
+      throw InputError("", fmt::format("triangle {} ({} {} {})", i + 1, v[0] + 1, v[1] + 1, v[2] + 1),
+                       "is not a face of any tet");
     std::uint8_t& mine = covered[codes[i] >> 2];
     if (mine >> (codes[i] & 3) & 1) {
       ++repeated;
@@ -99,8 +103,8 @@ void take_triangles(const MeshData& m, const std::vector<std::uint32_t>& codes, 
     if (new_index[r] != kNoNeighbour) b.data.required_triangles.push_back(new_index[r]);
 }
 
-void create_missing(const MeshData& m, const Adjacency& adjacency, const std::vector<std::uint8_t>& covered, Boundary& b,
-                    std::vector<std::string>& warnings) {
+void create_missing(const MeshData& m, const Adjacency& adjacency, const std::vector<std::uint8_t>& covered,
+                    Boundary& b, std::vector<std::string>& warnings) {
   std::size_t created = 0;
   for (std::uint32_t t = 0; t < m.tets.size(); ++t)
     for (int f = 0; f < 4; ++f) {
@@ -112,7 +116,8 @@ void create_missing(const MeshData& m, const Adjacency& adjacency, const std::ve
       ++created;
     }
   if (created > 0)
-    warnings.push_back(fmt::format("{} boundary or interface triangles were missing and have been created with reference 0", created));
+    warnings.push_back(fmt::format(
+        "{} boundary or interface triangles were missing and have been created with reference 0", created));
 }
 
 /// Keeps the edges that lie on triangles: the kernel tracks features of the boundary only.
@@ -121,7 +126,8 @@ void take_edges(const MeshData& m, Boundary& b, std::vector<std::string>& warnin
   if (!m.edges.empty()) {
     sides.reserve(3 * b.data.triangles.size());
     for (const auto& t : b.data.triangles)
-      for (int i = 0; i < 3; ++i) sides.push_back({std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])});
+      for (int i = 0; i < 3; ++i)
+        sides.push_back({std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])});
     std::sort(sides.begin(), sides.end());
   }
   std::vector<std::uint32_t> new_index(m.edges.size(), kNoNeighbour);
@@ -137,7 +143,8 @@ void take_edges(const MeshData& m, Boundary& b, std::vector<std::string>& warnin
   for (const std::uint32_t e : m.required_edges)
     if (new_index[e] != kNoNeighbour) b.data.required_edges.push_back(new_index[e]);
   if (b.data.edges.size() < m.edges.size())
-    warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped", m.edges.size() - b.data.edges.size()));
+    warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped",
+                                   m.edges.size() - b.data.edges.size()));
 }
 
 void fill_tets(const MeshData& m, const Adjacency& adjacency, TetMesh& mesh) {
@@ -163,18 +170,22 @@ void classify_boundary(const Boundary& b, const MeshData& m, const Surface& surf
   for (std::uint32_t i = 0; i < b.codes.size(); ++i) {
     const TetFace f(b.codes[i]);
     mesh.set_patch(f.tet(), f.face(), surface.triangle_patch(i));
-    if (const TetFace n = mesh.neighbour(f.tet(), f.face()); n.valid()) mesh.set_patch(n.tet(), n.face(), surface.triangle_patch(i));
+    if (const TetFace n = mesh.neighbour(f.tet(), f.face()); n.valid())
+      mesh.set_patch(n.tet(), n.face(), surface.triangle_patch(i));
   }
   for (std::uint32_t v = 0; v < m.points.size(); ++v) {
     mesh.set_kind(VertexId(v), surface.vertex_kind(v));
     mesh.set_surface_hint(VertexId(v), surface.vertex_hint(v));
     mesh.set_flags(VertexId(v), surface.vertex_kind(v) == VertexKind::corner ? kFixed : 0);
   }
-  const auto add = [&](std::uint32_t v, int flag) { mesh.set_flags(VertexId(v), mesh.flags(VertexId(v)) | flag); };
+  const auto add = [&](std::uint32_t v, int flag) {
+    mesh.set_flags(VertexId(v), mesh.flags(VertexId(v)) | flag);
+  };
   for (std::uint32_t i = 0; i < b.codes.size(); ++i)
     if (!surface.patches()[surface.triangle_patch(i).value].planar)
       for (const std::uint32_t v : b.data.triangles[i]) add(v, kOnCurved);
-  for (const auto& e : surface.feature_edges()) mesh.set_curve(VertexId(e.vertices[0]), VertexId(e.vertices[1]), e.curve);
+  for (const auto& e : surface.feature_edges())
+    mesh.set_curve(VertexId(e.vertices[0]), VertexId(e.vertices[1]), e.curve);
   for (const std::uint32_t t : b.data.required_triangles)
     for (const std::uint32_t v : b.data.triangles[t]) add(v, kFixed);
   for (const std::uint32_t e : b.data.required_edges)
@@ -185,7 +196,8 @@ void classify_boundary(const Boundary& b, const MeshData& m, const Surface& surf
 
 }  // namespace
 
-ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::size_t vertex_capacity, std::size_t tet_capacity) {
+ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::size_t vertex_capacity,
+                         std::size_t tet_capacity) {
   check_tets(m);
   ImportedMesh r;
   Boundary b;
@@ -195,7 +207,8 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   r.adjacency = build_adjacency(m.tets, m.points.size());
   check_sides(m, r.adjacency);
   std::vector<std::uint8_t> covered(m.tets.size(), 0);
-  take_triangles(m, match_triangles(m.triangles, m.tets, m.points.size()), r.adjacency, covered, b, r.warnings);
+  take_triangles(m, match_triangles(m.triangles, m.tets, m.points.size()), r.adjacency, covered, b,
+                 r.warnings);
   create_missing(m, r.adjacency, covered, b, r.warnings);
   take_edges(m, b, r.warnings);
   r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
@@ -203,7 +216,8 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});
   classify_boundary(b, m, *r.surface, *r.mesh);
   r.patch_required.assign(r.surface->patches().size(), false);
-  for (const std::uint32_t t : b.data.required_triangles) r.patch_required[r.surface->triangle_patch(t).value] = true;
+  for (const std::uint32_t t : b.data.required_triangles)
+    r.patch_required[r.surface->triangle_patch(t).value] = true;
   std::size_t unused = 0;
   for (std::uint32_t v = 0; v < m.points.size(); ++v) unused += !r.mesh->alive(VertexId(v));
   if (unused > 0) r.warnings.push_back(fmt::format("{} points that belong to no tet were dropped", unused));
@@ -229,8 +243,8 @@ void read_metric(TetMesh& mesh, const Background& background, bool background_is
   }
 }
 
-void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required, MeshData& d,
-                 LogMetricField& log_metrics) {
+void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
+                 MeshData& d, LogMetricField& log_metrics) {
   const std::uint32_t nv = mesh.vertex_slots(), nt = mesh.tet_slots();
   d.points.resize(nv);
   d.point_refs.resize(nv);
@@ -253,7 +267,8 @@ void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<
     for (int f = 0; f < 4; ++f) {
       const PatchId p = mesh.patch(t, f);
       if (!p.valid() || (mesh.neighbour(t, f).valid() && mesh.neighbour(t, f).tet() < t)) continue;
-      if (patch_required[p.value]) d.required_triangles.push_back(static_cast<std::uint32_t>(d.triangles.size()));
+      if (patch_required[p.value])
+        d.required_triangles.push_back(static_cast<std::uint32_t>(d.triangles.size()));
       // Outward normal: the face as seen from its tet turns inward.
       d.triangles.push_back({v[kTetFaces[f][0]].value, v[kTetFaces[f][2]].value, v[kTetFaces[f][1]].value});
       d.triangle_refs.push_back(surface.patches()[p.value].ref);

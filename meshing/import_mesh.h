@@ -18,22 +18,25 @@ namespace weft::meshing {
 struct ImportedMesh {
   std::unique_ptr<TetMesh> mesh;
   std::unique_ptr<Surface> surface;
-  Adjacency adjacency;                ///< of the input's tets
-  std::vector<bool> patch_required;   ///< patches made of required triangles
-  std::vector<std::string> warnings;  ///< what was repaired: missing triangles created, unused points dropped ...
+  Adjacency adjacency;               ///< of the input's tets
+  std::vector<bool> patch_required;  ///< patches made of required triangles
+  std::vector<std::string>
+      warnings;  ///< what was repaired: missing triangles created, unused points dropped ...
 };
 
-/// Checks `input` and builds the kernel's mesh with room for `vertex_capacity` and `tet_capacity`. Throws InputError (no file name) naming
-/// the entity, 1-based: index out of range, inverted or duplicate tet, faces of three tets, triangle that is no face.
-/// Boundary or interface triangles that are missing are created, with a warning. Metrics and qualities are not set yet.
+/// Checks `input` and builds the kernel's mesh with room for `vertex_capacity` and `tet_capacity`. Throws
+/// InputError (no file name) naming the entity, 1-based: index out of range, inverted or duplicate tet, faces
+/// of three tets, triangle that is no face. Boundary or interface triangles that are missing are created,
+/// with a warning. Metrics and qualities are not set yet.
 ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std::size_t vertex_capacity,
                          std::size_t tet_capacity);
 
-/// Reads the metric of every vertex from the background (directly where the background is the input mesh). Vertex ids must still be those of the input.
+/// Reads the metric of every vertex from the background (directly where the background is the input mesh).
+/// Vertex ids must still be those of the input.
 void read_metric(TetMesh& mesh, const Background& background, bool background_is_input);
 
 /// Plain arrays and metrics of a renumbered (hole-free) mesh.
-void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required, MeshData& data,
-                 LogMetricField& log_metrics);
+void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
+                 MeshData& data, LogMetricField& log_metrics);
 
 }  // namespace weft::meshing

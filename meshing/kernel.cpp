@@ -8,8 +8,10 @@ EdgeClass classify(const TetMesh& mesh, const Shell& shell) {
   EdgeClass c;
   if (ka == VertexKind::interior || kb == VertexKind::interior) return c;
   if (ka >= VertexKind::ridge && kb >= VertexKind::ridge) c.curve = mesh.curve(shell.a, shell.b);
-  // Every face around the edge lies opposite r of one shell tet; an open shell's first face opposite s of its first.
-  for (int i = 0; i < shell.size && !c.patch.valid(); ++i) c.patch = mesh.patch(shell.tets[i].tet, shell.tets[i].r);
+  // Every face around the edge lies opposite r of one shell tet; an open shell's first face opposite s of its
+  // first.
+  for (int i = 0; i < shell.size && !c.patch.valid(); ++i)
+    c.patch = mesh.patch(shell.tets[i].tet, shell.tets[i].r);
   if (!c.patch.valid() && !shell.closed) c.patch = mesh.patch(shell.tets[0].tet, shell.tets[0].s);
   c.kind = c.curve.valid() ? VertexKind::ridge : c.patch.valid() ? VertexKind::surface : VertexKind::interior;
   return c;

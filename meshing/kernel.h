@@ -1,4 +1,5 @@
-// What an operator works with: the mesh, where it reads metric and geometry, its limits, one thread's scratch.
+// What an operator works with: the mesh, where it reads metric and geometry, its limits, one thread's
+// scratch.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +18,16 @@ namespace weft::meshing {
 
 /// Bounds that the judges apply. Lengths in the metric.
 struct Limits {
-  double long_edge = 1.41421356237309505;   ///< split beyond
-  double finest_long_edge = 1.41421356237309505;  ///< long_edge of the last level: shorter boundary edges are left alone
+  double long_edge = 1.41421356237309505;  ///< split beyond
+  double finest_long_edge =
+      1.41421356237309505;             ///< long_edge of the last level: shorter boundary edges are left alone
   double finest_split_shortest = 0.5;  ///< split_shortest of the last level
-  double largest_bulge = 0.25;  ///< boundary edges that curve more than this are split first of all
-  double short_edge = 0.70710678118654752;  ///< collapse below
+  double largest_bulge = 0.25;         ///< boundary edges that curve more than this are split first of all
+  double short_edge = 0.70710678118654752;        ///< collapse below
   double collapse_longest = 1.41421356237309505;  ///< a collapse creates no edge longer than this
-  double split_shortest = 0.5;    ///< a split creates no edge shorter than this
-  double split_quality = 0.05;    ///< a split may lower quality down to this, or to this share of the worst before
+  double split_shortest = 0.5;                    ///< a split creates no edge shorter than this
+  double split_quality =
+      0.05;  ///< a split may lower quality down to this, or to this share of the worst before
   double collapse_quality = 0.3;  ///< a collapse may lower the worst quality to this
   double shortest_step = 0.03;    ///< shorter moves are not made
   double far_step = 0.1;          ///< longer moves make the neighbours worth smoothing again

@@ -43,7 +43,8 @@ double tet_volume(const MeshData& mesh, std::size_t t) {
 std::vector<double> densities_of(std::span<const LogMetric> log_metrics) {
   std::vector<double> densities(log_metrics.size());
   tbb::parallel_for(Range(0, densities.size(), 4096), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) densities[i] = std::exp(0.5 * trace(log_metrics[i]));
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      densities[i] = std::exp(0.5 * trace(log_metrics[i]));
   });
   return densities;
 }

@@ -45,8 +45,8 @@ double exp_divided_difference(double a, double b, double exp_b) {
 
 Eigen3 eigen_decomposition(const SymTensor& a) {
   // Scaling by the largest entry keeps huge and tiny metrics away from overflow inside the iteration.
-  const double scale = std::max({std::abs(a.xx), std::abs(a.xy), std::abs(a.yy), std::abs(a.xz), std::abs(a.yz),
-                                 std::abs(a.zz), std::numeric_limits<double>::min()});
+  const double scale = std::max({std::abs(a.xx), std::abs(a.xy), std::abs(a.yy), std::abs(a.xz),
+                                 std::abs(a.yz), std::abs(a.zz), std::numeric_limits<double>::min()});
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(to_eigen((1 / scale) * a));
   Eigen3 e;
   for (int i = 0; i < 3; ++i) {
@@ -68,7 +68,8 @@ SymTensor from_eigen(const Eigen3& e) {
 
 bool is_positive_definite(const SymTensor& a) {
   const Eigen3 e = eigen_decomposition(a);
-  return std::isfinite(trace(a)) && std::isfinite(a.xy + a.xz + a.yz) && e.values[0] > 0 && std::isfinite(e.values[2]);
+  return std::isfinite(trace(a)) && std::isfinite(a.xy + a.xz + a.yz) && e.values[0] > 0 &&
+         std::isfinite(e.values[2]);
 }
 
 LogMetric log_of(const Metric& m) {
@@ -131,7 +132,8 @@ AnalyticMetric::AnalyticMetric(const std::string& name) {
     } catch (const std::exception&) {
       h_ = 0;
     }
-    if (!(h_ > 0) || !std::isfinite(h_)) throw InputError("", "metric " + name, "the size H must be a positive number");
+    if (!(h_ > 0) || !std::isfinite(h_))
+      throw InputError("", "metric " + name, "the size H must be a positive number");
   } else {
     throw InputError("", "metric " + name, "unknown; known are polar-1, polar-2, linear and uniform:H");
   }

@@ -19,7 +19,8 @@ bool newton_step(const SymTensor& h, const Vec& g, Vec& step) {
   return true;
 }
 
-/// Newton step within the plane of normal n (2 x 2 in an orthonormal basis that keeps coordinate planes exact).
+/// Newton step within the plane of normal n (2 x 2 in an orthonormal basis that keeps coordinate planes
+/// exact).
 bool newton_step_in_plane(const SymTensor& h, const Vec& g, const Vec& n, Vec& step) {
   const Vec a = std::abs(n.x) < std::abs(n.y) ? (std::abs(n.x) < std::abs(n.z) ? Vec{1, 0, 0} : Vec{0, 0, 1})
                                               : (std::abs(n.y) < std::abs(n.z) ? Vec{0, 1, 0} : Vec{0, 0, 1});

@@ -5,8 +5,9 @@
 
 namespace weft::meshing {
 
-/// One damped Newton step of vertex `v` on the sum of inverse mean ratios of its ball, along what its classification allows
-/// (curve, patch, space). Taken when the sum falls and the worst tet gets no worse, with the metric read at the new place.
+/// One damped Newton step of vertex `v` on the sum of inverse mean ratios of its ball, along what its
+/// classification allows (curve, patch, space). Taken when the sum falls and the worst tet gets no worse,
+/// with the metric read at the new place.
 Verdict smooth_vertex(Worker& w, VertexId v);
 
 /// Where smoothing is stuck: minimises the sum of 1/Q^4 over the ball (nearly the worst tet alone) by

@@ -11,8 +11,8 @@
 
 namespace weft::meshing {
 
-/// A small set of 32-bit keys that is emptied in O(1). It starts at 4 KiB, to stay in the first-level cache, and
-/// grows when a neighbourhood is large.
+/// A small set of 32-bit keys that is emptied in O(1). It starts at 4 KiB, to stay in the first-level cache,
+/// and grows when a neighbourhood is large.
 class SmallSet {
  public:
   SmallSet() { grow(9); }
@@ -31,7 +31,9 @@ class SmallSet {
   bool contains(std::uint32_t key) const { return const_cast<SmallSet*>(this)->find(key)->stamp == stamp_; }
 
  private:
-  struct Slot { std::uint32_t key = 0, stamp = 0; };
+  struct Slot {
+    std::uint32_t key = 0, stamp = 0;
+  };
 
   /// The slot that holds the key, or the free one where it belongs.
   Slot* find(std::uint32_t key) {
@@ -57,17 +59,23 @@ class SmallSet {
 /// The tets around a vertex, with the vertex's local index in each.
 struct Ball {
   static constexpr std::size_t kMaxSize = 1024;
-  struct Entry { TetId tet; int local; };
+  struct Entry {
+    TetId tet;
+    int local;
+  };
   VertexId centre;
   std::vector<Entry> tets;
   SmallSet seen;
 };
 
-/// The tets around edge (a, b). Tet s is (a, b, ring[s], ring[s + 1]) up to an even permutation; a closed shell has
-/// ring.front() == ring.back(). An open one starts and ends at a face without neighbour.
+/// The tets around edge (a, b). Tet s is (a, b, ring[s], ring[s + 1]) up to an even permutation; a closed
+/// shell has ring.front() == ring.back(). An open one starts and ends at a face without neighbour.
 struct Shell {
   static constexpr int kMaxSize = 64;
-  struct Entry { TetId tet; int a, b, r, s; };  ///< local indices, (a, b, r, s) an even permutation
+  struct Entry {
+    TetId tet;
+    int a, b, r, s;
+  };  ///< local indices, (a, b, r, s) an even permutation
   VertexId a, b;
   bool closed = false;
   int size = 0;
@@ -75,7 +83,8 @@ struct Shell {
   std::array<VertexId, kMaxSize + 1> ring;
 };
 
-/// Gathers the ball of `centre` and claims all its vertices. Anything but accepted: something could not be claimed.
+/// Gathers the ball of `centre` and claims all its vertices. Anything but accepted: something could not be
+/// claimed.
 inline Verdict gather_ball(const TetMesh& mesh, Claims& claims, VertexId centre, Ball& ball) {
   if (const Verdict r = claims.claim(centre); r != Verdict::accepted) return r;
   if (!mesh.alive(centre)) return Verdict::not_needed;
@@ -108,7 +117,8 @@ inline Shell::Entry shell_entry(const TetMesh& mesh, TetId t, VertexId a, Vertex
 }
 
 /// Gathers the shell of edge `edge` of tet `t` and claims all its vertices. `t` must be claimed.
-inline Verdict gather_shell(const TetMesh& mesh, Claims& claims, TetId t, VertexId a, VertexId b, Shell& shell) {
+inline Verdict gather_shell(const TetMesh& mesh, Claims& claims, TetId t, VertexId a, VertexId b,
+                            Shell& shell) {
   shell.a = a;
   shell.b = b;
   Shell::Entry first = shell_entry(mesh, t, a, b);

@@ -36,7 +36,9 @@ std::array<EdgeLength, 6> edges_by_length(const TetMesh& mesh, const TetVertices
 Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
   for (const auto& e : kTetEdges) {
     if (length_between(w.mesh, v[e[0]], v[e[1]]) <= w.kernel.limits.finest_long_edge) continue;
-    if (const Verdict r = gather_shell(w.mesh, w.claims, t, v[e[0]], v[e[1]], w.shell); r != Verdict::accepted) return r;
+    if (const Verdict r = gather_shell(w.mesh, w.claims, t, v[e[0]], v[e[1]], w.shell);
+        r != Verdict::accepted)
+      return r;
     if (classify(w.mesh, w.shell).kind != VertexKind::interior) continue;
     const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], {w.kernel.limits.finest_split_shortest});
     if (r == Verdict::accepted || r == Verdict::conflict) return r;
@@ -45,8 +47,8 @@ Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
   return Verdict::not_needed;
 }
 
-/// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are still thick, and before
-/// anything is created between them and the surface.
+/// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are
+/// still thick, and before anything is created between them and the surface.
 Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
   const Limits& limits = w.kernel.limits;
   for (int f = 0; f < 4; ++f) {
@@ -64,7 +66,8 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
 }
 
 bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
-  return std::count_if(v.begin(), v.end(), [&](VertexId x) { return mesh.kind(x) != VertexKind::interior; }) > 1;
+  return std::count_if(v.begin(), v.end(), [&](VertexId x) { return mesh.kind(x) != VertexKind::interior; }) >
+         1;
 }
 
 Verdict split_longest(Worker& w, TetId t) {
@@ -77,13 +80,15 @@ Verdict split_longest(Worker& w, TetId t) {
   Verdict r = Verdict::not_needed;
   for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
     const auto& e = kTetEdges[edges[i].edge];
-    // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with them later.
+    // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with
+    // them later.
     const double shortest = (edges[i].length > 2 * limits.long_edge ? 0.1 : 1) * limits.split_shortest;
     r = split_edge(w, t, v[e[0]], v[e[1]], {shortest});
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }
-  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::split, r);
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
+    return done(w, Operator::split, r);
   w.claims.release();
   return r;
 }
@@ -106,13 +111,16 @@ void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found)
 
 /// kHasShort says whether the last look found a short edge.
 void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
-  if (has_short) mesh.mark(v, kHasShort);
-  else mesh.take_marks(v, kHasShort);
+  if (has_short)
+    mesh.mark(v, kHasShort);
+  else
+    mesh.take_marks(v, kHasShort);
 }
 
 /// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
 Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
-  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted) return done(w, Operator::collapse, r);
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
+    return done(w, Operator::collapse, r);
   if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
   std::vector<Neighbour>& found = w.neighbours;
   neighbours_within(w, nearest, found);
@@ -123,7 +131,8 @@ Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::collapse, r);
   }
-  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::collapse, r);
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
+    return done(w, Operator::collapse, r);
   w.claims.release();
   return r;
 }
@@ -177,7 +186,7 @@ Verdict improve(Worker& w, TetId t, double quality) {
 
 std::uint64_t split_pass(Crew& crew) { return crew.sweep_tets(kCheckLong, split_longest); }
 
-std::uint64_t collapse_pass(Crew& crew) { 
+std::uint64_t collapse_pass(Crew& crew) {
   return crew.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
     return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
   });
@@ -190,7 +199,8 @@ std::uint64_t swap_pass(Crew& crew, double quality) {
 }
 
 std::uint64_t smooth_pass(Crew& crew) {
-  return crew.sweep_vertices(kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+  return crew.sweep_vertices(
+      kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
 }
 
 std::uint64_t smooth_poor(Crew& crew, double quality) {

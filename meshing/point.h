@@ -17,7 +17,12 @@ using Vec = Point;
 inline Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Point operator-(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Point operator*(double s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
-inline Point& operator+=(Point& a, const Point& b) { a.x += b.x; a.y += b.y; a.z += b.z; return a; }
+inline Point& operator+=(Point& a, const Point& b) {
+  a.x += b.x;
+  a.y += b.y;
+  a.z += b.z;
+  return a;
+}
 inline double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec cross(const Vec& a, const Vec& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

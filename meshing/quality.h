@@ -1,5 +1,6 @@
-// The quality that operators judge by: mean ratio in a mean of the vertices' metrics, cheap or exact (MetricMean).
-// Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh resolves the metric.
+// The quality that operators judge by: mean ratio in a mean of the vertices' metrics, cheap or exact
+// (MetricMean). Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh
+// resolves the metric.
 #pragma once
 
 #include <bit>
@@ -17,7 +18,8 @@ inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& 
   return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
 }
 
-/// Cube root of a positive normal number to about 1e-13: a bit-level guess and two Halley steps, a third of the cost of std::cbrt.
+/// Cube root of a positive normal number to about 1e-13: a bit-level guess and two Halley steps, a third of
+/// the cost of std::cbrt.
 inline double fast_cbrt(double x) {
   double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 3 + 0x2A9F7893782DA1CEull);
   for (int i = 0; i < 2; ++i) {
@@ -27,14 +29,15 @@ inline double fast_cbrt(double x) {
   return y;
 }
 
-/// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of it: the
-/// measure does not depend on the metric's scale.
+/// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of
+/// it: the measure does not depend on the metric's scale.
 inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
   const double v = six_volume * (1.0 / 6);
   return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
 }
 
-/// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of mean) add up to.
+/// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of
+/// mean) add up to.
 inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
   return mean == MetricMean::arithmetic ? sum : exp_fast(0.25 * sum);
 }
@@ -50,7 +53,8 @@ inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
 inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
 
 /// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
-inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c,
+                            const Corner& d) {
   const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
   if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
   const double volume = dot(cross(e1, e2), e3);
@@ -59,7 +63,8 @@ inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, c
 }
 
 inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
-  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c), corner(mesh, d));
+  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c),
+                       corner(mesh, d));
 }
 
 inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {

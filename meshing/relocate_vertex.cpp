@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMaxBall = 64;
 
-/// Residual k is 1/Q_k^2, so that the sum of squares is dominated by the worst tet. The parameters are coordinates in the unit
-/// frame of the vertex's metric, in which an anisotropic ball is round.
+/// Residual k is 1/Q_k^2, so that the sum of squares is dominated by the worst tet. The parameters are
+/// coordinates in the unit frame of the vertex's metric, in which an anisotropic ball is round.
 class BallResiduals {
  public:
   using Scalar = double;
@@ -24,7 +24,9 @@ class BallResiduals {
     for (int i = 0; i < 3; ++i) axes_[i] = (1 / std::sqrt(frame.values[i])) * frame.vectors[i];
   }
 
-  Point position(const double* y) const { return origin_ + y[0] * axes_[0] + y[1] * axes_[1] + y[2] * axes_[2]; }
+  Point position(const double* y) const {
+    return origin_ + y[0] * axes_[0] + y[1] * axes_[1] + y[2] * axes_[2];
+  }
 
   bool operator()(const double* y, double* residuals, double* jacobian) const {
     std::fill_n(residuals, kMaxBall, 0.0);
@@ -35,7 +37,8 @@ class BallResiduals {
       // An inverted tet contributes nothing to the derivatives; here it is a wall.
       residuals[k] = inverse > 0 ? inverse * inverse : 1e30;
       if (!jacobian || inverse <= 0) continue;
-      for (int i = 0; i < 3; ++i) jacobian[kMaxBall * i + k] = 2 * inverse * dot(faces_.gradient(k), axes_[i]);
+      for (int i = 0; i < 3; ++i)
+        jacobian[kMaxBall * i + k] = 2 * inverse * dot(faces_.gradient(k), axes_[i]);
     }
     return true;
   }
@@ -57,7 +60,8 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   w.faces.gather(mesh, w.ball);
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const BallResiduals residuals(w.faces, mesh.point(v), judge_tensor(mesh, v), eigen_decomposition(mesh.metric(v)));
+  const BallResiduals residuals(w.faces, mesh.point(v), judge_tensor(mesh, v),
+                                eigen_decomposition(mesh.metric(v)));
   ceres::TinySolver<BallResiduals> solver;
   solver.options.max_num_iterations = 20;
   Eigen::Vector3d y = Eigen::Vector3d::Zero();

@@ -32,7 +32,10 @@ Box bounding_box(const TetMesh& mesh) {
 
 std::vector<VertexId> curve_order(const TetMesh& mesh, std::uint32_t& count) {
   const Box box = bounding_box(mesh);
-  struct Key { std::uint64_t code; std::uint32_t vertex; };
+  struct Key {
+    std::uint64_t code;
+    std::uint32_t vertex;
+  };
   std::vector<Key> keys;
   keys.reserve(mesh.vertex_slots());
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
@@ -53,14 +56,16 @@ std::vector<VertexId> curve_order(const TetMesh& mesh, std::uint32_t& count) {
 }
 
 /// Counting sort of the live tets by their smallest new vertex.
-std::vector<TetId> tet_order(const TetMesh& mesh, const std::vector<VertexId>& new_vertex, std::uint32_t num_vertices,
-                             std::uint32_t& count) {
+std::vector<TetId> tet_order(const TetMesh& mesh, const std::vector<VertexId>& new_vertex,
+                             std::uint32_t num_vertices, std::uint32_t& count) {
   std::vector<std::uint32_t> begin(num_vertices + 1, 0);
   std::vector<std::uint32_t> first(mesh.tet_slots());
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     if (!mesh.alive(TetId(i))) continue;
     const TetVertices v = mesh.vertices(TetId(i));
-    first[i] = std::min({new_vertex[v[0].value], new_vertex[v[1].value], new_vertex[v[2].value], new_vertex[v[3].value]}).value;
+    first[i] = std::min({new_vertex[v[0].value], new_vertex[v[1].value], new_vertex[v[2].value],
+                         new_vertex[v[3].value]})
+                   .value;
     ++begin[first[i] + 1];
   }
   for (std::uint32_t v = 0; v < num_vertices; ++v) begin[v + 1] += begin[v];

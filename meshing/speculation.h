@@ -1,4 +1,5 @@
-// Speculation: a thread claims every vertex that an operator reads or changes, tries, never waits, and lets go.
+// Speculation: a thread claims every vertex that an operator reads or changes, tries, never waits, and lets
+// go.
 #pragma once
 
 #include <atomic>
@@ -9,13 +10,16 @@
 
 namespace weft::meshing {
 
-/// The vertices one thread holds. A claimed vertex, and every tet that contains one, is changed by nobody else; so its
-/// ball can be walked and all coordinates of claimed vertices can be read. Frozen vertices are never claimed.
+/// The vertices one thread holds. A claimed vertex, and every tet that contains one, is changed by nobody
+/// else; so its ball can be walked and all coordinates of claimed vertices can be read. Frozen vertices are
+/// never claimed.
 class Claims {
  public:
-  /// `owner` is unique among the threads that work on `mesh`, in 1 .. 0xFFFFFFFE. A `sole` owner works alone: plain
-  /// stores instead of compare-and-swap.
-  Claims(TetMesh& mesh, std::uint32_t owner, bool sole) : mesh_(mesh), owner_(owner), sole_(sole) { held_.reserve(512); }
+  /// `owner` is unique among the threads that work on `mesh`, in 1 .. 0xFFFFFFFE. A `sole` owner works alone:
+  /// plain stores instead of compare-and-swap.
+  Claims(TetMesh& mesh, std::uint32_t owner, bool sole) : mesh_(mesh), owner_(owner), sole_(sole) {
+    held_.reserve(512);
+  }
 
   /// accepted (held now, or already), frozen or conflict.
   Verdict claim(VertexId v) {
@@ -27,7 +31,8 @@ class Claims {
     if (seen != TetMesh::kFree) return Verdict::conflict;
     if (sole_) {
       ref.store(owner_, std::memory_order_relaxed);
-    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire, std::memory_order_relaxed)) {
+    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
+                                            std::memory_order_relaxed)) {
       return Verdict::conflict;
     }
     held_.push_back(v);
@@ -43,11 +48,14 @@ class Claims {
     return sole_ || (mesh_.alive(t) && mesh_.vertices(t) == v) ? Verdict::accepted : Verdict::conflict;
   }
 
-  bool holds(VertexId v) const { return std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed) == owner_; }
+  bool holds(VertexId v) const {
+    return std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed) == owner_;
+  }
 
   /// Lets go of everything. The release order publishes what was written to the next holder.
   void release() {
-    for (VertexId v : held_) std::atomic_ref(mesh_.claim_word(v)).store(TetMesh::kFree, std::memory_order_release);
+    for (VertexId v : held_)
+      std::atomic_ref(mesh_.claim_word(v)).store(TetMesh::kFree, std::memory_order_release);
     held_.clear();
   }
 

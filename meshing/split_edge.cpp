@@ -15,7 +15,8 @@ struct NewVertex {
   std::uint32_t background_hint, surface_hint = 0;
 };
 
-/// Share of the way from a to b at which both halves are equally long, sizes varying geometrically along the edge.
+/// Share of the way from a to b at which both halves are equally long, sizes varying geometrically along the
+/// edge.
 double metric_middle(double la, double lb) {
   const double ratio = lb / la;
   if (std::abs(ratio - 1) < 1e-3) return 0.5;
@@ -26,7 +27,8 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   const TetMesh& mesh = w.mesh;
   const Point &pa = mesh.point(a), &pb = mesh.point(b);
   const Vec e = pb - pa;
-  const double la = std::sqrt(squared_length(mesh.metric(a), e)), lb = std::sqrt(squared_length(mesh.metric(b), e));
+  const double la = std::sqrt(squared_length(mesh.metric(a), e)),
+               lb = std::sqrt(squared_length(mesh.metric(b), e));
   // Equal coordinates stay equal exactly: axis-aligned planes keep their points.
   NewVertex n{pa + metric_middle(la, lb) * e, {}, {}, on, 0, 0};
   const Surface& s = w.kernel.surface;
@@ -56,10 +58,12 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBoun
     if (length < bounds.shortest) return Verdict::too_short;
     if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
   }
-  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b), p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
+  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
+               p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
   const MetricMean mean = mesh.metric_mean();
   double worst_before = 1;
-  for (int i = 0; i < shell.size; ++i) worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
+  for (int i = 0; i < shell.size; ++i)
+    worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
   w.qualities.clear();
   for (int i = 0; i < shell.size; ++i) {
     const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
@@ -79,7 +83,8 @@ VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
   mesh.set_point(p, n.x);
   mesh.set_metric(p, n.log_metric, n.metric);
   mesh.set_kind(p, n.on.kind);
-  mesh.set_flags(p, n.on.kind == VertexKind::interior ? 0 : mesh.flags(shell.a) & mesh.flags(shell.b) & kOnCurved);
+  mesh.set_flags(
+      p, n.on.kind == VertexKind::interior ? 0 : mesh.flags(shell.a) & mesh.flags(shell.b) & kOnCurved);
   mesh.set_ref(p, 0);
   mesh.set_background_hint(p, n.background_hint);
   mesh.set_surface_hint(p, n.surface_hint);

@@ -10,15 +10,16 @@
 
 namespace weft::meshing {
 
-/// Zero-initialised storage for up to `capacity` elements of a plain type. Only pages that are touched cost memory,
-/// so that readers keep valid references while other threads append.
+/// Zero-initialised storage for up to `capacity` elements of a plain type. Only pages that are touched cost
+/// memory, so that readers keep valid references while other threads append.
 template <class T>
 class StableArray {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
   explicit StableArray(std::size_t capacity) : bytes_(capacity * sizeof(T)) {
-    void* p = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* p =
+        mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
     // Random access over hundreds of megabytes is bound by the TLB without huge pages.
     madvise(p, bytes_, MADV_HUGEPAGE);
@@ -27,7 +28,8 @@ class StableArray {
   ~StableArray() {
     if (data_) munmap(data_, bytes_);
   }
-  StableArray(StableArray&& o) noexcept : data_(std::exchange(o.data_, nullptr)), bytes_(std::exchange(o.bytes_, 0)) {}
+  StableArray(StableArray&& o) noexcept
+      : data_(std::exchange(o.data_, nullptr)), bytes_(std::exchange(o.bytes_, 0)) {}
   StableArray& operator=(StableArray&& o) noexcept {
     std::swap(data_, o.data_);
     std::swap(bytes_, o.bytes_);
@@ -42,7 +44,8 @@ class StableArray {
   void release_from(std::size_t size) {
     constexpr std::size_t kPage = 4096;
     const std::size_t begin = (size * sizeof(T) + kPage - 1) / kPage * kPage;
-    for (std::size_t i = size * sizeof(T); i < begin && i < bytes_; ++i) reinterpret_cast<char*>(data_)[i] = 0;
+    for (std::size_t i = size * sizeof(T); i < begin && i < bytes_; ++i)
+      reinterpret_cast<char*>(data_)[i] = 0;
     if (begin < bytes_) madvise(reinterpret_cast<char*>(data_) + begin, bytes_ - begin, MADV_DONTNEED);
   }
 

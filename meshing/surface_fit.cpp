@@ -20,7 +20,8 @@ Vec bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   const Point middle = midpoint(mesh.point(a), mesh.point(b));
   CurveId curve;
   if (mesh.kind(a) >= VertexKind::ridge && mesh.kind(b) >= VertexKind::ridge) curve = mesh.curve(a, b);
-  if (!curve.valid()) return k.surface.project_to_patch(patch, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
+  if (!curve.valid())
+    return k.surface.project_to_patch(patch, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
   if (k.surface.curves()[curve.value].straight) return {};
   return k.surface.project_to_curve(curve, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
 }
@@ -32,7 +33,8 @@ double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face) {
   Point centroid;
   for (const int i : kTetFaces[face]) centroid += (1.0 / 3) * mesh.point(mesh.vertex(t, i));
   const VertexId near = mesh.vertex(t, kTetFaces[face][0]);
-  return norm(centroid - k.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
+  return norm(centroid -
+              k.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
 }
 
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
@@ -43,12 +45,15 @@ bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
          length_between(k.mesh, a, b) > limits.finest_long_edge;
 }
 
-bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed, const std::array<VertexId, 3>& old) {
+bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
+                  const std::array<VertexId, 3>& old) {
   const TetMesh& mesh = k.mesh;
   const Vec n = triangle_normal(mesh, changed), o = triangle_normal(mesh, old);
   if (dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
-  const Point centroid = (1.0 / 3) * (mesh.point(changed[0]) + mesh.point(changed[1]) + mesh.point(changed[2]));
-  const auto q = k.surface.project_to_patch(patch, centroid, mesh.kind(changed[0]), mesh.surface_hint(changed[0]));
+  const Point centroid =
+      (1.0 / 3) * (mesh.point(changed[0]) + mesh.point(changed[1]) + mesh.point(changed[2]));
+  const auto q =
+      k.surface.project_to_patch(patch, centroid, mesh.kind(changed[0]), mesh.surface_hint(changed[0]));
   // Folding shows against the surface's own normal as well: `old` may have been bent already.
   const double side = dot(o, q.normal) < 0 ? -1 : 1;
   if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.limits.hausd) return false;

@@ -19,8 +19,8 @@ struct RingTriangulation {
 };
 
 /// Qualities of the tets over ring triangle (i, k, j), i < k < j, with the edge's two ends.
-std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const Corner& b, const Corner* ring, int i, int k, int j,
-                                         double enough) {
+std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const Corner& b,
+                                         const Corner* ring, int i, int k, int j, double enough) {
   const double qb = judge_quality(mean, ring[i], ring[k], ring[j], b);
   if (qb <= enough) return {qb, -1};
   return {qb, judge_quality(mean, ring[k], ring[i], ring[j], a)};
@@ -29,11 +29,13 @@ std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const
 /// Fills `r`; false when no triangulation has all tets better than `enough`.
 /// Would a tet over ring triangle (i, k, j) lie flat upon a curved surface?
 bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
-  const int on = mesh.flags(shell.ring[i]) & mesh.flags(shell.ring[k]) & mesh.flags(shell.ring[j]) & kOnCurved;
+  const int on =
+      mesh.flags(shell.ring[i]) & mesh.flags(shell.ring[k]) & mesh.flags(shell.ring[j]) & kOnCurved;
   return on & (mesh.flags(shell.a) | mesh.flags(shell.b));
 }
 
-bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const Corner& a, const Corner& b, const Corner* ring, int m, double enough, RingTriangulation& r) {
+bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const Corner& a, const Corner& b,
+                 const Corner* ring, int m, double enough, RingTriangulation& r) {
   for (int i = 0; i + 1 < m; ++i) r.best[i][i + 1] = 2;
   for (int width = 2; width < m; ++width)
     for (int i = 0; i + width < m; ++i) {
@@ -71,7 +73,8 @@ void mark_if_short(const Worker& w, VertexId a, VertexId b) {
 /// Writes the tets of the chosen triangulation into the hole that the shell leaves.
 class RingBuilder {
  public:
-  RingBuilder(Worker& w, const Shell& shell, const RingTriangulation& r) : w_(w), mesh_(w.mesh), shell_(shell), r_(r) {
+  RingBuilder(Worker& w, const Shell& shell, const RingTriangulation& r)
+      : w_(w), mesh_(w.mesh), shell_(shell), r_(r) {
     for (int i = 0; i < shell.size; ++i) {
       const auto& e = shell.tets[i];
       outer_a_[i] = {mesh_.neighbour(e.tet, e.b), mesh_.patch(e.tet, e.b)};
@@ -81,7 +84,9 @@ class RingBuilder {
   }
 
   /// The faces over one ring chord, on a's and on b's side.
-  struct Faces { TetFace a, b; };
+  struct Faces {
+    TetFace a, b;
+  };
 
   /// Builds all tets of a closed shell.
   void build_closed() {
@@ -166,11 +171,14 @@ Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   const VertexId c = shell.ring[0], d = shell.ring[shell.size];
   const std::array<VertexId, 3> old_a = {shell.a, shell.b, c}, old_b = {shell.b, shell.a, d};
   if (!w.kernel.surface.patches()[patch.value].planar &&
-      (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a) || !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b)))
+      (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a) ||
+       !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b)))
     return Verdict::leaves_surface;
-  // The cavity changes its outline here: an edge across it may exist already, outside, where the boundary bends.
+  // The cavity changes its outline here: an edge across it may exist already, outside, where the boundary
+  // bends.
   for (int i = 0; i + 2 <= shell.size; ++i) {
-    if (const Verdict r = gather_ball(w.mesh, w.claims, shell.ring[i], w.other_ball); r != Verdict::accepted) return r;
+    if (const Verdict r = gather_ball(w.mesh, w.claims, shell.ring[i], w.other_ball); r != Verdict::accepted)
+      return r;
     for (const auto& [t, local] : w.other_ball.tets)
       for (int j = i + 2; j <= shell.size; ++j)
         if (w.mesh.local_index(t, shell.ring[j]) >= 0) return Verdict::breaks_topology;
@@ -193,7 +201,8 @@ Verdict judge_ring(Worker& w, const Shell& shell, double enough, RingTriangulati
   if (m < 3) return Verdict::not_needed;
   std::array<Corner, kMaxRing> ring;
   for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
-  return triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, shell.a), corner(mesh, shell.b), ring.data(), m, enough, r)
+  return triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, shell.a), corner(mesh, shell.b),
+                     ring.data(), m, enough, r)
              ? Verdict::accepted
              : Verdict::worsens_quality;
 }
@@ -224,7 +233,8 @@ Shell part_of(const Shell& shell, int from, int size) {
   return part;
 }
 
-/// An edge of an interface inside the mesh: its shell is two open shells, one a material, which are swapped together.
+/// An edge of an interface inside the mesh: its shell is two open shells, one a material, which are swapped
+/// together.
 Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double enough) {
   std::array<int, 2> at;
   int found = 0;
@@ -261,7 +271,8 @@ Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
   const double enough = enough_for(mesh.quality(worst));
   if (on.kind == VertexKind::interior) return swap_inside(w, shell, enough);
-  return shell.closed ? swap_on_interface(w, shell, on.patch, enough) : swap_on_boundary(w, shell, on.patch, enough);
+  return shell.closed ? swap_on_interface(w, shell, on.patch, enough)
+                      : swap_on_boundary(w, shell, on.patch, enough);
 }
 
 Verdict swap_face(Worker& w, TetId t, int face) {
@@ -282,7 +293,8 @@ Verdict swap_face(Worker& w, TetId t, int face) {
     if (quality[i] < 0) return Verdict::inverts;
     if (quality[i] <= enough) return Verdict::worsens_quality;
   }
-  // New tet i is (q, p, f_i, f_i+1): its face opposite q is the face of t over edge i, that opposite p is u's.
+  // New tet i is (q, p, f_i, f_i+1): its face opposite q is the face of t over edge i, that opposite p is
+  // u's.
   std::array<OuterFace, 3> outer_t, outer_u;
   for (int i = 0; i < 3; ++i) {
     const int it = mesh.local_index(t, f[(i + 2) % 3]), iu = mesh.local_index(u, f[(i + 2) % 3]);

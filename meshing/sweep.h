@@ -1,5 +1,5 @@
-// Sweeps: the work lists of the kernel. A sweep visits what is marked, clears the mark and runs an operation on it;
-// what another thread holds is marked again. Finished regions cost a byte a tet.
+// Sweeps: the work lists of the kernel. A sweep visits what is marked, clears the mark and runs an operation
+// on it; what another thread holds is marked again. Finished regions cost a byte a tet.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -19,7 +19,8 @@ class Crew {
  public:
   Crew(Kernel& kernel, int threads, const std::atomic<bool>* interrupt);
 
-  /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were accepted.
+  /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were
+  /// accepted.
   template <class Operation>
   std::uint64_t sweep_tets(TetMark mark, Operation operation) {
     TetMesh& mesh = kernel_.mesh;
@@ -47,7 +48,9 @@ class Crew {
 
   /// Runs a plain function with the crew's threads at hand.
   template <class F>
-  auto run(F f) { return arena_.execute(f); }
+  auto run(F f) {
+    return arena_.execute(f);
+  }
 
   /// Live entities now, not while a sweep runs.
   std::uint64_t live_tets() const;
@@ -73,13 +76,16 @@ class Crew {
       accepted += mine;
     };
     if (workers_.size() == 1) {
-      for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain) body(*workers_[0], i, std::min(slots, i + kGrain));
+      for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
+        body(*workers_[0], i, std::min(slots, i + kGrain));
       return accepted;
     }
     arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain), [&](const tbb::blocked_range<std::uint32_t>& r) {
-        if (!interrupted()) body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(), r.end());
-      });
+      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
+                        [&](const tbb::blocked_range<std::uint32_t>& r) {
+                          if (!interrupted())
+                            body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(), r.end());
+                        });
     });
     return accepted;
   }

@@ -10,7 +10,8 @@
 namespace weft::meshing {
 namespace {
 
-std::uint32_t take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count, std::size_t capacity, const char* what) {
+std::uint32_t take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count, std::size_t capacity,
+                         const char* what) {
   const std::uint32_t first = next.fetch_add(count, std::memory_order_relaxed);
   if (std::size_t{first} + count > capacity) {
     next.fetch_sub(count, std::memory_order_relaxed);
@@ -21,7 +22,8 @@ std::uint32_t take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count, 
 
 /// Permutes one member of an array's elements: that of element i goes to element map[i].
 template <class T, class Id, class Member>
-void permute_member(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size, const Member& member) {
+void permute_member(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size,
+                    const Member& member) {
   std::vector<std::remove_cvref_t<decltype(member(array[0]))>> moved(new_size);
   tbb::parallel_for(std::size_t{0}, old_to_new.size(), [&](std::size_t i) {
     if (old_to_new[i].valid()) moved[old_to_new[i].value] = member(array[i]);
@@ -39,10 +41,21 @@ void permute(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint
 }  // namespace
 
 TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity)
-    : tets_(tet_capacity), patches_(tet_capacity), tet_refs_(tet_capacity), quality_(tet_capacity),
-      marks_(tet_capacity), points_(vertex_capacity), metrics_(vertex_capacity), log_metrics_(vertex_capacity),
-      vertex_tets_(vertex_capacity), kinds_(vertex_capacity), flags_(vertex_capacity), vertex_marks_(vertex_capacity),
-      vertex_refs_(vertex_capacity), background_hints_(vertex_capacity), surface_hints_(vertex_capacity),
+    : tets_(tet_capacity),
+      patches_(tet_capacity),
+      tet_refs_(tet_capacity),
+      quality_(tet_capacity),
+      marks_(tet_capacity),
+      points_(vertex_capacity),
+      metrics_(vertex_capacity),
+      log_metrics_(vertex_capacity),
+      vertex_tets_(vertex_capacity),
+      kinds_(vertex_capacity),
+      flags_(vertex_capacity),
+      vertex_marks_(vertex_capacity),
+      vertex_refs_(vertex_capacity),
+      background_hints_(vertex_capacity),
+      surface_hints_(vertex_capacity),
       claims_(vertex_capacity) {}
 
 std::uint32_t TetMesh::take_vertex_slots(std::uint32_t count) {
@@ -72,8 +85,10 @@ std::vector<TetMesh::FeatureEdge> TetMesh::feature_edges() const {
   std::vector<FeatureEdge> edges;
   edges.reserve(curves_.size());
   for (const auto& [key, curve] : curves_)
-    edges.push_back({VertexId(static_cast<std::uint32_t>(key >> 32)), VertexId(static_cast<std::uint32_t>(key)), CurveId(curve)});
-  std::sort(edges.begin(), edges.end(), [](const auto& l, const auto& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
+    edges.push_back({VertexId(static_cast<std::uint32_t>(key >> 32)),
+                     VertexId(static_cast<std::uint32_t>(key)), CurveId(curve)});
+  std::sort(edges.begin(), edges.end(),
+            [](const auto& l, const auto& r) { return std::pair(l.a, l.b) < std::pair(r.a, r.b); });
   return edges;
 }
 

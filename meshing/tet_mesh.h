@@ -34,14 +34,17 @@ using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
 enum TetMark : std::uint8_t { kCheckLong = 1, kCheckSwap = 2, kCheckPoor = 4, kAllTetMarks = 7 };
-/// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it changes.
+/// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it
+/// changes.
 enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
 
-/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the metric
-/// changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean mean is needed.
+/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the
+/// metric changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean
+/// mean is needed.
 enum class MetricMean : std::uint8_t { arithmetic, log_euclidean };
 
-/// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in the output.
+/// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
+/// the output.
 enum VertexFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4, kOnCurved = 8 };
 
 class TetMesh {
@@ -71,7 +74,10 @@ class TetMesh {
     for (int i = 0; i < 4; ++i) store(tets_[t.value].v[i], v[i].value);
   }
   void set_vertex(TetId t, int i, VertexId v) { store(tets_[t.value].v[i], v.value); }
-  void kill(TetId t) { set_vertices(t, {VertexId(0), VertexId(0), VertexId(0), VertexId(0)}); store(marks_[t.value], std::uint8_t{0}); }
+  void kill(TetId t) {
+    set_vertices(t, {VertexId(0), VertexId(0), VertexId(0), VertexId(0)});
+    store(marks_[t.value], std::uint8_t{0});
+  }
   TetFace neighbour(TetId t, int face) const { return TetFace(load(tets_[t.value].n[face])); }
   void set_neighbour(TetId t, int face, TetFace n) { store(tets_[t.value].n[face], n.code); }
   /// Makes two faces neighbours of each other; either may be invalid.
@@ -98,7 +104,8 @@ class TetMesh {
   /// Removes marks and says which of them were there.
   std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
 
-  /// How judges average the metrics of a tet's vertices. Change it only while no operator runs; cached qualities are then stale.
+  /// How judges average the metrics of a tet's vertices. Change it only while no operator runs; cached
+  /// qualities are then stale.
   MetricMean metric_mean() const { return metric_mean_; }
   void set_metric_mean(MetricMean m) { metric_mean_ = m; }
 
@@ -108,7 +115,10 @@ class TetMesh {
   const Metric& metric(VertexId v) const { return metrics_[v.value]; }
   const LogMetric& log_metric(VertexId v) const { return log_metrics_[v.value]; }
   void set_point(VertexId v, const Point& p) { points_[v.value] = p; }
-  void set_metric(VertexId v, const LogMetric& l, const Metric& m) { log_metrics_[v.value] = l; metrics_[v.value] = m; }
+  void set_metric(VertexId v, const LogMetric& l, const Metric& m) {
+    log_metrics_[v.value] = l;
+    metrics_[v.value] = m;
+  }
   TetId tet_of(VertexId v) const { return TetId(load(vertex_tets_[v.value]) - 1); }
   void set_tet_of(VertexId v, TetId t) { store(vertex_tets_[v.value], t.value + 1); }
   VertexKind kind(VertexId v) const { return kinds_[v.value]; }
@@ -116,9 +126,12 @@ class TetMesh {
   std::uint8_t flags(VertexId v) const { return flags_[v.value]; }
   void set_flags(VertexId v, int flags) { flags_[v.value] = static_cast<std::uint8_t>(flags); }
   bool fixed(VertexId v) const { return flags(v) & kFixed; }
-  /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface is retriangulated
-  /// under it the mesh may come to overlap although all its tets are positive. None is ever created.
-  bool lies_on_curved(const TetVertices& v) const { return flags(v[0]) & flags(v[1]) & flags(v[2]) & flags(v[3]) & kOnCurved; }
+  /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface
+  /// is retriangulated under it the mesh may come to overlap although all its tets are positive. None is ever
+  /// created.
+  bool lies_on_curved(const TetVertices& v) const {
+    return flags(v[0]) & flags(v[1]) & flags(v[2]) & flags(v[3]) & kOnCurved;
+  }
   std::int32_t ref(VertexId v) const { return vertex_refs_[v.value]; }
   void set_ref(VertexId v, std::int32_t r) { vertex_refs_[v.value] = r; }
   /// Where in the background and on the reference surface the vertex is (a start for nearby queries).
@@ -131,7 +144,10 @@ class TetMesh {
   /// The ball of v has changed.
   void touch(VertexId v) { mark(v, marks(v) & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace); }
   std::uint8_t take_marks(VertexId v, std::uint8_t m) { return take_bits(vertex_marks_[v.value], m); }
-  void kill(VertexId v) { store(vertex_tets_[v.value], 0u); store(vertex_marks_[v.value], std::uint8_t{0}); }
+  void kill(VertexId v) {
+    store(vertex_tets_[v.value], 0u);
+    store(vertex_marks_[v.value], std::uint8_t{0});
+  }
 
   // --- claims: see speculation.h, the only user besides freeze ---
   std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
@@ -142,20 +158,29 @@ class TetMesh {
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
   CurveId curve(VertexId a, VertexId b) const;
   void set_curve(VertexId a, VertexId b, CurveId c);  ///< an invalid curve erases
-  struct FeatureEdge { VertexId a, b; CurveId curve; };
+  struct FeatureEdge {
+    VertexId a, b;
+    CurveId curve;
+  };
   std::vector<FeatureEdge> feature_edges() const;  ///< sorted; not while operators run
 
-  /// Moves everything to new places: new id of each live vertex and tet (invalid for dead ones). Order of slots
-  /// becomes that of the maps; dead slots vanish and their memory is returned. Not while operators run.
+  /// Moves everything to new places: new id of each live vertex and tet (invalid for dead ones). Order of
+  /// slots becomes that of the maps; dead slots vanish and their memory is returned. Not while operators run.
   void renumber(const std::vector<VertexId>& old_to_new_vertex, std::uint32_t num_vertices,
                 const std::vector<TetId>& old_to_new_tet, std::uint32_t num_tets);
 
  private:
-  struct Tet { std::array<std::uint32_t, 4> v, n; };
+  struct Tet {
+    std::array<std::uint32_t, 4> v, n;
+  };
   template <class T>
-  static T load(const T& x) { return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed); }
+  static T load(const T& x) {
+    return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed);
+  }
   template <class T>
-  static void store(T& x, T value) { std::atomic_ref(x).store(value, std::memory_order_relaxed); }
+  static void store(T& x, T value) {
+    std::atomic_ref(x).store(value, std::memory_order_relaxed);
+  }
   static void set_bits(std::uint8_t& x, std::uint8_t m) {
     if ((load(x) & m) != m) std::atomic_ref(x).fetch_or(m, std::memory_order_relaxed);
   }

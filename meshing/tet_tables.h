@@ -11,6 +11,7 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces = {{{1, 3, 2}, {0, 
 inline constexpr std::array<std::array<int, 4>, 6> kTetEdges = {
     {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}}};
 /// The edge between two different local vertices.
-inline constexpr std::array<std::array<int, 4>, 4> kEdgeOf = {{{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}}};
+inline constexpr std::array<std::array<int, 4>, 4> kEdgeOf = {
+    {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}}};
 
 }  // namespace weft::meshing

@@ -21,7 +21,8 @@ bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
         if (u != v) near = u;
       }
       const Point centroid = (1.0 / 3) * (p[0] + p[1] + p[2]);
-      const auto q = w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
+      const auto q =
+          w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
       if (norm(centroid - q.x) > w.kernel.limits.hausd) return false;
     }
   return true;
@@ -41,13 +42,15 @@ Verdict move_space(const Worker& w, VertexId v, MoveSpace& space) {
         if (f != local) space.patch = mesh.patch(t, f);
     if (!space.patch.valid()) return Verdict::breaks_classification;
     space.curved = !s.patches()[space.patch.value].planar;
-    space.direction = space.curved ? s.project_to_patch(space.patch, mesh.point(v), space.kind, mesh.surface_hint(v)).normal
-                                   : s.patches()[space.patch.value].normal;
+    space.direction =
+        space.curved ? s.project_to_patch(space.patch, mesh.point(v), space.kind, mesh.surface_hint(v)).normal
+                     : s.patches()[space.patch.value].normal;
     return Verdict::accepted;
   }
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4 && !space.curve.valid(); ++i)
-      if (i != local && mesh.kind(mesh.vertex(t, i)) >= VertexKind::ridge) space.curve = mesh.curve(v, mesh.vertex(t, i));
+      if (i != local && mesh.kind(mesh.vertex(t, i)) >= VertexKind::ridge)
+        space.curve = mesh.curve(v, mesh.vertex(t, i));
   if (!space.curve.valid()) return Verdict::breaks_classification;
   if (s.curves()[space.curve.value].required) return Verdict::required;
   space.curved = true;  // patches beside a straight curve may be curved; move_to looks

@@ -5,8 +5,8 @@
 
 namespace weft::meshing {
 
-/// The space a vertex may move in: all (interior), the tangent plane of `patch` with normal `direction`, or the
-/// line along `direction` of `curve`.
+/// The space a vertex may move in: all (interior), the tangent plane of `patch` with normal `direction`, or
+/// the line along `direction` of `curve`.
 struct MoveSpace {
   VertexKind kind = VertexKind::interior;
   PatchId patch;
@@ -20,13 +20,17 @@ struct MovedVertex {
   LogMetric log_metric;
   Metric metric;
   std::uint32_t background_hint, surface_hint;
-  const SymTensor& tensor(MetricMean mean) const { return mean == MetricMean::arithmetic ? metric : log_metric; }
+  const SymTensor& tensor(MetricMean mean) const {
+    return mean == MetricMean::arithmetic ? metric : log_metric;
+  }
 };
 
-/// Finds the space of `v`, whose ball is gathered in w.ball. Refuses corners and fixed or non-manifold vertices.
+/// Finds the space of `v`, whose ball is gathered in w.ball. Refuses corners and fixed or non-manifold
+/// vertices.
 Verdict move_space(const Worker& w, VertexId v, MoveSpace& space);
 
-/// Puts `target` on the geometry and reads the metric there. False when the boundary around would leave the surface.
+/// Puts `target` on the geometry and reads the metric there. False when the boundary around would leave the
+/// surface.
 bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target, MovedVertex& moved);
 
 /// Moves `v`; w.qualities holds the new qualities of w.ball's tets.
