@@ -31,7 +31,6 @@ VecLanes load3(const double* p, int stride) { return {load(p), load(p + stride),
 TensorLanes load6(const double* p, int s) {
   return {load(p), load(p + s), load(p + 2 * s), load(p + 3 * s), load(p + 4 * s), load(p + 5 * s)};
 }
-VecLanes operator-(const VecLanes& a, const VecLanes& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 VecLanes operator*(const Lanes& s, const VecLanes& a) { return {s * a.x, s * a.y, s * a.z}; }
 Lanes dot(const VecLanes& a, const VecLanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
@@ -70,6 +69,12 @@ Lanes cube_root(Lanes x) {
 Lanes sum_squared_lengths(const TensorLanes& m, const VecLanes& e1, const VecLanes& e2, const VecLanes& e3) {
   const VecLanes m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
   return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
+}
+
+/// Mean ratios from six-fold volumes, metrics and sums of squared lengths. The root is taken of a number that
+/// does not depend on the scale of the metric, as single precision could not hold the others.
+Lanes mean_ratio(const Lanes& volume, const TensorLanes& m, const Lanes& s) {
+  return kMeanRatioFactor * cube_root(volume * volume * determinant(m) / (36 * s * s * s));
 }
 
 struct HessianLanes {
@@ -157,7 +162,7 @@ BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) 
     const Lanes raw = dot(n, e3);
     const Lanes volume = raw > 0 ? raw : Lanes{} + 1;
     const Lanes s = sum_squared_lengths(m, e1, e2, e3);
-    Lanes f = s / (kMeanRatioFactor * cube_root(volume * volume * determinant(m) * (1.0 / 36)));
+    Lanes f = 1 / mean_ratio(volume, m, s);
     f = raw > 0 ? f * load(row(kWeight) + k) : Lanes{};
     // S' = 2 M (3 x - sum of the face's points), S'' = 6 M; g is the gradient of the logarithm of 1/Q.
     const VecLanes direction = {3 * e3.x - e1.x - e2.x, 3 * e3.y - e1.y - e2.y, 3 * e3.z - e1.z - e2.z};
@@ -200,8 +205,7 @@ double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector
     const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) +
                                           products.z * absolute(e3.z));
     const Lanes positive = volume > 0 ? volume : Lanes{};
-    const Lanes q = kMeanRatioFactor * cube_root(positive * positive * determinant(m) * (1.0 / 36)) /
-                    sum_squared_lengths(m, e1, e2, e3);
+    const Lanes q = mean_ratio(positive, m, sum_squared_lengths(m, e1, e2, e3));
     for (int i = 0; i < kLanes; ++i) {
       if (!(doubt[i] > 0) && !is_positive(std::min(k + i, size_ - 1), x)) return -1;
       qualities[k + i] = static_cast<float>(q[i]);
