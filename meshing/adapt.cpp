@@ -276,10 +276,16 @@ std::size_t capacity(double predicted, std::size_t input) {
 }
 
 void check_background(const BackgroundData& background) {
-  if (!background.mesh || !background.log_metrics || background.mesh->tets.empty())
-    throw InputError("", "Tetrahedra", "the mesh has none");
+  if (!background.mesh || !background.log_metrics) throw InputError("", "metric", "none is given");
+  check_arrays(*background.mesh);
+  if (background.mesh->tets.empty()) throw InputError("", "Tetrahedra", "the mesh has none");
   if (background.log_metrics->size() != background.mesh->points.size())
     throw InputError("", "metric", "has another number of vertices than its mesh");
+  for (std::size_t i = 0; i < background.log_metrics->size(); ++i) {
+    const LogMetric& l = (*background.log_metrics)[i];
+    if (!std::isfinite(l.xx + l.xy + l.yy + l.xz + l.yz + l.zz))
+      throw InputError("", "metric of vertex " + std::to_string(i + 1), "is not finite");
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "meshing/adjacency.h"
 #include "meshing/error.h"
@@ -14,35 +15,52 @@
 namespace weft::meshing {
 namespace {
 
-void check_tet(const MeshData& m, std::size_t t) {
+void check_size(const char* what, std::size_t refs, std::size_t entities) {
+  if (refs != entities)
+    throw InputError("", what, fmt::format("{} references for {} entities", refs, entities));
+}
+
+/// Every index of `list` must be below `count`.
+void check_list(const char* what, const char* of, const std::vector<std::uint32_t>& list, std::size_t count) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (list[i] >= count)
+      throw InputError("", fmt::format("{} {}", what, i + 1),
+                       fmt::format("{} {} is out of range 1..{}", of, list[i] + 1, count));
+}
+
+template <std::size_t N>
+void check_vertices(const char* what, const std::vector<std::array<std::uint32_t, N>>& entities,
+                    std::size_t points) {
+  for (std::size_t i = 0; i < entities.size(); ++i)
+    for (const std::uint32_t v : entities[i])
+      if (v >= points)
+        throw InputError("", fmt::format("{} {}", what, i + 1),
+                         fmt::format("vertex {} is out of range 1..{}", v + 1, points));
+}
+
+void refuse_tet(const MeshData& m, std::size_t t) {
   const auto& v = m.tets[t];
-  for (const std::uint32_t x : v)
-    if (x >= m.points.size())
-      throw InputError("", fmt::format("tet {}", t + 1),
-                       fmt::format("vertex {} is out of range 1..{}", x + 1, m.points.size()));
   const int sign = orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]);
-  if (sign <= 0)
-    throw InputError("", fmt::format("tet {} ({} {} {} {})", t + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1),
-                     sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)");
+  throw InputError("", fmt::format("tet {} ({} {} {} {})", t + 1, v[0] + 1, v[1] + 1, v[2] + 1, v[3] + 1),
+                   sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)");
 }
 
-bool is_sound(const MeshData& m, const std::array<std::uint32_t, 4>& v) {
-  return std::all_of(v.begin(), v.end(), [&](std::uint32_t x) { return x < m.points.size(); }) &&
-         orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]) > 0;
+bool is_positive(const MeshData& m, const std::array<std::uint32_t, 4>& v) {
+  return orientation(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]]) > 0;
 }
 
-/// Throws for the first tet that is not sound.
+/// Throws for the first tet that is not positive.
 void check_tets(const MeshData& m) {
   if (m.tets.empty()) throw InputError("", "Tetrahedra", "the mesh has none");
   const std::size_t first = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, m.tets.size()), m.tets.size(),
       [&](const tbb::blocked_range<std::size_t>& r, std::size_t found) {
         for (std::size_t t = r.begin(); t < r.end() && t < found; ++t)
-          if (!is_sound(m, m.tets[t])) found = t;
+          if (!is_positive(m, m.tets[t])) found = t;
         return found;
       },
       [](std::size_t a, std::size_t b) { return std::min(a, b); });
-  if (first < m.tets.size()) check_tet(m, first);
+  if (first < m.tets.size()) refuse_tet(m, first);
 }
 
 /// Two positive tets across a face see it turning in opposite ways; the same way means they overlap.
@@ -196,8 +214,27 @@ void classify_boundary(const Boundary& b, const MeshData& m, const Surface& surf
 
 }  // namespace
 
+void check_arrays(const MeshData& m) {
+  check_size("vertices", m.point_refs.size(), m.points.size());
+  check_size("tets", m.tet_refs.size(), m.tets.size());
+  check_size("triangles", m.triangle_refs.size(), m.triangles.size());
+  check_size("edges", m.edge_refs.size(), m.edges.size());
+  for (std::size_t i = 0; i < m.points.size(); ++i)
+    if (!std::isfinite(m.points[i].x + m.points[i].y + m.points[i].z))
+      throw InputError("", fmt::format("vertex {}", i + 1), "has a coordinate that is not finite");
+  check_vertices("tet", m.tets, m.points.size());
+  check_vertices("triangle", m.triangles, m.points.size());
+  check_vertices("edge", m.edges, m.points.size());
+  check_list("corner", "vertex", m.corners, m.points.size());
+  check_list("required vertex", "vertex", m.required_points, m.points.size());
+  check_list("ridge", "edge", m.ridges, m.edges.size());
+  check_list("required edge", "edge", m.required_edges, m.edges.size());
+  check_list("required triangle", "triangle", m.required_triangles, m.triangles.size());
+}
+
 ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::size_t vertex_capacity,
                          std::size_t tet_capacity) {
+  check_arrays(m);
   check_tets(m);
   ImportedMesh r;
   Boundary b;

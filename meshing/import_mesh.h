@@ -24,6 +24,10 @@ struct ImportedMesh {
       warnings;  ///< what was repaired: missing triangles created, unused points dropped ...
 };
 
+/// Throws InputError (no file name) for arrays of reference numbers that do not fit their entities, indices
+/// out of range and coordinates that are not finite. What has passed can be read without further care.
+void check_arrays(const MeshData& mesh);
+
 /// Checks `input` and builds the kernel's mesh with room for `vertex_capacity` and `tet_capacity`. Throws
 /// InputError (no file name) naming the entity, 1-based: index out of range, inverted or duplicate tet, faces
 /// of three tets, triangle that is no face. Boundary or interface triangles that are missing are created,

@@ -135,8 +135,8 @@ inline MeshData layered_box(std::uint32_t cells, std::uint32_t cells_per_layer, 
   return mesh;
 }
 
-/// n tets around the edge from vertex 0, (0, 0, -height), to vertex 1, (0, 0, height); the ring, vertices 2 to
-/// n + 1, is a regular polygon of radius 1.
+/// n tets around the edge from vertex 0, (0, 0, -height), to vertex 1, (0, 0, height); the ring, vertices 2
+/// to n + 1, is a regular polygon of radius 1.
 inline MeshData ring_of(std::uint32_t n, double height) {
   std::vector<Point> points{{0, 0, -height}, {0, 0, height}};
   std::vector<std::array<std::uint32_t, 4>> tets;
@@ -163,8 +163,7 @@ inline MeshData half_ring_of(std::uint32_t n, double length) {
 
 /// Vertex 0 at `centre` in an octahedron of vertices 1 to 6: +x, -x, +y, -y, +z, -z, at distance 1.
 inline MeshData octahedron(const Point& centre = {0, 0, 0}) {
-  std::vector<Point> points{centre,    {1, 0, 0}, {-1, 0, 0}, {0, 1, 0},
-                            {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  std::vector<Point> points{centre, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<std::uint32_t, 4>> tets;
   for (std::uint32_t x = 1; x <= 2; ++x)
     for (std::uint32_t y = 3; y <= 4; ++y)
@@ -176,7 +175,8 @@ inline MeshData octahedron(const Point& centre = {0, 0, 0}) {
 }
 
 /// The three tets of the prism from triangle `below` to triangle `above`, cut so that neighbours agree.
-inline void add_prism(MeshData& mesh, std::array<std::uint32_t, 3> below, std::array<std::uint32_t, 3> above) {
+inline void add_prism(MeshData& mesh, std::array<std::uint32_t, 3> below,
+                      std::array<std::uint32_t, 3> above) {
   // Start at the least vertex below: the diagonals of its two sides leave from it.
   const auto least = std::min_element(below.begin(), below.end()) - below.begin();
   std::rotate(below.begin(), below.begin() + least, below.end());
@@ -203,8 +203,8 @@ inline void add_prism(MeshData& mesh, std::array<std::uint32_t, 3> below, std::a
 inline MeshData ball(int subdivisions, int layers) {
   using Triangle = std::array<std::uint32_t, 3>;
   const double g = (1 + std::sqrt(5.0)) / 2;
-  std::vector<Point> sphere{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                            {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<Point> sphere{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                            {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
   std::vector<Triangle> triangles{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
                                   {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
                                   {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
@@ -214,14 +214,16 @@ inline MeshData ball(int subdivisions, int layers) {
   for (int s = 0; s < subdivisions; ++s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [it, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(sphere.size()));
+      const auto [it, fresh] =
+          middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(sphere.size()));
       if (fresh) sphere.push_back(unit(meshing::midpoint(sphere[a], sphere[b])));
       return it->second;
     };
     std::vector<Triangle> finer;
     for (const auto& [a, b, c] : triangles) {
       const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const Triangle& t : {Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}}) finer.push_back(t);
+      for (const Triangle& t : {Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+        finer.push_back(t);
     }
     triangles = std::move(finer);
   }
@@ -233,8 +235,10 @@ inline MeshData ball(int subdivisions, int layers) {
   for (std::uint32_t layer = 0; layer < static_cast<std::uint32_t>(layers); ++layer)
     for (Triangle t : triangles) {
       for (std::uint32_t& v : t) v += 1 + layer * n;
-      if (layer == 0) mesh.tets.push_back({0, t[0], t[1], t[2]});
-      else add_prism(mesh, {t[0] - n, t[1] - n, t[2] - n}, t);
+      if (layer == 0)
+        mesh.tets.push_back({0, t[0], t[1], t[2]});
+      else
+        add_prism(mesh, {t[0] - n, t[1] - n, t[2] - n}, t);
     }
   mesh.point_refs.assign(mesh.points.size(), 0);
   mesh.tet_refs.assign(mesh.tets.size(), 1);
