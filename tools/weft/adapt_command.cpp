@@ -254,7 +254,7 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
   sub.add_option("--hausd", command.options.hausd,
-                 "largest distance to the surface; default 0.1 % of the box diagonal (also -hausd)")
+                 "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");
