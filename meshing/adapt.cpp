@@ -34,6 +34,8 @@ constexpr double kPoor = 0.4;
 // A mesh with this mean quality is left alone where nothing is wrong; below, everything is worth smoothing.
 constexpr double kGoodMean = 0.85;
 constexpr double kFair = 0.6;
+// A mesh is coarse when this share of its tets has edges to be split.
+constexpr double kCoarse = 0.7;
 
 /// One adaptation from the first mark to the last improvement.
 class Adaptation {
@@ -81,9 +83,27 @@ class Adaptation {
   void start() {
     judge_by(MetricMean::arithmetic);
     mark_what_is_wrong();
+    if (share_long_ > kCoarse) resolve_curved_boundary();
     if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
     collapse_pass(crew_);
     collapse_pass(crew_);
+  }
+
+  /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric
+  /// its tets are needles as yet, and splits along the boundary would be refused for making them thinner
+  /// still.
+  void resolve_curved_boundary() {
+    constexpr int kMostRounds = 15;
+    judge_by(MetricMean::euclidean);
+    bool any = false;
+    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
+      if (resolve_curved_pass(crew_) == 0) break;
+      any = true;
+      swap_pass(crew_, kSwapBelowWhileCreating);
+      smooth_pass(crew_);
+    }
+    judge_by(MetricMean::arithmetic);
+    if (any) mark_what_is_wrong();
   }
 
   /// Longest edges first: levels of twice the wanted size, four times and so on come before it, each with its
@@ -189,6 +209,10 @@ class Adaptation {
     const double fair = sum < kGoodMean * static_cast<double>(tets) ? 2 : kFair;
     for_all_tets([&](TetId t) { mark_if_wrong(t, fair); });
     first_level_ = first_level();
+    std::uint64_t with_long = 0;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+      with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
+    share_long_ = static_cast<double>(with_long) / static_cast<double>(std::max<std::uint64_t>(tets, 1));
   }
 
   void mark_if_wrong(TetId t, double fair) {
@@ -248,7 +272,7 @@ class Adaptation {
   AdaptReport& report_;
   std::string stage_;
   double done_ = 0, stage_end_ = 0;
-  double first_level_ = 1;
+  double first_level_ = 1, share_long_ = 0;
   std::uint32_t renumbered_at_ = 0;
 };
 

@@ -132,7 +132,7 @@ void BallFaces::average(const SymTensor& centre) {
   const double c[6] = {centre.xx, centre.xy, centre.yy, centre.xz, centre.yz, centre.zz};
   for (int i = 0; i < 6; ++i)
     for (int k = 0; k < stride_; ++k) row(kMean + i)[k] = row(kTensor + i)[k] + c[i];
-  if (mean_ == MetricMean::arithmetic) return;
+  if (mean_ != MetricMean::log_euclidean) return;
   for (int k = 0; k < stride_; ++k) {
     double* m = row(kMean) + k;
     const SymTensor e = mean_of_sum(

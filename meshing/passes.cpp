@@ -184,6 +184,18 @@ Verdict improve(Worker& w, TetId t, double quality) {
 
 }  // namespace
 
+std::uint64_t resolve_curved_pass(Crew& crew) {
+  return crew.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
+    Verdict r = w.claims.claim_tet(t);
+    if (r == Verdict::accepted) {
+      w.mesh.mark(t, kCheckLong);
+      const TetVertices v = w.mesh.vertices(t);
+      r = on_boundary(w.mesh, v) ? split_curved(w, t, v) : Verdict::not_needed;
+    }
+    return done(w, Operator::split, r);
+  });
+}
+
 std::uint64_t split_pass(Crew& crew) { return crew.sweep_tets(kCheckLong, split_longest); }
 
 std::uint64_t collapse_pass(Crew& crew) {

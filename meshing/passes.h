@@ -10,6 +10,8 @@ namespace weft::meshing {
 /// Splits the longest edge of every marked tet that has one longer than limits.long_edge; boundary edges that
 /// curve too much first.
 std::uint64_t split_pass(Crew& crew);
+/// Splits only boundary edges that curve too much, and leaves the marks for split_pass.
+std::uint64_t resolve_curved_pass(Crew& crew);
 /// Collapses marked vertices into their nearest neighbour nearer than limits.short_edge that allows it.
 std::uint64_t collapse_pass(Crew& crew);
 /// Swaps edges and faces of marked tets with a mean ratio below `quality`.

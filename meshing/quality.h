@@ -39,7 +39,7 @@ inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, c
 /// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of
 /// mean) add up to.
 inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
-  return mean == MetricMean::arithmetic ? sum : exp_fast(0.25 * sum);
+  return mean == MetricMean::log_euclidean ? exp_fast(0.25 * sum) : sum;
 }
 
 /// A vertex as the judges see it: its place and the tensor that the kind of mean adds up.
@@ -47,8 +47,12 @@ struct Corner {
   Point x;
   SymTensor tensor;
 };
+inline const SymTensor& judge_tensor(MetricMean mean, const Metric& metric, const LogMetric& log_metric) {
+  static constexpr SymTensor kIdentity = {1, 0, 1, 0, 0, 1};
+  return mean == MetricMean::arithmetic ? metric : mean == MetricMean::log_euclidean ? log_metric : kIdentity;
+}
 inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
-  return mesh.metric_mean() == MetricMean::arithmetic ? mesh.metric(v) : mesh.log_metric(v);
+  return judge_tensor(mesh.metric_mean(), mesh.metric(v), mesh.log_metric(v));
 }
 inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
 

@@ -59,7 +59,7 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBoun
     if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
   }
   const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
-               p{n.x, mesh.metric_mean() == MetricMean::arithmetic ? n.metric : n.log_metric};
+               p{n.x, judge_tensor(mesh.metric_mean(), n.metric, n.log_metric)};
   const MetricMean mean = mesh.metric_mean();
   double worst_before = 1;
   for (int i = 0; i < shell.size; ++i)

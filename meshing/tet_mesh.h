@@ -41,7 +41,9 @@ enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4
 /// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the
 /// metric changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean
 /// mean is needed.
-enum class MetricMean : std::uint8_t { arithmetic, log_euclidean };
+/// `euclidean` judges shapes as they are: for the time before a coarse mesh has anything to do with the
+/// metric.
+enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
 
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
 /// the output.

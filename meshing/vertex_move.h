@@ -20,9 +20,7 @@ struct MovedVertex {
   LogMetric log_metric;
   Metric metric;
   std::uint32_t background_hint, surface_hint;
-  const SymTensor& tensor(MetricMean mean) const {
-    return mean == MetricMean::arithmetic ? metric : log_metric;
-  }
+  const SymTensor& tensor(MetricMean mean) const { return judge_tensor(mean, metric, log_metric); }
 };
 
 /// Finds the space of `v`, whose ball is gathered in w.ball. Refuses corners and fixed or non-manifold
