@@ -144,6 +144,7 @@ class Adaptation {
       swap_pass(crew_, kSwapBelow);
       smooth_pass(crew_);
       collapse_pass(crew_);
+      retry_curved_boundary();
       split_pass(crew_);
       tell_progress(0.3);
     }
@@ -152,6 +153,15 @@ class Adaptation {
       smooth_pass(crew_);
       tell_progress(0.5);
     }
+  }
+
+  /// Boundary edges that curve too much may have been refused where the tets were poor; now they are better.
+  void retry_curved_boundary() {
+    const auto patches = kernel_.surface.patches();
+    if (std::all_of(patches.begin(), patches.end(), [](const Patch& p) { return p.planar; })) return;
+    for_all_tets([&](TetId t) {
+      if (on_curved_boundary(mesh_.vertices(t))) mesh_.mark(t, kCheckLong);
+    });
   }
 
   void improve_quality() {
