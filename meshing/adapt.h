@@ -20,7 +20,7 @@ namespace weft::meshing {
 struct AdaptOptions {
   int threads = 1;
   double ridge_angle_degrees = 45;
-  double hausd = 0;  ///< largest distance between the mesh's boundary and the reconstructed surface; 0: 0.1 %
+  double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface; 0: 0.1 %
                      ///< of the bounding box diagonal
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
   const std::atomic<bool>* interrupt = nullptr;

@@ -57,11 +57,7 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
     for (int i = 0; i < 3; ++i) {
       const VertexId a = v[kTetFaces[f][i]], b = v[kTetFaces[f][(i + 1) % 3]];
       if (!curves_too_much(w.kernel, a, b, patch)) continue;
-      Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
-      // At the last level hausd comes before shapes: swaps and smoothing follow.
-      if ((r == Verdict::worsens_quality || r == Verdict::too_short) &&
-          limits.long_edge <= limits.finest_long_edge && leaves_hausd(w.kernel, a, b, patch))
-        r = split_edge(w, t, a, b, {0.2 * limits.finest_split_shortest, 0.1});
+      const Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
       if (r == Verdict::accepted || r == Verdict::conflict) return r;
       w.counts.add(Operator::split, r);
     }

@@ -37,10 +37,6 @@ double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face) {
               k.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
 }
 
-bool leaves_hausd(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
-  return norm(bulge(k, a, b, patch)) > k.limits.hausd;
-}
-
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   const Vec way = bulge(k, a, b, patch);
   const Limits& limits = k.limits;

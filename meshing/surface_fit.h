@@ -13,9 +13,6 @@ namespace weft::meshing {
 /// through the tets upon it once they are thin. Both ends must be claimed.
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
 
-/// Is the middle of boundary edge (a, b) farther than limits.hausd from the reference surface or curve?
-bool leaves_hausd(const Kernel& k, VertexId a, VertexId b, PatchId patch);
-
 /// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much,
 /// its centroid lie within limits.hausd of the reference surface, and its normal turn by less than 60 degrees
 /// from the surface's and from the old one's. All vertices must be claimed.
