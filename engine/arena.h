@@ -1,0 +1,30 @@
+// Where a rank's handlers run: a oneTBB arena, shared by its workers and by the parallel loops inside
+// handlers.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+namespace weft::engine {
+
+/// A task arena of `threads` slots. Workers are threads of the engine's own that enter it to run handlers;
+/// slots that no worker takes are free for TBB's threads to help with a handler's loops. So a rank never
+/// computes with more than `threads`, and all of them work while a single handler has work for all. Keeps
+/// TBB's headers out of the others.
+class Arena {
+ public:
+  explicit Arena(int threads);
+  ~Arena();
+
+  /// Runs `function` inside the arena, and returns when it is done.
+  void execute(const std::function<void()>& function);
+
+  /// Runs `function`; while it waits for parallel work of its own it does nothing else, and others may help.
+  static void isolate(const std::function<void()>& function);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace weft::engine

@@ -1,0 +1,111 @@
+// The engine: one rank's mobile objects, workers and communication, run until there is nothing left to do.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/balancer.h"
+#include "engine/chrome_trace.h"
+#include "engine/context.h"
+#include "engine/exchange.h"
+#include "engine/registry.h"
+#include "engine/summary.h"
+#include "engine/trace.h"
+#include "engine/transport.h"
+
+namespace weft::engine {
+
+/// The run has failed, on all ranks, for the same reason.
+class RunFailure : public std::runtime_error {
+ public:
+  RunFailure(const std::string& what, bool report, bool network_broken)
+      : std::runtime_error(what), report_(report), network_broken_(network_broken) {}
+
+  /// One rank, the first that lives, is to tell the user.
+  bool should_report() const { return report_; }
+
+  /// A rank is dead, or does not answer: Transport::close() would wait for it for ever, abandon() is left.
+  bool network_broken() const { return network_broken_; }
+
+ private:
+  bool report_;
+  bool network_broken_;
+};
+
+struct RuntimeOptions {
+  int threads = 1;  ///< workers of this rank, besides the thread that calls run() and does the communication
+  BalancerFactory balancer = work_stealing();
+  ExchangeOptions exchange = {};
+  TraceOptions trace = {};
+
+  /// A rank whose process is on another node counts as dead after this silence; on the same node it is
+  /// noticed at once.
+  std::chrono::milliseconds silence{30'000};
+  /// A rank that has failed gives its running handlers this long to see Context::stop_requested() and return.
+  std::chrono::milliseconds grace{30'000};
+};
+
+/// One rank of a run. Objects live from one run() to the next.
+class Runtime {
+ public:
+  /// `transport` and `registry` must outlive it. All ranks use the same options, but for the number of
+  /// threads.
+  Runtime(Transport& transport, const Registry& registry, RuntimeOptions options = {});
+  ~Runtime();
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+
+  Rank rank() const;
+  int ranks() const;
+
+  /// Calls `root` on a worker (it may be different, or empty, on each rank), handles messages, and returns
+  /// when no handler runs and no message flies on any rank. All ranks must call it. The calling thread does
+  /// the communication. Throws RunFailure on all ranks if a handler throws, a message cannot be read, objects
+  /// wait for what will never come, request_stop() is called or a rank dies. The runtime can only be
+  /// destroyed then.
+  void run(std::function<void(Context&)> root = {});
+
+  /// All ranks stop soon and fail with `reason` (a literal: only the pointer is kept). From any thread or
+  /// signal handler.
+  void request_stop(const char* reason) noexcept;
+
+  /// Visits the objects of type T that are here now, in the order of their ids; not during run().
+  template <class T>
+  void visit(const std::function<void(MobilePtr<T>, T&)>& function) {
+    visit(registry_.type<T>(), [&](ObjectId id, void* object) { function({id}, *static_cast<T*>(object)); });
+  }
+
+  /// What this rank did in all runs so far.
+  RankSummary summary() const;
+  RankTimeline timeline() const;
+
+  /// The summaries and timelines of all ranks, at rank 0, sent point-to-point; elsewhere empty. All ranks
+  /// must call it.
+  std::vector<RankSummary> gather_summaries();
+  std::vector<RankTimeline> gather_timelines();
+
+ private:
+  class Implementation;
+  void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function);
+
+  const Registry& registry_;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// While it lives, SIGTERM and SIGINT stop the runtime. One at a time in a process.
+class StopOnSignal {
+ public:
+  explicit StopOnSignal(Runtime& runtime);
+  ~StopOnSignal();
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
+};
+
+}  // namespace weft::engine

@@ -1,0 +1,84 @@
+"""Processes that fail, are told to stop, or are killed: the others end within seconds, and one says why."""
+
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+VICTIM = os.environ["WEFT_VICTIM"]
+HELLO = os.environ["WEFT_HELLO"]
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+SECONDS = 20  # far above what it takes, far below a hang
+
+
+def start(ranks, way):
+    return subprocess.Popen([*MPIRUN, "-n", str(ranks), VICTIM, way], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            text=True)
+
+
+def processes_of(run, ranks):
+    """The process ids of the ranks, once all have said theirs."""
+    ids = {}
+    while len(ids) < ranks:
+        match = re.search(r"rank (\d+) is process (\d+)", run.stdout.readline())
+        if match:
+            ids[int(match[1])] = int(match[2])
+    return ids
+
+
+class Death(unittest.TestCase):
+    def end_of(self, run):
+        begin = time.monotonic()
+        _, errors = run.communicate(timeout=SECONDS)
+        self.assertNotEqual(run.returncode, 0)
+        return errors, time.monotonic() - begin
+
+    def messages(self, errors):
+        return [line for line in errors.splitlines() if line.startswith("error: ")]
+
+    def test_a_failure_is_reported_once(self):
+        for ranks in (1, 3):
+            errors, _ = self.end_of(start(ranks, "fail"))
+            self.assertEqual(self.messages(errors),
+                             [f"error: the root function on rank {ranks - 1}: I was asked to"], errors)
+
+    def test_sigterm_to_mpirun_stops_all(self):
+        run = start(3, "last")
+        processes_of(run, 3)
+        run.send_signal(signal.SIGTERM)
+        errors, _ = self.end_of(run)
+        self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
+
+    def test_sigterm_to_one_rank_stops_all(self):
+        run = start(3, "last")
+        os.kill(processes_of(run, 3)[1], signal.SIGTERM)
+        errors, _ = self.end_of(run)
+        self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
+
+    def test_a_killed_rank_is_named(self):
+        for victim in (1, 0):
+            run = start(3, "last")
+            os.kill(processes_of(run, 3)[victim], signal.SIGKILL)
+            errors, seconds = self.end_of(run)
+            self.assertIn(f"error: rank {victim} died: its process is gone", self.messages(errors), errors)
+            self.assertLess(seconds, 10)
+
+    def test_without_mpirun_a_program_runs_alone(self):
+        run = subprocess.run([HELLO], capture_output=True, text=True, timeout=SECONDS)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(sum(map(int, re.findall(r"had (\d+) visits", run.stdout))), 1001)
+
+    def test_the_example_runs_on_several_ranks(self):
+        run = subprocess.run([*MPIRUN, "-n", "3", HELLO], capture_output=True, text=True, timeout=SECONDS)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(sum(map(int, re.findall(r"had (\d+) visits", run.stdout))), 1001)
+
+    def test_the_example_is_the_one_in_the_readme(self):
+        with open(os.environ["WEFT_HELLO_SOURCE"]) as source, open(os.environ["WEFT_ENGINE_README"]) as readme:
+            self.assertIn(source.read().split("\n\n", 1)[1].strip(), readme.read())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,293 @@
+// Whatever goes wrong on one rank ends the run on all, with one message that says what it was.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <optional>
+#include <thread>
+
+#include "engine/loopback_transport.h"
+#include "engine/runtime.h"
+#include "tests/support/ranks.h"
+
+namespace weft::engine {
+namespace {
+
+using ::testing::HasSubstr;
+using weft::testing::on_ranks;
+
+/// Fails in all the ways in which an object can.
+struct Bomb {
+  std::int64_t value = 0;
+  bool travels_badly = false;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(value);
+    if (Archive::kPacks && travels_badly) archive(value);
+  }
+  void explode(Context&, int) { throw std::runtime_error("the powder was dry"); }
+  void explode_oddly(Context&) { throw 5; }
+  void shorten_fuse(Context&) { travels_badly = true; }
+  void tick(Context&) { ++value; }
+  void wait_for(Context& context, ObjectId other) { context.expect<&Bomb::meet>(7, {other}); }
+  void call(Context& context, ObjectId other) { context.signal<&Bomb::meet>(MobilePtr<Bomb>{other}, 7); }
+  void meet(Context&, std::uint64_t, std::vector<Arrival<Nothing>>) {}
+  void last_until_stopped(Context& context) {
+    while (!context.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+};
+
+Registry bombs() {
+  Registry registry;
+  registry.type<Bomb>("Bomb")
+      .method<&Bomb::explode>("explode")
+      .method<&Bomb::explode_oddly>("explode_oddly")
+      .method<&Bomb::shorten_fuse>("shorten_fuse")
+      .method<&Bomb::tick>("tick")
+      .method<&Bomb::wait_for>("wait_for")
+      .method<&Bomb::call>("call")
+      .method<&Bomb::last_until_stopped>("last_until_stopped")
+      .event<&Bomb::meet>("meet");
+  return registry;
+}
+
+const auto kBomb = [](int rank, std::uint32_t number = 1) { return MobilePtr<Bomb>{{Rank(rank), number}}; };
+
+/// The message with which `act`, performed on every rank in a run in which each has a bomb, must fail there.
+/// One rank alone reports it.
+void expect_failure(
+    int ranks, const std::function<void(Context&)>& act, const std::string& message,
+    const std::function<Registry(Rank)>& registry_of = [](Rank) { return bombs(); }) {
+  std::atomic<int> reporters{0};
+  on_ranks(ranks, [&](Transport& transport) {
+    const Registry registry = registry_of(transport.rank());
+    Runtime runtime(transport, registry, {.threads = 2, .balancer = no_balancing()});
+    runtime.run([](Context& context) { context.create<Bomb>(); });
+    std::optional<std::string> failure;
+    try {
+      runtime.run(act);
+    } catch (const RunFailure& caught) {
+      failure = caught.what();
+      reporters += caught.should_report() ? 1 : 0;
+      EXPECT_EQ(caught.should_report(), transport.rank() == Rank(0));
+      EXPECT_FALSE(caught.network_broken());
+    }
+    ASSERT_TRUE(failure) << "no failure on rank " << transport.rank().value;
+    EXPECT_THAT(*failure, HasSubstr(message));
+    EXPECT_THROW(runtime.run(), std::logic_error) << "a failed runtime ran again";
+  });
+  if (!weft::testing::is_distributed()) {
+    EXPECT_EQ(reporters, 1);
+  }
+}
+
+class FailureOnRanks : public weft::testing::OnRanks {
+ protected:
+  int last() const { return GetParam() - 1; }
+  std::string rank_text() const { return std::to_string(last()); }
+};
+INSTANTIATE_TEST_SUITE_P(Ranks, FailureOnRanks, ::testing::ValuesIn(weft::testing::rank_counts()),
+                         [](const auto& ranks) { return std::to_string(ranks.param); });
+
+TEST_P(FailureOnRanks, AHandlerThatThrowsIsNamedWithItsObjectAndRank) {
+  const std::string r = rank_text();
+  expect_failure(
+      GetParam(), [&](Context& context) { context.invoke<&Bomb::explode>(kBomb(last()), 3); },
+      "Bomb::explode of object " + r + ".1 (Bomb) on rank " + r + ": the powder was dry");
+}
+
+TEST_P(FailureOnRanks, AnExceptionOfAnyTypeFailsTheRun) {
+  expect_failure(
+      GetParam(), [&](Context& context) { context.invoke<&Bomb::explode_oddly>(kBomb(last())); },
+      "an exception of unknown type");
+}
+
+TEST_P(FailureOnRanks, LongHandlersAreToldToStop) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        context.invoke<&Bomb::last_until_stopped>(kBomb(context.rank().value));
+        if (context.rank() != Rank(last())) return;
+        context.invoke<&Bomb::explode>(context.create<Bomb>(), 0);
+      },
+      "the powder was dry");
+}
+
+TEST_P(FailureOnRanks, ARootFunctionThatThrowsIsNamed) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() == Rank(last())) throw std::runtime_error("no input");
+      },
+      "the root function on rank " + rank_text() + ": no input");
+}
+
+TEST_P(FailureOnRanks, AnObjectThatCannotBeUnpackedIsNamed) {
+  if (GetParam() == 1) GTEST_SKIP() << "for several ranks";
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() != Rank(0)) return;
+        context.invoke<&Bomb::shorten_fuse>(kBomb(0));
+        context.migrate(kBomb(0), Rank(1));
+        context.invoke<&Bomb::tick>(kBomb(0));
+      },
+      "Bomb::tick of object 0.1 (Bomb) on rank 1: the message cannot be read: there is more in the message "
+      "than was read");
+}
+
+TEST_P(FailureOnRanks, AHandlerUnknownToTheReceiverFailsTheRun) {
+  if (GetParam() == 1) GTEST_SKIP() << "for several ranks";
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() == Rank(0)) context.invoke<&Bomb::tick>(kBomb(last()));
+      },
+      "of object " + rank_text() + ".1 (Bomb) on rank " + rank_text() + ": the object has no such handler",
+      [&](Rank rank) {
+        if (rank != Rank(last())) return bombs();
+        Registry registry;
+        registry.type<Bomb>("Bomb").method<&Bomb::explode>("explode");
+        return registry;
+      });
+}
+
+TEST_P(FailureOnRanks, AMessageToADestroyedObjectFailsTheRun) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() != Rank(last())) return;
+        context.destroy(kBomb(0));
+        context.invoke<&Bomb::tick>(kBomb(0));
+      },
+      "0.1");
+}
+
+TEST_P(FailureOnRanks, AStalledRunSaysWhoWaitsForWhom) {
+  const std::string r = rank_text();
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        context.create<Bomb>();
+        if (context.rank() != Rank(0)) return;
+        context.invoke<&Bomb::wait_for>(kBomb(0), kBomb(last(), 2).id);
+      },
+      "the run has stalled: no handler runs and no message is under way, but\n"
+      "  object 0.1 (Bomb, rank 0) waits in Bomb::meet in round 7 for " +
+          r + ".2 (");
+}
+
+TEST_P(FailureOnRanks, ASignalThatNobodyExpectsIsAStall) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() == Rank(0)) context.invoke<&Bomb::call>(kBomb(0), kBomb(last()).id);
+      },
+      "(Bomb, rank " + rank_text() + ") never expects Bomb::meet in round 7, signalled by 0.1");
+}
+
+TEST_P(FailureOnRanks, ASignalFromAStrangerFailsTheRun) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() != Rank(0)) return;
+        const auto stranger = context.create<Bomb>();
+        context.invoke<&Bomb::wait_for>(kBomb(last()), kBomb(last()).id);
+        context.invoke<&Bomb::call>(stranger, kBomb(last()).id);
+      },
+      "object 0.2");
+}
+
+TEST_P(FailureOnRanks, MessagesToAnObjectThatIsNeverCreatedAreAStall) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() == Rank(0)) context.invoke<&Bomb::tick>(kBomb(last(), 99));
+      },
+      "1 messages wait on rank " + rank_text() + " for object " + rank_text() +
+          ".99, which was never created");
+}
+
+TEST_P(FailureOnRanks, RequestStopEndsTheRunOnAllRanks) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = bombs();
+    Runtime runtime(transport, registry);
+    std::thread stopper;
+    try {
+      runtime.run([&](Context& context) {
+        context.invoke<&Bomb::last_until_stopped>(context.create<Bomb>());
+        if (context.rank() == Rank(last())) stopper = std::thread([&] { runtime.request_stop("enough"); });
+      });
+      ADD_FAILURE() << "the run did not stop";
+    } catch (const RunFailure& failure) {
+      EXPECT_STREQ(failure.what(), "enough");
+    }
+    if (stopper.joinable()) stopper.join();
+  });
+}
+
+TEST(Failure, ADeadRankIsNamedByTheOthersAndReportedOnce) {
+  if (weft::testing::is_distributed())
+    GTEST_SKIP() << "for one process; tests/engine/death_test.py kills processes";
+  for (const int dead : {0, 2}) {
+    LoopbackNetwork network(3);
+    std::atomic<int> reporters{0};
+    std::vector<std::thread> threads;
+    for (int r = 0; r < 3; ++r) {
+      if (r == dead) continue;
+      threads.emplace_back([&, r] {
+        const Registry registry = bombs();
+        Runtime runtime(network.transport(Rank(r)), registry);
+        try {
+          runtime.run();
+          ADD_FAILURE() << "the run ended without rank " << dead;
+        } catch (const RunFailure& failure) {
+          EXPECT_EQ(failure.what(), "rank " + std::to_string(dead) + " died: its process is gone");
+          EXPECT_TRUE(failure.network_broken());
+          reporters += failure.should_report() ? 1 : 0;
+        }
+      });
+    }
+    network.kill(Rank(dead));
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(reporters, 1);
+  }
+}
+
+TEST(Failure, ASilentRankCountsAsDead) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  LoopbackNetwork network(2);
+  std::atomic<bool> noticed{false};
+  // Rank 1 beats once and then hangs, inside its communication thread.
+  std::thread hung([&] {
+    const Registry registry = bombs();
+    Runtime runtime(network.transport(Rank(1)), registry,
+                    {.balancer = [](Rank, int) -> std::unique_ptr<Balancer> {
+                      struct Hang final : Balancer {
+                        void step(BalanceActions&, TimePoint) override {
+                          if (++steps > 5) std::this_thread::sleep_for(std::chrono::seconds(3));
+                        }
+                        void told(Rank, const BalanceMessage&, BalanceActions&) override {}
+                        int steps = 0;
+                      };
+                      return std::make_unique<Hang>();
+                    }});
+    EXPECT_THROW(runtime.run([](Context& context) {
+      context.invoke<&Bomb::last_until_stopped>(context.create<Bomb>());
+    }),
+                 RunFailure);
+  });
+  const Registry registry = bombs();
+  Runtime runtime(network.transport(Rank(0)), registry, {.silence = std::chrono::milliseconds(1500)});
+  try {
+    runtime.run();
+    ADD_FAILURE() << "the run ended";
+  } catch (const RunFailure& failure) {
+    EXPECT_STREQ(failure.what(), "rank 1 died: it has been silent for too long");
+  }
+  hung.join();
+}
+
+}  // namespace
+}  // namespace weft::engine

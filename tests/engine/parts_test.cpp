@@ -1,0 +1,396 @@
+// The engine's parts, each alone: directory, events, termination, registry, exchange.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <random>
+
+#include "engine/context.h"
+#include "engine/directory.h"
+#include "engine/event.h"
+#include "engine/exchange.h"
+#include "engine/loopback_transport.h"
+#include "engine/registry.h"
+#include "engine/termination.h"
+
+namespace weft::engine {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr ObjectId kA{Rank(0), 1};
+constexpr ObjectId kB{Rank(1), 4};
+constexpr ObjectId kC{Rank(2), 9};
+
+// --- Directory
+
+TEST(Directory, GuessesHomeUntilItLearnsMore) {
+  Directory directory{Rank(0)};
+  EXPECT_EQ(directory.best_guess(kB).rank, Rank(1));
+  directory.learn(kB, {Rank(3), 2});
+  EXPECT_EQ(directory.best_guess(kB).rank, Rank(3));
+  EXPECT_EQ(directory.best_guess(kB).age, 2u);
+}
+
+TEST(Directory, IgnoresOlderNews) {
+  Directory directory{Rank(0)};
+  directory.learn(kB, {Rank(3), 5});
+  directory.learn(kB, {Rank(2), 4});
+  EXPECT_EQ(directory.best_guess(kB).rank, Rank(3));
+}
+
+TEST(Directory, SendsOnOnlyToNewerLocations) {
+  Directory directory{Rank(0)};
+  EXPECT_FALSE(directory.newer(kB, 0));
+  directory.learn(kB, {Rank(3), 5});
+  EXPECT_FALSE(directory.newer(kB, 5)) << "the object of age 5 is still on its way";
+  ASSERT_TRUE(directory.newer(kB, 4));
+  EXPECT_EQ(directory.newer(kB, 4)->rank, Rank(3));
+}
+
+TEST(Directory, KnowsWhatWasDestroyedAndWhatIsToCome) {
+  Directory directory{Rank(0)};
+  const ObjectId later{Rank(0), 8};
+  EXPECT_TRUE(directory.is_gone(kA, 3));
+  EXPECT_TRUE(directory.is_to_come(later, 3));
+  EXPECT_FALSE(directory.is_gone(later, 3));
+  EXPECT_FALSE(directory.is_gone(kB, 3)) << "another rank's object";
+  directory.destroyed(kB);
+  EXPECT_TRUE(directory.is_gone(kB, 3));
+  directory.learn(kB, {Rank(2), 9});
+  EXPECT_TRUE(directory.is_gone(kB, 3)) << "late news of its life";
+}
+
+/// Rule 2 of directory.h on random journeys with messages sent from anywhere: each arrives, in at most as
+/// many hops as the object moved.
+TEST(Directory, EveryMessageArrivesInAtMostAsManyHopsAsMoves) {
+  std::mt19937 random(3);
+  const int ranks = 6;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Directory> directories;
+    for (int r = 0; r < ranks; ++r) directories.emplace_back(Rank(r));
+    Rank at(0);
+    std::uint32_t age = 0;
+    for (int move = 0; move < 12; ++move) {
+      const Rank to(static_cast<int>(random() % ranks));
+      if (to == at) continue;
+      directories[at.index()].learn(kA, {to, ++age});
+      directories[to.index()].arrived(kA);
+      at = to;
+      if (random() % 3 == 0) directories[random() % ranks].learn(kA, {at, age});
+    }
+    for (int from = 0; from < ranks; ++from) {
+      if (Rank(from) == at) continue;
+      Location next = directories[static_cast<std::size_t>(from)].best_guess(kA);
+      std::uint32_t hops = 0;
+      while (next.rank != at) {
+        const auto newer = directories[next.rank.index()].newer(kA, next.age);
+        ASSERT_TRUE(newer) << "lost on rank " << next.rank.value;
+        ASSERT_GT(newer->age, next.age);
+        next = *newer;
+        ASSERT_LE(++hops, age);
+      }
+    }
+  }
+}
+
+// --- Events
+
+Payload bytes(std::initializer_list<int> values) {
+  Payload payload;
+  for (const int value : values) payload.bytes.push_back(static_cast<std::byte>(value));
+  return payload;
+}
+
+TEST(EventTable, FiresWhenAllHaveArrivedWhateverTheOrder) {
+  EventTable events;
+  EXPECT_FALSE(events.arrive({1, 0}, kC, bytes({3})));
+  EXPECT_FALSE(events.declare({1, 0}, {kA, kB, kC}, 0.5));
+  EXPECT_FALSE(events.arrive({1, 0}, kB, bytes({2})));
+  const auto fired = events.arrive({1, 0}, kA, bytes({1}));
+  ASSERT_TRUE(fired);
+  EXPECT_EQ(fired->expected, 0.5);
+  ASSERT_EQ(fired->arrivals.size(), 3u);
+  EXPECT_EQ(fired->arrivals[0].first, kA);
+  EXPECT_EQ(fired->arrivals[2].second.bytes, bytes({3}).bytes);
+  EXPECT_TRUE(events.empty());
+}
+
+TEST(EventTable, WithoutDependenciesFiresAtOnce) {
+  EventTable events;
+  EXPECT_TRUE(events.declare({1, 0}, {}, 0));
+}
+
+TEST(EventTable, KeepsRoundsAndEventsApart) {
+  EventTable events;
+  EXPECT_FALSE(events.declare({1, 0}, {kA}, 0));
+  EXPECT_FALSE(events.declare({1, 1}, {kA}, 0));
+  EXPECT_FALSE(events.declare({2, 0}, {kA}, 0));
+  const auto fired = events.arrive({1, 1}, kA, {});
+  ASSERT_TRUE(fired);
+  EXPECT_EQ(fired->key.round, 1u);
+  EXPECT_EQ(events.waits().size(), 2u);
+}
+
+TEST(EventTable, RefusesMisuse) {
+  EventTable events;
+  events.declare({1, 0}, {kA, kB}, 0);
+  EXPECT_THROW(events.declare({1, 0}, {kA}, 0), std::logic_error);
+  EXPECT_THROW(events.arrive({1, 0}, kC, {}), std::logic_error);
+  events.arrive({1, 0}, kA, {});
+  EXPECT_THROW(events.arrive({1, 0}, kA, {}), std::logic_error);
+  events.arrive({1, 5}, kC, {});
+  EXPECT_THROW(events.declare({1, 5}, {kA}, 0), std::logic_error);
+  EXPECT_THROW(events.declare({1, 6}, {kA, kA}, 0), std::logic_error);
+}
+
+TEST(EventTable, SaysWhoIsMissing) {
+  EventTable events;
+  events.declare({1, 4}, {kA, kB}, 0);
+  events.arrive({1, 4}, kB, {});
+  const std::vector<EventWait> waits = events.waits();
+  ASSERT_EQ(waits.size(), 1u);
+  EXPECT_THAT(waits[0].missing, ElementsAre(kA));
+  EXPECT_THAT(waits[0].arrived, ElementsAre(kB));
+}
+
+TEST(EventTable, TravelsHalfFull) {
+  EventTable events;
+  events.declare({1, 4}, {kA, kB}, 0.25);
+  events.arrive({1, 4}, kB, bytes({7}));
+  Packer packer(true);
+  packer(events);
+  EventTable there;
+  Unpacker unpacker(packer.take());
+  unpacker(there);
+  unpacker.finish();
+  const auto fired = there.arrive({1, 4}, kA, {});
+  ASSERT_TRUE(fired);
+  EXPECT_EQ(fired->arrivals[1].second.bytes, bytes({7}).bytes);
+}
+
+// --- Termination: ranks simulated with random activity and messages that take random time and overtake each
+// other.
+
+class Simulation {
+ public:
+  Simulation(int ranks, unsigned seed)
+      : random_(seed), ranks_(ranks), sent_(ranks), received_(ranks), active_(ranks) {
+    for (int r = 0; r < ranks; ++r) {
+      detectors_.emplace_back(Rank(r), ranks, [this](Rank to, const WaveMessage& message) {
+        waves_.push_back({to, message});
+      });
+      active_[static_cast<std::size_t>(r)] = random_() % 2 == 0;
+    }
+  }
+
+  /// Some random thing happens. `budget`: application messages that may still be sent.
+  void step(int& budget) {
+    ++time_;
+    const auto r = static_cast<std::size_t>(random_()) % static_cast<std::size_t>(ranks_);
+    switch (random_() % 4) {
+      case 0:
+        if (active_[r] && budget > 0)
+          --budget, ++sent_[r], flying_.push_back(random_() % static_cast<unsigned>(ranks_));
+        break;
+      case 1:
+        if (active_[r] && random_() % 3 == 0) active_[r] = false;
+        break;
+      case 2:
+        if (!flying_.empty()) {
+          std::swap(flying_[random_() % flying_.size()], flying_.back());
+          const std::size_t to = flying_.back();
+          flying_.pop_back();
+          ++received_[to];
+          active_[to] = true;
+        }
+        break;
+      default:
+        if (!waves_.empty()) {
+          std::swap(waves_[random_() % waves_.size()], waves_.back());
+          const auto [to, message] = waves_.back();
+          waves_.pop_back();
+          detectors_[to.index()].receive(Rank(), message);
+        }
+    }
+    std::optional<WaveCount> count;
+    if (!active_[r]) count = WaveCount{sent_[r], received_[r], 0};
+    detectors_[r].step(count, time_ * 10'000);
+  }
+
+  bool quiet() const {
+    return flying_.empty() && std::none_of(active_.begin(), active_.end(), [](char a) { return a != 0; });
+  }
+  bool anybody_ended() const {
+    return std::any_of(detectors_.begin(), detectors_.end(),
+                       [](const auto& d) { return d.ended().has_value(); });
+  }
+  bool all_ended() const {
+    return std::all_of(detectors_.begin(), detectors_.end(),
+                       [](const auto& d) { return d.ended().has_value(); });
+  }
+
+ private:
+  std::mt19937 random_;
+  int ranks_;
+  std::vector<std::uint64_t> sent_, received_;
+  std::vector<char> active_;
+  std::vector<std::size_t> flying_;
+  std::vector<std::pair<Rank, WaveMessage>> waves_;
+  std::vector<Termination> detectors_;
+  TimePoint time_ = 0;
+};
+
+TEST(Termination, IsNeverTooEarlyAndAlwaysComes) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Simulation simulation(1 + static_cast<int>(seed % 9), seed);
+    int budget = 60;
+    int steps_after_end = 0;
+    while (!simulation.all_ended()) {
+      simulation.step(budget);
+      if (!simulation.quiet()) {
+        ASSERT_FALSE(simulation.anybody_ended()) << "seed " << seed;
+      } else {
+        ASSERT_LT(++steps_after_end, 100'000) << "seed " << seed;
+      }
+    }
+  }
+}
+
+// --- Registry
+
+struct Plain {
+  void act(Context&) {}
+};
+struct Mobile {
+  template <class Archive>
+  void serialize(Archive&) {}
+  void act(Context&) {}
+};
+
+TEST(Registry, KnowsWhatCanMove) {
+  Registry registry;
+  registry.type<Plain>("Plain").method<&Plain::act>("act");
+  registry.type<Mobile>("Mobile").method<&Mobile::act>("act");
+  EXPECT_FALSE(registry.type<Plain>().movable);
+  EXPECT_TRUE(registry.type<Mobile>().movable);
+  EXPECT_EQ(registry.method<&Mobile::act>().name, "Mobile::act");
+  EXPECT_NE(registry.method<&Mobile::act>().id, registry.method<&Plain::act>().id);
+}
+
+TEST(Registry, RefusesNamesUsedTwiceAndWhatWasNotRegistered) {
+  Registry registry;
+  registry.type<Plain>("Plain");
+  EXPECT_THROW(registry.type<Mobile>("Plain"), std::logic_error);
+  EXPECT_THROW(registry.method<&Plain::act>(), std::logic_error);
+  EXPECT_THROW(Registry().type<Plain>(), std::logic_error);
+  EXPECT_EQ(registry.find_method(12345), nullptr);
+}
+
+// --- Exchange
+
+TEST(Exchange, SendsManySmallFramesInFewPackets) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {});
+  Exchange there(network.transport(Rank(1)), {});
+  here.begin_phase();
+  there.begin_phase();
+  const int frames = 10'000;
+  for (int i = 0; i < frames; ++i) here.post(Rank(1), FrameKind::task, bytes({i % 256}));
+  int arrived = 0;
+  const auto receive = [&](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+    EXPECT_EQ(from, Rank(0));
+    EXPECT_EQ(kind, FrameKind::task);
+    EXPECT_EQ(payload.bytes, bytes({arrived % 256}).bytes);
+    there.consumed(from, wire_bytes);
+    ++arrived;
+  };
+  while (arrived < frames) {
+    here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+    there.progress(receive);
+  }
+  EXPECT_LE(here.packets_sent(), 10u);
+  EXPECT_TRUE(here.idle());
+}
+
+TEST(Exchange, StopsAtTheWindowUntilTheReceiverHasConsumed) {
+  const std::size_t window = 100'000;
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {.window_bytes = window, .backlog_bytes = 1 << 30});
+  Exchange there(network.transport(Rank(1)), {.window_bytes = window, .backlog_bytes = 1 << 30});
+  here.begin_phase();
+  there.begin_phase();
+  Payload payload;
+  payload.bytes.resize(1000);
+  for (int i = 0; i < 1000; ++i)
+    here.post(Rank(1), FrameKind::task, payload.bytes.empty() ? Payload{} : Payload{payload.bytes, {}});
+  std::vector<std::size_t> unconsumed;
+  int arrived = 0;
+  const auto turn = [&] {
+    here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+    there.progress([&](Rank, FrameKind, Payload, std::size_t wire_bytes) {
+      unconsumed.push_back(wire_bytes);
+      ++arrived;
+    });
+  };
+  for (int i = 0; i < 100; ++i) turn();
+  EXPECT_GT(arrived, 90);
+  EXPECT_LE(arrived, 100);
+  EXPECT_FALSE(here.idle());
+  // Frames of the engine itself pass.
+  here.post(Rank(1), FrameKind::heartbeat, {});
+  const int before = arrived;
+  turn();
+  EXPECT_EQ(arrived, before + 1);
+  unconsumed.pop_back();
+  while (arrived < 1001) {
+    for (const std::size_t wire_bytes : std::exchange(unconsumed, {})) there.consumed(Rank(0), wire_bytes);
+    turn();
+  }
+  EXPECT_TRUE(here.idle());
+}
+
+TEST(Exchange, AMessageLargerThanTheWindowGoesThoughLittleIsStillUncredited) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {.window_bytes = 10'000, .backlog_bytes = 1 << 30});
+  Exchange there(network.transport(Rank(1)), {.window_bytes = 10'000, .backlog_bytes = 1 << 30});
+  here.begin_phase();
+  there.begin_phase();
+  here.post(Rank(1), FrameKind::task, bytes({1}));
+  Payload large;
+  large.segments.push_back(Blob::allocate(1 << 20));
+  here.post(Rank(1), FrameKind::task, std::move(large));
+  int arrived = 0;
+  for (int i = 0; i < 10; ++i) {
+    here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+    there.progress([&](Rank from, FrameKind, Payload, std::size_t wire_bytes) {
+      there.consumed(from, wire_bytes);
+      ++arrived;
+    });
+  }
+  EXPECT_EQ(arrived, 2);
+}
+
+TEST(Exchange, KeepsFramesOfALaterPhaseForTheOneWhoBeginsIt) {
+  LoopbackNetwork network(2);
+  {
+    Exchange here(network.transport(Rank(0)), {});
+    here.begin_phase();
+    here.begin_phase();
+    here.post(Rank(1), FrameKind::task, bytes({9}));
+    here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  }
+  {
+    Exchange first(network.transport(Rank(1)), {});
+    first.begin_phase();
+    first.progress([](Rank, FrameKind, Payload, std::size_t) { ADD_FAILURE() << "too early"; });
+  }
+  Exchange second(network.transport(Rank(1)), {});
+  second.begin_phase();
+  int arrived = 0;
+  second.progress([&](Rank, FrameKind, Payload, std::size_t) { ++arrived; });
+  EXPECT_EQ(arrived, 1);
+}
+
+}  // namespace
+}  // namespace weft::engine
