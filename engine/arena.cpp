@@ -56,12 +56,12 @@ struct Arena::Implementation {
 Arena::Arena(int threads) : implementation_(std::make_unique<Implementation>(threads)) {}
 Arena::~Arena() = default;
 
-void Arena::execute(const std::function<void()>& function) {
-  implementation_->arena.execute([&] { function(); });
+void Arena::execute(Call run, const void* function) {
+  implementation_->arena.execute([=] { run(function); });
 }
 
-void Arena::isolate(const std::function<void()>& function) {
-  tbb::this_task_arena::isolate([&] { function(); });
+void Arena::isolate(Call run, const void* function) {
+  tbb::this_task_arena::isolate([=] { run(function); });
 }
 
 }  // namespace weft::engine

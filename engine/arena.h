@@ -2,7 +2,6 @@
 // handlers.
 #pragma once
 
-#include <functional>
 #include <memory>
 
 namespace weft::engine {
@@ -17,12 +16,27 @@ class Arena {
   ~Arena();
 
   /// Runs `function` inside the arena, and returns when it is done.
-  void execute(const std::function<void()>& function);
+  template <class Function>
+  void execute(const Function& function) {
+    execute(&call<Function>, &function);
+  }
 
   /// Runs `function`; while it waits for parallel work of its own it does nothing else, and others may help.
-  static void isolate(const std::function<void()>& function);
+  template <class Function>
+  static void isolate(const Function& function) {
+    isolate(&call<Function>, &function);
+  }
 
  private:
+  // A handler may take less than the allocation that std::function needs.
+  using Call = void (*)(const void* function);
+  template <class Function>
+  static void call(const void* function) {
+    (*static_cast<const Function*>(function))();
+  }
+  void execute(Call run, const void* function);
+  static void isolate(Call run, const void* function);
+
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

@@ -35,6 +35,8 @@ class BalanceActions {
   /// The load that another rank had when it last sent a packet here; -1: none yet.
   virtual double load_of(Rank rank) const = 0;
 
+  /// Objects that wait for a worker; others only from finished(). An object that is moved where nothing waits
+  /// for it may come after the run has ended, and be lost.
   virtual void move(ObjectId id, Rank to) = 0;
   virtual void tell(Rank to, const BalanceMessage& message) = 0;
 

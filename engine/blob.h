@@ -15,6 +15,16 @@ namespace weft::engine {
 class Blob {
  public:
   Blob() = default;
+  Blob(Blob&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)),
+        size_(std::exchange(other.size_, 0)),
+        holder_(std::move(other.holder_)) {}
+  Blob& operator=(Blob&& other) noexcept {
+    data_ = std::exchange(other.data_, nullptr);
+    size_ = std::exchange(other.size_, 0);
+    holder_ = std::move(other.holder_);
+    return *this;
+  }
 
   /// `size` bytes, aligned to a cache line, not initialised; freed blocks are kept for the next request
   /// (receiving a large message into fresh pages costs as much as the message). Throws std::bad_alloc.

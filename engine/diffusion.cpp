@@ -52,6 +52,9 @@ class Diffusion final : public Balancer {
   void spread(double mine, BalanceActions& actions) {
     std::vector<ReadyObject> ready = actions.ready_objects();
     for (Neighbour& neighbour : neighbours_) {
+      // What it told may have changed by as much as is not worth telling, and mine may be told wrong by as
+      // much.
+      if (mine - neighbour.seconds <= 3 * kRelevantChange * mine) continue;
       double flow = (mine - neighbour.seconds) / static_cast<double>(neighbours_.size() + 1);
       // The last in the queue are given. An object of more than the flow would only swap the roles, unless it
       // leaves the neighbour below what stays here.

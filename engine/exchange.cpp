@@ -27,6 +27,7 @@ struct FrameHeader {
 constexpr std::size_t kLargestInline = Transport::kMaxHead / 4;
 // Two packets keep the network busy; what is posted meanwhile goes together in the next.
 constexpr std::size_t kPacketsUnderWay = 2;
+constexpr std::size_t kLeastWindow = 4096;
 
 bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
 
@@ -49,7 +50,7 @@ T take_plain(std::span<const std::byte>& from) {
 
 Exchange::Exchange(Transport& transport, ExchangeOptions options)
     : transport_(transport),
-      options_(options),
+      options_{std::max(options.window_bytes, kLeastWindow), options.backlog_bytes},
       peers_(static_cast<std::size_t>(transport.size())),
       is_pending_(peers_.size(), false),
       credits_(std::make_unique<std::atomic<std::uint64_t>[]>(peers_.size())) {}
@@ -175,7 +176,7 @@ bool Exchange::may_send(const Peer& peer) const {
 
 bool Exchange::flush(Rank to, Peer& peer) {
   bool any = false;
-  while (may_send(peer) && transport_.unsent(to) < kPacketsUnderWay) {
+  while (may_send(peer) && (!peer.urgent.empty() || transport_.unsent(to) < kPacketsUnderWay)) {
     send_packet(to, peer, credits_[to.index()].exchange(0));
     any = true;
   }

@@ -18,7 +18,6 @@ int run(Transport& transport, const std::function<int(Transport&)>& body) {
   try {
     status = body(transport);
   } catch (const RunFailure& failure) {
-    if (failure.should_report()) std::fprintf(stderr, "error: %s\n", failure.what());
     broken = failure.network_broken();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: rank %d: %s\n", transport.rank().value, error.what());
@@ -43,7 +42,7 @@ int launch(int argc, char** argv, const std::function<int(Transport&)>& body) {
     MpiTransport transport(&argc, &argv);
     return run(transport, body);
   }
-  LoopbackNetwork network(1);
+  LoopbackNetwork network(1, LoopbackNetwork::OnAbandon::exit);
   return run(network.transport(Rank(0)), body);
 }
 

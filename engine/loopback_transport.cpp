@@ -3,14 +3,19 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdlib>
+#include <deque>
 #include <mutex>
 #include <utility>
+
+#include "engine/sleeper.h"
 
 namespace weft::engine {
 
 struct LoopbackNetwork::Shared {
-  explicit Shared(int n) : ranks(n), dead(static_cast<std::size_t>(n)) {}
+  Shared(int n, OnAbandon what) : ranks(n), on_abandon(what), dead(static_cast<std::size_t>(n)) {}
   int ranks;
+  OnAbandon on_abandon;
   std::vector<std::atomic<bool>> dead;
   std::mutex mutex;
   std::condition_variable all_closed;
@@ -37,32 +42,25 @@ class LoopbackNetwork::Node final : public Transport {
   }
 
   bool poll(const Receive& receive) override {
-    {
-      const std::lock_guard lock(mutex_);
-      std::swap(arrived_, taken_);
-    }
-    const bool any = !taken_.empty();
-    for (auto& [from, packet] : std::exchange(taken_, {}))
+    bool any = false;
+    // One at a time: if `receive` throws, the others are still there. No more than are here now: a rank that
+    // is flooded must get to sending, too.
+    for (std::size_t left = arrived(); left > 0; --left) {
+      auto [from, packet] = take();
       receive(from, packet.head, std::move(packet.segments));
+      any = true;
+    }
     return any;
   }
 
   std::size_t unsent(Rank) const override { return 0; }
 
   void wait(std::chrono::nanoseconds at_most) override {
-    std::unique_lock lock(mutex_);
-    arrival_.wait_for(lock, at_most, [this] { return woken_ || !arrived_.empty(); });
-    woken_ = false;
+    bell_.wait(heard_, at_most);
+    heard_ = bell_.ticket();
   }
 
-  // A lock is not signal safe: a handler's thread could hold it. Good enough for one process under test.
-  void wake() noexcept override {
-    {
-      const std::lock_guard lock(mutex_);
-      woken_ = true;
-    }
-    arrival_.notify_one();
-  }
+  void wake() noexcept override { bell_.ring(); }
 
   std::optional<Rank> dead_peer() override {
     for (int r = 0; r < size(); ++r) {
@@ -79,7 +77,9 @@ class LoopbackNetwork::Node final : public Transport {
     shared.all_closed.wait(lock, [&] { return shared.closed >= shared.ranks; });
   }
 
-  void abandon() noexcept override {}
+  void abandon() noexcept override {
+    if (network_.shared_->on_abandon == OnAbandon::exit) std::_Exit(2);
+  }
 
  private:
   void put(Rank from, Packet packet) {
@@ -87,19 +87,31 @@ class LoopbackNetwork::Node final : public Transport {
       const std::lock_guard lock(mutex_);
       arrived_.emplace_back(from, std::move(packet));
     }
-    arrival_.notify_one();
+    bell_.ring();
+  }
+
+  std::size_t arrived() {
+    const std::lock_guard lock(mutex_);
+    return arrived_.size();
+  }
+
+  std::pair<Rank, Packet> take() {
+    const std::lock_guard lock(mutex_);
+    std::pair<Rank, Packet> next = std::move(arrived_.front());
+    arrived_.pop_front();
+    return next;
   }
 
   LoopbackNetwork& network_;
   Rank rank_;
   std::mutex mutex_;
-  std::condition_variable arrival_;
-  std::vector<std::pair<Rank, Packet>> arrived_;
-  std::vector<std::pair<Rank, Packet>> taken_;
-  bool woken_ = false;
+  std::deque<std::pair<Rank, Packet>> arrived_;
+  Sleeper bell_;
+  Sleeper::Ticket heard_ = 0;  ///< rings before this have been answered
 };
 
-LoopbackNetwork::LoopbackNetwork(int ranks) : shared_(std::make_unique<Shared>(ranks)) {
+LoopbackNetwork::LoopbackNetwork(int ranks, OnAbandon on_abandon)
+    : shared_(std::make_unique<Shared>(ranks, on_abandon)) {
   for (int r = 0; r < ranks; ++r) nodes_.push_back(std::make_unique<Node>(*this, Rank(r)));
 }
 

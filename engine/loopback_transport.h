@@ -12,7 +12,11 @@ namespace weft::engine {
 /// own.
 class LoopbackNetwork {
  public:
-  explicit LoopbackNetwork(int ranks);
+  enum class OnAbandon { carry_on, exit };
+
+  /// `on_abandon`: what abandon() does: nothing, as a test wants it, or end the process at once with
+  /// status 2.
+  explicit LoopbackNetwork(int ranks, OnAbandon on_abandon = OnAbandon::carry_on);
   ~LoopbackNetwork();
 
   Transport& transport(Rank rank);

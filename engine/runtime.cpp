@@ -2,7 +2,7 @@
 #include "engine/runtime.h"
 
 #include <algorithm>
-#include <csignal>
+#include <cstdio>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -20,8 +20,10 @@ using std::chrono::nanoseconds;
 constexpr TimePoint kSecond = 1'000'000'000;
 constexpr TimePoint kHeartbeatPeriod = kSecond;
 constexpr TimePoint kPeerCheckPeriod = kSecond / 4;
-// Waves without progress come every few milliseconds: this many take several seconds.
-constexpr int kWavesBeforeLost = 2000;
+// All that was sent has left its senders, and yet has not come: no network takes that long.
+constexpr TimePoint kPatienceWithNetwork = 120 * kSecond;
+// For the last words when a rank is dead: mpirun kills the others soon.
+constexpr TimePoint kLastWords = kSecond / 5;
 constexpr std::size_t kWaitsShown = 50;
 constexpr int kClockReadings = 5;
 
@@ -114,6 +116,8 @@ class Runtime::Implementation final : private BalanceActions {
   void notice_failures();
   void fail_here(const std::string& what);
   void declare_failure(Verdict verdict);
+  void accept_verdict(Verdict verdict);
+  Rank before() const { return Rank((rank().value + ranks() - 1) % ranks()); }
   void peer_died(Rank dead, const std::string& how);
   void tell_waits();
   void receive_waits(std::vector<std::string> lines);
@@ -140,6 +144,8 @@ class Runtime::Implementation final : private BalanceActions {
   std::vector<std::string> waits_;
   TimePoint next_heartbeat_ = 0;
   TimePoint next_peer_check_ = 0;
+  TimePoint turn_ = 0;        ///< when the current turn looked at what is due
+  TimePoint progressed_ = 0;  ///< when a wave last saw other counts than the one before
   TimePoint last_heard_ = 0;  ///< from the rank before this one; 0: not in this run
   TimePoint awake_since_ = 0;
 
@@ -175,6 +181,9 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
 
 void Runtime::Implementation::begin() {
   exchange_.begin_phase();
+  // What the policies of two ranks last told each other may have been lost at the end of the last run.
+  balancer_ = options_.balancer(rank(), ranks());
+  scheduler_.wake_when_ready(false);
   termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
     exchange_.post(to, FrameKind::wave, packed(message));
   });
@@ -182,7 +191,7 @@ void Runtime::Implementation::begin() {
   waits_.clear();
   waits_missing_ = 0;
   last_heard_ = 0;
-  next_heartbeat_ = next_peer_check_ = awake_since_ = now();
+  progressed_ = next_heartbeat_ = next_peer_check_ = awake_since_ = now();
 }
 
 void Runtime::Implementation::loop() {
@@ -201,6 +210,7 @@ void Runtime::Implementation::loop() {
 }
 
 bool Runtime::Implementation::turn(TimePoint time) {
+  turn_ = time;
   bool busy = exchange_.progress([this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
     receive(from, kind, std::move(payload), wire_bytes);
   });
@@ -219,9 +229,9 @@ bool Runtime::Implementation::turn(TimePoint time) {
 /// Until something happens or is due.
 void Runtime::Implementation::sleep() {
   const TimePoint time = now();
-  TimePoint until = std::min(next_heartbeat_, next_peer_check_);
+  TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
   for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
-    if (next && *next > time) until = std::min(until, *next);
+    if (next && *next > turn_) until = std::min(until, *next);
   }
   trace_.communication_lane().span({awake_since_, time, {}, Span::kNoName, Activity::communicate, 0});
   transport_.wait(nanoseconds(std::max<TimePoint>(until - time, 0)));
@@ -229,6 +239,7 @@ void Runtime::Implementation::sleep() {
 }
 
 void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+  if (from == before()) last_heard_ = now();
   switch (kind) {
     case FrameKind::task:
       return scheduler_.receive_task(from, std::move(payload), wire_bytes);
@@ -241,14 +252,13 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
     case FrameKind::balance:
       return balancer_->told(from, unpacked<BalanceMessage>(std::move(payload)), *this);
     case FrameKind::failure:
+      if (ended_) return;  // a signal came to a rank that had not heard yet
       return declare_failure({unpacked<std::string>(std::move(payload)), Rank(0), false});
     case FrameKind::stop:
-      if (!failure_) failure_ = unpacked<Verdict>(std::move(payload));
-      return;
+      return accept_verdict(unpacked<Verdict>(std::move(payload)));
     case FrameKind::waits:
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
     case FrameKind::heartbeat:
-      last_heard_ = now();
       return;
     case FrameKind::clock: {
       auto reading = unpacked<ClockReading>(std::move(payload));
@@ -280,12 +290,15 @@ void Runtime::Implementation::balance(TimePoint time) {
 // --- The end
 
 void Runtime::Implementation::detect_end() {
-  for (TimePoint time = now(); termination_->due(time); time = now()) {
-    const std::optional<WaveCount> count = scheduler_.passive_count();
+  for (; termination_->due(turn_); turn_ = now()) {
+    // A rank whose messages have not all left is not passive: a large one may take long, and waves would be
+    // in vain.
+    const std::optional<WaveCount> count = exchange_.idle() ? scheduler_.passive_count() : std::nullopt;
     if (!count) return;
-    termination_->step(count, time);
+    termination_->step(count, turn_);
   }
-  if (termination_->futile_waves() > kWavesBeforeLost) {
+  if (termination_->futile_waves() == 0) progressed_ = turn_;
+  if (turn_ - progressed_ > kPatienceWithNetwork) {
     const WaveCount& sums = termination_->last_sums();
     std::ostringstream what;
     what << "the network has lost messages: " << sums.sent << " were sent, " << sums.received << " received";
@@ -324,17 +337,25 @@ void Runtime::Implementation::receive_waits(std::vector<std::string> lines) {
 /// Lets the last frames out and the last handlers end.
 void Runtime::Implementation::wind_down() {
   if (failure_) scheduler_.stop();
-  const TimePoint give_up = now() + duration_cast<nanoseconds>(options_.grace).count();
-  const auto drop = [](Rank, FrameKind, Payload, std::size_t) {};
-  const auto keep = [this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
-    receive(from, kind, std::move(payload), wire_bytes);
+  const TimePoint grace = duration_cast<nanoseconds>(options_.grace).count();
+  const TimePoint give_up = now() + (failure_ && failure_->broken ? std::min(grace, kLastWords) : grace);
+  const Exchange::Receive receive_or_drop = [this](Rank from, FrameKind kind, Payload payload,
+                                                   std::size_t wire_bytes) {
+    if (!failure_) receive(from, kind, std::move(payload), wire_bytes);
   };
   while (!scheduler_.stopped() || !(failure_ ? exchange_.urgent_idle() : exchange_.idle())) {
-    const bool busy = failure_ ? exchange_.progress(drop) : exchange_.progress(keep);
-    if (failure_ && now() > give_up) break;
+    const bool busy = exchange_.progress(receive_or_drop);
+    if (failure_ && now() > give_up) {
+      failure_->broken = true;
+      break;
+    }
     if (!busy) transport_.wait(std::chrono::milliseconds(1));
   }
-  if (failure_ && !scheduler_.stopped()) failure_->broken = true;
+  if (scheduler_.stopped()) return;
+  // A handler that does not stop cannot be unwound. The rank that reports has done so; others leave it the
+  // time.
+  if (failure_->reporter != rank()) std::this_thread::sleep_for(nanoseconds(5 * kLastWords));
+  transport_.abandon();
 }
 
 // --- Failure
@@ -365,7 +386,13 @@ void Runtime::Implementation::declare_failure(Verdict verdict) {
   for (int r = 0; r < ranks(); ++r) {
     if (r != rank().value) exchange_.post(Rank(r), FrameKind::stop, packed(verdict));
   }
+  accept_verdict(std::move(verdict));
+}
+
+void Runtime::Implementation::accept_verdict(Verdict verdict) {
+  if (failure_) return;
   failure_ = std::move(verdict);
+  if (failure_->reporter == rank() && options_.on_failure) options_.on_failure(failure_->what);
 }
 
 void Runtime::Implementation::watch_peers(TimePoint time) {
@@ -378,7 +405,7 @@ void Runtime::Implementation::watch_peers(TimePoint time) {
   if (const auto dead = transport_.dead_peer()) return peer_died(*dead, "its process is gone");
   const TimePoint silence = duration_cast<nanoseconds>(options_.silence).count();
   if (last_heard_ > 0 && time - last_heard_ > silence) {
-    peer_died(Rank((rank().value + ranks() - 1) % ranks()), "it has been silent for too long");
+    peer_died(before(), "it has been silent for too long");
   }
 }
 
@@ -442,10 +469,9 @@ void Runtime::Implementation::progress_until(const std::function<bool()>& done) 
     if (!exchange_.progress(keep) && !done()) transport_.wait(std::chrono::milliseconds(1));
     if (now() < next_check) continue;
     next_check = now() + kPeerCheckPeriod;
-    if (const auto dead = transport_.dead_peer()) {
-      throw RunFailure("rank " + std::to_string(dead->value) + " died after the run", rank().value == 0,
-                       true);
-    }
+    if (const auto dead = transport_.dead_peer()) peer_died(*dead, "its process is gone");
+    if (const char* reason = stop_reason_) declare_failure({reason, rank(), true});
+    if (failure_) throw RunFailure(failure_->what, failure_->reporter == rank(), true);
   }
 }
 
@@ -484,28 +510,9 @@ std::vector<RankTimeline> Runtime::gather_timelines() {
   return timelines;
 }
 
-namespace {
-
-std::atomic<Runtime*> runtime_to_stop{nullptr};
-
-void stop_runtime(int signal) {
-  if (Runtime* runtime = runtime_to_stop) {
-    runtime->request_stop(signal == SIGINT ? "interrupted (SIGINT)" : "stopped from outside (SIGTERM)");
-  }
-}
-
-}  // namespace
-
-StopOnSignal::StopOnSignal(Runtime& runtime) {
-  runtime_to_stop = &runtime;
-  std::signal(SIGTERM, stop_runtime);
-  std::signal(SIGINT, stop_runtime);
-}
-
-StopOnSignal::~StopOnSignal() {
-  std::signal(SIGTERM, SIG_DFL);
-  std::signal(SIGINT, SIG_DFL);
-  runtime_to_stop = nullptr;
+void print_failure(const std::string& what) {
+  std::fprintf(stderr, "error: %s\n", what.c_str());
+  std::fflush(stderr);
 }
 
 }  // namespace weft::engine

@@ -25,19 +25,22 @@ namespace weft::engine {
 /// The run has failed, on all ranks, for the same reason.
 class RunFailure : public std::runtime_error {
  public:
-  RunFailure(const std::string& what, bool report, bool network_broken)
-      : std::runtime_error(what), report_(report), network_broken_(network_broken) {}
+  RunFailure(const std::string& what, bool reported, bool network_broken)
+      : std::runtime_error(what), reported_(reported), network_broken_(network_broken) {}
 
-  /// One rank, the first that lives, is to tell the user.
-  bool should_report() const { return report_; }
+  /// On this rank RuntimeOptions::on_failure was called.
+  bool reported_here() const { return reported_; }
 
   /// A rank is dead, or does not answer: Transport::close() would wait for it for ever, abandon() is left.
   bool network_broken() const { return network_broken_; }
 
  private:
-  bool report_;
+  bool reported_;
   bool network_broken_;
 };
+
+/// Writes "error: WHAT" to stderr.
+void print_failure(const std::string& what);
 
 struct RuntimeOptions {
   int threads = 1;  ///< workers of this rank, besides the thread that calls run() and does the communication
@@ -48,8 +51,12 @@ struct RuntimeOptions {
   /// A rank whose process is on another node counts as dead after this silence; on the same node it is
   /// noticed at once.
   std::chrono::milliseconds silence{30'000};
-  /// A rank that has failed gives its running handlers this long to see Context::stop_requested() and return.
+  /// When the run fails, its running handlers have this long to see Context::stop_requested() and return;
+  /// then the network is abandoned, which ends the process.
   std::chrono::milliseconds grace{30'000};
+  /// Called on one rank as soon as it is certain that the run fails, and why: handlers that go on for long
+  /// may keep run() from throwing, or somebody may kill the process first.
+  std::function<void(const std::string&)> on_failure = print_failure;
 };
 
 /// One rank of a run. Objects live from one run() to the next.
@@ -97,15 +104,6 @@ class Runtime {
 
   const Registry& registry_;
   std::unique_ptr<Implementation> implementation_;
-};
-
-/// While it lives, SIGTERM and SIGINT stop the runtime. One at a time in a process.
-class StopOnSignal {
- public:
-  explicit StopOnSignal(Runtime& runtime);
-  ~StopOnSignal();
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
 };
 
 }  // namespace weft::engine

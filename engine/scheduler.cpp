@@ -129,7 +129,7 @@ void Scheduler::send(Cell& from, Request request, ObjectId target, std::uint32_t
     const Lock lock(mutex_);
     task.envelope.sequence = from.outbound[target]++;
     task.envelope.id = static_cast<std::uint64_t>(options_.rank.value) << 40 | ++messages_;
-    trace_.communication_lane().departure({now(), task.envelope.id});
+    if (trace_.keeps_spans()) trace_.communication_lane().departure({now(), task.envelope.id});
     if (Cell* cell = find(target)) return accept(*cell, std::move(task));
     if (directory_.is_gone(target, created_)) {
       throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
@@ -151,6 +151,7 @@ void Scheduler::declare_event(Cell& self, std::uint32_t method, std::uint64_t ro
   if (auto event = self.events.declare({method, round}, std::move(dependencies), expected)) {
     fire(self, std::move(*event));
   }
+  note_waits(self);
 }
 
 /// A message has reached its object; it is taken when its turn has come.
@@ -159,7 +160,8 @@ void Scheduler::accept(Cell& cell, Task task) {
   if (task.envelope.sequence != inbound.next) {
     consume(task);  // it may wait for one that the window holds back
     inbound.held.emplace(task.envelope.sequence, std::move(task));
-    return;
+    ++cell.held;
+    return note_waits(cell);
   }
   accept_in_order(cell, std::move(task));
   ++inbound.next;
@@ -167,7 +169,17 @@ void Scheduler::accept(Cell& cell, Task task) {
        held = inbound.held.erase(held)) {
     accept_in_order(cell, std::move(held->second));
     ++inbound.next;
+    --cell.held;
   }
+  note_waits(cell);
+}
+
+/// Keeps the number of objects that wait for something up to date.
+void Scheduler::note_waits(Cell& cell) {
+  const bool waits = cell.held > 0 || !cell.events.empty();
+  if (waits == cell.waits) return;
+  cell.waits = waits;
+  waits ? ++waiting_ : --waiting_;
 }
 
 void Scheduler::accept_in_order(Cell& cell, Task task) {
@@ -277,7 +289,15 @@ bool Scheduler::send_leavers() {
       if (auto cell = take_out(id)) cells.push_back(std::move(cell));
     }
   }
-  for (auto& cell : cells) send_object(std::move(cell));
+  for (auto& cell : cells) {
+    const std::string name =
+        text("moving object ", cell->id, " (", cell->type->name, ") from rank ", options_.rank.value);
+    try {
+      send_object(std::move(cell));
+    } catch (const std::exception& error) {
+      throw std::runtime_error(text(name, ": ", error.what()));
+    }
+  }
   return !cells.empty();
 }
 
@@ -293,6 +313,7 @@ std::unique_ptr<Cell> Scheduler::take_out(ObjectId id) {
   directory_.learn(id, {cell->leaves_for, cell->age + 1});
   ++sent_;
   ++moved_out_;
+  if (cell->waits) --waiting_;
   auto node = cells_.extract(id);
   return std::move(node.mapped());
 }
@@ -344,6 +365,8 @@ void Scheduler::receive_object(Rank from, Payload payload, std::size_t wire_byte
   directory_.arrived(cell->id);
   if (cell->id.home != options_.rank) tell_location(cell->id.home, cell->id, {options_.rank, cell->age});
   for (Task& task : packed.mailbox) push(*cell, std::move(task));
+  for (const auto& [sender, inbound] : cell->inbound) cell->held += inbound.held.size();
+  note_waits(*cell);
   install(std::move(cell));
 }
 
@@ -388,13 +411,16 @@ void Scheduler::work(Lane& lane) {
       --asleep_;
     } else {
       // All that is ready is handled in one visit to the arena; a worker that waits for work leaves its slot
-      // to others.
-      arena_->execute([&] { drain(lock, lane); });
+      // to others. Not under the lock: a full arena makes this worker wait for those who may want it.
+      lock.unlock();
+      arena_->execute([&] { drain(lane); });
+      lock.lock();
     }
   }
 }
 
-void Scheduler::drain(Lock& lock, Lane& lane) {
+void Scheduler::drain(Lane& lane) {
+  Lock lock(mutex_);
   while (!stopping_ && !ready_.empty()) {
     Cell& cell = *ready_.front();
     ready_.pop_front();
@@ -419,13 +445,19 @@ void Scheduler::drain(Lock& lock, Lane& lane) {
     const TimePoint end = now();
     lock.lock();
     --busy_;
-    finish(cell, task, begin, end, lane);
+    const std::unique_ptr<Cell> dead = finish(cell, task, begin, end, lane);
+    if (dead) {  // freeing a large object takes time
+      lock.unlock();
+      dead->type->destroy(std::exchange(dead->object, nullptr));
+      lock.lock();
+    }
   }
   if (busy_ == 0 || ready_.empty()) wake_();  // the run may be over, or this rank ask for work
 }
 
 /// Runs `step` of a handler; whatever it throws fails the run.
-bool Scheduler::guard(const Cell& cell, const Task& task, const std::function<void()>& step) {
+template <class Step>
+bool Scheduler::guard(const Cell& cell, const Task& task, const Step& step) {
   std::string what;
   try {
     step();
@@ -451,11 +483,12 @@ bool Scheduler::unpack_object(Cell& cell, const Task& task) {
 }
 
 void Scheduler::handle(Cell& cell, Task& task) {
-  if (cell.type != nullptr && cell.object == nullptr) return;  // could not be unpacked: the run has failed
   Context context(*this, cell);
   guard(cell, task, [&] {
     if (cell.type == nullptr) {
       Arena::isolate([&] { root_function_(context); });
+    } else if (cell.object == nullptr && !cell.packed) {
+      throw std::runtime_error("the object could not be unpacked");
     } else if (task.envelope.request == Request::destroy) {
       cell.destroyed = true;
     } else if (task.envelope.request == Request::migrate) {
@@ -475,17 +508,19 @@ void Scheduler::leave(Cell& cell, std::uint64_t to) {
     throw std::logic_error("objects of this type cannot move: they have no serialize()");
   const Lock lock(mutex_);
   const Rank rank(static_cast<std::int32_t>(to));
-  if (rank != options_.rank) cell.leaves_for = rank;
+  cell.leaves_for = rank == options_.rank ? Rank() : rank;
 }
 
-void Scheduler::finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane) {
+/// Records the handler that has run; returns the object if it was its last.
+std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end,
+                                        Lane& lane) {
   const MethodInfo* method = registry_.find_method(task.envelope.method);
   const std::uint32_t name = method ? method->index : Span::kNoName;
   lane.span({begin, end, cell.id, name, Activity::compute, task.envelope.id});
   if (cell.type == nullptr) {
     cell.state = Cell::State::idle;
     root_function_ = nullptr;
-    return;
+    return nullptr;
   }
   ++handled_;
   if (method) costs_.measured(name, cell.id, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
@@ -503,25 +538,27 @@ void Scheduler::finish(Cell& cell, const Task& task, TimePoint begin, TimePoint 
     finished_.push_back(cell.id);
     wake_();
   }
+  return nullptr;
 }
 
-void Scheduler::bury(Cell& cell) {
-  if (!cell.mailbox.empty()) {
-    fail(text("object ", cell.id, " of type ", cell.type->name, " was destroyed on rank ",
-              options_.rank.value, " while ", cell.mailbox.size(), " messages waited for it"));
+std::unique_ptr<Cell> Scheduler::bury(Cell& cell) {
+  if (!cell.mailbox.empty() || cell.waits) {
+    fail(text("object ", cell.id, " (", cell.type->name, ") was destroyed on rank ", options_.rank.value,
+              " while ", cell.waits ? "events or messages" : "messages", " waited for it"));
   }
+  if (cell.waits) --waiting_;
   queued_seconds_ -= cell.queued_seconds;
   costs_.forget(cell.id);
   directory_.destroyed(cell.id);
   if (cell.id.home != options_.rank) tell_location(cell.id.home, cell.id, {Rank(), cell.age});
-  cells_.erase(cell.id);
+  return std::move(cells_.extract(cell.id).mapped());
 }
 
 // --- Looking from outside
 
 Load Scheduler::load() const {
   const Lock lock(mutex_);
-  return {options_.threads, busy_, ready_.size(), std::max(0.0, queued_seconds_)};
+  return {options_.threads, busy_, ready_.size(), std::max(0.0, queued_seconds_), handled_};
 }
 
 std::vector<ReadyObject> Scheduler::ready_objects() const {
@@ -547,14 +584,9 @@ void Scheduler::wake_when_ready(bool on) {
 
 std::optional<WaveCount> Scheduler::passive_count() const {
   const Lock lock(mutex_);
-  if (busy_ > 0 || !ready_.empty() || !leavers_.empty() || !finished_.empty()) return std::nullopt;
-  WaveCount count{sent_, received_, parked_.size()};
-  for (const auto& [id, cell] : cells_) {
-    const bool holds = std::any_of(cell->inbound.begin(), cell->inbound.end(),
-                                   [](const auto& inbound) { return !inbound.second.held.empty(); });
-    if (holds || !cell->events.empty()) ++count.waiting;
-  }
-  return count;
+  if (failure_ || busy_ > 0 || !ready_.empty() || !leavers_.empty() || !finished_.empty())
+    return std::nullopt;
+  return WaveCount{sent_, received_, parked_.size() + waiting_};
 }
 
 void Scheduler::stop() {

@@ -56,6 +56,8 @@ struct Cell {
   State state = State::idle;
   Rank leaves_for;  ///< set: moves there as soon as no worker has it
   bool destroyed = false;
+  bool waits = false;    ///< for an event, or for the messages before those held
+  std::size_t held = 0;  ///< messages that came before their turn
   double queued_seconds = 0;
   std::deque<Task> mailbox;
   std::unordered_map<ObjectId, Inbound> inbound;
@@ -82,6 +84,7 @@ struct Load {
   int busy = 0;               ///< workers that run a handler
   std::size_t ready = 0;      ///< objects that wait for a worker
   double queued_seconds = 0;  ///< predicted, of all messages that wait
+  std::uint64_t handled = 0;  ///< messages so far
 };
 
 /// All state is under one lock: an operation takes well under a microsecond, a handler milliseconds and more.
@@ -159,6 +162,7 @@ class Scheduler {
   void install(std::unique_ptr<Cell> cell);
   void accept(Cell& cell, Task task);
   void accept_in_order(Cell& cell, Task task);
+  void note_waits(Cell& cell);
   void fire(Cell& cell, FiredEvent event);
   void push(Cell& cell, Task task);
   void route(Task task);
@@ -167,13 +171,14 @@ class Scheduler {
   void make_ready(Cell& cell);
 
   void work(Lane& lane);
-  void drain(Lock& lock, Lane& lane);
-  bool guard(const Cell& cell, const Task& task, const std::function<void()>& step);
+  void drain(Lane& lane);
+  template <class Step>
+  bool guard(const Cell& cell, const Task& task, const Step& step);
   bool unpack_object(Cell& cell, const Task& task);
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
-  void finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
-  void bury(Cell& cell);
+  std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
+  std::unique_ptr<Cell> bury(Cell& cell);
   std::unique_ptr<Cell> take_out(ObjectId id);
   void send_object(std::unique_ptr<Cell> cell);
   void tell_location(Rank to, ObjectId id, Location location);
@@ -206,6 +211,7 @@ class Scheduler {
   std::uint64_t moved_in_ = 0;
   std::uint64_t moved_out_ = 0;
   std::uint64_t handled_ = 0;
+  std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages
   std::condition_variable work_there_;
   int asleep_ = 0;  ///< workers that wait for work
   int busy_ = 0;    ///< workers in a handler

@@ -14,8 +14,8 @@
 //      "worker_compute": [1.1, 0.9],
 //      "methods": [{"name": "Part::refine", "count": 40, "seconds": 2.0, "longest": 0.2, VOLUME}],
 //                                         those that ran or had messages; "": the engine's own
-//      "traffic": {"invoke": {VOLUME}, "signal": {VOLUME}, "migrate": {VOLUME}, "forward": {VOLUME},
-//                  "control": {VOLUME}},  "migrate": one message for each object that moved
+//      "traffic": {"invoke": {VOLUME}, "signal": {VOLUME}, "migrate": {VOLUME}, "forward": {VOLUME}},
+//                                         "migrate": one message for each object that moved
 //      "peers": [{"rank": 1, VOLUME}],    those with messages
 //      "network_calls": {"MPI_Isend": 120},
 //      "collective_calls": 0,             how many of them are collective

@@ -29,8 +29,7 @@ const char* name_of(Activity activity) {
 }
 
 const char* name_of(Traffic traffic) {
-  static constexpr std::array<const char*, kTraffics> kNames = {"invoke", "signal", "migrate", "forward",
-                                                                "control"};
+  static constexpr std::array<const char*, kTraffics> kNames = {"invoke", "signal", "migrate", "forward"};
   return kNames[static_cast<std::size_t>(traffic)];
 }
 

@@ -34,8 +34,8 @@ inline constexpr std::size_t kActivities = 4;
 const char* name_of(Activity activity);
 
 /// What a message was for; counters are kept by it and by method.
-enum class Traffic : std::uint8_t { invoke, signal, migrate, forward, control };
-inline constexpr std::size_t kTraffics = 5;
+enum class Traffic : std::uint8_t { invoke, signal, migrate, forward };
+inline constexpr std::size_t kTraffics = 4;
 const char* name_of(Traffic traffic);
 
 /// One piece of a lane's time. `name` is a method's index in the registry, or kNoName.

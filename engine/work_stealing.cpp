@@ -14,8 +14,9 @@ class WorkStealing final : public Balancer {
 
   void step(BalanceActions& actions, TimePoint) override {
     const Load load = actions.load();
+    if (load.handled != handled_) tried_ = 0;  // there has been work since: others may have some again
+    handled_ = load.handled;
     if (load.ready > 0) {
-      tried_ = 0;
       feed_hungry(actions);
     } else if (load.busy < load.workers && !asking_ && tried_ < tries()) {
       ask(actions, load);
@@ -127,6 +128,7 @@ class WorkStealing final : public Balancer {
   std::minstd_rand random_;
   bool asking_ = false;
   int tried_ = 0;  ///< ranks asked in vain since there was last work here
+  std::uint64_t handled_ = 0;
   std::vector<Hungry> hungry_;
 };
 

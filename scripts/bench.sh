@@ -1,8 +1,18 @@
 #!/usr/bin/env bash
 # Builds, then times `weft adapt` (and Mmg, where it is installed) on the benchmark cases; see bench.py --help.
+# `bench.sh engine [PART...]` measures the engine instead; see tools/bench/engine/run_benchmarks.py --help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/setup.sh
+if [[ ${1:-} == engine ]]; then
+  shift
+  if command -v ccache >/dev/null; then
+    export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  fi
+  cmake --preset release -DWEFT_BENCHMARKS=ON --log-level=WARNING
+  cmake --build --preset release --target weft_transport_bench weft_engine_bench
+  exec python3 -B tools/bench/engine/run_benchmarks.py "$@"
+fi
 scripts/build.sh release --no-tests
 exec python3 -B scripts/bench.py "$@"

@@ -65,6 +65,21 @@ class Death(unittest.TestCase):
             self.assertIn(f"error: rank {victim} died: its process is gone", self.messages(errors), errors)
             self.assertLess(seconds, 10)
 
+    def test_a_killed_rank_is_named_though_handlers_do_not_stop_and_data_is_under_way(self):
+        for way in ("deaf", "flood"):
+            run = start(3, way)
+            os.kill(processes_of(run, 3)[1], signal.SIGKILL)
+            errors, seconds = self.end_of(run)
+            self.assertIn("error: rank 1 died: its process is gone", self.messages(errors), errors)
+            self.assertLess(seconds, 10)
+
+    def test_sigterm_without_mpirun_stops_even_a_handler_that_does_not_listen(self):
+        run = subprocess.Popen([VICTIM, "deaf"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        os.kill(processes_of(run, 1)[0], signal.SIGTERM)
+        errors, seconds = self.end_of(run)
+        self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
+        self.assertEqual(run.returncode, 2)
+
     def test_without_mpirun_a_program_runs_alone(self):
         run = subprocess.run([HELLO], capture_output=True, text=True, timeout=SECONDS)
         self.assertEqual(run.returncode, 0, run.stderr)

@@ -390,6 +390,42 @@ TEST(Runtime, LetsAHandlerWorkInParallelAndSendFromAllItsThreads) {
   });
 }
 
+/// Nested parallelism that sends to other objects of the rank while these wait for workers of their own.
+struct Spreader {
+  std::atomic<int> calls{0};
+  void spread(Context& context, std::uint32_t objects) {
+    tbb::parallel_for(0, 400, [&](int i) {
+      context.invoke<&Spreader::count>(
+          MobilePtr<Spreader>{{Rank(0), 1 + static_cast<std::uint32_t>(i) % objects}});
+    });
+  }
+  void count(Context&) { ++calls; }
+};
+
+TEST(Runtime, SendsFromParallelLoopsWhileOtherWorkersStart) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  const std::uint32_t objects = 6;
+  for (const int threads : {1, 2, 3}) {
+    for (int repetition = 0; repetition < 20; ++repetition) {
+      on_ranks(1, [&](Transport& transport) {
+        Registry registry;
+        registry.type<Spreader>("Spreader")
+            .method<&Spreader::spread>("spread")
+            .method<&Spreader::count>("count");
+        Runtime runtime(transport, registry, {.threads = threads});
+        runtime.run([&](Context& context) {
+          for (std::uint32_t i = 0; i < objects; ++i) {
+            context.invoke<&Spreader::spread>(context.create<Spreader>(), objects);
+          }
+        });
+        int calls = 0;
+        runtime.visit<Spreader>([&](MobilePtr<Spreader>, Spreader& object) { calls += object.calls; });
+        EXPECT_EQ(calls, 400 * static_cast<int>(objects));
+      });
+    }
+  }
+}
+
 // --- Moving on request, destruction
 
 struct Traveller {
@@ -550,6 +586,25 @@ void expect_spread(int ranks, const BalancerFactory& balancer) {
     // Everybody sleeps, so work can spread evenly on any machine; much less than its share would mean that
     // none moved.
     EXPECT_GE(calls, static_cast<std::uint64_t>(3 * objects / transport.size() / 4));
+  });
+}
+
+/// A policy whose messages were under way when a run ended must not be lame in the next.
+TEST_P(RuntimeOnRanks, StealingSpreadsWorkInTheTwentiethRunToo) {
+  on_ranks(GetParam(), [](Transport& transport) {
+    Registry registry;
+    registry.type<Worker>("Worker").method<&Worker::work>("work");
+    Runtime runtime(transport, registry);
+    const int objects = 40;
+    for (int run = 0; run < 20; ++run) runtime.run([](Context&) {});
+    runtime.run([&](Context& context) {
+      if (context.rank() != Rank(0)) return;
+      for (int i = 0; i < objects; ++i)
+        context.invoke_expecting<&Worker::work>(Seconds{3e-3}, context.create<Worker>());
+    });
+    std::uint64_t calls = 0;
+    for (const MethodSummary& method : runtime.summary().methods) calls += method.count;
+    EXPECT_GE(calls, static_cast<std::uint64_t>(objects / transport.size() / 4));
   });
 }
 

@@ -67,7 +67,7 @@ TEST(RankSummary, ListsTheMethodsThatRanOrHadMessages) {
   trace.worker_lane(1).span(span_of(Activity::compute, 0, 5));
   trace.worker_lane(1).span(span_of(Activity::compute, 3, 1));
   trace.communication_lane().sent(Traffic::invoke, 2, Rank(1), 7);
-  trace.communication_lane().sent(Traffic::control, Span::kNoName, Rank(1), 9);
+  trace.communication_lane().sent(Traffic::migrate, Span::kNoName, Rank(1), 9);
   const auto methods = summarize(trace, facts_of(10, {"a", "b", "c"})).methods;
   ASSERT_EQ(methods.size(), 4u);
   EXPECT_EQ(methods[0].name, "a");

@@ -35,7 +35,7 @@ TEST(Trace, EveryActivityAndTrafficHasItsName) {
   EXPECT_STREQ(name_of(Activity::compute), "compute");
   EXPECT_STREQ(name_of(Activity::communicate), "communicate");
   EXPECT_STREQ(name_of(Traffic::invoke), "invoke");
-  EXPECT_STREQ(name_of(Traffic::control), "control");
+  EXPECT_STREQ(name_of(Traffic::forward), "forward");
 }
 
 TEST(Lane, AddsUpTheTimeOfEachActivity) {
@@ -102,9 +102,9 @@ TEST(Lane, CountsMessagesByTrafficMethodAndPeerInBothDirections) {
 
 TEST(Lane, AMessageOfNoRankCountsInTheTotals) {
   Lane lane(2, {});
-  lane.sent(Traffic::control, Span::kNoName, Rank(), 5);
-  lane.sent(Traffic::control, Span::kNoName, Rank(2), 5);
-  EXPECT_EQ(lane.volume(Traffic::control).sent.messages, 2u);
+  lane.sent(Traffic::forward, Span::kNoName, Rank(), 5);
+  lane.sent(Traffic::forward, Span::kNoName, Rank(2), 5);
+  EXPECT_EQ(lane.volume(Traffic::forward).sent.messages, 2u);
   EXPECT_EQ(lane.volume(Rank()).sent.messages, 0u);
   EXPECT_EQ(lane.volume(Rank(2)).sent.messages, 0u);
 }
