@@ -21,7 +21,7 @@ struct Seconds {
 };
 
 /// Given to every handler, for the time of its run. Its functions may be called from all threads that work
-/// for the handler. Sending never waits for the receiver (only, when very much is unsent, for the network).
+/// for the handler. Sending waits only when very much is unsent (exchange.h).
 /// Errors of use throw std::logic_error.
 class Context {
  public:

@@ -2,17 +2,16 @@
 #include "engine/event.h"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
+
+#include "engine/text.h"
 
 namespace weft::engine {
 namespace {
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  throw std::logic_error(text.str());
+  throw std::logic_error(text(parts...));
 }
 
 bool contains(const std::vector<ObjectId>& ids, ObjectId id) {

@@ -10,6 +10,7 @@
 #include "engine/mpi_calls.h"
 #include "engine/scheduler.h"
 #include "engine/termination.h"
+#include "engine/text.h"
 
 namespace weft::engine {
 namespace {
@@ -200,9 +201,7 @@ void Runtime::Implementation::loop() {
     try {
       busy = turn(now());
     } catch (const std::exception& error) {
-      std::ostringstream what;
-      what << "the communication of rank " << rank().value << ": " << error.what();
-      fail_here(what.str());
+      fail_here(text("the communication of rank ", rank().value, ": ", error.what()));
     }
     if (!busy && !ended_ && !failure_) sleep();
   }
@@ -300,9 +299,7 @@ void Runtime::Implementation::detect_end() {
   if (termination_->futile_waves() == 0) progressed_ = turn_;
   if (turn_ - progressed_ > kPatienceWithNetwork) {
     const WaveCount& sums = termination_->last_sums();
-    std::ostringstream what;
-    what << "the network has lost messages: " << sums.sent << " were sent, " << sums.received << " received";
-    fail_here(what.str());
+    fail_here(text("the network has lost messages: ", sums.sent, " were sent, ", sums.received, " received"));
   }
   if (!termination_->ended()) return;
   if (termination_->ended()->waiting == 0) {
@@ -411,9 +408,7 @@ void Runtime::Implementation::watch_peers(TimePoint time) {
 
 /// Rank 0 may be the one that died: whoever notices tells all.
 void Runtime::Implementation::peer_died(Rank dead, const std::string& how) {
-  std::ostringstream what;
-  what << "rank " << dead.value << " died: " << how;
-  declare_failure({what.str(), Rank(dead.value == 0 ? 1 : 0), true});
+  declare_failure({text("rank ", dead.value, " died: ", how), Rank(dead.value == 0 ? 1 : 0), true});
 }
 
 // --- After the loop

@@ -63,7 +63,7 @@ struct RuntimeOptions {
 class Runtime {
  public:
   /// `transport` and `registry` must outlive it. All ranks use the same options, but for the number of
-  /// threads.
+  /// threads. One runtime at a time on a transport.
   Runtime(Transport& transport, const Registry& registry, RuntimeOptions options = {});
   ~Runtime();
   Runtime(const Runtime&) = delete;

@@ -3,22 +3,15 @@
 
 #include <algorithm>
 #include <cstring>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "engine/arena.h"
 #include "engine/context.h"
+#include "engine/text.h"
 
 namespace weft::engine {
 namespace {
-
-template <class... Parts>
-std::string text(const Parts&... parts) {
-  std::ostringstream out;
-  (out << ... << parts);
-  return out.str();
-}
 
 /// On the wire the envelope follows the arguments, so that these need not be moved to make room for it.
 Payload to_wire(const Envelope& envelope, Payload payload) {
@@ -36,23 +29,6 @@ Task from_wire(Payload payload) {
   task.payload = std::move(payload);
   return task;
 }
-
-/// What a cell is while it travels.
-struct PackedCell {
-  ObjectId id;
-  std::uint32_t type = 0;
-  std::uint32_t age = 0;
-  Payload object;
-  std::vector<Task> mailbox;
-  std::unordered_map<ObjectId, Cell::Inbound> inbound;
-  std::unordered_map<ObjectId, std::uint64_t> outbound;
-  EventTable events;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(id, type, age, object, mailbox, inbound, outbound, events);
-  }
-};
 
 Traffic traffic_of(const Envelope& envelope) {
   return envelope.request == Request::signal ? Traffic::signal : Traffic::invoke;
@@ -619,51 +595,6 @@ std::string Scheduler::describe(const Cell& cell, const Task& task) const {
   return text(what, " of object ", cell.id, " (", cell.type->name, ") on rank ", options_.rank.value);
 }
 
-// --- Who waits for whom
-
-std::string Scheduler::where(ObjectId id) const {
-  if (find(id) != nullptr) return text(id, " (rank ", options_.rank.value, ")");
-  return text(id, " (last known on rank ", directory_.best_guess(id).rank.value, ")");
-}
-
-void Scheduler::describe_waits(const Cell& cell, std::vector<std::string>& lines) const {
-  const std::string subject =
-      text("object ", cell.id, " (", cell.type->name, ", rank ", options_.rank.value, ") ");
-  for (const EventWait& wait : cell.events.waits()) {
-    const MethodInfo* method = registry_.find_method(wait.key.method);
-    const std::string event = text(method ? method->name : "an unknown event", " in round ", wait.key.round);
-    std::string line = subject;
-    if (!wait.declared) {
-      line += text("never expects ", event, ", signalled by");
-      for (const ObjectId id : wait.arrived) line += ' ' + text(id);
-    } else {
-      line += text("waits in ", event, " for");
-      for (const ObjectId id : wait.missing) line += ' ' + where(id);
-      if (!wait.arrived.empty()) line += "; arrived:";
-      for (const ObjectId id : wait.arrived) line += ' ' + text(id);
-    }
-    lines.push_back(line);
-  }
-  for (const auto& [sender, inbound] : cell.inbound) {
-    if (inbound.held.empty()) continue;
-    lines.push_back(text(subject, "lacks message ", inbound.next, " of object ", where(sender), " and holds ",
-                         inbound.held.size(), " later ones"));
-  }
-}
-
-std::vector<std::string> Scheduler::waits() const {
-  const Lock lock(mutex_);
-  std::vector<std::string> lines;
-  for (const auto& [id, cell] : cells_) describe_waits(*cell, lines);
-  for (const auto& [id, tasks] : parked_) {
-    lines.push_back(text(tasks.size(), " messages wait on rank ", options_.rank.value, " for object ", id,
-                         id.home == options_.rank && id.number > created_ ? ", which was never created"
-                                                                          : ", which has not come"));
-  }
-  std::sort(lines.begin(), lines.end());
-  return lines;
-}
-
 void Scheduler::visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& visit) {
   std::vector<Cell*> cells;
   for (const auto& [id, cell] : cells_) {
@@ -678,28 +609,6 @@ void Scheduler::visit(const TypeInfo& type, const std::function<void(ObjectId, v
     }
     visit(cell->id, cell->object);
   }
-}
-
-// --- The handlers' side
-
-Rank Context::rank() const { return scheduler_.rank(); }
-int Context::ranks() const { return scheduler_.ranks(); }
-ObjectId Context::self() const { return self_.id; }
-bool Context::stop_requested() const { return scheduler_.stopping(); }
-const Registry& Context::registry() const { return scheduler_.registry(); }
-
-ObjectId Context::add_object(const TypeInfo& type, void* object) {
-  return scheduler_.add_object(type, object);
-}
-
-void Context::send(Request request, ObjectId target, std::uint32_t method, std::uint64_t round,
-                   Seconds expected, Payload payload) {
-  scheduler_.send(self_, request, target, method, round, expected.value, std::move(payload));
-}
-
-void Context::declare_event(std::uint32_t method, std::uint64_t round, std::vector<ObjectId> dependencies,
-                            Seconds expected) {
-  scheduler_.declare_event(self_, method, round, std::move(dependencies), expected.value);
 }
 
 }  // namespace weft::engine

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,11 +14,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "engine/cell.h"
 #include "engine/cost_model.h"
 #include "engine/directory.h"
-#include "engine/event.h"
 #include "engine/exchange.h"
-#include "engine/message.h"
 #include "engine/registry.h"
 #include "engine/termination.h"
 #include "engine/trace.h"
@@ -27,50 +25,6 @@
 namespace weft::engine {
 
 class Arena;
-
-/// A mobile object where it lives: the object, or what it was packed into (it is unpacked when it is first
-/// needed, so an object that moves on costs nothing here), and all that travels with it.
-struct Cell {
-  enum class State : std::uint8_t {
-    idle,     ///< no message waits
-    ready,    ///< messages wait, in the scheduler's queue
-    running,  ///< a worker has it
-    leaving,  ///< it moves before its next message is handled
-  };
-  /// What has come from one sender.
-  struct Inbound {
-    std::uint64_t next = 0;              ///< sequence number of the next message to accept
-    std::map<std::uint64_t, Task> held;  ///< came before their turn
-
-    template <class Archive>
-    void serialize(Archive& archive) {
-      archive(next, held);
-    }
-  };
-
-  ObjectId id;
-  const TypeInfo* type = nullptr;  ///< null: the rank's root
-  void* object = nullptr;
-  std::optional<Payload> packed;
-  std::uint32_t age = 0;  ///< number of moves
-  State state = State::idle;
-  Rank leaves_for;  ///< set: moves there as soon as no worker has it
-  bool destroyed = false;
-  bool waits = false;    ///< for an event, or for the messages before those held
-  std::size_t held = 0;  ///< messages that came before their turn
-  double queued_seconds = 0;
-  std::deque<Task> mailbox;
-  std::unordered_map<ObjectId, Inbound> inbound;
-  std::unordered_map<ObjectId, std::uint64_t> outbound;  ///< sequence number of the next message to each
-  EventTable events;
-
-  Cell() = default;
-  Cell(const Cell&) = delete;
-  Cell& operator=(const Cell&) = delete;
-  ~Cell() {
-    if (object != nullptr) type->destroy(object);
-  }
-};
 
 /// An object that waits to be handled and may be given away.
 struct ReadyObject {
