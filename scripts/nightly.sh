@@ -1,8 +1,12 @@
 #!/usr/bin/env bash
-# The long checks: all tests, the sanitizers, and the benchmark on all its cases.
+# The long checks: all tests, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/test.sh
 scripts/sanitize.sh asan tsan
+# A hang that comes once in a hundred runs is a hang.
+ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100
+build/bin/weft_engine_tests --gtest_filter='Ranks/*' --gtest_repeat=100 --gtest_brief=1
 scripts/bench.sh
+scripts/bench.sh engine
