@@ -36,14 +36,16 @@ using meshing::LogMetricField;
 using meshing::MeshData;
 
 constexpr const char* kFooter = R"(Examples:
+  weft adapt wing.meshb --sol mach.solb --complexity 500000 -o fine.meshb
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb
   weft adapt cube.meshb --metric-fn polar-2 -o layer.meshb --threads 2 --report report
 
 Writes the mesh and, beside it, the metric at its vertices (fine.solb); both whole or not at all.
 --metric holds a symmetric tensor (m11 m12 m22 m13 m23 m33) or a wanted size at every vertex of the
-input, or of --background. The metric is limited (--hmin, --hmax), graded (--hgrad), then scaled
-(--complexity); expect about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with
-the valid mesh reached so far and exit code 1.)";
+input, or of --background; --sol a solution whose interpolation error is to be least. The metric is scaled
+so that it has the --complexity once it is limited (--hmin, --hmax, --aspect) and graded (--hgrad); expect
+about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with the valid mesh reached so far
+and exit code 1.)";
 
 struct AdaptCommand {
   std::string input, output, background, report;
@@ -84,7 +86,7 @@ class AdaptJob {
     describe();
     check_outputs();
     read();
-    make_metric();
+    prepare_metric();
     check_size();
     measure_before();
     adapt();
@@ -107,8 +109,10 @@ class AdaptJob {
 
   /// Hours of work must not end with "no such folder".
   void check_outputs() {
-    if (same_file(run_.outputs.solution, command_.metric.file) && !same_file(command_.output, command_.input))
-      throw CLI::ValidationError("--out", "its metric " + run_.outputs.solution + " would replace --metric");
+    for (const std::string& file : command_.metric.files())
+      if (same_file(run_.outputs.solution, file) && !same_file(command_.output, command_.input))
+        throw CLI::ValidationError(
+            "--out", "its metric " + run_.outputs.solution + " would replace the input " + file);
     check_writable(run_.outputs.mesh);
     check_writable(run_.outputs.solution);
     if (command_.report.empty()) return;
@@ -126,11 +130,12 @@ class AdaptJob {
     run_.times.read = watch_.lap();
   }
 
-  void make_metric() {
+  void prepare_metric() {
     progress_.update("metric", 0, run_.input_counts.tets);
     const std::string& owner = background_ ? command_.background : command_.input;
-    field_ = load_metric(command_.metric, background());
-    run_.warnings = naming(owner, [&] { return process_metric(command_.metric, background(), field_); });
+    MadeMetric made = make_metric(command_.metric, background(), owner);
+    field_ = std::move(made.field);
+    run_.warnings = std::move(made.warnings);
     run_.target_complexity = command_.metric.complexity > 0 ? command_.metric.complexity
                                                             : meshing::complexity(background(), field_);
     run_.times.metric = watch_.lap();
@@ -224,7 +229,7 @@ class AdaptJob {
 int run_adapt(const AdaptCommand& command) {
   if (!command.metric.given())
     throw CLI::RequiredError(
-        "no metric: give --metric FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
+        "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   return AdaptJob(command).run();
@@ -288,6 +293,7 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   command->options.threads = default_threads();
   add_files(*sub, *command);
   add_metric_source(*sub, command->metric);
+  add_metric_construction(*sub, command->metric);
   add_background(*sub, *command);
   add_metric_processing(*sub, command->metric);
   add_geometry(*sub, *command);

@@ -37,6 +37,15 @@ CLI::Validator positive_number() {
   });
 }
 
+CLI::Validator number_from_one() {
+  return validator([](const std::string& text) -> std::string {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    const bool good = end != text.c_str() && *end == '\0' && value >= 1;
+    return good ? "" : "'" + text + "' is not a number from 1 up";
+  });
+}
+
 CLI::Validator mesh_output_name() {
   return validator([](const std::string& text) -> std::string {
     return is_mesh_name(text) ? "" : "'" + text + "' must end in .meshb, .mesh or .vtu";

@@ -9,6 +9,8 @@ namespace weft::tools {
 CLI::Validator finite_number();
 /// A finite number above zero.
 CLI::Validator positive_number();
+/// A number from 1 up, infinity included.
+CLI::Validator number_from_one();
 /// The name of a mesh file that can be written.
 CLI::Validator mesh_output_name();
 /// The name of a solution file.

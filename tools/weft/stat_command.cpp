@@ -130,7 +130,8 @@ int run_stat(const StatCommand& command) {
   Json json = json_of(mesh, geometry);
   std::string text = geometry_text(mesh, geometry);
   if (command.metric.given()) {
-    const meshing::Measures measures = meshing::measure(mesh, load_metric(command.metric, mesh));
+    const meshing::Measures measures =
+        meshing::measure(mesh, make_metric(command.metric, mesh, command.mesh).field);
     json["measures"] = tools::json_of(measures);
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);

@@ -1,0 +1,96 @@
+// Limits of metric fields, and the search for the scale at which the complexity is right under them.
+#include "meshing/metric_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "meshing/error.h"
+#include "meshing/measures.h"
+#include "meshing/parallel.h"
+
+namespace weft::meshing {
+namespace {
+
+/// Applies one set of limits to many fields on the same mesh.
+class Limiter {
+ public:
+  Limiter(const MeshData& mesh, const MetricLimits& limits)
+      : limits_(limits), gradation_(mesh, limits.gradation, limits.space) {}
+
+  void operator()(LogMetricField& field) const {
+    clamp(field);
+    if (gradation_.limit(field) > 0) clamp(field);
+  }
+
+ private:
+  void clamp(LogMetricField& field) const {
+    limit_aspect(limits_.aspect, field);
+    if (limits_.hmin > 0 || limits_.hmax > 0) limit_sizes(limits_.hmin, limits_.hmax, field);
+  }
+
+  MetricLimits limits_;
+  Gradation gradation_;
+};
+
+/// The root of an increasing function known by trials: secants, halving the bracket where they leave it.
+class RootSearch {
+ public:
+  double x() const { return x_; }
+  /// True when a long step changed next to nothing: there is no root.
+  bool stalled() const { return stalled_; }
+  /// Takes y = f(x()) and moves x() on.
+  void step(double y) {
+    if (has_last_) learn_slope(x_ - last_x_, y - last_y_, y);
+    has_last_ = true;
+    last_x_ = x_, last_y_ = y;
+    (y < 0 ? lo_ : hi_) = x_;
+    x_ -= y / slope_;
+    if (!(x_ > lo_ && x_ < hi_)) x_ = 0.5 * (lo_ + hi_);
+  }
+
+ private:
+  void learn_slope(double dx, double dy, double y) {
+    stalled_ = std::abs(dx) > 1 && std::abs(dy) < 1e-3 * std::abs(y);
+    slope_ = std::clamp(dy / dx, kLeast, kMost);
+  }
+
+  // f is the logarithm of the complexity against that of the metric's factor: 3/2 where nothing limits it.
+  static constexpr double kLeast = 0.05, kMost = 1.5;
+  double x_ = 0, slope_ = 1.5;
+  double lo_ = -200, hi_ = 200;  // sizes changed by e^100 at most
+  bool has_last_ = false, stalled_ = false;
+  double last_x_ = 0, last_y_ = 0;
+};
+
+}  // namespace
+
+void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricField& field) {
+  Limiter(mesh, limits)(field);
+}
+
+double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
+                         const LogMetricField* demands, LogMetricField& field) {
+  constexpr int kMostTrials = 30;
+  constexpr double kTolerance = 5e-4;
+  scale_to_complexity(mesh, target, field);  // a good start where limits change little; checks its arguments
+  const LogMetricField wanted = field;
+  const Limiter limit(mesh, limits);
+  RootSearch search;
+  double reached = 0;
+  for (int trial = 0; trial < kMostTrials && !search.stalled(); ++trial) {
+    // Always from the field as it was: scaling down one that is graded already and grading it again was no
+    // faster, and left it finer than need be.
+    const LogMetric shift = identity_tensor(search.x());
+    for_each_index(field.size(), [&](std::size_t v) { field[v] = wanted[v] + shift; });
+    if (demands) intersect_with(*demands, field);
+    limit(field);
+    reached = complexity(mesh, field);
+    const double error = std::log(reached / target);
+    if (std::abs(error) < kTolerance) break;
+    search.step(error);
+  }
+  return reached;
+}
+
+}  // namespace weft::meshing
