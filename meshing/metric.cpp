@@ -1,6 +1,7 @@
 // Eigen-decomposition, logarithm and exponential of metrics; analytic metrics.
 #include "meshing/metric.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
@@ -106,12 +107,14 @@ Metric limit_sizes(const Metric& m, double hmin, double hmax) {
 }
 
 Metric intersect(const Metric& a, const Metric& b) {
-  // Simultaneous reduction through a^(-1/2): in that frame a is the identity and b is diagonalised.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> ea(to_eigen(a));
-  const Eigen::Matrix3d half = ea.operatorSqrt(), inverse_half = ea.operatorInverseSqrt();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eb(inverse_half * to_eigen(b) * inverse_half);
-  const Eigen::Vector3d larger = eb.eigenvalues().cwiseMax(1.0);
-  const Eigen::Matrix3d p = half * eb.eigenvectors();
+  // Simultaneous reduction through the Cholesky factor of a: in that frame a is the identity and b is
+  // diagonalised.
+  const Eigen::LLT<Eigen::Matrix3d> factor(to_eigen(a));
+  const auto lower = factor.matrixL();
+  const Eigen::Matrix3d half = lower.solve(to_eigen(b));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> e(lower.solve(half.transpose()));
+  const Eigen::Vector3d larger = e.eigenvalues().cwiseMax(1.0);
+  const Eigen::Matrix3d p = lower * e.eigenvectors();
   return from_matrix(p * larger.asDiagonal() * p.transpose());
 }
 

@@ -200,7 +200,7 @@ void limit_sizes(double hmin, double hmax, LogMetricField& field) {
 }
 
 void limit_aspect(double ratio, LogMetricField& field) {
-  if (!(ratio > 1)) return;
+  if (!(ratio >= 1)) return;
   const double most = 2 * std::log(ratio);
   for_each_index(field.size(), [&](std::size_t i) {
     Eigen3 e = eigen_decomposition(field[i]);

@@ -39,7 +39,8 @@ double scale_to_complexity(const MeshData& mesh, double target, double hmin, dou
                            LogMetricField& field);
 /// limit_sizes of every metric. Throws InputError when hmin > hmax > 0.
 void limit_sizes(double hmin, double hmax, LogMetricField& field);
-/// Brings the largest sizes of every metric down to `ratio` times its smallest; up to 1: no limit.
+/// Brings the sizes of every metric down to at most `ratio` times its smallest: 1 makes it isotropic. Below
+/// 1: no limit.
 void limit_aspect(double ratio, LogMetricField& field);
 /// Makes every metric as fine as itself and the other field's metric at its vertex (intersect()).
 void intersect_with(const LogMetricField& other, LogMetricField& field);

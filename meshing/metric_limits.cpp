@@ -55,9 +55,10 @@ class RootSearch {
     slope_ = std::clamp(dy / dx, kLeast, kMost);
   }
 
-  // f is the logarithm of the complexity against that of the metric's factor: 3/2 where nothing limits it.
+  // f is the logarithm of the complexity against that of the metric's factor: its slope is 3/2 where nothing
+  // limits it, and about 1 under a gradation of 1.5.
   static constexpr double kLeast = 0.05, kMost = 1.5;
-  double x_ = 0, slope_ = 1.5;
+  double x_ = 0, slope_ = 1;
   double lo_ = -200, hi_ = 200;  // sizes changed by e^100 at most
   bool has_last_ = false, stalled_ = false;
   double last_x_ = 0, last_y_ = 0;

@@ -8,7 +8,7 @@ namespace weft::meshing {
 
 struct MetricLimits {
   double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
-  double aspect = 0;          ///< largest ratio of two sizes at one vertex; up to 1: none
+  double aspect = 0;          ///< largest ratio of two sizes at one vertex, 1: isotropic; 0: none
   double gradation = 0;       ///< largest growth of sizes per unit edge; up to 1: none
   GradationSpace space = GradationSpace::metric;
 };

@@ -172,6 +172,8 @@ TEST(LimitAspect, BringsTheLargestSizesDown) {
   EXPECT_EQ(field[1], inside);
   limit_aspect(0, field);
   EXPECT_EQ(field[1], inside);
+  limit_aspect(1, field);
+  for (const LogMetric& l : field) EXPECT_NEAR(squared_length(l, {0.6, 0.8, 0}), l.zz, 1e-12);
 }
 
 TEST(IntersectWith, IsAsFineAsBoth) {

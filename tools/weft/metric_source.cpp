@@ -90,7 +90,7 @@ std::optional<meshing::LogMetricField> given_metric(const MetricRequest& request
 double scale(const MetricRequest& request, const meshing::MeshData& mesh,
              const meshing::LogMetricField* demands, meshing::LogMetricField& field) {
   const meshing::MetricLimits& limits = request.limits;
-  const bool only_sizes = !demands && !(limits.gradation > 1) && !(limits.aspect > 1);
+  const bool only_sizes = !demands && !(limits.gradation > 1) && !(limits.aspect >= 1);
   if (only_sizes)
     return meshing::scale_to_complexity(mesh, request.complexity, limits.hmin, limits.hmax, field);
   return meshing::fit_to_complexity(mesh, request.complexity, limits, demands, field);
@@ -132,14 +132,13 @@ void add_metric_construction(CLI::App& command, MetricRequest& request) {
       {"lsq", meshing::Recovery::least_squares}, {"l2", meshing::Recovery::double_projection}};
   constexpr const char* kSolution = "Metric from a solution";
   constexpr const char* kBoundary = "Metric from mesh and boundary";
-  auto* solution =
-      command
-          .add_option("--sol", request.solutions,
-                      "solution to resolve, .solb or .sol: all its scalar fields; repeatable")
-          ->type_name("FILE")
-          ->expected(1)
-          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-          ->group(kSolution);
+  auto* solution = command
+                       .add_option("--sol", request.solutions,
+                                   "solution to resolve, .solb or .sol: all its scalar fields; repeatable")
+                       ->type_name("FILE")
+                       ->expected(1)
+                       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+                       ->group(kSolution);
   command
       .add_option("--norm", request.multiscale.norm,
                   "p of the Lp norm of the interpolation error, 1 to inf; default 2")
@@ -198,7 +197,8 @@ void add_metric_processing(CLI::App& command, MetricRequest& request) {
                kGroup);
   add_positive(command, "--hmax", limits.hmax, "largest size the metric may ask for (also -hmax)", "H",
                kGroup);
-  add_positive(command, "--aspect", limits.aspect, "largest ratio of sizes at one vertex", "A", kGroup);
+  add_positive(command, "--aspect", limits.aspect, "largest ratio of sizes at one vertex; 1: isotropic", "A",
+               kGroup);
   command
       .add_option("--hgrad", limits.gradation,
                   "largest growth of sizes per unit edge; none up to 1 (also -hgrad)")
