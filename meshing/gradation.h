@@ -8,7 +8,7 @@
 
 namespace weft::meshing {
 
-/// In which space sizes grow (Alauzet 2010, section 3). Going from p to q, d the Euclidean length of the
+/// In which space sizes grow (Alauzet 2010). Going from p to q, d the Euclidean length of the
 /// edge, l its length in M_p and lambda_i the eigenvalues of M_p, M_q must be at least as fine as M_p with
 enum class GradationSpace {
   /// all eigenvalues over (1 + l ln beta)^2: the anisotropy stays;

@@ -18,7 +18,7 @@ struct MultiscaleOptions {
 };
 
 /// det|H|^(-1/(2p + 3)) |H|, H the Hessian of `values` (one a vertex) and |H| that of its absolute
-/// eigenvalues: the optimal metric of Loseille and Alauzet (2011), eq. 4.8, up to a factor, which a target
+/// eigenvalues: the optimal metric of Loseille and Alauzet (2011) up to a factor, which a target
 /// complexity fixes. Eigenvalues that rounding of the values could make (4e-12 of the largest value over the
 /// square of the longest edge at the vertex) are raised to that, so that the metric is positive definite for
 /// any finite field, a constant one too. Does not depend on the field's units. Throws InputError for a value
