@@ -133,7 +133,8 @@ Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
     const auto& v = mesh_.tets[tet];
     const Point q = closest_in(tet, p);
     const double distance2 = norm2(p - q), size2 = norm2(mesh_.points[v[1]] - mesh_.points[v[0]]);
-    if (attempt > 0 || distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), distance2};
+    if (distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), 0};
+    if (attempt > 0) return {tet, clamped(barycentric(tet, q)), distance2};
     tet = search_everywhere(p);
   }
 }

@@ -36,7 +36,7 @@ class Background {
   struct Place {
     std::uint32_t tet;     ///< the hint for the next query nearby
     Barycentric at;        ///< weights of its vertices, none negative, of sum 1
-    double distance2 = 0;  ///< squared, of the point from the mesh
+    double distance2 = 0;  ///< squared, of the point from the mesh; 0 within 1e-6 of the tet's size
   };
   /// Where `p` is, or the point of the mesh closest to it; needs no metrics.
   Place locate(const Point& p, std::uint32_t hint) const;
