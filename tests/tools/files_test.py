@@ -122,7 +122,25 @@ class Convert(CommandTest):
 
     def test_unknown_format(self):
         self.box()
-        self.assert_fails("convert", "box.meshb", "box.stl", says="box.stl", code=64)
+        self.assert_fails("convert", "box.meshb", "box.xyz", says="box.xyz", code=64)
+        self.assert_fails("convert", "box.xyz", "box.meshb", says=["box.xyz", "unexpected extension"])
+
+    def test_surfaces_there_and_back(self):
+        self.box()
+        for name in ("a.stl", "a.obj", "a.ply"):
+            text = self.weft("convert", "box.meshb", name).stdout
+            self.assertIn("48 tets", text)
+            self.assertIn("dropped: 48 tets", text)
+            self.assertIn("0 tets, 48 triangles", self.weft("convert", name, "back.meshb").stdout)
+        self.weft("convert", "box.meshb", "b.stl", "--encoding", "ascii")
+        self.assertTrue((self.folder / "b.stl").read_text().startswith("solid"))
+        self.weft("convert", "box.meshb", "b.ply", "--encoding", "big-endian")
+        self.assertIn(b"binary_big_endian", (self.folder / "b.ply").read_bytes()[:60])
+
+    def test_surfaces_are_not_adapted(self):
+        self.box()
+        self.weft("convert", "box.meshb", "a.stl")
+        self.assert_fails("adapt", "a.stl", "--metric-fn", "uniform:1", "-o", "b.meshb", says=["a.stl", "no tetra"])
 
 
 if __name__ == "__main__":

@@ -233,10 +233,10 @@ int run_adapt(const AdaptCommand& command) {
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_files(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("IN", command.input, "the mesh to adapt, .meshb or .mesh")->type_name("FILE")->required();
-  sub.add_option("-o,-x,--out", command.output, "the result, .meshb, .mesh or .vtu (also -out)")
+  sub.add_option("IN", command.input, "the mesh to adapt")->type_name("FILE")->required();
+  sub.add_option("-o,-x,--out", command.output, "the result (also -out)")
       ->type_name("FILE")
-      ->check(mesh_output_name())
+      ->check(volume_output_name())
       ->required();
 }
 
