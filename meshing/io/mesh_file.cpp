@@ -10,6 +10,7 @@
 
 #include "meshing/error.h"
 #include "meshing/io/gmf.h"
+#include "meshing/io/gmsh.h"
 #include "meshing/io/obj.h"
 #include "meshing/io/ply.h"
 #include "meshing/io/stl.h"
@@ -62,6 +63,8 @@ constexpr unsigned kGmf = kTets | kEdges | kCorners | kMarks | kPointRefs | kTet
 constexpr std::array kFormats = {
     Format{".meshb", kGmf, read_gmf, write_gmf},
     Format{".mesh", kGmf, read_gmf, write_gmf},
+    Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
+           write_gmsh},
     Format{".vtu", kTets | kTetRefs | kFields, refuse_vtu, write_vtu_contents},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},

@@ -185,6 +185,53 @@ inline MeshContents full_contents() {
   return c;
 }
 
+/// What a format keeps that knows no ridges or required entities, and references only of points that are
+/// corners.
+inline MeshData without_marks(MeshData mesh) {
+  for (std::uint32_t i = 0; i < mesh.points.size(); ++i) {
+    if (!std::ranges::count(mesh.corners, i)) mesh.point_refs[i] = 0;
+  }
+  mesh.ridges.clear();
+  mesh.required_points.clear();
+  mesh.required_edges.clear();
+  mesh.required_triangles.clear();
+  return mesh;
+}
+
+/// Orders elements by their references, as formats do that store them by group.
+template <std::size_t N>
+void sort_by_ref(std::vector<std::array<std::uint32_t, N>>& elements, std::vector<std::int32_t>& refs) {
+  std::vector<std::array<std::uint32_t, N>> sorted;
+  for (const auto& [ref, indices] : indices_by_ref(refs)) {
+    for (const std::uint32_t i : indices) sorted.push_back(elements[i]);
+  }
+  elements = sorted;
+  std::ranges::sort(refs);
+}
+inline MeshData sorted_by_ref(MeshData mesh) {
+  sort_by_ref(mesh.tets, mesh.tet_refs);
+  sort_by_ref(mesh.triangles, mesh.triangle_refs);
+  sort_by_ref(mesh.edges, mesh.edge_refs);
+  return mesh;
+}
+
+inline void expect_equal_fields(const SolutionData& a, const SolutionData& b) {
+  expect_equal(a, b);
+  for (std::size_t i = 0; i < a.fields.size() && i < b.fields.size(); ++i) {
+    EXPECT_EQ(a.fields[i].name, b.fields[i].name);
+  }
+}
+
+inline double total_volume(const MeshData& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.tets) {
+    const double v = six_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]);
+    EXPECT_GT(v, 0);
+    sum += v / 6;
+  }
+  return sum;
+}
+
 inline bool dropped(const MeshContents& contents, const std::string& what, std::uint64_t count) {
   return std::ranges::any_of(contents.dropped,
                              [&](const Dropped& d) { return d.what == what && d.count == count; });

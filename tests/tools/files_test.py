@@ -125,6 +125,17 @@ class Convert(CommandTest):
         self.assert_fails("convert", "box.meshb", "box.xyz", says="box.xyz", code=64)
         self.assert_fails("convert", "box.xyz", "box.meshb", says=["box.xyz", "unexpected extension"])
 
+    def test_gmsh_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "box.solb")
+        for words in ((), ("--encoding", "ascii"), ("--msh-version", "2.2"), ("--msh-version", "2.2", "--encoding", "ascii")):
+            self.weft("convert", "box.meshb", "a.msh", "--sol", "box.solb", *words)
+            self.weft("convert", "a.msh", "back.meshb")
+            self.weft("verify", "back.meshb", "--against", "box.meshb")
+            self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+        self.weft("adapt", "a.msh", "--metric", "a.msh", "-o", "fine.msh", expect=(0, 1))
+        self.weft("verify", "fine.msh", "--against", "box.meshb")
+
     def test_surfaces_there_and_back(self):
         self.box()
         for name in ("a.stl", "a.obj", "a.ply"):

@@ -86,9 +86,13 @@ void add_choices(CLI::App& sub, WriteOptions& options) {
       {"ascii", WriteOptions::Encoding::ascii},
       {"big-endian", WriteOptions::Encoding::big_endian}};
   sub.add_option("--encoding", options.encoding,
-                 "binary (default) or ascii, of .stl and .ply; big-endian, of .ply")
+                 "binary (default) or ascii, of .msh, .stl and .ply; big-endian, of .ply")
       ->transform(CLI::CheckedTransformer(encodings).description(""))
       ->type_name("WORD");
+  static const std::map<std::string, int> versions = {{"4.1", 4}, {"2.2", 2}};
+  sub.add_option("--msh-version", options.gmsh_version, "4.1 (default) or 2.2, of .msh")
+      ->transform(CLI::CheckedTransformer(versions).description(""))
+      ->type_name("V");
 }
 
 }  // namespace
