@@ -14,6 +14,8 @@
 #include "meshing/io/obj.h"
 #include "meshing/io/ply.h"
 #include "meshing/io/stl.h"
+#include "meshing/io/su2.h"
+#include "meshing/io/ugrid.h"
 #include "meshing/io/vtu.h"
 
 namespace weft::meshing {
@@ -65,6 +67,8 @@ constexpr std::array kFormats = {
     Format{".mesh", kGmf, read_gmf, write_gmf},
     Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
            write_gmsh},
+    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid},
+    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
     Format{".vtu", kTets | kTetRefs | kFields, refuse_vtu, write_vtu_contents},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},

@@ -127,7 +127,7 @@ class Convert(CommandTest):
 
     def test_gmsh_there_and_back(self):
         self.box()
-        self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "box.solb")
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
         for words in ((), ("--encoding", "ascii"), ("--msh-version", "2.2"), ("--msh-version", "2.2", "--encoding", "ascii")):
             self.weft("convert", "box.meshb", "a.msh", "--sol", "box.solb", *words)
             self.weft("convert", "a.msh", "back.meshb")
@@ -135,6 +135,17 @@ class Convert(CommandTest):
             self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
         self.weft("adapt", "a.msh", "--metric", "a.msh", "-o", "fine.msh", expect=(0, 1))
         self.weft("verify", "fine.msh", "--against", "box.meshb")
+
+    def test_ugrid_and_su2_there_and_back(self):
+        self.box()
+        for name in ("a.lb8.ugrid", "a.b8.ugrid", "a.ugrid", "a.su2"):
+            self.assertIn("dropped: 8 corners", self.weft("convert", "box.meshb", name).stdout)
+            self.weft("convert", name, "back.meshb")
+            self.weft("verify", "back.meshb")
+        self.weft("metric", "a.b8.ugrid", "--metric-fn", "uniform:0.3", "-o", "a.solb")
+        self.weft("adapt", "a.b8.ugrid", "--metric", "a.solb", "-o", "b.lb8.ugrid", expect=(0, 1))
+        self.weft("verify", "b.lb8.ugrid", "--against", "a.b8.ugrid")
+        self.assertIn("b.lb8.solb", self.files())
 
     def test_surfaces_there_and_back(self):
         self.box()
