@@ -13,6 +13,7 @@
 #include "meshing/io/gmsh.h"
 #include "meshing/io/obj.h"
 #include "meshing/io/ply.h"
+#include "meshing/io/pvtu.h"
 #include "meshing/io/stl.h"
 #include "meshing/io/su2.h"
 #include "meshing/io/ugrid.h"
@@ -54,14 +55,8 @@ MeshContents read_gmf(const fs::path& path) {
 void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   write_gmf_mesh(path, contents.mesh);
 }
-MeshContents refuse_vtu(const fs::path& path) {
-  throw InputError(path.string(), "", "VTU files can be written, not read");
-}
-void write_vtu_contents(const fs::path& path, const MeshView& contents, const WriteOptions&) {
-  write_vtu(path, contents.mesh, &contents.fields);
-}
-
 constexpr unsigned kGmf = kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs;
+constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 constexpr std::array kFormats = {
     Format{".meshb", kGmf, read_gmf, write_gmf},
     Format{".mesh", kGmf, read_gmf, write_gmf},
@@ -69,7 +64,8 @@ constexpr std::array kFormats = {
            write_gmsh},
     Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid},
     Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
-    Format{".vtu", kTets | kTetRefs | kFields, refuse_vtu, write_vtu_contents},
+    Format{".vtu", kVtu, read_vtu, write_vtu},
+    Format{".pvtu", kVtu, read_pvtu, write_pvtu},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},
@@ -165,7 +161,6 @@ std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, con
   } else if (!(keeps & kTetRefs)) {
     lost.drop("references of tets", count_nonzero(mesh.tet_refs));
   }
-  if (path.extension() == ".vtu") lost.drop("triangles", mesh.triangles.size());
   if (!(keeps & kEdges)) lost.drop("edges", mesh.edges.size());
   if (!(keeps & kCorners)) lost.drop("corners", mesh.corners.size());
   if (!(keeps & kMarks)) {

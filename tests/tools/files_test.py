@@ -104,8 +104,7 @@ class Convert(CommandTest):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "m.solb")
         text = self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb").stdout
-        self.assertIn("dropped: 48 triangles", text)
-        self.assertIn("dropped: 8 corners", text)
+        self.assertIn("dropped: 24 ridges", text)
         self.assertIn(b"UnstructuredGrid", (self.folder / "box.vtu").read_bytes()[:400])
         self.assertEqual(self.files(), ["box.meshb", "box.vtu", "m.solb"])
 
@@ -146,6 +145,18 @@ class Convert(CommandTest):
         self.weft("adapt", "a.b8.ugrid", "--metric", "a.solb", "-o", "b.lb8.ugrid", expect=(0, 1))
         self.weft("verify", "b.lb8.ugrid", "--against", "a.b8.ugrid")
         self.assertIn("b.lb8.solb", self.files())
+
+    def test_vtu_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
+        for name, *words in (("a.vtu",), ("b.vtu", "--compress"), ("c.vtu", "--encoding", "ascii"), ("d.pvtu", "--pieces", 3)):
+            self.weft("convert", "box.meshb", name, "--sol", "box.solb", *words)
+            self.weft("convert", name, "back.meshb")
+            self.weft("verify", "back.meshb", "--against", "box.meshb")
+            self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+        self.assertIn("d_2.vtu", self.files())
+        self.weft("adapt", "d.pvtu", "--metric", "d.pvtu", "-o", "e.pvtu", expect=(0, 1))
+        self.assertIn("e_1.vtu", self.files())
 
     def test_surfaces_there_and_back(self):
         self.box()

@@ -86,13 +86,17 @@ void add_choices(CLI::App& sub, WriteOptions& options) {
       {"ascii", WriteOptions::Encoding::ascii},
       {"big-endian", WriteOptions::Encoding::big_endian}};
   sub.add_option("--encoding", options.encoding,
-                 "binary (default) or ascii, of .msh, .stl and .ply; big-endian, of .ply")
+                 "binary (default) or ascii, of .msh, .stl, .ply and .vtu; big-endian, of .ply")
       ->transform(CLI::CheckedTransformer(encodings).description(""))
       ->type_name("WORD");
   static const std::map<std::string, int> versions = {{"4.1", 4}, {"2.2", 2}};
   sub.add_option("--msh-version", options.gmsh_version, "4.1 (default) or 2.2, of .msh")
       ->transform(CLI::CheckedTransformer(versions).description(""))
       ->type_name("V");
+  sub.add_flag("--compress", options.compress, "compress the arrays of a .vtu or .pvtu");
+  sub.add_option("--pieces", options.pieces, "pieces of a .pvtu; default 2")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->type_name("N");
 }
 
 }  // namespace
