@@ -23,6 +23,7 @@ LIBRARIES = {
     "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"), ["engine/mpi_transport.cpp"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk_xml."]),
+    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk_xml."]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
 }
@@ -82,6 +83,7 @@ FORBIDDEN = [
     ("partition/a.h", "<CGAL/Kernel.h>"),
     ("meshing/io/gmf.cpp", "<pugixml.hpp>"),
     ("tools/weft/a.cpp", "<zlib.h>"),
+    ("meshing/io/vtu.cpp", "<cgnslib.h>"),
     ("tools/weft/a.cpp", "<CGAL/Kernel.h>"),
     ("graph/dataflow/a.h", '"meshing/metric.h"'),
     ("graph/dataflow/a.h", '"partition/decomposition.h"'),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "meshing/error.h"
+#include "meshing/io/cgns.h"
 #include "meshing/io/gmf.h"
 #include "meshing/io/gmsh.h"
 #include "meshing/io/obj.h"
@@ -66,6 +67,7 @@ constexpr std::array kFormats = {
     Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
     Format{".vtu", kVtu, read_vtu, write_vtu},
     Format{".pvtu", kVtu, read_pvtu, write_pvtu},
+    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},

@@ -130,7 +130,7 @@ std::string index_text(const MeshView& contents, const std::vector<std::string>&
 
 MeshContents read_pvtu(const fs::path& path) {
   const VtkDocument index(path, "PUnstructuredGrid");
-  std::vector<VtuPiece> pieces;
+  std::vector<MeshPiece> pieces;
   for (const pugi::xml_node piece : index.grid().children("Piece")) {
     const std::string source = piece.attribute("Source").value();
     if (source.empty()) index.fail("Piece", "has no Source");

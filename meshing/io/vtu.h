@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "meshing/io/merge_pieces.h"
 #include "meshing/io/mesh_contents.h"
 
 namespace weft::meshing {
@@ -19,15 +20,8 @@ MeshContents read_vtu(const std::filesystem::path& path);
 /// Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
 
-/// A .vtu that may be one of several: its points may have numbers that are the same in all of them.
-struct VtuPiece {
-  MeshContents contents;
-  std::vector<std::int64_t> global_ids;  ///< of the points, or none
-};
-/// The pieces of one .vtu.
-std::vector<VtuPiece> read_vtu_pieces(const std::filesystem::path& path);
-/// One mesh of several pieces: points with the same global ID, or without IDs at the same place, become one.
-MeshContents merge_pieces(std::vector<VtuPiece> pieces);
+/// The pieces of one .vtu, and a .vtu as one of several.
+std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path);
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
                      const std::vector<std::int64_t>& global_ids, const WriteOptions& options);
 

@@ -158,6 +158,14 @@ class Convert(CommandTest):
         self.weft("adapt", "d.pvtu", "--metric", "d.pvtu", "-o", "e.pvtu", expect=(0, 1))
         self.assertIn("e_1.vtu", self.files())
 
+    def test_cgns_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
+        self.weft("convert", "box.meshb", "a.cgns", "--sol", "box.solb")
+        self.weft("convert", "a.cgns", "back.meshb")
+        self.weft("verify", "back.meshb", "--against", "box.meshb")
+        self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+
     def test_surfaces_there_and_back(self):
         self.box()
         for name in ("a.stl", "a.obj", "a.ply"):
