@@ -125,13 +125,14 @@ std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
 
 MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
 
-MeshData read_mesh(const fs::path& path) {
+MeshData read_mesh(const fs::path& path, RefNames* names) {
   MeshContents contents = read_mesh_contents(path);
   if (contents.foreign_volumes > 0) {
     throw InputError(path.string(), "",
                      "has " + std::to_string(contents.foreign_volumes) +
                          " volume elements other than linear tetrahedra, which weft does not adapt");
   }
+  if (names) *names = std::move(contents.names);
   return std::move(contents.mesh);
 }
 

@@ -13,8 +13,9 @@ namespace weft::meshing {
 // All of these throw InputError for an unknown extension, a missing file, and bad or unwritable data.
 
 /// Reads a mesh of any format that mesh_extensions() lists. A file with volume elements other than linear
-/// tetrahedra is refused; whatever else has no place in a MeshData is left out.
-MeshData read_mesh(const std::filesystem::path& path);
+/// tetrahedra is refused; whatever else has no place in a MeshData is left out. `names` gets the names of
+/// references.
+MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr);
 
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
 MeshContents read_mesh_contents(const std::filesystem::path& path);

@@ -146,6 +146,19 @@ class Convert(CommandTest):
         self.weft("verify", "b.lb8.ugrid", "--against", "a.b8.ugrid")
         self.assertIn("b.lb8.solb", self.files())
 
+    def test_names_survive_an_adaptation(self):
+        self.weft("convert", DATA / "formats/gmsh-box-41.msh", "box.su2")
+        self.weft("adapt", "box.su2", "--metric-fn", "uniform:0.4", "-o", "fine.su2", expect=(0, 1))
+        text = (self.folder / "fine.su2").read_text()
+        for name in ("bottom", "other_sides"):
+            self.assertIn(f"MARKER_TAG= {name}\n", text)
+        self.weft("verify", "fine.su2", "--against", "box.su2")
+
+    def test_other_volume_elements_are_dropped_by_convert_only(self):
+        self.write("a.ugrid", "4 0 0 1 1 0 0\n0 0 0 1 0 0 0 1 0 0 0 1\n1 2 3 4\n1 2 3 4 4\n")
+        self.assertIn("dropped: 1 pyramids", self.weft("convert", "a.ugrid", "a.meshb").stdout)
+        self.assert_fails("stat", "a.ugrid", says=["a.ugrid", "1 volume elements other than linear tetrahedra"])
+
     def test_vtu_there_and_back(self):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")

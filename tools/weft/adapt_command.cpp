@@ -118,7 +118,7 @@ class AdaptJob {
 
   void read() {
     progress_.update("reading", 0, 0);
-    input_ = meshing::read_mesh(command_.input);
+    input_ = meshing::read_mesh(command_.input, &names_);
     if (!command_.background.empty() && !same_file(command_.background, command_.input))
       background_ = meshing::read_mesh(command_.background);
     if (input_.tets.empty()) throw InputError(command_.input, "", "has no tetrahedra");
@@ -185,7 +185,7 @@ class AdaptJob {
 
   void write() {
     progress_.update("writing", 1, run_.output_counts.tets);
-    write_mesh_with_solution(run_.outputs, mesh_, meshing::solution_from_metric(log_metrics_));
+    write_mesh_with_solution(run_.outputs, mesh_, meshing::solution_from_metric(log_metrics_), names_);
     run_.times.write = watch_.lap();
   }
 
@@ -217,6 +217,7 @@ class AdaptJob {
   Stopwatch total_, watch_;
   AdaptRun run_;
   MeshData input_, mesh_;
+  meshing::RefNames names_;             ///< of the input's references, which the result keeps
   std::optional<MeshData> background_;  ///< empty: the input
   LogMetricField field_, log_metrics_;
 };

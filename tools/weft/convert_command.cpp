@@ -25,12 +25,14 @@ using meshing::SolutionData;
 using meshing::WriteOptions;
 
 constexpr const char* kFooter = R"(Examples:
-  weft convert fine.meshb fine.vtu --sol fine.solb
-  weft convert wing.msh wing.meshb
+  weft convert fine.meshb fine.vtu --sol fine.solb --compress
+  weft convert wing.msh wing.lb8.ugrid
 
-Fields of the input and of --sol go into the result where its format holds them (.vtu), else beside
-it into a .solb, beside a .mesh into a .sol. Says what is dropped: what weft has no place for, and
-what the new format cannot hold.)";
+Volumes: .meshb .mesh (Gamma), .msh (Gmsh), .ugrid (as .lb8.ugrid, .b8.ugrid, .lb8l.ugrid, ...; ASCII
+without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .ply. Each is read and written.
+Fields of the input and of --sol go into the result where its format holds them, else beside it into
+a .solb, beside a .mesh into a .sol. Says what is dropped: what weft has no place for, and what the
+new format cannot hold.)";
 
 struct ConvertCommand {
   std::string input, output, solution;
@@ -105,10 +107,8 @@ void add_convert_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("convert", "convert a mesh and its fields to another format");
   sub->footer(kFooter);
   auto command = std::make_shared<ConvertCommand>();
-  sub->add_option("IN", command->input, "the mesh: " + meshing::mesh_extensions())
-      ->type_name("FILE")
-      ->required();
-  sub->add_option("OUT", command->output, "the result, likewise")
+  sub->add_option("IN", command->input, "the mesh")->type_name("FILE")->required();
+  sub->add_option("OUT", command->output, "the result; its extension names the format")
       ->type_name("FILE")
       ->check(mesh_output_name())
       ->required();

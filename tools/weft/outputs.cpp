@@ -71,15 +71,14 @@ void make_folder(const std::string& path) {
 }
 
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
-                              const meshing::SolutionData& solution) {
+                              const meshing::SolutionData& solution, const meshing::RefNames& names) {
   const TemporaryFile solution_file(paths.solution);
   solution_file.fill([&](const std::string& path) { meshing::write_solution(path, solution); });
   // The mesh appears whole or not at all by itself; it is not renamed because some formats name other files
   // in it.
-  static const meshing::RefNames kNoNames;
   static const meshing::SolutionData kNoFields;
   meshing::write_mesh_contents(paths.mesh,
-                               {mesh, meshing::holds_fields(paths.mesh) ? solution : kNoFields, kNoNames});
+                               {mesh, meshing::holds_fields(paths.mesh) ? solution : kNoFields, names});
   solution_file.commit();
 }
 

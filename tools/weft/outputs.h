@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "meshing/mesh_data.h"
+#include "meshing/io/mesh_contents.h"
 
 namespace weft::tools {
 
@@ -21,7 +21,7 @@ void make_folder(const std::string& path);
 
 /// Writes both; the solution appears only once the mesh has.
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
-                              const meshing::SolutionData& solution);
+                              const meshing::SolutionData& solution, const meshing::RefNames& names = {});
 
 /// Writes beside, then renames.
 void write_text(const std::string& path, const std::string& text);
