@@ -48,41 +48,22 @@ std::mutex& library_mutex() {
   return mutex;
 }
 
-/// What the library leaves open in HDF5 when it gives a damaged file up: HDF5 complains of it at the end of
-/// the program.
-void close_leftovers(const std::string& path) {
-  cgio_cleanup();
-  const ssize_t count = H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_ALL);
-  if (count <= 0) return;
-  std::vector<hid_t> objects(static_cast<std::size_t>(count));
-  H5Fget_obj_ids(H5F_OBJ_ALL, H5F_OBJ_ALL, objects.size(), objects.data());
-  std::string name(path.size() + 2, '\0');
-  for (const hid_t object : objects) {
-    const ssize_t length = H5Fget_name(object, name.data(), name.size());
-    if (length != static_cast<ssize_t>(path.size()) || name.compare(0, path.size(), path) != 0) continue;
-    while (H5Iis_valid(object) > 0 && H5Idec_ref(object) > 0) {
-    }
-  }
-}
-
 /// An open file; closed when it goes.
 class Library {
  public:
   /// `shown` is what messages call the file.
   Library(const std::filesystem::path& path, int mode, std::string shown)
-      : lock_(library_mutex()), path_(path.string()), name_(std::move(shown)) {
+      : lock_(library_mutex()), name_(std::move(shown)) {
     cg_set_file_type(CG_FILE_HDF5);
     if (cg_open(path.c_str(), mode, &file_) != CG_OK) {
       const std::string reason = cg_get_error();
-      close_leftovers(path_);
+      cgio_cleanup();  // closes what it forgot
       fail("", reason);
     }
     open_ = true;
   }
   ~Library() {
-    if (!open_) return;
-    cg_close(file_);
-    close_leftovers(path_);
+    if (open_) cg_close(file_);
   }
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
@@ -101,7 +82,7 @@ class Library {
 
  private:
   std::lock_guard<std::mutex> lock_;
-  std::string path_, name_;
+  std::string name_;
   int file_ = 0;
   bool open_ = false;
 };
@@ -567,7 +548,7 @@ void check_type(const std::filesystem::path& path) {
   }
   int type = CG_FILE_NONE;
   if (cg_is_cgns(path.c_str(), &type) == CG_OK && type == CG_FILE_HDF5) return;
-  close_leftovers(path.string());
+  cgio_cleanup();
   throw InputError(path.string(), "", "not a CGNS file in HDF5");
 }
 

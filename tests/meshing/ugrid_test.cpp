@@ -78,7 +78,8 @@ TEST_F(Ugrid, ComplaintsNameTheEntity) {
                   "m.ugrid: triangle 1: vertex index 5 is out of range 1..4");
   expect_contains(complaint("4 0 0 1 0 0 0\n" + points + "0 1 2 3\n"),
                   "tet 1: vertex index 0 is out of range");
-  expect_contains(complaint("4 0 0 2 0 0 0\n" + points + "1 2 3 4\n"), "tet 2: expected an integer, found the end of the file");
+  expect_contains(complaint("4 0 0 2 0 0 0\n" + points + "1 2 3 4\n"),
+                  "tet 2: expected an integer, found the end of the file");
   expect_contains(complaint("-4 0 0 2 0 0 0\n"), "header: a count is -4");
   expect_contains(complaint("4 0 0 0 0 0 0\n0 0 0 0 nan 0 0 0 0 0 0 0"),
                   "node 2: a coordinate is not finite");

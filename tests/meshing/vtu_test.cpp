@@ -194,7 +194,8 @@ TEST_F(Vtu, ComplaintsNameTheEntity) {
   expect_contains(complaint(by_hand("0 1 2 3", "4 5", "10")), "array offsets: has 2 values instead of 1");
   expect_contains(complaint(by_hand("0 1 2 3", "4", "10", "0 0 0 1 0 nan 0 1 0 0 0 1")),
                   "point 1: a coordinate is not finite");
-  expect_contains(complaint(by_hand("", "", "", "0 0 0", 999999999)), "a DataArray, value: the file is truncated, or its count of 12");
+  expect_contains(complaint(by_hand("", "", "", "0 0 0", 999999999)),
+                  "a DataArray, value: the file is truncated, or its count of 12");
   expect_contains(complaint("<VTKFile type=\"PolyData\"/>"), "not a VTKFile of type UnstructuredGrid");
   expect_contains(complaint("<VTKFile type"), "not XML, or truncated");
   expect_contains(complaint(""), "not XML, or truncated");
