@@ -122,7 +122,7 @@ class AdaptJob {
 
   void read() {
     progress_.update("reading", 0, 0);
-    input_ = meshing::read_mesh(command_.input);
+    input_ = meshing::read_mesh(command_.input, &names_);
     if (!command_.background.empty() && !same_file(command_.background, command_.input))
       background_ = meshing::read_mesh(command_.background);
     if (input_.tets.empty()) throw InputError(command_.input, "", "has no tetrahedra");
@@ -190,7 +190,7 @@ class AdaptJob {
 
   void write() {
     progress_.update("writing", 1, run_.output_counts.tets);
-    write_mesh_with_solution(run_.outputs, mesh_, meshing::solution_from_metric(log_metrics_));
+    write_mesh_with_solution(run_.outputs, mesh_, meshing::solution_from_metric(log_metrics_), names_);
     run_.times.write = watch_.lap();
   }
 
@@ -222,6 +222,7 @@ class AdaptJob {
   Stopwatch total_, watch_;
   AdaptRun run_;
   MeshData input_, mesh_;
+  meshing::RefNames names_;             ///< of the input's references, which the result keeps
   std::optional<MeshData> background_;  ///< empty: the input
   LogMetricField field_, log_metrics_;
 };
@@ -238,10 +239,10 @@ int run_adapt(const AdaptCommand& command) {
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_files(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("IN", command.input, "the mesh to adapt, .meshb or .mesh")->type_name("FILE")->required();
-  sub.add_option("-o,-x,--out", command.output, "the result, .meshb, .mesh or .vtu (also -out)")
+  sub.add_option("IN", command.input, "the mesh to adapt")->type_name("FILE")->required();
+  sub.add_option("-o,-x,--out", command.output, "the result (also -out)")
       ->type_name("FILE")
-      ->check(mesh_output_name())
+      ->check(volume_output_name())
       ->required();
 }
 

@@ -22,8 +22,9 @@ namespace {
 constexpr const char* kFooter = R"(Example:
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb --threads 8
 
-`weft SUBCOMMAND --help` tells more. Meshes are read from .meshb and .mesh (Gamma Mesh Format, as
-refine, Mmg and Gmsh write it), metrics and solutions from .solb and .sol.
+`weft SUBCOMMAND --help` tells more. Meshes are .meshb or .mesh (Gamma Mesh Format, as refine, Mmg and
+Gmsh write it), .msh, .ugrid, .su2, .vtu, .pvtu or .cgns; metrics and solutions are .solb or .sol, or
+fields in a .msh, .vtu, .pvtu or .cgns.
 Exit codes: 0 done; 1 a valid mesh, but the goal was not met (`verify`: it does not conform); 2 no
 mesh; 64 usage.)";
 

@@ -53,7 +53,7 @@ void add_metric_command(CLI::App& app, Action& action) {
       "metric", "make a metric from a solution, a mesh or a formula; limit, grade, scale it");
   sub->footer(kFooter);
   auto command = std::make_shared<MetricCommand>();
-  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the metric, .solb or .sol (also -out)")
       ->type_name("FILE")
       ->check(solution_name())

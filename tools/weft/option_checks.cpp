@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/weft/outputs.h"
+#include "meshing/io/mesh_file.h"
 
 namespace weft::tools {
 namespace {
@@ -48,7 +48,14 @@ CLI::Validator number_from_one() {
 
 CLI::Validator mesh_output_name() {
   return validator([](const std::string& text) -> std::string {
-    return is_mesh_name(text) ? "" : "'" + text + "' must end in .meshb, .mesh or .vtu";
+    return meshing::is_mesh_name(text) ? "" : "'" + text + "' must end in " + meshing::mesh_extensions();
+  });
+}
+
+CLI::Validator volume_output_name() {
+  return validator([](const std::string& text) -> std::string {
+    const bool good = meshing::is_mesh_name(text) && meshing::holds_volumes(text);
+    return good ? "" : "'" + text + "' must end in " + meshing::volume_extensions();
   });
 }
 

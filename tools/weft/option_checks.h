@@ -11,8 +11,10 @@ CLI::Validator finite_number();
 CLI::Validator positive_number();
 /// A number from 1 up, infinity included.
 CLI::Validator number_from_one();
-/// The name of a mesh file that can be written.
+/// The name of a mesh file of any format.
 CLI::Validator mesh_output_name();
+/// The name of a mesh file whose format holds tets.
+CLI::Validator volume_output_name();
 /// The name of a solution file.
 CLI::Validator solution_name();
 

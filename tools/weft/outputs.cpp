@@ -59,16 +59,7 @@ class TemporaryFile {
 
 }  // namespace
 
-OutputPaths output_paths(const std::string& mesh) {
-  fs::path solution(mesh);
-  solution.replace_extension(solution.extension() == ".mesh" ? ".sol" : ".solb");
-  return {mesh, solution.string()};
-}
-
-bool is_mesh_name(const std::string& path) {
-  const fs::path extension = fs::path(path).extension();
-  return extension == ".meshb" || extension == ".mesh" || extension == ".vtu";
-}
+OutputPaths output_paths(const std::string& mesh) { return {mesh, meshing::solution_beside(mesh).string()}; }
 
 void check_writable(const std::string& path) { meshing::AtomicFile probe{path}; }
 
@@ -80,14 +71,15 @@ void make_folder(const std::string& path) {
 }
 
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
-                              const meshing::SolutionData& solution) {
-  const TemporaryFile mesh_file(paths.mesh), solution_file(paths.solution);
-  const bool holds_fields = fs::path(paths.mesh).extension() == ".vtu";
-  mesh_file.fill(
-      [&](const std::string& path) { meshing::write_mesh(path, mesh, holds_fields ? &solution : nullptr); });
+                              const meshing::SolutionData& solution, const meshing::RefNames& names) {
+  const TemporaryFile solution_file(paths.solution);
   solution_file.fill([&](const std::string& path) { meshing::write_solution(path, solution); });
+  // The mesh appears whole or not at all by itself; it is not renamed because some formats name other files
+  // in it.
+  static const meshing::SolutionData kNoFields;
+  meshing::write_mesh_contents(paths.mesh,
+                               {mesh, meshing::holds_fields(paths.mesh) ? solution : kNoFields, names});
   solution_file.commit();
-  mesh_file.commit();
 }
 
 void write_text(const std::string& path, const std::string& text) {

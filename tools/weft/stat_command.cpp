@@ -147,7 +147,7 @@ void add_stat_command(CLI::App& app, Action& action) {
       app.add_subcommand("stat", "measure a mesh: counts, volumes, quality and lengths in a metric");
   sub->footer(kFooter);
   auto command = std::make_shared<StatCommand>();
-  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   add_metric_source(*sub, command->metric);
   sub->add_flag("--json", command->json, "everything as JSON, histograms included");
   sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");
