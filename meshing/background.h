@@ -44,6 +44,8 @@ class Background {
   /// A tet that has this vertex of the background mesh.
   std::uint32_t tet_of(std::uint32_t vertex) const { return vertex_tets_[vertex]; }
   const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
+  const MeshData& mesh() const { return mesh_; }
+  const Adjacency& adjacency() const { return adjacency_; }
 
  private:
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;

@@ -50,23 +50,30 @@ SolutionData empty_like(const SolutionData& fields, std::size_t num_points) {
 
 }  // namespace
 
+Background field_background(const MeshData& from) {
+  check(from);
+  return {from, {}, build_adjacency(from.tets, from.points.size())};
+}
+
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to) {
-  assert(fields.num_points == from.points.size());
+  return interpolate(field_background(from), fields, to);
+}
+
+Interpolation interpolate(const Background& from, const SolutionData& fields, const MeshData& to) {
+  assert(fields.num_points == from.mesh().points.size());
   // Vertices in pieces of fixed size, each walking from where its last one was: no result depends on threads.
   constexpr std::size_t kPiece = 256;
-  check(from);
-  const Background background(from, {}, build_adjacency(from.tets, from.points.size()));
   const std::size_t n = to.points.size();
-  Interpolation result{empty_like(fields, n), 0, 0};
+  Interpolation result{empty_like(fields, n), std::vector<std::uint32_t>(n), 0, 0};
   std::vector<double> distances(n);
   tbb::parallel_for(std::size_t{0}, (n + kPiece - 1) / kPiece, [&](std::size_t piece) {
     std::uint32_t hint = Background::kNoHint;
     for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v) {
-      const Background::Place place = background.locate(to.points[v], hint);
-      hint = place.tet;
+      const Background::Place place = from.locate(to.points[v], hint);
+      result.places[v] = hint = place.tet;
       distances[v] = std::sqrt(place.distance2);
       for (std::size_t f = 0; f < fields.fields.size(); ++f)
-        read(fields.fields[f], from.tets[place.tet], place.at, v, result.fields.fields[f]);
+        read(fields.fields[f], from.mesh().tets[place.tet], place.at, v, result.fields.fields[f]);
     }
   });
   for (std::size_t v = 0; v < n; ++v) {
