@@ -1,9 +1,11 @@
 // Sweeps of gradation over a metric field.
 #include "meshing/gradation.h"
 
-#include <atomic>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "meshing/parallel.h"
@@ -70,32 +72,55 @@ class Grading {
         neighbours_(neighbours),
         growth_(std::move(growth)),
         metrics_(metrics),
-        changed_(metrics.size(), 1),
-        ever_changed_(metrics.size(), 0) {}
+        state_(metrics.size(), kChanged),
+        changed_(metrics.size()) {
+    std::iota(changed_.begin(), changed_.end(), 0u);
+  }
 
   /// True when some metric changed. Only neighbours that changed in the last sweep can demand anything new,
-  /// because metrics never become smaller.
+  /// because metrics never become smaller; most sweeps are over a front of few vertices.
   bool sweep() {
-    for_each_index(metrics_.size(), [&](std::size_t p) {
-      if (changed_[p]) growth_.update(p, metrics_[p]);
-    });
-    std::vector<Metric> next = metrics_;
-    std::vector<std::uint8_t> changed(metrics_.size(), 0);
-    std::atomic<bool> any = false;
-    for_each_index(metrics_.size(), [&](std::size_t q) {
+    for_each_index(changed_.size(),
+                   [&](std::size_t i) { growth_.update(changed_[i], metrics_[changed_[i]]); });
+    const std::vector<std::uint32_t> candidates = beside_changed();
+    // All from the state before the sweep: the new metrics take their places only after it.
+    std::vector<Metric> next(candidates.size());
+    std::vector<std::uint8_t> changes(candidates.size());
+    for_each_index(candidates.size(), [&](std::size_t i) {
+      const std::uint32_t q = candidates[i];
+      next[i] = metrics_[q];
       for (const std::uint32_t p : neighbours_.of(q))
-        if (changed_[p] && limit(p, mesh_.points[q] - mesh_.points[p], next[q])) changed[q] = 1;
-      if (!changed[q]) return;
-      ever_changed_[q] = 1;
-      any.store(true, std::memory_order_relaxed);
+        if (state_[p] & kChanged && limit(p, mesh_.points[q] - mesh_.points[p], next[i])) changes[i] = 1;
     });
-    metrics_.swap(next);
-    changed_.swap(changed);
-    return any;
+    for (const std::uint32_t p : changed_) state_[p] &= kEverChanged;
+    changed_.clear();
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      state_[candidates[i]] &= static_cast<std::uint8_t>(~kCandidate);
+      if (!changes[i]) continue;
+      metrics_[candidates[i]] = next[i];
+      state_[candidates[i]] |= kChanged | kEverChanged;
+      changed_.push_back(candidates[i]);
+    }
+    return !changed_.empty();
   }
-  bool ever_changed(std::size_t v) const { return ever_changed_[v]; }
+  bool ever_changed(std::size_t v) const { return state_[v] & kEverChanged; }
 
  private:
+  static constexpr std::uint8_t kChanged = 1, kEverChanged = 2, kCandidate = 4;
+
+  /// All neighbours of the vertices that changed last, once each.
+  std::vector<std::uint32_t> beside_changed() {
+    std::vector<std::uint32_t> candidates;
+    if (changed_.size() == metrics_.size()) return changed_;
+    for (const std::uint32_t p : changed_)
+      for (const std::uint32_t q : neighbours_.of(p)) {
+        if (state_[q] & kCandidate) continue;
+        state_[q] |= kCandidate;
+        candidates.push_back(q);
+      }
+    return candidates;
+  }
+
   bool limit(std::uint32_t p, const Vec& edge, Metric& at_q) const {
     const Metric demanded = growth_(p, metrics_[p], edge);
     if (has_cholesky_factors((1 + kTolerance) * at_q - demanded)) return false;
@@ -107,13 +132,14 @@ class Grading {
   const VertexLists& neighbours_;
   Growth growth_;
   std::vector<Metric>& metrics_;
-  std::vector<std::uint8_t> changed_, ever_changed_;
+  std::vector<std::uint8_t> state_;
+  std::vector<std::uint32_t> changed_;  ///< in the last sweep; before the first one all count as such
 };
 
 template <class Growth>
 int grade(const MeshData& mesh, const VertexLists& neighbours, double beta, LogMetricField& field) {
   std::vector<Metric> metrics(field.size());
-  for_each_index(field.size(), [&](std::size_t i) { metrics[i] = exp_exact(field[i]); });
+  for_each_index(field.size(), [&](std::size_t i) { metrics[i] = exp_fast(field[i]); });
   Grading<Growth> grading(mesh, neighbours, Growth(beta, field.size()), metrics);
   int sweeps = 0;
   while (sweeps < kMaxSweeps && grading.sweep()) ++sweeps;

@@ -64,6 +64,34 @@ class RootSearch {
   double last_x_ = 0, last_y_ = 0;
 };
 
+/// Complexities nearer to each other than this are the same.
+constexpr double kComplexityTolerance = 5e-4;
+/// From here on the search goes on from its last field.
+constexpr double kNear = 1e-2;
+/// The scale, as a logarithm, at which nothing of the metric is left but limits and demands: sizes change by
+/// e^50.
+constexpr double kOutOfReach = 100;
+
+/// The complexities between which limits and demands keep every scale of a metric: of the coarsest field that
+/// they allow before gradation, and of the finest.
+struct Reach {
+  double least = 0, most = std::numeric_limits<double>::infinity();
+};
+Reach reach_of(const MeshData& mesh, const MetricLimits& limits, const LogMetricField* demands) {
+  Reach reach;
+  const auto uniform = [&](double h) {
+    return complexity(mesh, LogMetricField(mesh.points.size(), identity_tensor(-2 * std::log(h))));
+  };
+  if (limits.hmin > 0) reach.most = uniform(limits.hmin);
+  if (limits.hmax > 0) reach.least = uniform(limits.hmax);
+  if (demands) {
+    LogMetricField coarsest = *demands;
+    if (limits.hmin > 0 || limits.hmax > 0) limit_sizes(limits.hmin, limits.hmax, coarsest);
+    reach.least = complexity(mesh, coarsest);
+  }
+  return reach;
+}
+
 }  // namespace
 
 void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricField& field) {
@@ -73,22 +101,30 @@ void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricFie
 double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
                          const LogMetricField* demands, LogMetricField& field) {
   constexpr int kMostTrials = 30;
-  constexpr double kTolerance = 5e-4;
   scale_to_complexity(mesh, target, field);  // a good start where limits change little; checks its arguments
   const LogMetricField wanted = field;
   const Limiter limit(mesh, limits);
-  RootSearch search;
-  double reached = 0;
-  for (int trial = 0; trial < kMostTrials && !search.stalled(); ++trial) {
-    // Always from the field as it was: scaling down one that is graded already and grading it again was no
-    // faster, and left it finer than need be.
-    const LogMetric shift = identity_tensor(search.x());
-    for_each_index(field.size(), [&](std::size_t v) { field[v] = wanted[v] + shift; });
+  const auto reached_at = [&](const LogMetricField& start, double x) {
+    const LogMetric shift = identity_tensor(x);
+    for_each_index(field.size(), [&](std::size_t v) { field[v] = start[v] + shift; });
     if (demands) intersect_with(*demands, field);
     limit(field);
-    reached = complexity(mesh, field);
-    const double error = std::log(reached / target);
-    if (std::abs(error) < kTolerance) break;
+    return complexity(mesh, field);
+  };
+  const Reach reach = reach_of(mesh, limits, demands);
+  if (target < reach.least * (1 - kComplexityTolerance)) return reached_at(wanted, -kOutOfReach);
+  if (target > reach.most * (1 + kComplexityTolerance)) return reached_at(wanted, kOutOfReach);
+  RootSearch search;
+  double reached = 0, last_x = 0, error = std::numeric_limits<double>::infinity();
+  for (int trial = 0; trial < kMostTrials && !search.stalled(); ++trial) {
+    // From the field as it was: scaling down one that is graded already by much and grading it again was no
+    // faster, and left it finer than need be. The last little step saves most of a gradation and changes
+    // sizes by less than the gradation's own tolerance.
+    const bool near = std::abs(error) < kNear;
+    reached = near ? reached_at(field, search.x() - last_x) : reached_at(wanted, search.x());
+    error = std::log(reached / target);
+    if (std::abs(error) < kComplexityTolerance) break;
+    last_x = search.x();
     search.step(error);
   }
   return reached;

@@ -21,8 +21,9 @@ void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricFie
 /// M <- limits(s M intersected with `demands`), with the one factor s for which the complexity is `target`
 /// within 0.05 %, or the closest that 30 trials find where limits and demands forbid it. `demands`, where not
 /// null, is a metric that is not to be scaled, such as that of first layers at walls. Returns the complexity
-/// reached. Cost: that of apply_limits for every trial, four to eight of them. Throws InputError for a mesh
-/// without volume and a target that is not positive.
+/// reached. Cost: that of apply_limits for every trial, three to eight of them, one where the sizes' limits
+/// or the demands alone forbid the target. Throws InputError for a mesh without volume and a target that is
+/// not positive.
 double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
                          const LogMetricField* demands, LogMetricField& field);
 

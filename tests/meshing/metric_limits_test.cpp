@@ -68,6 +68,17 @@ TEST(FitToComplexity, ComesAsCloseAsLimitsAllow) {
   EXPECT_NEAR(fit_to_complexity(mesh, 1, {0, 0.2, 2, 1.5, {}}, nullptr, field), 125, 1e-6);
 }
 
+TEST(FitToComplexity, KeepsTheDemandsAloneWhereTheyAskForMoreThanTheTarget) {
+  const MeshData mesh = unit_cube(8);
+  const LogMetricField demands = sample(AnalyticMetric("linear"), mesh);
+  const MetricLimits limits{0, 0.3, 0, 1.3, {}};
+  LogMetricField field = sample(AnalyticMetric("polar-2"), mesh), expected = demands;
+  apply_limits(mesh, limits, expected);
+  const double reached = fit_to_complexity(mesh, 10, limits, &demands, field);
+  EXPECT_NEAR(reached / complexity(mesh, expected), 1, 1e-3);
+  EXPECT_GT(reached, 100);
+}
+
 TEST(FitToComplexity, DoesNotDependOnTheThreads) {
   const MeshData mesh = unit_cube(10);
   const LogMetricField before = sample(AnalyticMetric("polar-2"), mesh);
