@@ -65,6 +65,13 @@ void for_each_tet(std::span<const Tet> tets, const Visit& visit) {
   });
 }
 
+template <class Visit>
+void for_each_vertex(std::size_t num_vertices, const Visit& visit) {
+  tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) visit(v);
+  });
+}
+
 void check_tets(std::span<const Tet> tets, std::size_t num_vertices) {
   constexpr std::size_t kMaxTets = (std::size_t{1} << 30) - 1;  // so that no code equals kNoNeighbour
   if (tets.size() > kMaxTets) throw InputError("", "", "more than 1073741823 tets in one mesh");
@@ -254,23 +261,51 @@ EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices) {
         emit(v[2], One{v[3]});
       });
   EdgeLists edges{std::vector<std::size_t>(num_vertices + 1, 0), {}};
-  const auto for_each_vertex = [num_vertices](const auto& visit) {
-    tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
-      for (std::size_t v = range.begin(); v < range.end(); ++v) visit(v);
-    });
-  };
-  for_each_vertex([&](std::size_t v) {
+  for_each_vertex(num_vertices, [&](std::size_t v) {
     const std::span<std::uint32_t> others = buckets[v];
     std::sort(others.begin(), others.end());
     edges.begins[v + 1] = std::unique(others.begin(), others.end()) - others.begin();
   });
   for (std::size_t v = 0; v < num_vertices; ++v) edges.begins[v + 1] += edges.begins[v];
   edges.others.resize(edges.begins.back());
-  for_each_vertex([&](std::size_t v) {
+  for_each_vertex(num_vertices, [&](std::size_t v) {
     std::copy_n(buckets[v].begin(), edges.begins[v + 1] - edges.begins[v],
                 edges.others.begin() + edges.begins[v]);
   });
   return edges;
+}
+
+VertexLists vertex_neighbours(std::span<const Tet> tets, std::size_t num_vertices) {
+  const EdgeLists edges = unique_edges(tets, num_vertices);
+  VertexLists lists{std::vector<std::size_t>(num_vertices + 1, 0), {}};
+  const auto for_each_edge = [&](const auto& visit) {
+    for (std::uint32_t v = 0; v < num_vertices; ++v)
+      for (const std::uint32_t w : edges.of(v)) visit(v, w);
+  };
+  for_each_edge([&](std::uint32_t v, std::uint32_t w) { ++lists.begins[v + 1], ++lists.begins[w + 1]; });
+  for (std::size_t v = 0; v < num_vertices; ++v) lists.begins[v + 1] += lists.begins[v];
+  lists.items.resize(lists.begins.back());
+  std::vector<std::size_t> next(lists.begins.begin(), lists.begins.end() - 1);
+  // Ascending as they are: v's smaller neighbours were visited before v, in their order, and put themselves
+  // here.
+  for_each_edge([&](std::uint32_t v, std::uint32_t w) {
+    lists.items[next[v]++] = w;
+    lists.items[next[w]++] = v;
+  });
+  return lists;
+}
+
+VertexLists vertex_tets(std::span<const Tet> tets, std::size_t num_vertices) {
+  check_tets(tets, num_vertices);
+  VertexLists lists{std::vector<std::size_t>(num_vertices + 1, 0), {}};
+  for (const Tet& tet : tets)
+    for (const std::uint32_t v : tet) ++lists.begins[v + 1];
+  for (std::size_t v = 0; v < num_vertices; ++v) lists.begins[v + 1] += lists.begins[v];
+  lists.items.resize(lists.begins.back());
+  std::vector<std::size_t> next(lists.begins.begin(), lists.begins.end() - 1);
+  for (std::uint32_t t = 0; t < tets.size(); ++t)
+    for (const std::uint32_t v : tets[t]) lists.items[next[v]++] = t;
+  return lists;
 }
 
 }  // namespace weft::meshing

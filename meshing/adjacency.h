@@ -1,4 +1,5 @@
-// Connectivity derived from plain tet arrays: face neighbours, the tet faces of triangles, unique edges.
+// Connectivity derived from plain tet arrays: face neighbours, the tet faces of triangles, unique edges,
+// neighbours and tets of vertices.
 #pragma once
 
 #include <array>
@@ -43,5 +44,19 @@ struct EdgeLists {
 };
 /// Temporaries: 26 bytes a tet.
 EdgeLists unique_edges(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+
+/// Lists of indices, one a vertex, in one array: those of v are items[begins[v]] to items[begins[v + 1] - 1],
+/// ascending.
+struct VertexLists {
+  std::vector<std::size_t> begins;  ///< one more than there are vertices
+  std::vector<std::uint32_t> items;
+  std::span<const std::uint32_t> of(std::size_t vertex) const {
+    return {items.data() + begins[vertex], items.data() + begins[vertex + 1]};
+  }
+};
+/// The vertices joined to each vertex by an edge.
+VertexLists vertex_neighbours(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+/// The tets at each vertex.
+VertexLists vertex_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
 
 }  // namespace weft::meshing

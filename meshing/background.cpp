@@ -122,6 +122,23 @@ Background::Sample Background::outside(const Point& p, std::uint32_t tet) const 
   }
 }
 
+Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
+  // A walk that ends at the boundary next to p has found it, as far as rounding lets one say; elsewhere p may
+  // lie beyond a gap.
+  constexpr double kNext = 1e-12;
+  std::uint32_t tet = hint == kNoHint ? 0 : hint;
+  Barycentric l;
+  if (walk(p, tet, l)) return {tet, clamped(l), 0};
+  for (int attempt = 0;; ++attempt) {
+    const auto& v = mesh_.tets[tet];
+    const Point q = closest_in(tet, p);
+    const double distance2 = norm2(p - q), size2 = norm2(mesh_.points[v[1]] - mesh_.points[v[0]]);
+    if (distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), 0};
+    if (attempt > 0) return {tet, clamped(barycentric(tet, q)), distance2};
+    tet = search_everywhere(p);
+  }
+}
+
 Background::Sample Background::at(const Point& p, std::uint32_t hint) const {
   std::uint32_t tet = hint == kNoHint ? 0 : hint;
   Barycentric l;

@@ -32,12 +32,22 @@ class Background {
   /// point.
   Sample at(const Point& p, std::uint32_t hint) const;
 
+  using Barycentric = std::array<double, 4>;
+  struct Place {
+    std::uint32_t tet;     ///< the hint for the next query nearby
+    Barycentric at;        ///< weights of its vertices, none negative, of sum 1
+    double distance2 = 0;  ///< squared, of the point from the mesh; 0 within 1e-6 of the tet's size
+  };
+  /// Where `p` is, or the point of the mesh closest to it; needs no metrics.
+  Place locate(const Point& p, std::uint32_t hint) const;
+
   /// A tet that has this vertex of the background mesh.
   std::uint32_t tet_of(std::uint32_t vertex) const { return vertex_tets_[vertex]; }
   const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
+  const MeshData& mesh() const { return mesh_; }
+  const Adjacency& adjacency() const { return adjacency_; }
 
  private:
-  using Barycentric = std::array<double, 4>;
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
   Point closest_in(std::uint32_t tet, const Point& p) const;

@@ -17,10 +17,6 @@ Eigen::Matrix3d to_eigen(const SymTensor& a) {
   return m;
 }
 
-SymTensor from_matrix(const Eigen::Matrix3d& m) {
-  return {m(0, 0), m(0, 1), m(1, 1), m(0, 2), m(1, 2), m(2, 2)};
-}
-
 template <class F>
 SymTensor map_eigenvalues(const SymTensor& a, F f) {
   Eigen3 e = eigen_decomposition(a);
@@ -39,6 +35,75 @@ SymTensor square(const SymTensor& a) {
 double exp_divided_difference(double a, double b, double exp_b) {
   const double d = a - b;
   return std::abs(d) < 1e-8 ? exp_b * (1 + 0.5 * d) : exp_b * std::expm1(d) / d;
+}
+
+struct LowerTriangle {
+  double xx, yx, yy, zx, zy, zz;
+};
+
+LowerTriangle cholesky(const SymTensor& a) {
+  LowerTriangle l;
+  l.xx = std::sqrt(a.xx);
+  l.yx = a.xy / l.xx;
+  l.zx = a.xz / l.xx;
+  l.yy = std::sqrt(a.yy - l.yx * l.yx);
+  l.zy = (a.yz - l.zx * l.yx) / l.yy;
+  l.zz = std::sqrt(a.zz - l.zx * l.zx - l.zy * l.zy);
+  return l;
+}
+
+/// L^-1 b.
+Vec solved(const LowerTriangle& l, const Vec& b) {
+  const double x = b.x / l.xx, y = (b.y - l.yx * x) / l.yy;
+  return {x, y, (b.z - l.zx * x - l.zy * y) / l.zz};
+}
+
+/// L^-1 B L^-T.
+SymTensor reduced(const LowerTriangle& l, const SymTensor& b) {
+  const Vec x = solved(l, {b.xx, b.xy, b.xz}), y = solved(l, {b.xy, b.yy, b.yz}),
+            z = solved(l, {b.xz, b.yz, b.zz});
+  const Vec first = solved(l, {x.x, y.x, z.x}), second = solved(l, {x.y, y.y, z.y}),
+            third = solved(l, {x.z, y.z, z.z});
+  return {first.x, first.y, second.y, first.z, second.z, third.z};
+}
+
+/// L P L^T.
+SymTensor expanded(const LowerTriangle& l, const SymTensor& p) {
+  const Vec x{l.xx, 0, 0}, y{l.yx, l.yy, 0}, z{l.zx, l.zy, l.zz};
+  const Vec px = apply(p, x), py = apply(p, y), pz = apply(p, z);
+  return {dot(x, px), dot(x, py), dot(y, py), dot(x, pz), dot(y, pz), dot(z, pz)};
+}
+
+/// Eigenvalues of a deviator (trace 0), descending, by the trigonometric formula.
+struct DeviatorValues {
+  double e1, e2, e3;
+  double error;  ///< of e2 and e3, or e1 and e2, as far as rounding goes; large where two nearly coincide
+};
+DeviatorValues deviator_values(const SymTensor& a, double p) {
+  const double half_det = std::clamp(0.5 * determinant(a) / (p * p * p), -1.0, 1.0);
+  const double phi = std::acos(half_det) / 3;
+  const double c = std::cos(phi), s = 0.86602540378443865 * std::sqrt(std::max(0.0, 1 - c * c));
+  const double e1 = 2 * p * c, e3 = p * (-c - 2 * s);
+  return {e1, -e1 - e3, e3, 1e-15 * p / std::sqrt(std::max(1 - half_det * half_det, 1e-30))};
+}
+
+/// A with its negative eigenvalues set to zero, by Newton's divided differences of max(x, 0) at the
+/// eigenvalues, which are bounded however close these are; nothing where rounding would cost more than 1e-11.
+std::optional<SymTensor> positive_part(const SymTensor& a) {
+  constexpr double kRounding = 1e-11;
+  const double mean = trace(a) / 3;
+  const SymTensor d = a - identity_tensor(mean), d2 = square(d);
+  const double p = std::sqrt(trace(d2) / 6);
+  if (p < kRounding) return identity_tensor(std::max(mean, 0.0));
+  const auto [e1, e2, e3, error] = deviator_values(d, p);
+  if (mean + e3 >= 0) return a;
+  if (mean + e1 <= 0) return SymTensor{};
+  if (!(error < kRounding)) return std::nullopt;
+  // f(e3) is 0 here, so that Newton's form begins with the slope between e3 and e2.
+  const double f1 = mean + e1, f2 = std::max(mean + e2, 0.0);
+  const double d23 = f2 > 0 ? f2 / (e2 - e3) : 0, d12 = f2 > 0 ? 1 : f1 / (e1 - e2);
+  const double d123 = (d12 - d23) / (e1 - e3);
+  return identity_tensor(d123 * e3 * e2 - d23 * e3) + (d23 - d123 * (e3 + e2)) * d + d123 * d2;
 }
 
 }  // namespace
@@ -106,13 +171,12 @@ Metric limit_sizes(const Metric& m, double hmin, double hmax) {
 }
 
 Metric intersect(const Metric& a, const Metric& b) {
-  // Simultaneous reduction through a^(-1/2): in that frame a is the identity and b is diagonalised.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> ea(to_eigen(a));
-  const Eigen::Matrix3d half = ea.operatorSqrt(), inverse_half = ea.operatorInverseSqrt();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eb(inverse_half * to_eigen(b) * inverse_half);
-  const Eigen::Vector3d larger = eb.eigenvalues().cwiseMax(1.0);
-  const Eigen::Matrix3d p = half * eb.eigenvectors();
-  return from_matrix(p * larger.asDiagonal() * p.transpose());
+  // Simultaneous reduction through the Cholesky factor L of a: there a is the identity, b is I + C, and the
+  // intersection I + the positive part of C.
+  const LowerTriangle l = cholesky(a);
+  const SymTensor c = reduced(l, b) - identity_tensor();
+  const std::optional<SymTensor> more = positive_part(c);
+  return a + expanded(l, more ? *more : map_eigenvalues(c, [](double v) { return std::max(v, 0.0); }));
 }
 
 AnalyticMetric::AnalyticMetric(const std::string& name) {

@@ -1,45 +1,21 @@
-// Building and processing metric fields: reading, scaling, limiting, gradation.
+// Building and processing metric fields: reading, scaling, limiting.
 #include "meshing/metric_field.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
-#include "meshing/adjacency.h"
 #include "meshing/error.h"
 #include "meshing/measures.h"
+#include "meshing/parallel.h"
 
 namespace weft::meshing {
 namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
-
-template <class Visit>
-void for_each_index(std::size_t n, const Visit& visit) {
-  tbb::parallel_for(Range(0, n, 1024), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
-  });
-}
-
-/// The first index in [0, n) where is_bad, or n.
-template <class IsBad>
-std::size_t find_first(std::size_t n, const IsBad& is_bad) {
-  return tbb::parallel_reduce(
-      Range(0, n, 1024), n,
-      [&](const Range& range, std::size_t first) {
-        for (std::size_t i = range.begin(); i < std::min(range.end(), first); ++i)
-          if (is_bad(i)) return i;
-        return first;
-      },
-      [](std::size_t a, std::size_t b) { return std::min(a, b); });
-}
 
 // --- Fields of files
 // -----------------------------------------------------------------------------------------
@@ -157,88 +133,6 @@ double solve_shift(const LimitedComplexity& complexity_at, double target) {
   return shift;
 }
 
-// --- Gradation
-// -----------------------------------------------------------------------------------------------
-
-constexpr int kMaxSweeps = 50;
-constexpr double kGradationTolerance = 1e-3;
-
-/// The vertices joined to each vertex by an edge: those of v are vertices[begins[v]] to vertices[begins[v +
-/// 1] - 1].
-struct VertexNeighbours {
-  std::vector<std::size_t> begins;
-  std::vector<std::uint32_t> vertices;
-
-  explicit VertexNeighbours(const MeshData& mesh) : begins(mesh.points.size() + 1, 0) {
-    const EdgeLists edges = unique_edges(mesh.tets, mesh.points.size());
-    const auto for_each_edge = [&](const auto& visit) {
-      for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
-        for (const std::uint32_t w : edges.of(v)) visit(v, w);
-    };
-    for_each_edge([this](std::uint32_t v, std::uint32_t w) { ++begins[v + 1], ++begins[w + 1]; });
-    for (std::size_t v = 1; v < begins.size(); ++v) begins[v] += begins[v - 1];
-    vertices.resize(begins.back());
-    std::vector<std::size_t> next = begins;
-    for_each_edge([&](std::uint32_t v, std::uint32_t w) {
-      vertices[next[v]++] = w;
-      vertices[next[w]++] = v;
-    });
-  }
-  std::span<const std::uint32_t> of(std::size_t v) const {
-    return {vertices.data() + begins[v], vertices.data() + begins[v + 1]};
-  }
-};
-
-/// Positive definite by its Cholesky factors: backward stable, where minors by expansion drown in rounding at
-/// anisotropies of 1:1e5; much cheaper than eigenvalues.
-bool has_cholesky_factors(const SymTensor& a) {
-  if (!(a.xx > 0)) return false;
-  const double l21 = a.xy / a.xx, l31 = a.xz / a.xx;
-  const double d2 = a.yy - l21 * a.xy;
-  if (!(d2 > 0)) return false;
-  const double yz = a.yz - l31 * a.xy;
-  return a.zz - l31 * a.xz - yz / d2 * yz > 0;
-}
-
-/// One sweep of gradation: the metric at q as its neighbours demand it.
-class GradationSweep {
- public:
-  GradationSweep(const MeshData& mesh, double beta, const VertexNeighbours& neighbours)
-      : mesh_(mesh), log_beta_(std::log(beta)), neighbours_(neighbours), changed_(mesh.points.size(), 1) {}
-
-  /// True when some metric changed. Only neighbours that changed in the last sweep can demand anything new,
-  /// because metrics never become smaller.
-  bool run(std::vector<Metric>& metrics, std::vector<std::uint8_t>& ever_changed) {
-    std::vector<Metric> next = metrics;
-    std::vector<std::uint8_t> changed(metrics.size(), 0);
-    std::atomic<bool> any = false;
-    for_each_index(metrics.size(), [&](std::size_t q) {
-      for (const std::uint32_t p : neighbours_.of(q))
-        if (changed_[p] && limit(metrics[p], mesh_.points[q] - mesh_.points[p], next[q])) changed[q] = 1;
-      if (!changed[q]) return;
-      ever_changed[q] = 1;
-      any.store(true, std::memory_order_relaxed);
-    });
-    metrics.swap(next);
-    changed_.swap(changed);
-    return any;
-  }
-
- private:
-  bool limit(const Metric& at_p, const Vec& edge, Metric& at_q) const {
-    const double growth = 1 + std::sqrt(squared_length(at_p, edge)) * log_beta_;
-    const Metric demanded = (1 / (growth * growth)) * at_p;
-    if (has_cholesky_factors((1 + kGradationTolerance) * at_q - demanded)) return false;
-    at_q = intersect(at_q, demanded);
-    return true;
-  }
-
-  const MeshData& mesh_;
-  double log_beta_;
-  const VertexNeighbours& neighbours_;
-  std::vector<std::uint8_t> changed_;
-};
-
 }  // namespace
 
 LogMetricField metric_from_solution(const SolutionData& solution, std::size_t num_points,
@@ -305,20 +199,22 @@ void limit_sizes(double hmin, double hmax, LogMetricField& field) {
   });
 }
 
-int limit_gradation(const MeshData& mesh, double beta, LogMetricField& field) {
-  assert(field.size() == mesh.points.size());
-  if (!(beta > 1)) return 0;
-  std::vector<Metric> metrics(field.size());
-  for_each_index(field.size(), [&](std::size_t i) { metrics[i] = exp_exact(field[i]); });
-  std::vector<std::uint8_t> ever_changed(field.size(), 0);
-  const VertexNeighbours neighbours(mesh);
-  GradationSweep sweep(mesh, beta, neighbours);
-  int sweeps = 0;
-  while (sweeps < kMaxSweeps && sweep.run(metrics, ever_changed)) ++sweeps;
+void limit_aspect(double ratio, LogMetricField& field) {
+  if (!(ratio >= 1)) return;
+  const double most = 2 * std::log(ratio);
   for_each_index(field.size(), [&](std::size_t i) {
-    if (ever_changed[i]) field[i] = log_of(metrics[i]);
+    Eigen3 e = eigen_decomposition(field[i]);
+    if (e.values[2] - e.values[0] <= most) return;
+    for (double& v : e.values) v = std::max(v, e.values[2] - most);
+    field[i] = from_eigen(e);
   });
-  return sweeps;
+}
+
+void intersect_with(const LogMetricField& other, LogMetricField& field) {
+  assert(other.size() == field.size());
+  for_each_index(field.size(), [&](std::size_t i) {
+    field[i] = log_of(intersect(exp_exact(field[i]), exp_exact(other[i])));
+  });
 }
 
 }  // namespace weft::meshing

@@ -1,5 +1,6 @@
 // A metric at every vertex of a mesh: from a file's field, an analytic formula, or the mesh itself;
-// scaled, limited and graded. All processing of the metric happens here, before adaptation.
+// scaled, limited, intersected (gradation.h grades it). All processing of the metric happens here, before
+// adaptation.
 #pragma once
 
 #include <span>
@@ -38,11 +39,10 @@ double scale_to_complexity(const MeshData& mesh, double target, double hmin, dou
                            LogMetricField& field);
 /// limit_sizes of every metric. Throws InputError when hmin > hmax > 0.
 void limit_sizes(double hmin, double hmax, LogMetricField& field);
-/// Gradation in metric space (Alauzet 2010): along every edge the metric may grow by at most the factor
-/// `beta` per unit length: M_q <- intersect(M_q, (1 + l_p(pq) ln beta)^-2 M_p), l_p the length in M_p. Sweeps
-/// over all vertices, each from the state before it (so that their order does not matter), until no metric
-/// falls short of that by more than 0.1 %, or 50 times. Returns the number of sweeps that changed something:
-/// 0 where the field is graded already, or beta <= 1, which asks for nothing.
-int limit_gradation(const MeshData& mesh, double beta, LogMetricField& field);
+/// Brings the sizes of every metric down to at most `ratio` times its smallest: 1 makes it isotropic. Below
+/// 1: no limit.
+void limit_aspect(double ratio, LogMetricField& field);
+/// Makes every metric as fine as itself and the other field's metric at its vertex (intersect()).
+void intersect_with(const LogMetricField& other, LogMetricField& field);
 
 }  // namespace weft::meshing

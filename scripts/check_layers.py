@@ -22,6 +22,9 @@ ALLOWED = {
 LIBRARIES = {
     "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"), ["engine/mpi_transport.cpp", "tools/bench/engine/plain_mpi.cpp"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
+    "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk_xml."]),
+    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
+    "zlib": (re.compile(r"zlib"), ["meshing/io/vtk_xml."]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
@@ -79,6 +82,9 @@ FORBIDDEN = [
     ("engine/a.cpp", '"meshing/metric.h"'),
     ("partition/a.h", '"engine/mobile.h"'),
     ("partition/a.h", "<CGAL/Kernel.h>"),
+    ("meshing/io/gmf.cpp", "<pugixml.hpp>"),
+    ("tools/weft/a.cpp", "<zlib.h>"),
+    ("meshing/io/vtu.cpp", "<cgnslib.h>"),
     ("tools/weft/a.cpp", "<CGAL/Kernel.h>"),
     ("graph/dataflow/a.h", '"meshing/metric.h"'),
     ("graph/dataflow/a.h", '"partition/decomposition.h"'),
@@ -89,6 +95,7 @@ FORBIDDEN = [
 PERMITTED = [
     ("engine/mpi_transport.cpp", "<mpi.h>"),
     ("meshing/predicates.cpp", "<CGAL/Kernel.h>"),
+    ("meshing/io/vtk_xml.h", "<pugixml.hpp>"),
     ("meshing/a.cpp", '"meshing/io/gmf.h"'),
     ("partition/a.h", '"meshing/metric.h"'),
     ("graph/adaptation/a.h", '"graph/dataflow/node.h"'),

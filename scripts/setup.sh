@@ -5,7 +5,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache python3
   libtbb-dev libcgal-dev libceres-dev libeigen3-dev
-  libcli11-dev libfmt-dev nlohmann-json3-dev
+  libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libcgns-dev libhdf5-dev
   openmpi-bin libopenmpi-dev
   libgtest-dev libgmock-dev
 )

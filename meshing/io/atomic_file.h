@@ -38,6 +38,9 @@ class AtomicFile {
   /// Bytes written so far: the position of the next one.
   std::uint64_t position() const { return flushed_ + used_; }
 
+  /// Where the bytes go until `commit`: for libraries that write a file by its name. They may replace it.
+  const std::filesystem::path& temporary() const { return temporary_; }
+
   /// Flushes to the disk, closes and renames. Nothing may be written afterwards.
   void commit();
 

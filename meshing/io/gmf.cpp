@@ -2,14 +2,8 @@
 // Facts of the format follow libMeshb (https://github.com/LoicMarechal/libMeshb).
 #include "meshing/io/gmf.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -22,18 +16,17 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "meshing/error.h"
 #include "meshing/io/atomic_file.h"
+#include "meshing/io/byte_order.h"
+#include "meshing/io/input_file.h"
+#include "meshing/io/text_numbers.h"
 
 namespace weft::meshing {
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "a big-endian host would write code word 1 swapped");
 
 constexpr std::int64_t kMaxInt32 = std::numeric_limits<std::int32_t>::max();
 /// The largest entity count that 32-bit ids with one invalid value can number.
@@ -137,52 +130,6 @@ void check_dimension(const std::string& file, std::int64_t dimension) {
   if (dimension != 3) throw InputError(file, "Dimension", std::to_string(dimension) + " instead of 3");
 }
 
-/// A regular file that is read at given positions, never beyond its end. Not mapped: a mapped file that
-/// another process truncates would kill this one.
-class InputFile {
- public:
-  explicit InputFile(const std::filesystem::path& path) : name_(path.string()) {
-    // O_NONBLOCK: opening a pipe by mistake must not hang.
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor_ < 0) fail_read(errno);
-    struct stat info {};
-    const bool known = ::fstat(descriptor_, &info) == 0;
-    if (!known || !S_ISREG(info.st_mode)) {
-      ::close(descriptor_);
-      throw InputError(name_, "", "cannot read: not a regular file");
-    }
-    size_ = static_cast<std::uint64_t>(info.st_size);
-  }
-  ~InputFile() { ::close(descriptor_); }
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-
-  const std::string& name() const { return name_; }
-  std::uint64_t size() const { return size_; }
-
-  void read_at(std::uint64_t position, void* out, std::uint64_t size) const {
-    auto* bytes = static_cast<std::byte*>(out);
-    while (size > 0) {
-      const ssize_t got = ::pread(descriptor_, bytes, size, static_cast<off_t>(position));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) fail_read(errno);
-      if (got == 0) throw InputError(name_, "", "the file became shorter while it was read");
-      bytes += got;
-      position += static_cast<std::uint64_t>(got);
-      size -= static_cast<std::uint64_t>(got);
-    }
-  }
-
- private:
-  [[noreturn]] void fail_read(int error) const {
-    throw InputError(name_, "", "cannot read: " + std::generic_category().message(error));
-  }
-
-  std::string name_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
-};
-
 // ---------------------------------------------------------------------------------------------------------
 // Binary files
 
@@ -200,26 +147,14 @@ struct Encoding {
   }
 };
 
-template <class Unsigned>
-Unsigned load_bits(const std::byte* from, bool swapped) {
-  Unsigned bits;
-  std::memcpy(&bits, from, sizeof bits);
-  if (!swapped) return bits;
-  if constexpr (sizeof bits == 4) {
-    return __builtin_bswap32(bits);
-  } else {
-    return __builtin_bswap64(bits);
-  }
-}
-
 std::int64_t load_int(const std::byte* from, std::size_t size, bool swapped) {
-  if (size == 8) return static_cast<std::int64_t>(load_bits<std::uint64_t>(from, swapped));
-  return static_cast<std::int32_t>(load_bits<std::uint32_t>(from, swapped));
+  if (size == 8) return load<std::int64_t>(from, swapped);
+  return load<std::int32_t>(from, swapped);
 }
 
 double load_real(const std::byte* from, std::size_t size, bool swapped) {
-  if (size == 8) return std::bit_cast<double>(load_bits<std::uint64_t>(from, swapped));
-  return std::bit_cast<float>(load_bits<std::uint32_t>(from, swapped));
+  if (size == 8) return load<double>(from, swapped);
+  return load<float>(from, swapped);
 }
 
 /// Reads the rows of one section in order, through a buffer.
@@ -313,7 +248,7 @@ class BinaryFile {
     std::array<std::byte, 8> header;
     if (file.size() < header.size()) throw InputError(file.name(), "", "too short for a binary GMF file");
     file.read_at(0, header.data(), header.size());
-    const auto code = load_bits<std::uint32_t>(header.data(), false);
+    const auto code = load<std::uint32_t>(header.data(), false);
     if (code != 1 && code != 0x01000000u) {
       throw InputError(file.name(), "", "not a binary GMF file (its first word is neither 1 nor 1 swapped)");
     }
@@ -387,7 +322,6 @@ class BinaryFile {
 // ---------------------------------------------------------------------------------------------------------
 // Text files
 
-bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 /// Cuts text into words; a '#' begins a comment that lasts to the end of the line.
@@ -420,41 +354,6 @@ class Words {
   std::string_view text_;
   std::size_t at_;
 };
-
-std::optional<std::int64_t> parse_integer(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-/// Reads what from_chars alone does not: Fortran's exponent letter D, and values beyond the range of double.
-std::optional<double> parse_unusual_real(std::string_view word) {
-  std::string copy(word);
-  std::ranges::replace_if(
-      copy, [](char c) { return c == 'd' || c == 'D' || c == 'E'; }, 'e');
-  double value = 0;
-  const auto [end, error] = std::from_chars(copy.data(), copy.data() + copy.size(), value);
-  if (end != copy.data() + copy.size()) return std::nullopt;
-  if (error == std::errc()) return value;
-  if (error != std::errc::result_out_of_range) return std::nullopt;
-  return copy.find("e-") == std::string::npos ? std::numeric_limits<double>::infinity() : 0.0;
-}
-
-std::optional<double> parse_real(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error == std::errc() && end == word.data() + word.size()) return value;
-  return parse_unusual_real(word);
-}
-
-std::string quoted(std::string_view word) {
-  constexpr std::size_t kLongest = 40;
-  if (word.empty()) return "the end of the file";
-  return "'" + std::string(word.substr(0, kLongest)) + (word.size() > kLongest ? "...'" : "'");
-}
 
 /// Reads the rows of one section in order: the counterpart of BinaryRows.
 class TextRows {
@@ -511,19 +410,12 @@ bool is_keyword(std::string_view word) {
 /// An ASCII file: read whole, and cut into sections at the words that are keywords.
 class TextFile {
  public:
-  explicit TextFile(const std::filesystem::path& path) {
-    const InputFile file(path);
-    name_ = file.name();
-    size_ = file.size();
-    storage_ = std::make_unique_for_overwrite<char[]>(size_);
-    file.read_at(0, storage_.get(), size_);
-    scan();
-  }
+  explicit TextFile(const std::filesystem::path& path) : file_(path) { scan(); }
 
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return file_.name(); }
   const SectionTable& sections() const { return sections_; }
   TextRows rows(const Section& section, std::size_t reals, std::size_t indices) const {
-    return TextRows(name_, text(), section, reals, indices);
+    return TextRows(name(), text(), section, reals, indices);
   }
 
   /// The types of the fields in a solution section; moves the section's begin to its first row.
@@ -531,7 +423,7 @@ class TextFile {
     const std::string entity(section.keyword->name);
     Words words(text(), section.begin);
     const std::uint64_t count = next_count(words, entity, "a number of fields");
-    if (count > size_) throw InputError(name_, entity, "the number of fields is damaged");
+    if (count > text().size()) throw InputError(name(), entity, "the number of fields is damaged");
     std::vector<std::int64_t> types(count);
     for (std::int64_t& type : types) {
       type = static_cast<std::int64_t>(next_count(words, entity, "a field's type"));
@@ -541,31 +433,31 @@ class TextFile {
   }
 
  private:
-  std::string_view text() const { return {storage_.get(), size_}; }
+  std::string_view text() const { return file_.bytes(); }
 
   std::uint64_t next_count(Words& words, const std::string& entity, const std::string& expected) const {
     const std::string_view word = words.next();
     const std::optional<std::int64_t> value = parse_integer(word);
     if (!value || *value < 0)
-      throw InputError(name_, entity, "expected " + expected + ", found " + quoted(word));
+      throw InputError(name(), entity, "expected " + expected + ", found " + quoted(word));
     return static_cast<std::uint64_t>(*value);
   }
 
   void scan() {
     Words words(text(), 0);
     if (words.next() != "MeshVersionFormatted") {
-      throw InputError(name_, "", "not an ASCII GMF file (it does not begin with MeshVersionFormatted)");
+      throw InputError(name(), "", "not an ASCII GMF file (it does not begin with MeshVersionFormatted)");
     }
     const std::uint64_t version = next_count(words, "MeshVersionFormatted", "a version");
     if (version < 1 || version > 4) {
-      throw InputError(name_, "", "GMF version " + std::to_string(version) + " is unknown (1 to 4 are)");
+      throw InputError(name(), "", "GMF version " + std::to_string(version) + " is unknown (1 to 4 are)");
     }
     std::string_view word = words.next();
     while (word != "End") {
-      if (word.empty()) throw InputError(name_, "", "the file is truncated: no keyword End");
+      if (word.empty()) throw InputError(name(), "", "the file is truncated: no keyword End");
       word = scan_keyword(word, words);
     }
-    if (!has_dimension_) throw InputError(name_, "Dimension", "is missing");
+    if (!has_dimension_) throw InputError(name(), "Dimension", "is missing");
   }
 
   /// Notes a keyword; passes over its values and returns the word behind them.
@@ -574,8 +466,8 @@ class TextFile {
     const std::string entity(word);
     Section section{keyword, 0, 0, 0};
     if (word == "Dimension") {
-      if (std::exchange(has_dimension_, true)) throw InputError(name_, entity, "appears twice");
-      check_dimension(name_, static_cast<std::int64_t>(next_count(words, entity, "a dimension")));
+      if (std::exchange(has_dimension_, true)) throw InputError(name(), entity, "appears twice");
+      check_dimension(name(), static_cast<std::int64_t>(next_count(words, entity, "a dimension")));
     } else if (keyword) {
       section.count = next_count(words, entity, "a count");
     }
@@ -583,13 +475,11 @@ class TextFile {
     for (word = words.next(); !word.empty() && !is_keyword(word); word = words.next()) {
       section.end = words.position();
     }
-    if (keyword) sections_.add(name_, section);
+    if (keyword) sections_.add(name(), section);
     return word;
   }
 
-  std::string name_;
-  std::size_t size_ = 0;
-  std::unique_ptr<char[]> storage_;
+  FileBytes file_;
   SectionTable sections_;
   bool has_dimension_ = false;
 };

@@ -1,16 +1,82 @@
-// The table of formats: which extension is read and written by what.
+// The table of formats: which extension is read and written by what, and what each can hold.
 #include "meshing/io/mesh_file.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "meshing/error.h"
+#include "meshing/io/cgns.h"
 #include "meshing/io/gmf.h"
+#include "meshing/io/gmsh.h"
+#include "meshing/io/obj.h"
+#include "meshing/io/ply.h"
+#include "meshing/io/pvtu.h"
+#include "meshing/io/stl.h"
+#include "meshing/io/su2.h"
+#include "meshing/io/ugrid.h"
 #include "meshing/io/vtu.h"
 
 namespace weft::meshing {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What a format can keep.
+enum Keeps : unsigned {
+  kTets = 1u << 0,
+  kEdges = 1u << 1,
+  kCorners = 1u << 2,
+  kMarks = 1u << 3,  ///< ridges and whatever is required
+  kPointRefs = 1u << 4,
+  kTetRefs = 1u << 5,
+  kTriangleRefs = 1u << 6,
+  kNames = 1u << 7,
+  kScalars = 1u << 8,
+  kVectors = 1u << 9,  ///< and tensors
+  kFields = kScalars | kVectors,
+};
+
+struct Format {
+  std::string_view extension;
+  unsigned keeps;
+  MeshContents (*read)(const fs::path&);
+  void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
+};
+
+MeshContents read_gmf(const fs::path& path) {
+  MeshContents contents;
+  contents.mesh = read_gmf_mesh(path);
+  contents.fields.num_points = contents.mesh.points.size();
+  return contents;
+}
+void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
+  write_gmf_mesh(path, contents.mesh);
+}
+constexpr unsigned kGmf = kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs;
+constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
+constexpr std::array kFormats = {
+    Format{".meshb", kGmf, read_gmf, write_gmf},
+    Format{".mesh", kGmf, read_gmf, write_gmf},
+    Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
+           write_gmsh},
+    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid},
+    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
+    Format{".vtu", kVtu, read_vtu, write_vtu},
+    Format{".pvtu", kVtu, read_pvtu, write_pvtu},
+    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns},
+    Format{".stl", kTriangleRefs, read_stl, write_stl},
+    Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
+    Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},
+};
+
+const Format* find_format(const fs::path& path) {
+  const auto found = std::ranges::find(kFormats, path.extension().string(), &Format::extension);
+  return found == kFormats.end() ? nullptr : &*found;
+}
 
 [[noreturn]] void fail_extension(const fs::path& path, const std::string& known) {
   const std::string extension = path.extension().string();
@@ -19,38 +85,121 @@ namespace fs = std::filesystem;
                        ", known here are " + known);
 }
 
-bool is_gmf_mesh(const fs::path& path) { return path.extension() == ".meshb" || path.extension() == ".mesh"; }
+/// The extensions of the formats that keep all of `wanted`.
+std::string list_extensions(unsigned wanted) {
+  std::vector<std::string_view> names;
+  for (const Format& format : kFormats) {
+    if ((format.keeps & wanted) == wanted) names.push_back(format.extension);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " and " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+const Format& format_of(const fs::path& path) {
+  const Format* format = find_format(path);
+  if (!format) fail_extension(path, mesh_extensions());
+  return *format;
+}
+
 bool is_gmf_solution(const fs::path& path) {
   return path.extension() == ".solb" || path.extension() == ".sol";
 }
-bool is_vtu(const fs::path& path) { return path.extension() == ".vtu"; }
+
+std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs) {
+  return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](std::int32_t ref) { return ref != 0; }));
+}
+
+/// Fields that the file itself does not hold; where it holds no volumes none can go beside it either.
+std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
+  if (!(keeps & kFields) && (keeps & kTets)) return 0;
+  return static_cast<std::uint64_t>(std::ranges::count_if(fields.fields, [keeps](const Field& field) {
+    return !(keeps & (field.kind == Field::Kind::scalar ? kScalars : kVectors));
+  }));
+}
 
 }  // namespace
 
-MeshData read_mesh(const fs::path& path) {
-  if (is_vtu(path)) throw InputError(path.string(), "", "VTU files can be written, not read");
-  if (!is_gmf_mesh(path)) fail_extension(path, ".meshb and .mesh");
-  return read_gmf_mesh(path);
+MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
+
+MeshData read_mesh(const fs::path& path, RefNames* names) {
+  MeshContents contents = read_mesh_contents(path);
+  if (contents.foreign_volumes > 0) {
+    throw InputError(path.string(), "",
+                     "has " + std::to_string(contents.foreign_volumes) +
+                         " volume elements other than linear tetrahedra, which weft does not adapt");
+  }
+  if (names) *names = std::move(contents.names);
+  return std::move(contents.mesh);
 }
 
 SolutionData read_solution(const fs::path& path) {
-  if (!is_gmf_solution(path)) fail_extension(path, ".solb and .sol");
-  return read_gmf_solution(path);
+  if (is_gmf_solution(path)) return read_gmf_solution(path);
+  if (!holds_fields(path)) fail_extension(path, ".solb, .sol and mesh files that hold fields");
+  SolutionData fields = read_mesh_contents(path).fields;
+  if (fields.fields.empty()) throw InputError(path.string(), "", "holds no fields at vertices");
+  return fields;
 }
 
 void write_mesh(const fs::path& path, const MeshData& mesh, const SolutionData* fields) {
-  if (is_vtu(path)) return write_vtu(path, mesh, fields);
-  if (!is_gmf_mesh(path)) fail_extension(path, ".meshb, .mesh and .vtu");
-  write_gmf_mesh(path, mesh);
-  if (!fields) return;
-  fs::path beside = path;
-  beside.replace_extension(path.extension() == ".meshb" ? ".solb" : ".sol");
-  write_gmf_solution(beside, *fields);
+  static const SolutionData kNoFields;
+  static const RefNames kNoNames;
+  write_mesh_contents(path, MeshView(mesh, fields ? *fields : kNoFields, kNoNames));
+  if (fields && !holds_fields(path)) write_gmf_solution(solution_beside(path), *fields);
+}
+
+void write_mesh_contents(const fs::path& path, const MeshView& contents, const WriteOptions& options) {
+  format_of(path).write(path, contents, options);
+}
+
+std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {
+  const unsigned keeps = format_of(path).keeps;
+  const MeshData& mesh = contents.mesh;
+  MeshContents lost;
+  if (!(keeps & kTets)) {
+    lost.drop("tets", mesh.tets.size());
+  } else if (!(keeps & kTetRefs)) {
+    lost.drop("references of tets", count_nonzero(mesh.tet_refs));
+  }
+  if (!(keeps & kEdges)) lost.drop("edges", mesh.edges.size());
+  if (!(keeps & kCorners)) lost.drop("corners", mesh.corners.size());
+  if (!(keeps & kMarks)) {
+    lost.drop("ridges (among the edges)", mesh.ridges.size());
+    lost.drop("marks of required vertices", mesh.required_points.size());
+    lost.drop("marks of required edges", mesh.required_edges.size());
+    lost.drop("marks of required triangles", mesh.required_triangles.size());
+  }
+  if (!(keeps & kPointRefs)) lost.drop("vertex references", count_nonzero(mesh.point_refs));
+  if (!(keeps & kNames)) lost.drop("names of references", contents.names.all().size());
+  lost.drop("fields", count_lost_fields(keeps, contents.fields));
+  if (path.extension() == ".stl" && options.encoding != WriteOptions::Encoding::ascii) {
+    lost.dropped.push_back({"digits of coordinates beyond 32 bits (ASCII keeps them)", 0});
+  }
+  return lost.dropped;
 }
 
 void write_solution(const fs::path& path, const SolutionData& solution) {
   if (!is_gmf_solution(path)) fail_extension(path, ".solb and .sol");
   write_gmf_solution(path, solution);
 }
+
+fs::path solution_beside(const fs::path& mesh) {
+  fs::path solution = mesh;
+  solution.replace_extension(mesh.extension() == ".mesh" ? ".sol" : ".solb");
+  return solution;
+}
+
+bool is_mesh_name(const fs::path& path) { return find_format(path) != nullptr; }
+bool holds_volumes(const fs::path& path) { return (format_of(path).keeps & kTets) != 0; }
+bool holds_fields(const fs::path& path) {
+  const Format* format = find_format(path);
+  return format && (format->keeps & kFields);
+}
+
+std::string mesh_extensions() { return list_extensions(0); }
+std::string volume_extensions() { return list_extensions(kTets); }
 
 }  // namespace weft::meshing

@@ -2,25 +2,55 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
+#include "meshing/io/mesh_contents.h"
 #include "meshing/mesh_data.h"
 
 namespace weft::meshing {
 
 // All of these throw InputError for an unknown extension, a missing file, and bad or unwritable data.
 
-/// Reads .meshb or .mesh.
-MeshData read_mesh(const std::filesystem::path& path);
+/// Reads a mesh of any format that mesh_extensions() lists. A file with volume elements other than linear
+/// tetrahedra is refused; whatever else has no place in a MeshData is left out. `names` gets the names of
+/// references.
+MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr);
 
-/// Reads .solb or .sol.
+/// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
+MeshContents read_mesh_contents(const std::filesystem::path& path);
+
+/// Reads .solb or .sol, or the fields in a mesh file that has some.
 SolutionData read_solution(const std::filesystem::path& path);
 
-/// Writes .meshb, .mesh or .vtu. Fields go into the .vtu itself; beside a .meshb or .mesh, whose format
-/// cannot hold them, into a .solb or .sol of the same name.
+/// Writes a mesh. Fields go into the file itself where its format holds them (holds_fields); beside any other
+/// into a .solb of the same name, or a .sol beside a .mesh.
 void write_mesh(const std::filesystem::path& path, const MeshData& mesh,
                 const SolutionData* fields = nullptr);
 
+/// Writes mesh, fields and names as far as the format holds them.
+void write_mesh_contents(const std::filesystem::path& path, const MeshView& contents,
+                         const WriteOptions& options = {});
+
+/// What write_mesh_contents would leave out. Fields do not count where they can go into a file beside.
+std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshView& contents,
+                             const WriteOptions& options = {});
+
 /// Writes .solb or .sol.
 void write_solution(const std::filesystem::path& path, const SolutionData& solution);
+
+/// The solution file that belongs beside a mesh file: OUT.sol for OUT.mesh, else OUT.solb.
+std::filesystem::path solution_beside(const std::filesystem::path& mesh);
+
+/// Whether the name's extension is that of a mesh format.
+bool is_mesh_name(const std::filesystem::path& path);
+/// Whether the format keeps all points of a mesh, so that fields in a file beside it still fit.
+bool holds_volumes(const std::filesystem::path& path);
+/// Whether the format keeps fields in the mesh file itself.
+bool holds_fields(const std::filesystem::path& path);
+/// ".meshb, .mesh, .stl and .obj", for messages.
+std::string mesh_extensions();
+/// Those of formats that hold tets.
+std::string volume_extensions();
 
 }  // namespace weft::meshing

@@ -20,59 +20,10 @@
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
+#include "tests/meshing/format_support.h"
 
 namespace weft::meshing {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// A fresh directory that goes with its content.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory() {
-    std::string name = (fs::temp_directory_path() / "weft-gmf-test-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw std::runtime_error("mkdtemp failed");
-    path_ = name;
-    fs::permissions(path_, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
-  }
-  ~TemporaryDirectory() { fs::remove_all(path_); }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t num_entries() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-void put_bytes(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-/// Two tets that share a face, with one of everything that a mesh can hold. The numbers are exact in 32 bits.
-MeshData two_tets() {
-  MeshData m;
-  m.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1.5}};
-  m.point_refs = {1, 2, 3, -4, 5};
-  m.tets = {{0, 1, 2, 3}, {1, 2, 3, 4}};
-  m.tet_refs = {7, -8};
-  m.triangles = {{0, 1, 2}, {1, 2, 4}, {0, 2, 3}};
-  m.triangle_refs = {11, 12, -13};
-  m.edges = {{0, 1}, {1, 2}};
-  m.edge_refs = {21, -22};
-  m.corners = {0, 4};
-  m.ridges = {1};
-  m.required_points = {2};
-  m.required_edges = {0, 1};
-  m.required_triangles = {2};
-  return m;
-}
 
 /// One field of each kind at four points, again exact in 32 bits.
 SolutionData three_fields() {
@@ -84,46 +35,6 @@ SolutionData three_fields() {
     s.fields.push_back(field);
   }
   return s;
-}
-
-void expect_equal(const MeshData& a, const MeshData& b) {
-  EXPECT_EQ(a.points, b.points);
-  EXPECT_EQ(a.point_refs, b.point_refs);
-  EXPECT_EQ(a.tets, b.tets);
-  EXPECT_EQ(a.tet_refs, b.tet_refs);
-  EXPECT_EQ(a.triangles, b.triangles);
-  EXPECT_EQ(a.triangle_refs, b.triangle_refs);
-  EXPECT_EQ(a.edges, b.edges);
-  EXPECT_EQ(a.edge_refs, b.edge_refs);
-  EXPECT_EQ(a.corners, b.corners);
-  EXPECT_EQ(a.ridges, b.ridges);
-  EXPECT_EQ(a.required_points, b.required_points);
-  EXPECT_EQ(a.required_edges, b.required_edges);
-  EXPECT_EQ(a.required_triangles, b.required_triangles);
-}
-
-void expect_equal(const SolutionData& a, const SolutionData& b) {
-  EXPECT_EQ(a.num_points, b.num_points);
-  ASSERT_EQ(a.fields.size(), b.fields.size());
-  for (std::size_t i = 0; i < a.fields.size(); ++i) {
-    EXPECT_EQ(a.fields[i].kind, b.fields[i].kind);
-    EXPECT_EQ(a.fields[i].values, b.fields[i].values);
-  }
-}
-
-/// Every index that a reader lets through must be usable.
-void expect_in_range(const MeshData& m) {
-  const auto below = [](std::size_t limit) { return [limit](std::uint32_t i) { return i < limit; }; };
-  for (const auto& tet : m.tets) EXPECT_TRUE(std::ranges::all_of(tet, below(m.points.size())));
-  for (const auto& triangle : m.triangles) EXPECT_TRUE(std::ranges::all_of(triangle, below(m.points.size())));
-  for (const auto& edge : m.edges) EXPECT_TRUE(std::ranges::all_of(edge, below(m.points.size())));
-  EXPECT_TRUE(std::ranges::all_of(m.corners, below(m.points.size())));
-  EXPECT_TRUE(std::ranges::all_of(m.required_points, below(m.points.size())));
-  EXPECT_TRUE(std::ranges::all_of(m.ridges, below(m.edges.size())));
-  EXPECT_TRUE(std::ranges::all_of(m.required_edges, below(m.edges.size())));
-  EXPECT_TRUE(std::ranges::all_of(m.required_triangles, below(m.triangles.size())));
-  EXPECT_EQ(m.point_refs.size(), m.points.size());
-  EXPECT_EQ(m.tet_refs.size(), m.tets.size());
 }
 
 template <class T>
@@ -203,24 +114,11 @@ std::string byte_swapped(const std::string& bytes) {
   }
 }
 
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 /// The reader's complaint about a mesh file with these bytes.
 std::string complaint(const TemporaryDirectory& directory, const std::string& name,
                       const std::string& bytes) {
   put_bytes(directory / name, bytes);
   return message_of([&] { read_gmf_mesh(directory / name); });
-}
-
-void expect_contains(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\n  lacks: " << part;
 }
 
 class GmfVersion : public testing::TestWithParam<int> {};
@@ -273,23 +171,6 @@ TEST_P(GmfVersion, EveryTruncationIsRefused) {
   }
 }
 
-/// Calls `read` on every version of `bytes` with one byte changed; it may throw InputError and nothing else.
-template <class Read>
-void change_every_byte(const fs::path& path, const std::string& bytes, Read read) {
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const int old = static_cast<unsigned char>(bytes[i]);
-    for (const int value : {0, 1, 2, 3, 62, 0x7F, 0x80, 0xFF, old ^ 1, old ^ 0x80, old + 1, old - 1}) {
-      std::string damaged = bytes;
-      damaged[i] = static_cast<char>(value);
-      put_bytes(path, damaged);
-      try {
-        read(path);
-      } catch (const InputError& error) {
-        EXPECT_TRUE(std::string(error.what()).starts_with(path.string() + ": ")) << error.what();
-      }
-    }
-  }
-}
 void read_and_check_mesh(const fs::path& path) { expect_in_range(read_gmf_mesh(path)); }
 void read_and_check_solution(const fs::path& path) {
   const SolutionData s = read_gmf_solution(path);
@@ -535,9 +416,12 @@ TEST(GmfWriter, FullDiskIsReportedAndLeavesNothing) {
   MeshData mesh;
   mesh.points.resize(300000);
   mesh.point_refs.resize(300000);
-  for (const char* name : {"m.meshb", "m.mesh", "m.vtu"}) {
+  for (const char* name :
+       {"m.meshb", "m.mesh", "m.vtu", "m.msh", "m.lb8.ugrid", "m.su2", "m.ply", "m.cgns"}) {
     const FileSizeLimit limit(100000);
-    expect_contains(message_of([&] { write_mesh(directory / name, mesh); }), "cannot write: File too large");
+    const std::string message = message_of([&] { write_mesh(directory / name, mesh); });
+    // CGNS has its own words for it.
+    expect_contains(message, std::string(name) == "m.cgns" ? "m.cgns: " : "cannot write: File too large");
     EXPECT_EQ(directory.num_entries(), 0u);
   }
 }
@@ -602,9 +486,8 @@ TEST(MeshFile, ChoosesTheFormatByExtension) {
 
 TEST(MeshFile, ComplainsAboutExtensionsAndMissingFiles) {
   const TemporaryDirectory directory;
-  expect_contains(message_of([] { read_mesh("x.stl"); }), "x.stl: unexpected extension .stl");
+  expect_contains(message_of([] { read_mesh("x.xyz"); }), "x.xyz: unexpected extension .xyz");
   expect_contains(message_of([] { read_mesh("x.solb"); }), "unexpected extension .solb");
-  expect_contains(message_of([] { read_mesh("x.vtu"); }), "written, not read");
   expect_contains(message_of([] { read_solution("x"); }), "no extension");
   expect_contains(message_of([] { write_mesh("x.sol", two_tets()); }), "unexpected extension .sol");
   expect_contains(message_of([] { write_solution("x.mesh", three_fields()); }), "unexpected extension .mesh");

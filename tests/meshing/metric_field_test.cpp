@@ -1,4 +1,4 @@
-// Tests of reading, scaling, limiting and grading metric fields.
+// Tests of reading, scaling, limiting and intersecting metric fields.
 #include "meshing/metric_field.h"
 
 #include <gtest/gtest.h>
@@ -31,28 +31,6 @@ std::string error_of(const SolutionData& solution, std::size_t num_points) {
 }
 
 double size_of(const LogMetric& isotropic) { return std::exp(-0.5 * isotropic.xx); }
-
-/// By how much the worst edge violates gradation: the largest eigenvalue of M_q^-1 (grown M_p), less 1.
-double worst_violation(const MeshData& mesh, double beta, const LogMetricField& field) {
-  double worst = -1;
-  const auto visit = [&](std::uint32_t p, std::uint32_t q) {
-    const Metric mp = exp_exact(field[p]), mq = exp_exact(field[q]);
-    const double growth = 1 + std::sqrt(squared_length(mp, mesh.points[q] - mesh.points[p])) * std::log(beta);
-    // The largest s for which M_q still is at least as fine as s times the grown M_p, by bisection.
-    double lo = 0, hi = 2;
-    for (int i = 0; i < 40; ++i) {
-      const double s = 0.5 * (lo + hi);
-      const SymTensor rest = mq - (s / (growth * growth)) * mp;
-      (is_positive_definite(rest) ? lo : hi) = s;
-    }
-    worst = std::max(worst, 1 / lo - 1);
-  };
-  for (const auto& tet : mesh.tets)
-    for (const std::uint32_t p : tet)
-      for (const std::uint32_t q : tet)
-        if (p != q) visit(p, q);
-  return worst;
-}
 
 TEST(MetricFromSolution, ReadsSizesAndTensors) {
   const auto sizes = metric_from_solution(solution_of(Field::Kind::scalar, {1, 0.1}), 2, "m.solb");
@@ -183,74 +161,30 @@ TEST(LimitSizesOfField, ClampsAndLeavesTheRestAlone) {
   EXPECT_THROW(limit_sizes(2, 1, field), InputError);
 }
 
-TEST(Gradation, LeavesAConstantFieldUnchanged) {
-  MeshData mesh = unit_cube(5);
-  support::jitter_interior(mesh, 0.02);
-  for (const Metric& m : {identity_tensor(100), Metric{4e5, 4e5 - 10, 4e5, 0, 0, 100}}) {
-    LogMetricField field(mesh.points.size(), log_of(m));
-    const LogMetricField before = field;
-    EXPECT_EQ(limit_gradation(mesh, 1.2, field), 0);
-    EXPECT_EQ(field, before);
-  }
+TEST(LimitAspect, BringsTheLargestSizesDown) {
+  LogMetricField field = {log_of({1, 0, 100, 0, 0, 1e6}), log_of({25, 3, 50, 1, 2, 100})};
+  const LogMetric inside = field[1];
+  limit_aspect(100, field);
+  const Metric m = exp_exact(field[0]);
+  EXPECT_NEAR(m.xx, 100, 1e-9);
+  EXPECT_NEAR(m.yy, 100, 1e-9);
+  EXPECT_NEAR(m.zz, 1e6, 1e-4);
+  EXPECT_EQ(field[1], inside);
+  limit_aspect(0, field);
+  EXPECT_EQ(field[1], inside);
+  limit_aspect(1, field);
+  for (const LogMetric& l : field) EXPECT_NEAR(squared_length(l, {0.6, 0.8, 0}), l.zz, 1e-12);
 }
 
-TEST(Gradation, AsksForNothingWhenOff) {
+TEST(IntersectWith, IsAsFineAsBoth) {
   const MeshData mesh = unit_cube(5);
-  LogMetricField field = sample(AnalyticMetric("polar-2"), mesh);
-  const LogMetricField before = field;
-  for (const double beta : {-1.0, 0.0, 1.0}) EXPECT_EQ(limit_gradation(mesh, beta, field), 0);
-  EXPECT_EQ(field, before);
-}
-
-TEST(Gradation, SmoothsAJumpByItsFormula) {
-  const MeshData mesh = unit_cube(8);
-  LogMetricField field(mesh.points.size(), identity_tensor(0));  // size 1
-  std::size_t fine = 0;
-  for (std::size_t v = 0; v < mesh.points.size(); ++v)
-    if (norm(mesh.points[v] - Point{0.5, 0.5, 0.5}) < 1e-9) fine = v;
-  field[fine] = identity_tensor(-2 * std::log(0.01));
-  const LogMetricField before = field;
-  EXPECT_GE(limit_gradation(mesh, 1.5, field), 1);
-  EXPECT_EQ(field[fine], before[fine]);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    // In metric space an isotropic size grows by ln(beta) per Euclidean length: h_q = h_p + d ln beta; over
-    // several edges the way is at least as long as the straight line.
-    const double d = norm(mesh.points[v] - mesh.points[fine]);
-    EXPECT_GE(size_of(field[v]), (0.01 + d * std::log(1.5)) * (1 - 1e-3));
-    EXPECT_LE(size_of(field[v]), 0.01 + 1.8 * d * std::log(1.5) + 1e-9);
-  }
-}
-
-TEST(Gradation, LeavesNoEdgeThatViolatesIt) {
-  MeshData mesh = unit_cube(6);
-  support::jitter_interior(mesh, 0.01);
-  support::shuffle(mesh);
-  for (const char* name : {"polar-2", "linear"})
-    for (const double beta : {1.05, 1.2}) {
-      LogMetricField field = sample(AnalyticMetric(name), mesh);
-      const LogMetricField before = field;
-      EXPECT_GT(worst_violation(mesh, beta, field), 0.05);
-      const int sweeps = limit_gradation(mesh, beta, field);
-      EXPECT_GE(sweeps, 1);
-      EXPECT_LT(sweeps, 50);
-      EXPECT_LT(worst_violation(mesh, beta, field), 1.01e-3);
-      for (std::size_t v = 0; v < field.size(); ++v)  // never coarser than before
-        EXPECT_GE(trace(field[v]), trace(before[v]) - 1e-9);
-    }
-}
-
-TEST(Gradation, DoesNotDependOnTheThreads) {
-  const MeshData mesh = unit_cube(12);
-  const LogMetricField before = sample(AnalyticMetric("polar-2"), mesh);
-  LogMetricField expected = before;
-  limit_gradation(mesh, 1.3, expected);
-  EXPECT_NE(expected, before);
-  for (const int threads : {1, 2, 3}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    LogMetricField field = before;
-    limit_gradation(mesh, 1.3, field);
-    EXPECT_EQ(field, expected);
-  }
+  const LogMetricField a = sample(AnalyticMetric("polar-2"), mesh),
+                       b = sample(AnalyticMetric("linear"), mesh);
+  LogMetricField both = a;
+  intersect_with(b, both);
+  for (std::size_t v = 0; v < both.size(); ++v)
+    for (const LogMetric& one : {a[v], b[v]})
+      EXPECT_TRUE(is_positive_definite(1.000001 * exp_exact(both[v]) - exp_exact(one)));
 }
 
 }  // namespace

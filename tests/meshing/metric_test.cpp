@@ -191,6 +191,21 @@ TEST(Intersect, TakesTheFinerInEveryCommonConjugateDirection) {
   }
 }
 
+TEST(Intersect, IsAccurateWhereWeakSizesNearlyCoincide) {
+  RandomTensors tensor(11);
+  for (int i = 0; i < 100; ++i)
+    for (const double strong : {2.0, 1e3, 1e8}) {
+      const Vec v = tensor.unit();
+      Vec w = cross(v, tensor.unit());
+      w = (1 / norm(w)) * w;
+      const Eigen3 e{{0.5, 0.5 + 1e-9, strong}, {w, cross(v, w), v}};
+      const Metric both = intersect(identity_tensor(), from_eigen(e));
+      EXPECT_NEAR(squared_length(both, w), 1, 1e-7);
+      EXPECT_NEAR(squared_length(both, cross(v, w)), 1, 1e-7);
+      EXPECT_NEAR(squared_length(both, v) / strong, 1, 1e-12);
+    }
+}
+
 TEST(Intersect, IsAtLeastAsFineAsBoth) {
   RandomTensors tensor(8);
   for (int i = 0; i < 200; ++i) {

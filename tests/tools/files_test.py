@@ -104,8 +104,7 @@ class Convert(CommandTest):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "linear", "-o", "m.solb")
         text = self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb").stdout
-        self.assertIn("dropped: 48 triangles", text)
-        self.assertIn("dropped: 8 corners", text)
+        self.assertIn("dropped: 24 ridges", text)
         self.assertIn(b"UnstructuredGrid", (self.folder / "box.vtu").read_bytes()[:400])
         self.assertEqual(self.files(), ["box.meshb", "box.vtu", "m.solb"])
 
@@ -122,7 +121,80 @@ class Convert(CommandTest):
 
     def test_unknown_format(self):
         self.box()
-        self.assert_fails("convert", "box.meshb", "box.stl", says="box.stl", code=64)
+        self.assert_fails("convert", "box.meshb", "box.xyz", says="box.xyz", code=64)
+        self.assert_fails("convert", "box.xyz", "box.meshb", says=["box.xyz", "unexpected extension"])
+
+    def test_gmsh_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
+        for words in ((), ("--encoding", "ascii"), ("--msh-version", "2.2"), ("--msh-version", "2.2", "--encoding", "ascii")):
+            self.weft("convert", "box.meshb", "a.msh", "--sol", "box.solb", *words)
+            self.weft("convert", "a.msh", "back.meshb")
+            self.weft("verify", "back.meshb", "--against", "box.meshb")
+            self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+        self.weft("adapt", "a.msh", "--metric", "a.msh", "-o", "fine.msh", expect=(0, 1))
+        self.weft("verify", "fine.msh", "--against", "box.meshb")
+
+    def test_ugrid_and_su2_there_and_back(self):
+        self.box()
+        for name in ("a.lb8.ugrid", "a.b8.ugrid", "a.ugrid", "a.su2"):
+            self.assertIn("dropped: 8 corners", self.weft("convert", "box.meshb", name).stdout)
+            self.weft("convert", name, "back.meshb")
+            self.weft("verify", "back.meshb")
+        self.weft("metric", "a.b8.ugrid", "--metric-fn", "uniform:0.3", "-o", "a.solb")
+        self.weft("adapt", "a.b8.ugrid", "--metric", "a.solb", "-o", "b.lb8.ugrid", expect=(0, 1))
+        self.weft("verify", "b.lb8.ugrid", "--against", "a.b8.ugrid")
+        self.assertIn("b.lb8.solb", self.files())
+
+    def test_names_survive_an_adaptation(self):
+        self.weft("convert", DATA / "formats/gmsh-box-41.msh", "box.su2")
+        self.weft("adapt", "box.su2", "--metric-fn", "uniform:0.4", "-o", "fine.su2", expect=(0, 1))
+        text = (self.folder / "fine.su2").read_text()
+        for name in ("bottom", "other_sides"):
+            self.assertIn(f"MARKER_TAG= {name}\n", text)
+        self.weft("verify", "fine.su2", "--against", "box.su2")
+
+    def test_other_volume_elements_are_dropped_by_convert_only(self):
+        self.write("a.ugrid", "4 0 0 1 1 0 0\n0 0 0 1 0 0 0 1 0 0 0 1\n1 2 3 4\n1 2 3 4 4\n")
+        self.assertIn("dropped: 1 pyramids", self.weft("convert", "a.ugrid", "a.meshb").stdout)
+        self.assert_fails("stat", "a.ugrid", says=["a.ugrid", "1 volume elements other than linear tetrahedra"])
+
+    def test_vtu_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
+        for name, *words in (("a.vtu",), ("b.vtu", "--compress"), ("c.vtu", "--encoding", "ascii"), ("d.pvtu", "--pieces", 3)):
+            self.weft("convert", "box.meshb", name, "--sol", "box.solb", *words)
+            self.weft("convert", name, "back.meshb")
+            self.weft("verify", "back.meshb", "--against", "box.meshb")
+            self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+        self.assertIn("d_2.vtu", self.files())
+        self.weft("adapt", "d.pvtu", "--metric", "d.pvtu", "-o", "e.pvtu", expect=(0, 1))
+        self.assertIn("e_1.vtu", self.files())
+
+    def test_cgns_there_and_back(self):
+        self.box()
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")
+        self.weft("convert", "box.meshb", "a.cgns", "--sol", "box.solb")
+        self.weft("convert", "a.cgns", "back.meshb")
+        self.weft("verify", "back.meshb", "--against", "box.meshb")
+        self.assertEqual((self.folder / "back.solb").read_bytes(), (self.folder / "box.solb").read_bytes())
+
+    def test_surfaces_there_and_back(self):
+        self.box()
+        for name in ("a.stl", "a.obj", "a.ply"):
+            text = self.weft("convert", "box.meshb", name).stdout
+            self.assertIn("48 tets", text)
+            self.assertIn("dropped: 48 tets", text)
+            self.assertIn("0 tets, 48 triangles", self.weft("convert", name, "back.meshb").stdout)
+        self.weft("convert", "box.meshb", "b.stl", "--encoding", "ascii")
+        self.assertTrue((self.folder / "b.stl").read_text().startswith("solid"))
+        self.weft("convert", "box.meshb", "b.ply", "--encoding", "big-endian")
+        self.assertIn(b"binary_big_endian", (self.folder / "b.ply").read_bytes()[:60])
+
+    def test_surfaces_are_not_adapted(self):
+        self.box()
+        self.weft("convert", "box.meshb", "a.stl")
+        self.assert_fails("adapt", "a.stl", "--metric-fn", "uniform:1", "-o", "b.meshb", says=["a.stl", "no tetra"])
 
 
 if __name__ == "__main__":

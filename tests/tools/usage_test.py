@@ -4,7 +4,8 @@ import unittest
 
 from command import CommandTest
 
-SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["convert"]]
+SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["convert"],
+               ["interpolate"], ["loop"]]
 
 
 class Usage(CommandTest):

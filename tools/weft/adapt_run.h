@@ -8,13 +8,14 @@
 
 #include "meshing/adapt.h"
 #include "meshing/measures.h"
+#include "meshing/transfer.h"
 #include "tools/weft/memory.h"
 #include "tools/weft/outputs.h"
 
 namespace weft::tools {
 
 struct StageTimes {
-  double read = 0, metric = 0, adapt = 0, measure = 0, write = 0, total = 0;
+  double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
 };
 
 struct MeshCounts {
@@ -34,6 +35,8 @@ struct AdaptRun {
   std::optional<meshing::Measures> before;  ///< empty when the metric belongs to another mesh than the input
   meshing::Measures after;
   meshing::AdaptReport report;
+  meshing::TransferMethod transfer = meshing::TransferMethod::linear;
+  std::vector<meshing::ComponentAccount> field_accounts;  ///< empty: no fields
   StageTimes times;
   double peak_memory = 0;
   std::vector<std::string> warnings;

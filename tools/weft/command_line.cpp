@@ -22,8 +22,9 @@ namespace {
 constexpr const char* kFooter = R"(Example:
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb --threads 8
 
-`weft SUBCOMMAND --help` tells more. Meshes are read from .meshb and .mesh (Gamma Mesh Format, as
-refine, Mmg and Gmsh write it), metrics and solutions from .solb and .sol.
+`weft SUBCOMMAND --help` tells more. Meshes are .meshb or .mesh (Gamma Mesh Format, as refine, Mmg and
+Gmsh write it), .msh, .ugrid, .su2, .vtu, .pvtu or .cgns; metrics and solutions are .solb or .sol, or
+fields in a .msh, .vtu, .pvtu or .cgns.
 Exit codes: 0 done; 1 a valid mesh, but the goal was not met (`verify`: it does not conform); 2 no
 mesh; 64 usage.)";
 
@@ -87,6 +88,8 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_metric_command(app, action);
   add_mesh_command(app, action);
   add_convert_command(app, action);
+  add_interpolate_command(app, action);
+  add_loop_command(app, action);
   if (arguments.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kUsage;

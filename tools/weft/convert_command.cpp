@@ -3,7 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
@@ -16,62 +19,86 @@
 namespace weft::tools {
 namespace {
 
-using meshing::MeshData;
+using meshing::Dropped;
+using meshing::MeshContents;
 using meshing::SolutionData;
+using meshing::WriteOptions;
 
-constexpr const char* kFooter = R"(Example:
-  weft convert fine.meshb fine.vtu --sol fine.solb
+constexpr const char* kFooter = R"(Examples:
+  weft convert fine.meshb fine.vtu --sol fine.solb --compress
+  weft convert wing.msh wing.lb8.ugrid
 
-Reads .meshb (versions 1 to 4, either byte order) and .mesh; writes .meshb, .mesh and .vtu. The
-fields of --sol go into the .vtu, or beside a .meshb into a .solb and beside a .mesh into a .sol.
-Says what the new format cannot hold.)";
+Volumes: .meshb .mesh (Gamma), .msh (Gmsh), .ugrid (as .lb8.ugrid, .b8.ugrid, .lb8l.ugrid, ...; ASCII
+without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .ply. Each is read and written.
+Fields of the input and of --sol go into the result where its format holds them, else beside it into
+a .solb, beside a .mesh into a .sol. Says what is dropped: what weft has no place for, and what the
+new format cannot hold.)";
 
 struct ConvertCommand {
   std::string input, output, solution;
+  WriteOptions options;
 };
 
-/// What of a mesh a VTU file does not hold, as "NAME: COUNT" lines.
-std::string dropped_text(const MeshData& mesh) {
+std::string dropped_text(const std::vector<Dropped>& dropped) {
   std::string text;
-  const auto line = [&](const char* name, std::size_t n) {
-    if (n > 0) text += fmt::format("dropped: {} {}\n", grouped(std::uint64_t{n}), name);
-  };
-  line("triangles", mesh.triangles.size());
-  line("edges", mesh.edges.size());
-  line("corners", mesh.corners.size());
-  line("ridges", mesh.ridges.size());
-  line("required vertices", mesh.required_points.size());
-  line("required edges", mesh.required_edges.size());
-  line("required triangles", mesh.required_triangles.size());
-  std::size_t refs = 0;
-  for (const std::int32_t ref : mesh.point_refs) refs += ref != 0;
-  line("vertex references", refs);
+  for (const Dropped& d : dropped) {
+    text += d.count > 0 ? fmt::format("dropped: {} {}\n", grouped(d.count), d.what)
+                        : fmt::format("dropped: {}\n", d.what);
+  }
   return text;
+}
+
+/// Adds the fields of --sol to those that the input itself has.
+void add_solution(const ConvertCommand& command, MeshContents& contents) {
+  SolutionData solution = meshing::read_solution(command.solution);
+  if (solution.num_points != contents.mesh.points.size())
+    throw meshing::InputError(command.solution, "",
+                              fmt::format("is the solution of another mesh: it has {} vertices, {} has {}",
+                                          grouped(std::uint64_t{solution.num_points}), command.input,
+                                          grouped(std::uint64_t{contents.mesh.points.size()})));
+  std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
+}
+
+/// The mesh and, where it has fields that its format does not hold, the solution beside it.
+void write(const ConvertCommand& command, const MeshContents& contents) {
+  const bool beside = !contents.fields.fields.empty() && meshing::holds_volumes(command.output) &&
+                      !meshing::holds_fields(command.output);
+  if (beside) check_writable(output_paths(command.output).solution);
+  meshing::write_mesh_contents(command.output, contents, command.options);
+  if (beside) meshing::write_solution(output_paths(command.output).solution, contents.fields);
 }
 
 int run_convert(const ConvertCommand& command) {
   check_writable(command.output);
-  const MeshData mesh = meshing::read_mesh(command.input);
-  const bool vtu = std::filesystem::path(command.output).extension() == ".vtu";
-  if (command.solution.empty()) {
-    meshing::write_mesh(command.output, mesh);
-  } else {
-    const SolutionData solution = meshing::read_solution(command.solution);
-    if (solution.num_points != mesh.points.size())
-      throw meshing::InputError(command.solution, "",
-                                fmt::format("is the solution of another mesh: it has {} vertices, {} has {}",
-                                            grouped(std::uint64_t{solution.num_points}), command.input,
-                                            grouped(std::uint64_t{mesh.points.size()})));
-    if (vtu) {
-      meshing::write_mesh(command.output, mesh, &solution);
-    } else {
-      write_mesh_with_solution(output_paths(command.output), mesh, solution);
-    }
-  }
-  fmt::print("{}: {} vertices, {} tets\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
-             grouped(std::uint64_t{mesh.tets.size()}));
-  if (vtu) fmt::print("{}", dropped_text(mesh));
+  MeshContents contents = meshing::read_mesh_contents(command.input);
+  if (!command.solution.empty()) add_solution(command, contents);
+  write(command, contents);
+  const auto& mesh = contents.mesh;
+  fmt::print("{}: {} vertices, {} tets, {} triangles\n", command.output,
+             grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
+             grouped(std::uint64_t{mesh.triangles.size()}));
+  fmt::print("{}{}", dropped_text(contents.dropped),
+             dropped_text(meshing::lost_in(command.output, contents, command.options)));
   return kDone;
+}
+
+void add_choices(CLI::App& sub, WriteOptions& options) {
+  static const std::map<std::string, WriteOptions::Encoding> encodings = {
+      {"binary", WriteOptions::Encoding::binary},
+      {"ascii", WriteOptions::Encoding::ascii},
+      {"big-endian", WriteOptions::Encoding::big_endian}};
+  sub.add_option("--encoding", options.encoding,
+                 "binary (default) or ascii, of .msh, .stl, .ply and .vtu; big-endian, of .ply")
+      ->transform(CLI::CheckedTransformer(encodings).description(""))
+      ->type_name("WORD");
+  static const std::map<std::string, int> versions = {{"4.1", 4}, {"2.2", 2}};
+  sub.add_option("--msh-version", options.gmsh_version, "4.1 (default) or 2.2, of .msh")
+      ->transform(CLI::CheckedTransformer(versions).description(""))
+      ->type_name("V");
+  sub.add_flag("--compress", options.compress, "compress the arrays of a .vtu or .pvtu");
+  sub.add_option("--pieces", options.pieces, "pieces of a .pvtu; default 2")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->type_name("N");
 }
 
 }  // namespace
@@ -80,14 +107,15 @@ void add_convert_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("convert", "convert a mesh and its fields to another format");
   sub->footer(kFooter);
   auto command = std::make_shared<ConvertCommand>();
-  sub->add_option("IN", command->input, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
-  sub->add_option("OUT", command->output, "the result, .meshb, .mesh or .vtu")
+  sub->add_option("IN", command->input, "the mesh")->type_name("FILE")->required();
+  sub->add_option("OUT", command->output, "the result; its extension names the format")
       ->type_name("FILE")
       ->check(mesh_output_name())
       ->required();
   sub->add_option("--sol,--metric", command->solution,
                   "fields at the vertices, .solb or .sol (also -sol, -met)")
       ->type_name("FILE");
+  add_choices(*sub, command->options);
   sub->callback([command, &action] { action = [command] { return run_convert(*command); }; });
 }
 

@@ -4,6 +4,13 @@
 #include <utility>
 
 namespace weft::tools {
+namespace {
+
+std::string short_name(const CLI::Option& option) {
+  return option.get_snames().empty() ? "--" + option.get_lnames().front() : "-" + option.get_snames().front();
+}
+
+}  // namespace
 
 HelpFormatter::HelpFormatter() { column_width(30); }
 
@@ -25,7 +32,7 @@ std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) con
     if (option->get_positional()) usage += " " + option->get_name(true);
   for (const CLI::Option* option : app->get_options())
     if (option->get_required() && !option->get_positional())
-      usage += " -" + option->get_snames().front() + " " + option->get_type_name();
+      usage += " " + short_name(*option) + " " + option->get_type_name();
   if (!app->get_subcommands([](const CLI::App*) { return true; }).empty()) usage += " SUBCOMMAND";
   return usage + " [options]\n";
 }

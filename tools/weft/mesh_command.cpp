@@ -51,9 +51,9 @@ void add_mesh_command(CLI::App& app, Action& action) {
   CLI::App* box = sub->add_subcommand("box", "a structured box of tets");
   box->footer(kFooter);
   auto command = std::make_shared<BoxCommand>();
-  box->add_option("-o,-x,--out", command->output, "the mesh, .meshb, .mesh or .vtu (also -out)")
+  box->add_option("-o,-x,--out", command->output, "the mesh (also -out)")
       ->type_name("FILE")
-      ->check(mesh_output_name())
+      ->check(volume_output_name())
       ->required();
   box->add_option("--cells", command->cells, "cells in x, y and z, of 6 tets each; default 8 8 8")
       ->type_name("NX NY NZ")

@@ -1,4 +1,4 @@
-// `weft metric`: samples, limits, grades and scales a metric without adapting to it.
+// `weft metric`: makes a metric, limits, grades and scales it, without adapting to it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,6 @@
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/metric_source.h"
-#include "tools/weft/named_error.h"
 #include "tools/weft/option_checks.h"
 #include "tools/weft/outputs.h"
 #include "tools/weft/text.h"
@@ -17,10 +16,14 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kFooter = R"(Examples:
+  weft metric wing.meshb --sol mach.solb --complexity 50000 --hgrad 1.5 -o metric.solb
   weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
+  weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
 
-Sizes are limited first, then the gradation, then the whole is scaled to the complexity.)";
+Whatever is given is intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
+the complexity is right in the end: with the boundary's demands (--curvature, --sagitta, --wall), which are
+not scaled, and within the limits, gradation among them.)";
 
 struct MetricCommand {
   std::string mesh, output;
@@ -29,13 +32,13 @@ struct MetricCommand {
 
 int run_metric(const MetricCommand& command) {
   if (!command.metric.given())
-    throw CLI::RequiredError("no metric: give --metric FILE or --metric-fn NAME",
-                             CLI::ExitCodes::RequiredError);
+    throw CLI::RequiredError(
+        "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
+        CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   check_writable(command.output);
   const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
-  meshing::LogMetricField field = load_metric(command.metric, mesh);
-  const auto warnings = naming(command.mesh, [&] { return process_metric(command.metric, mesh, field); });
+  const auto [field, warnings] = make_metric(command.metric, mesh, command.mesh);
   meshing::write_solution(command.output, meshing::solution_from_metric(field));
   for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
   fmt::print("{}: metric at {} vertices, complexity {}\n", command.output,
@@ -46,15 +49,17 @@ int run_metric(const MetricCommand& command) {
 }  // namespace
 
 void add_metric_command(CLI::App& app, Action& action) {
-  CLI::App* sub = app.add_subcommand("metric", "sample an analytic metric; limit, grade, scale a metric");
+  CLI::App* sub = app.add_subcommand(
+      "metric", "make a metric from a solution, a mesh or a formula; limit, grade, scale it");
   sub->footer(kFooter);
   auto command = std::make_shared<MetricCommand>();
-  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the metric, .solb or .sol (also -out)")
       ->type_name("FILE")
       ->check(solution_name())
       ->required();
   add_metric_source(*sub, command->metric);
+  add_metric_construction(*sub, command->metric);
   add_metric_processing(*sub, command->metric);
   sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
 }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/weft/outputs.h"
+#include "meshing/io/mesh_file.h"
 
 namespace weft::tools {
 namespace {
@@ -37,9 +37,25 @@ CLI::Validator positive_number() {
   });
 }
 
+CLI::Validator number_from_one() {
+  return validator([](const std::string& text) -> std::string {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    const bool good = end != text.c_str() && *end == '\0' && value >= 1;
+    return good ? "" : "'" + text + "' is not a number from 1 up";
+  });
+}
+
 CLI::Validator mesh_output_name() {
   return validator([](const std::string& text) -> std::string {
-    return is_mesh_name(text) ? "" : "'" + text + "' must end in .meshb, .mesh or .vtu";
+    return meshing::is_mesh_name(text) ? "" : "'" + text + "' must end in " + meshing::mesh_extensions();
+  });
+}
+
+CLI::Validator volume_output_name() {
+  return validator([](const std::string& text) -> std::string {
+    const bool good = meshing::is_mesh_name(text) && meshing::holds_volumes(text);
+    return good ? "" : "'" + text + "' must end in " + meshing::volume_extensions();
   });
 }
 

@@ -9,8 +9,12 @@ namespace weft::tools {
 CLI::Validator finite_number();
 /// A finite number above zero.
 CLI::Validator positive_number();
-/// The name of a mesh file that can be written.
+/// A number from 1 up, infinity included.
+CLI::Validator number_from_one();
+/// The name of a mesh file of any format.
 CLI::Validator mesh_output_name();
+/// The name of a mesh file whose format holds tets.
+CLI::Validator volume_output_name();
 /// The name of a solution file.
 CLI::Validator solution_name();
 

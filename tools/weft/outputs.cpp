@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <optional>
 #include <system_error>
 
 #include "meshing/error.h"
@@ -24,8 +27,9 @@ class TemporaryFile {
     const fs::path resolved =
         fs::is_symlink(target) && fs::exists(target) ? fs::canonical(target) : fs::path(target);
     resolved_ = resolved.string();
-    path_ = (resolved.parent_path() / (".weft-" + std::to_string(getpid()) + resolved.extension().string()))
-                .string();
+    path_ =
+        (resolved.parent_path() / (".weft-" + std::to_string(getpid()) + "-" + resolved.filename().string()))
+            .string();
   }
   ~TemporaryFile() {
     std::error_code ignored;
@@ -60,14 +64,9 @@ class TemporaryFile {
 }  // namespace
 
 OutputPaths output_paths(const std::string& mesh) {
-  fs::path solution(mesh);
-  solution.replace_extension(solution.extension() == ".mesh" ? ".sol" : ".solb");
-  return {mesh, solution.string()};
-}
-
-bool is_mesh_name(const std::string& path) {
-  const fs::path extension = fs::path(path).extension();
-  return extension == ".meshb" || extension == ".mesh" || extension == ".vtu";
+  const fs::path solution = meshing::solution_beside(mesh);
+  const std::string fields = solution.stem().string() + "-fields" + solution.extension().string();
+  return {mesh, solution.string(), (solution.parent_path() / fields).string()};
 }
 
 void check_writable(const std::string& path) { meshing::AtomicFile probe{path}; }
@@ -80,14 +79,25 @@ void make_folder(const std::string& path) {
 }
 
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
-                              const meshing::SolutionData& solution) {
-  const TemporaryFile mesh_file(paths.mesh), solution_file(paths.solution);
-  const bool holds_fields = fs::path(paths.mesh).extension() == ".vtu";
-  mesh_file.fill(
-      [&](const std::string& path) { meshing::write_mesh(path, mesh, holds_fields ? &solution : nullptr); });
+                              const meshing::SolutionData& solution, const meshing::SolutionData& fields,
+                              const meshing::RefNames& names) {
+  const TemporaryFile solution_file(paths.solution);
   solution_file.fill([&](const std::string& path) { meshing::write_solution(path, solution); });
+  std::optional<TemporaryFile> fields_file;
+  if (!fields.fields.empty()) {
+    fields_file.emplace(paths.fields);
+    fields_file->fill([&](const std::string& path) { meshing::write_solution(path, fields); });
+  }
+  meshing::SolutionData inside;
+  if (meshing::holds_fields(paths.mesh)) {
+    inside = solution;
+    std::ranges::copy(fields.fields, std::back_inserter(inside.fields));
+  }
+  // The mesh appears whole or not at all by itself; it is not renamed because some formats name other files
+  // in it.
+  meshing::write_mesh_contents(paths.mesh, {mesh, inside, names});
+  if (fields_file) fields_file->commit();
   solution_file.commit();
-  mesh_file.commit();
 }
 
 void write_text(const std::string& path, const std::string& text) {

@@ -3,29 +3,29 @@
 
 #include <string>
 
-#include "meshing/mesh_data.h"
+#include "meshing/io/mesh_contents.h"
 
 namespace weft::tools {
 
-/// A mesh file and the solution file beside it: OUT.meshb has OUT.solb, OUT.mesh has OUT.sol, OUT.vtu has
-/// OUT.solb.
+/// A mesh file and the files beside it: OUT.mesh has OUT.sol and OUT-fields.sol, any other OUT.solb and
+/// OUT-fields.solb.
 struct OutputPaths {
   std::string mesh;
-  std::string solution;
+  std::string solution;     ///< the metric
+  std::string fields = {};  ///< those carried along
 };
 OutputPaths output_paths(const std::string& mesh);
-
-/// True for a name that ends in .meshb, .mesh or .vtu.
-bool is_mesh_name(const std::string& path);
 
 /// Throws InputError unless a file can be created at `path`.
 void check_writable(const std::string& path);
 /// Creates the folder and its parents; throws InputError when that fails.
 void make_folder(const std::string& path);
 
-/// Writes the two under other names first and renames them when both are complete.
+/// Writes the mesh, the solution and, where there are any, the fields; these appear only once the mesh has. A
+/// format that holds fields gets all of them into the mesh file too.
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
-                              const meshing::SolutionData& solution);
+                              const meshing::SolutionData& solution, const meshing::SolutionData& fields = {},
+                              const meshing::RefNames& names = {});
 
 /// Writes beside, then renames.
 void write_text(const std::string& path, const std::string& text);

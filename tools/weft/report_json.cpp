@@ -54,7 +54,30 @@ Json json_of(const meshing::StageReport& stage) {
 
 Json json_of(const StageTimes& times) {
   return {{"read", times.read},       {"metric", times.metric}, {"adapt", times.adapt},
-          {"measure", times.measure}, {"write", times.write},   {"total", times.total}};
+          {"measure", times.measure}, {"fields", times.fields}, {"write", times.write},
+          {"total", times.total}};
+}
+
+const char* name_of(meshing::TransferMethod method) {
+  return method == meshing::TransferMethod::linear ? "linear" : "conservative";
+}
+
+Json json_of(const meshing::ComponentAccount& a) {
+  return {{"name", a.name},
+          {"integral_before", a.integral_before},
+          {"integral_after", a.integral_after},
+          {"integral_of_absolute", a.absolute},
+          {"back_difference_l2", a.difference_l2},
+          {"norm_l2", a.norm_l2},
+          {"back_difference_max", a.difference_max},
+          {"norm_max", a.norm_max},
+          {"beyond_bounds", a.beyond_bounds}};
+}
+
+Json fields_json(const AdaptRun& run) {
+  Json components = Json::array();
+  for (const meshing::ComponentAccount& account : run.field_accounts) components.push_back(json_of(account));
+  return {{"transfer", name_of(run.transfer)}, {"components", components}};
 }
 
 }  // namespace
@@ -106,6 +129,7 @@ Json json_of(const AdaptRun& run) {
       {"after", json_of(run.after)},
       {"stages", stages},
       {"operations", json_of(run.report.counts)},
+      {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.report.surface_deviation},
       {"seconds", json_of(run.times)},
       {"peak_memory_bytes", run.peak_memory},

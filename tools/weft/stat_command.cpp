@@ -130,7 +130,8 @@ int run_stat(const StatCommand& command) {
   Json json = json_of(mesh, geometry);
   std::string text = geometry_text(mesh, geometry);
   if (command.metric.given()) {
-    const meshing::Measures measures = meshing::measure(mesh, load_metric(command.metric, mesh));
+    const meshing::Measures measures =
+        meshing::measure(mesh, make_metric(command.metric, mesh, command.mesh).field);
     json["measures"] = tools::json_of(measures);
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);
@@ -146,7 +147,7 @@ void add_stat_command(CLI::App& app, Action& action) {
       app.add_subcommand("stat", "measure a mesh: counts, volumes, quality and lengths in a metric");
   sub->footer(kFooter);
   auto command = std::make_shared<StatCommand>();
-  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   add_metric_source(*sub, command->metric);
   sub->add_flag("--json", command->json, "everything as JSON, histograms included");
   sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");

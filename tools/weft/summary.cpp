@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tools/weft/field_source.h"
 #include "tools/weft/text.h"
 
 namespace weft::tools {
@@ -65,6 +66,7 @@ std::string times_text(const AdaptRun& run) {
   for (const meshing::StageReport& stage : run.report.stages)
     row("  " + stage.name, stage.seconds, grouped(stage.vertices), grouped(stage.tets));
   row("measure", run.times.measure);
+  if (!run.field_accounts.empty()) row("fields", run.times.fields);
   row("write", run.times.write);
   row("total", run.times.total);
   return text;
@@ -174,9 +176,11 @@ std::string summary_text(const AdaptRun& run) {
   text += measures_table({{"before", run.before ? &*run.before : nullptr}, {"after", &run.after}}) + "\n";
   text += times_text(run) + "\n";
   text += operations_text(run.report.counts) + "\n";
+  if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   text += fmt::format("surface deviation at most {}\n", significant(run.report.surface_deviation));
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   text += fmt::format("mesh    {}\nmetric  {}\n", run.outputs.mesh, run.outputs.solution);
+  if (!run.field_accounts.empty()) text += fmt::format("fields  {}\n", run.outputs.fields);
   if (!run.report_path.empty()) text += fmt::format("report  {}\n", run.report_path);
   return text;
 }

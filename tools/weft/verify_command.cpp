@@ -95,7 +95,7 @@ void add_verify_command(CLI::App& app, Action& action) {
       app.add_subcommand("verify", "check that a mesh conforms, and its volumes against another's");
   sub->footer(kFooter);
   auto command = std::make_shared<VerifyCommand>();
-  sub->add_option("MESH", command->mesh, "the mesh, .meshb or .mesh")->type_name("FILE")->required();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("--against", command->against, "a mesh of the same domain")->type_name("FILE");
   sub->callback([command, &action] { action = [command] { return run_verify(*command); }; });
 }

@@ -1,0 +1,858 @@
+// MSH files: sections between $Name and $EndName; numbers in them as text or as bytes.
+#include "meshing/io/gmsh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "meshing/error.h"
+#include "meshing/io/atomic_file.h"
+#include "meshing/io/cursor.h"
+#include "meshing/io/input_file.h"
+#include "meshing/io/text_output.h"
+
+namespace weft::meshing {
+namespace {
+
+constexpr std::int32_t kLine = 1, kTriangle = 2, kTetrahedron = 4, kPoint = 15;
+
+struct ElementType {
+  std::int32_t code;
+  int dimension, nodes;
+  const char* name;
+};
+constexpr ElementType kElementTypes[] = {
+    {kLine, 1, 2, "lines"},
+    {kTriangle, 2, 3, "triangles"},
+    {3, 2, 4, "quadrangles"},
+    {kTetrahedron, 3, 4, "tetrahedra"},
+    {5, 3, 8, "hexahedra"},
+    {6, 3, 6, "prisms"},
+    {7, 3, 5, "pyramids"},
+    {8, 1, 3, "lines of second order"},
+    {9, 2, 6, "triangles of second order"},
+    {10, 2, 9, "quadrangles of second order"},
+    {11, 3, 10, "tetrahedra of second order"},
+    {12, 3, 27, "hexahedra of second order"},
+    {13, 3, 18, "prisms of second order"},
+    {14, 3, 14, "pyramids of second order"},
+    {kPoint, 0, 1, "points"},
+    {16, 2, 8, "quadrangles of second order"},
+    {17, 3, 20, "hexahedra of second order"},
+    {18, 3, 15, "prisms of second order"},
+    {19, 3, 13, "pyramids of second order"},
+    {20, 2, 9, "triangles of third order"},
+    {21, 2, 10, "triangles of third order"},
+    {22, 2, 12, "triangles of fourth order"},
+    {23, 2, 15, "triangles of fourth order"},
+    {24, 2, 15, "triangles of fifth order"},
+    {25, 2, 21, "triangles of fifth order"},
+    {26, 1, 4, "lines of third order"},
+    {27, 1, 5, "lines of fourth order"},
+    {28, 1, 6, "lines of fifth order"},
+    {29, 3, 20, "tetrahedra of third order"},
+    {30, 3, 35, "tetrahedra of fourth order"},
+    {31, 3, 56, "tetrahedra of fifth order"},
+    {92, 3, 64, "hexahedra of third order"},
+    {93, 3, 125, "hexahedra of fourth order"},
+};
+constexpr std::size_t kMostNodes = 125;
+
+const ElementType* find_type(std::int64_t code) {
+  const auto found = std::ranges::find(kElementTypes, code, &ElementType::code);
+  return found == std::end(kElementTypes) ? nullptr : found;
+}
+
+// ---------------------------------------------------------------------------------------------------------
+// Reading
+
+/// Finds the index of a node by its tag; tags may have gaps and any order.
+class NodeTags {
+ public:
+  void reserve(std::uint64_t n) { tags_.reserve(n); }
+  void add(std::uint64_t tag) { tags_.push_back(tag); }
+  std::size_t size() const { return tags_.size(); }
+
+  /// Call once all tags are known; returns a tag that appears twice, if any.
+  std::optional<std::uint64_t> build() {
+    std::uint64_t largest = 0;
+    for (const std::uint64_t tag : tags_) largest = std::max(largest, tag);
+    return largest / 8 <= tags_.size() + 100 ? build_dense(largest) : build_sorted();
+  }
+
+  std::optional<std::uint32_t> find(std::uint64_t tag) const {
+    if (sorted_.empty()) {
+      if (tag >= dense_.size() || dense_[tag] == kNone) return std::nullopt;
+      return dense_[tag];
+    }
+    const auto at = std::ranges::lower_bound(sorted_, tag, {}, &Entry::first);
+    if (at == sorted_.end() || at->first != tag) return std::nullopt;
+    return at->second;
+  }
+
+ private:
+  using Entry = std::pair<std::uint64_t, std::uint32_t>;
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  std::optional<std::uint64_t> build_dense(std::uint64_t largest) {
+    dense_.assign(largest + 1, kNone);
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+      if (std::exchange(dense_[tags_[i]], static_cast<std::uint32_t>(i)) != kNone) return tags_[i];
+    }
+    return std::nullopt;
+  }
+  std::optional<std::uint64_t> build_sorted() {
+    for (std::size_t i = 0; i < tags_.size(); ++i) sorted_.emplace_back(tags_[i], i);
+    std::ranges::sort(sorted_);
+    const auto twin = std::ranges::adjacent_find(sorted_, {}, &Entry::first);
+    return twin == sorted_.end() ? std::nullopt : std::optional(twin->first);
+  }
+
+  std::vector<std::uint64_t> tags_;
+  std::vector<std::uint32_t> dense_;
+  std::vector<Entry> sorted_;
+};
+
+/// The physical group of each element of one dimension, and the geometric entity for files without groups.
+class Groups {
+ public:
+  void add(std::int32_t physical, std::int32_t entity) {
+    physical_.push_back(physical);
+    entity_.push_back(entity);
+    has_physical_ |= physical != 0;
+  }
+  const std::vector<std::int32_t>& physical() const { return physical_; }
+  std::vector<std::int32_t> take() { return std::move(has_physical_ ? physical_ : entity_); }
+
+ private:
+  std::vector<std::int32_t> physical_, entity_;
+  bool has_physical_ = false;
+};
+
+class Reader {
+ public:
+  Reader(Cursor& in, MeshContents& contents) : in_(in), contents_(contents) {}
+
+  void read() {
+    if (in_.word() != "$MeshFormat") throw InputError(in_.file(), "", "not an MSH file: no $MeshFormat");
+    read_format();
+    for (std::string_view word = in_.word(); !word.empty(); word = in_.word()) read_section(word);
+    if (!has_nodes_) throw InputError(in_.file(), "$Nodes", "is missing");
+    if (!has_elements_) throw InputError(in_.file(), "$Elements", "is missing");
+    finish();
+  }
+
+ private:
+  // Numbers of either encoding
+
+  std::int64_t integer() { return binary_ ? in_.value<std::int32_t>() : in_.text_integer(); }
+  std::int32_t integer32() { return in_.ref(integer()); }
+  double real() { return binary_ ? in_.value<double>() : in_.text_real(); }
+  /// Counts and tags, which have 64 bits in version 4 only.
+  std::uint64_t size() {
+    if (binary_ && version_ == 4) return in_.value<std::uint64_t>();
+    const std::int64_t value = integer();
+    if (value < 0) in_.fail("the number " + std::to_string(value) + " is negative");
+    return static_cast<std::uint64_t>(value);
+  }
+  /// The least bytes that numbers can take: a digit and a blank each in text, but for the last blank.
+  std::uint64_t least_bytes(std::uint64_t integers, std::uint64_t sizes, std::uint64_t reals) const {
+    if (!binary_) return std::max<std::uint64_t>(1, 2 * (integers + sizes + reals) - 1);
+    return 4 * integers + (version_ == 4 ? 8 : 4) * sizes + 8 * reals;
+  }
+
+  // Sections
+
+  void read_format() {
+    in_.enter("$MeshFormat");
+    const double version = in_.text_real();
+    if (version >= 2 && version < 3) {
+      version_ = 2;
+    } else if (version == 4.1) {
+      version_ = 4;
+    } else {
+      in_.fail("version " + std::to_string(version) + " is not read (2.2 and 4.1 are)");
+    }
+    binary_ = in_.text_integer() == 1;
+    const std::int64_t size = in_.text_integer();
+    if (size != 8) in_.fail("numbers of " + std::to_string(size) + " bytes are not read (8 are)");
+    in_.line();
+    if (binary_) read_byte_order();
+    in_.expect_word("$EndMeshFormat");
+  }
+
+  void read_byte_order() {
+    const auto one = in_.value<std::int32_t>();
+    if (one == 1) return;
+    if (byte_swapped(one) != 1) in_.fail("the byte order cannot be told");
+    in_.set_swapped(true);
+  }
+
+  void read_section(std::string_view begin) {
+    in_.enter("");
+    if (!begin.starts_with('$')) in_.fail("expected a section, found " + quoted(begin));
+    const std::string name(begin.substr(1));
+    in_.enter("$" + name);
+    in_.line();
+    if (name == "PhysicalNames") {
+      read_names();
+    } else if (name == "Entities" && version_ == 4) {
+      read_entities();
+    } else if (name == "Nodes") {
+      read_nodes();
+    } else if (name == "Elements") {
+      read_elements();
+    } else if (name == "NodeData") {
+      read_node_data();
+    } else {
+      return skip_section(name);
+    }
+    in_.enter("$" + name);
+    in_.expect_word("$End" + name);
+  }
+
+  void skip_section(const std::string& name) {
+    const std::size_t length = in_.rest().find("$End" + name);
+    if (length == std::string_view::npos) in_.fail("has no end");
+    in_.seek(in_.position() + length);
+    in_.line();
+    if (name != "Comments") contents_.drop("sections $" + name);
+  }
+
+  void read_names() {
+    const std::uint64_t count = in_.text_count();
+    in_.line();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      const std::int64_t dimension = in_.text_integer(), tag = in_.text_integer();
+      if (dimension < 0 || dimension > 3) in_.fail("dimension " + std::to_string(dimension));
+      const std::string_view name = unquoted(in_.line());
+      if (dimension == 0) {
+        contents_.drop("names of points");
+      } else {
+        contents_.names.set(static_cast<int>(dimension), in_.ref(tag), std::string(name));
+      }
+    }
+  }
+
+  static std::string_view unquoted(std::string_view text) {
+    text = trimmed(text);
+    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') return text.substr(1, text.size() - 2);
+    return text;
+  }
+
+  /// Keeps the first physical group of every geometric entity.
+  void read_entities() {
+    std::array<std::uint64_t, 4> counts;
+    for (std::uint64_t& count : counts) count = size();
+    for (int dimension = 0; dimension < 4; ++dimension) {
+      for (std::uint64_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
+        in_.next_row();
+        read_entity(dimension);
+      }
+    }
+  }
+
+  void read_entity(int dimension) {
+    const std::int32_t tag = integer32();
+    for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) real();
+    const std::uint64_t num_groups = size();
+    std::int32_t first = 0;
+    for (std::uint64_t i = 0; i < num_groups; ++i) {
+      const std::int32_t group = integer32();
+      if (i == 0) first = group;
+    }
+    if (num_groups > 1) contents_.drop("physical groups of entities that have several", num_groups - 1);
+    entity_groups_[{dimension, tag}] = first;
+    if (dimension == 0) return;
+    const std::uint64_t num_bounds = size();
+    for (std::uint64_t i = 0; i < num_bounds; ++i) integer();
+  }
+
+  void read_nodes() {
+    if (std::exchange(has_nodes_, true)) in_.fail("appears twice");
+    version_ == 2 ? read_nodes_2() : read_nodes_4();
+    in_.enter("$Nodes");
+    if (const auto twin = tags_.build()) in_.fail("node " + std::to_string(*twin) + " appears twice");
+    contents_.mesh.point_refs.resize(tags_.size());
+  }
+
+  void reserve_nodes(std::uint64_t count, std::uint64_t bytes_each) {
+    in_.require(in_.entity_count(count), bytes_each);
+    tags_.reserve(count);
+    contents_.mesh.points.reserve(count);
+  }
+
+  void read_point() {
+    Point p;
+    for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    contents_.mesh.points.push_back(p);
+  }
+
+  void read_nodes_2() {
+    const std::uint64_t count = in_.text_count();
+    in_.line();
+    in_.enter("node");
+    reserve_nodes(count, least_bytes(1, 0, 3));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      tags_.add(size());
+      read_point();
+    }
+  }
+
+  void read_nodes_4() {
+    const std::uint64_t num_blocks = size(), count = size();
+    size();  // the smallest tag
+    size();  // the largest
+    in_.enter("node");
+    reserve_nodes(count, least_bytes(0, 1, 3));
+    for (std::uint64_t i = 0; i < num_blocks; ++i) read_node_block(count);
+    if (tags_.size() == count) return;
+    in_.enter("$Nodes");
+    in_.fail("has " + std::to_string(tags_.size()) + " nodes instead of " + std::to_string(count));
+  }
+
+  void read_node_block(std::uint64_t total) {
+    const std::int64_t dimension = integer();
+    integer();  // the entity's tag
+    const bool parametric = integer() != 0;
+    const std::uint64_t count = size();
+    if (dimension < 0 || dimension > 3) in_.fail("a block of dimension " + std::to_string(dimension));
+    if (count > total - tags_.size()) in_.fail("the blocks have more nodes than $Nodes says");
+    for (std::uint64_t i = 0; i < count; ++i) tags_.add(size());
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      read_point();
+      for (std::int64_t c = 0; parametric && c < dimension; ++c) real();
+    }
+  }
+
+  void read_elements() {
+    if (!has_nodes_) in_.fail("stands before $Nodes");
+    if (std::exchange(has_elements_, true)) in_.fail("appears twice");
+    if (version_ == 4) return read_elements_4();
+    const std::uint64_t count = in_.text_count();
+    in_.line();
+    in_.enter("element");
+    in_.require(count, least_bytes(4, 0, 0));
+    binary_ ? read_binary_elements_2(count) : read_text_elements_2(count);
+  }
+
+  const ElementType& type_of(std::int64_t code) {
+    const ElementType* type = find_type(code);
+    if (!type) in_.fail("element type " + std::to_string(code) + " is unknown");
+    return *type;
+  }
+
+  void read_text_elements_2(std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      integer();  // its number
+      const ElementType& type = type_of(integer());
+      const std::int64_t num_tags = integer();
+      read_tags(num_tags);
+      read_element(type);
+    }
+  }
+
+  void read_binary_elements_2(std::uint64_t count) {
+    std::uint64_t done = 0;
+    while (done < count) {
+      const ElementType& type = type_of(integer());
+      const std::int64_t block = integer(), num_tags = integer();
+      if (block < 1 || static_cast<std::uint64_t>(block) > count - done) {
+        in_.fail("a block of " + std::to_string(block) + " elements");
+      }
+      for (std::int64_t i = 0; i < block; ++i) {
+        in_.next_row();
+        integer();  // its number
+        read_tags(num_tags);
+        read_element(type);
+      }
+      done += static_cast<std::uint64_t>(block);
+    }
+  }
+
+  /// Physical group, geometric entity, and then partitions.
+  void read_tags(std::int64_t num_tags) {
+    if (num_tags < 0) in_.fail("a negative number of tags");
+    physical_ = entity_ = 0;
+    for (std::int64_t i = 0; i < num_tags; ++i) {
+      const std::int32_t tag = integer32();
+      if (i == 0) physical_ = tag;
+      if (i == 1) entity_ = tag;
+    }
+  }
+
+  void read_elements_4() {
+    const std::uint64_t num_blocks = size(), count = size();
+    size();  // the smallest tag
+    size();  // the largest
+    in_.enter("element");
+    in_.require(count, least_bytes(0, 2, 0));
+    for (std::uint64_t i = 0; i < num_blocks; ++i) read_element_block();
+    if (in_.row() == count) return;
+    const std::uint64_t found = in_.row();
+    in_.enter("$Elements");
+    in_.fail("has " + std::to_string(found) + " elements instead of " + std::to_string(count));
+  }
+
+  void read_element_block() {
+    const std::int64_t dimension = integer();
+    entity_ = integer32();
+    const ElementType& type = type_of(integer());
+    const std::uint64_t count = size();
+    if (dimension != type.dimension) {
+      in_.fail(std::string(type.name) + " in an entity of dimension " + std::to_string(dimension));
+    }
+    const auto group = entity_groups_.find({type.dimension, entity_});
+    physical_ = group == entity_groups_.end() ? 0 : group->second;
+    in_.require(count, least_bytes(0, 1 + static_cast<std::uint64_t>(type.nodes), 0));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      size();  // its tag
+      read_element(type);
+    }
+  }
+
+  std::uint32_t read_node() {
+    const std::uint64_t tag = size();
+    const auto index = tags_.find(tag);
+    if (!index) in_.fail("node " + std::to_string(tag) + " does not exist");
+    return *index;
+  }
+
+  void read_element(const ElementType& type) {
+    std::array<std::uint32_t, kMostNodes> nodes;
+    for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = read_node();
+    MeshData& mesh = contents_.mesh;
+    switch (type.code) {
+      case kTetrahedron:
+        mesh.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+        break;
+      case kTriangle:
+        mesh.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+        break;
+      case kLine:
+        mesh.edges.push_back({nodes[0], nodes[1]});
+        break;
+      case kPoint:
+        mesh.corners.push_back(nodes[0]);
+        break;
+      default:
+        ++foreign_[&type];
+        return;
+    }
+    groups_[static_cast<std::size_t>(type.dimension)].add(physical_, entity_);
+  }
+
+  // Header of node data are lines of text in every encoding.
+  void read_node_data() {
+    std::string name;
+    const std::uint64_t num_strings = in_.text_count();
+    in_.line();
+    for (std::uint64_t i = 0; i < num_strings; ++i) {
+      if (in_.at_end()) in_.fail("the file is truncated");
+      const std::string_view line = in_.line();
+      if (i == 0) name = unquoted(line);
+    }
+    const std::uint64_t num_reals = in_.text_count();
+    for (std::uint64_t i = 0; i < num_reals; ++i) in_.text_real();
+    const std::uint64_t num_integers = in_.text_count();
+    std::array<std::uint64_t, 3> integers{};  // time step, components, nodes
+    for (std::uint64_t i = 0; i < num_integers; ++i) {
+      const std::int64_t value = in_.text_integer();
+      if (i < integers.size()) integers[i] = static_cast<std::uint64_t>(std::max<std::int64_t>(value, 0));
+    }
+    in_.line();
+    read_field(name, integers[1], integers[2]);
+  }
+
+  void read_field(const std::string& name, std::uint64_t length, std::uint64_t count) {
+    if (!has_nodes_) in_.fail("stands before $Nodes");
+    if (length != 1 && length != 3 && length != 9) in_.fail("has " + std::to_string(length) + " components");
+    in_.require(count, least_bytes(1, 0, length));
+    std::vector<double> values(tags_.size() * length);
+    std::vector<bool> given(tags_.size());
+    std::uint64_t num_given = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      const std::int64_t tag = integer();
+      const auto node = tags_.find(static_cast<std::uint64_t>(tag));
+      if (!node) in_.fail("node " + std::to_string(tag) + " does not exist");
+      for (std::uint64_t c = 0; c < length; ++c) values[*node * length + c] = real();
+      num_given += !given[*node];
+      given[*node] = true;
+    }
+    if (num_given < tags_.size()) return contents_.drop("fields without a value at every node");
+    add_field(name, length, std::move(values));
+  }
+
+  void add_field(const std::string& name, std::uint64_t length, std::vector<double> values) {
+    if (length == 9) {
+      std::vector<double> folded;
+      if (!fold_full_tensors(values, folded))
+        return contents_.drop("fields of tensors that are not symmetric");
+      contents_.fields.fields.push_back({Field::Kind::tensor, std::move(folded), name});
+    } else {
+      const auto kind = length == 1 ? Field::Kind::scalar : Field::Kind::vector;
+      contents_.fields.fields.push_back({kind, std::move(values), name});
+    }
+  }
+
+  void finish() {
+    for (const auto& [type, count] : foreign_) {
+      type->dimension == 3 ? contents_.drop_volumes(type->name, count) : contents_.drop(type->name, count);
+    }
+    MeshData& mesh = contents_.mesh;
+    mesh.edge_refs = groups_[1].take();
+    mesh.triangle_refs = groups_[2].take();
+    mesh.tet_refs = groups_[3].take();
+    const std::vector<std::int32_t>& corner_refs =
+        groups_[0].physical();  // the entities are just their numbers
+    for (std::size_t i = 0; i < mesh.corners.size(); ++i) mesh.point_refs[mesh.corners[i]] = corner_refs[i];
+    std::ranges::sort(mesh.corners);  // a point can be in several groups
+    mesh.corners.erase(std::ranges::unique(mesh.corners).begin(), mesh.corners.end());
+  }
+
+  Cursor& in_;
+  MeshContents& contents_;
+  int version_ = 4;
+  bool binary_ = false, has_nodes_ = false, has_elements_ = false;
+  std::map<std::pair<int, std::int32_t>, std::int32_t> entity_groups_;
+  NodeTags tags_;
+  std::array<Groups, 4> groups_;  ///< by dimension
+  std::map<const ElementType*, std::uint64_t> foreign_;
+  std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
+};
+
+// ---------------------------------------------------------------------------------------------------------
+// Writing
+
+/// Tags of geometric entities, which must be above zero, for the references of one dimension.
+std::map<std::int32_t, std::int32_t> entity_tags(const std::vector<std::int32_t>& refs) {
+  std::map<std::int32_t, std::int32_t> tags;
+  std::int32_t previous = std::numeric_limits<std::int32_t>::min();
+  for (const std::int32_t ref : refs) {
+    if (ref != previous) tags[ref] = ref;
+    previous = ref;
+  }
+  std::int32_t free = 1;
+  for (auto& [ref, tag] : tags) {
+    if (ref > 0) continue;
+    while (tags.contains(free)) ++free;
+    tag = free++;
+  }
+  return tags;
+}
+
+class Writer {
+ public:
+  Writer(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options)
+      : name_(path.string()),
+        file_(path),
+        text_(file_),
+        mesh_(contents.mesh),
+        fields_(contents.fields),
+        names_(contents.names),
+        version_(options.gmsh_version),
+        binary_(options.encoding != WriteOptions::Encoding::ascii),
+        tags_{std::map<std::int32_t, std::int32_t>{}, entity_tags(mesh_.edge_refs),
+              entity_tags(mesh_.triangle_refs), entity_tags(mesh_.tet_refs)} {}
+
+  void write() {
+    write_format();
+    write_names();
+    if (version_ == 4) {
+      write_entities();
+      write_nodes_4();
+      write_elements_4();
+    } else {
+      check_limits_2();
+      write_nodes_2();
+      write_elements_2();
+    }
+    for (std::size_t i = 0; i < fields_.fields.size(); ++i) write_field(i);
+    file_.commit();
+  }
+
+ private:
+  void integer(std::int32_t value) { binary_ ? file_.write_value(value) : text_.number(value); }
+  void size(std::uint64_t value) {
+    if (!binary_) return text_.number(value);
+    version_ == 4 ? file_.write_value(value) : file_.write_value(static_cast<std::int32_t>(value));
+  }
+  void real(double value) { binary_ ? file_.write_value(value) : text_.number(value); }
+  void end_row() {
+    if (!binary_) text_.end_line();
+  }
+  /// The line feed that ends a binary section.
+  void end_section(std::string_view end) {
+    if (binary_) file_.write("\n");
+    text_.line(end);
+  }
+
+  void write_format() {
+    text_.line("$MeshFormat");
+    text_.line(std::string(version_ == 4 ? "4.1" : "2.2") + (binary_ ? " 1 8" : " 0 8"));
+    if (binary_) {
+      file_.write_value<std::int32_t>(1);
+      file_.write("\n");
+    }
+    text_.line("$EndMeshFormat");
+  }
+
+  static std::string quoted_name(std::string name) {
+    std::ranges::replace(name, '"', '\'');
+    return '"' + name + '"';
+  }
+
+  void write_names() {
+    if (names_.empty()) return;
+    text_.line("$PhysicalNames");
+    text_.line(std::to_string(names_.all().size()));
+    for (const auto& [key, unused] : names_.all()) {
+      text_.numbers(key.dimension, key.ref);
+      text_.word(quoted_name(names_.name(key.dimension, key.ref)));
+      text_.end_line();
+    }
+    text_.line("$EndPhysicalNames");
+  }
+
+  void write_group(std::int32_t ref) {
+    size(ref != 0);
+    if (ref != 0) integer(ref);
+  }
+
+  void write_entities() {
+    text_.line("$Entities");
+    size(mesh_.corners.size());
+    for (std::size_t d = 1; d <= 3; ++d) size(tags_[d].size());
+    end_row();
+    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
+      integer(static_cast<std::int32_t>(i + 1));
+      for (int c = 0; c < 3; ++c) real(mesh_.points[mesh_.corners[i]][c]);
+      write_group(mesh_.point_refs[mesh_.corners[i]]);
+      end_row();
+    }
+    const auto [low, high] = bounds();
+    for (std::size_t d = 1; d <= 3; ++d) {
+      for (const auto& [ref, tag] : tags_[d]) {
+        integer(tag);
+        for (int c = 0; c < 3; ++c) real(low[c]);
+        for (int c = 0; c < 3; ++c) real(high[c]);
+        write_group(ref);
+        size(0);  // entities that bound it
+        end_row();
+      }
+    }
+    end_section("$EndEntities");
+  }
+
+  std::pair<Point, Point> bounds() const {
+    if (mesh_.points.empty()) return {};
+    Point low = mesh_.points[0], high = low;
+    for (const Point& p : mesh_.points) {
+      for (int c = 0; c < 3; ++c) {
+        low[c] = std::min(low[c], p[c]);
+        high[c] = std::max(high[c], p[c]);
+      }
+    }
+    return {low, high};
+  }
+
+  /// All in one block, in their order, of the entity of the highest dimension.
+  void write_nodes_4() {
+    const std::size_t n = mesh_.points.size();
+    text_.line("$Nodes");
+    for (const std::uint64_t value : {std::uint64_t{n > 0}, n, std::uint64_t{n > 0}, n}) size(value);
+    end_row();
+    if (n > 0) {
+      std::int32_t dimension = 3;
+      while (dimension > 0 && tags_[static_cast<std::size_t>(dimension)].empty()) --dimension;
+      integer(dimension);
+      integer(dimension == 0 ? 1 : tags_[static_cast<std::size_t>(dimension)].begin()->second);
+      integer(0);  // not parametric
+      size(n);
+      end_row();
+    }
+    for (std::size_t i = 1; i <= n; ++i) {
+      size(i);
+      end_row();
+    }
+    for (const Point& p : mesh_.points) write_point(p);
+    end_section("$EndNodes");
+  }
+
+  void write_point(const Point& p) {
+    for (int c = 0; c < 3; ++c) real(p[c]);
+    end_row();
+  }
+
+  std::uint64_t num_elements() const {
+    return mesh_.corners.size() + mesh_.edges.size() + mesh_.triangles.size() + mesh_.tets.size();
+  }
+
+  void write_elements_4() {
+    const std::uint64_t n = num_elements();
+    text_.line("$Elements");
+    size(mesh_.corners.size() + tags_[1].size() + tags_[2].size() + tags_[3].size());
+    for (const std::uint64_t value : {n, std::uint64_t{n > 0}, n}) size(value);
+    end_row();
+    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
+      begin_block(0, static_cast<std::int32_t>(i + 1), kPoint, 1);
+      write_element_4(std::array<std::uint32_t, 1>{mesh_.corners[i]});
+    }
+    write_blocks(1, kLine, mesh_.edges, mesh_.edge_refs);
+    write_blocks(2, kTriangle, mesh_.triangles, mesh_.triangle_refs);
+    write_blocks(3, kTetrahedron, mesh_.tets, mesh_.tet_refs);
+    end_section("$EndElements");
+  }
+
+  void begin_block(std::int32_t dimension, std::int32_t entity, std::int32_t type, std::uint64_t count) {
+    integer(dimension);
+    integer(entity);
+    integer(type);
+    size(count);
+    end_row();
+  }
+
+  template <std::size_t N>
+  void write_element_4(const std::array<std::uint32_t, N>& nodes) {
+    size(++last_element_);
+    for (const std::uint32_t node : nodes) size(std::uint64_t{node} + 1);
+    end_row();
+  }
+
+  template <class Elements>
+  void write_blocks(std::int32_t dimension, std::int32_t type, const Elements& elements,
+                    const std::vector<std::int32_t>& refs) {
+    for (const auto& [ref, indices] : indices_by_ref(refs)) {
+      begin_block(dimension, tags_[static_cast<std::size_t>(dimension)].at(ref), type, indices.size());
+      for (const std::uint32_t i : indices) write_element_4(elements[i]);
+    }
+  }
+
+  void check_limits_2() const {
+    if (std::max<std::uint64_t>(num_elements(), mesh_.points.size()) <=
+        static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())) {
+      return;
+    }
+    throw InputError(name_, "", "too large for MSH 2.2: write 4.1");
+  }
+
+  void write_nodes_2() {
+    text_.line("$Nodes");
+    text_.line(std::to_string(mesh_.points.size()));
+    for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
+      size(i + 1);
+      write_point(mesh_.points[i]);
+    }
+    end_section("$EndNodes");
+  }
+
+  void write_elements_2() {
+    text_.line("$Elements");
+    text_.line(std::to_string(num_elements()));
+    begin_elements_2(kPoint, mesh_.corners.size());
+    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
+      const std::uint32_t corner = mesh_.corners[i];
+      write_element_2(kPoint, mesh_.point_refs[corner], static_cast<std::int32_t>(i + 1),
+                      std::array<std::uint32_t, 1>{corner});
+    }
+    write_elements_2(kLine, mesh_.edges, mesh_.edge_refs, tags_[1]);
+    write_elements_2(kTriangle, mesh_.triangles, mesh_.triangle_refs, tags_[2]);
+    write_elements_2(kTetrahedron, mesh_.tets, mesh_.tet_refs, tags_[3]);
+    end_section("$EndElements");
+  }
+
+  template <class Elements>
+  void write_elements_2(std::int32_t type, const Elements& elements, const std::vector<std::int32_t>& refs,
+                        const std::map<std::int32_t, std::int32_t>& tags) {
+    begin_elements_2(type, elements.size());
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      write_element_2(type, refs[i], tags.at(refs[i]), elements[i]);
+    }
+  }
+
+  void begin_elements_2(std::int32_t type, std::size_t count) {
+    if (!binary_ || count == 0) return;
+    integer(type);
+    integer(static_cast<std::int32_t>(count));
+    integer(2);  // tags
+  }
+
+  template <std::size_t N>
+  void write_element_2(std::int32_t type, std::int32_t ref, std::int32_t tag,
+                       const std::array<std::uint32_t, N>& nodes) {
+    size(++last_element_);
+    if (!binary_) {
+      integer(type);
+      integer(2);
+    }
+    integer(ref);
+    integer(tag);
+    for (const std::uint32_t node : nodes) size(std::uint64_t{node} + 1);
+    end_row();
+  }
+
+  void write_field(std::size_t i) {
+    const Field& field = fields_.fields[i];
+    const auto length = static_cast<std::size_t>(components(field.kind));
+    if (mesh_.points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+      throw InputError(name_, "", "too many nodes for MSH node data");
+    }
+    text_.line("$NodeData\n1\n" + quoted_name(field_name(fields_, i)) + "\n1\n0\n3\n0");
+    text_.line(std::to_string(length == 6 ? 9 : length) + "\n" + std::to_string(mesh_.points.size()));
+    for (std::size_t p = 0; p < mesh_.points.size(); ++p) {
+      integer(static_cast<std::int32_t>(p + 1));
+      const double* values = field.values.data() + p * length;
+      if (length == 6) {
+        for (const int place : kFullTensorPlaces) real(values[place]);
+      } else {
+        for (std::size_t c = 0; c < length; ++c) real(values[c]);
+      }
+      end_row();
+    }
+    end_section("$EndNodeData");
+  }
+
+  std::string name_;
+  AtomicFile file_;
+  TextOutput text_;
+  const MeshData& mesh_;
+  const SolutionData& fields_;
+  const RefNames& names_;
+  int version_;
+  bool binary_;
+  std::array<std::map<std::int32_t, std::int32_t>, 4> tags_;  ///< by dimension: entity of a reference
+  std::uint64_t last_element_ = 0;
+};
+
+}  // namespace
+
+MeshContents read_gmsh(const std::filesystem::path& path) {
+  const FileBytes file(path);
+  Cursor in(file.name(), file.bytes());
+  MeshContents contents;
+  Reader(in, contents).read();
+  contents.complete();
+  return contents;
+}
+
+void write_gmsh(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
+  check_lengths(contents.mesh, contents.fields);
+  Writer(path, contents, options).write();
+}
+
+}  // namespace weft::meshing

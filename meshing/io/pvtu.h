@@ -1,0 +1,20 @@
+// Parallel VTK unstructured grids (.pvtu): an index of .vtu pieces.
+#pragma once
+
+#include <filesystem>
+
+#include "meshing/io/mesh_contents.h"
+
+namespace weft::meshing {
+
+/// Reads all pieces as one mesh. Points are the same where their global IDs are (point data that PointData
+/// names as GlobalIds, or called GlobalPointIds), without IDs where their coordinates are. Ghost cells are
+/// left out.
+MeshContents read_pvtu(const std::filesystem::path& path);
+
+/// Writes NAME_0.vtu, NAME_1.vtu, ... beside NAME.pvtu, the index last: tets, triangles and edges in equal
+/// shares of their order, points with global IDs.
+void write_pvtu(const std::filesystem::path& path, const MeshView& contents,
+                const WriteOptions& options = {});
+
+}  // namespace weft::meshing

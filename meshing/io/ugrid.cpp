@@ -1,0 +1,301 @@
+// UGRID: seven counts, points, boundary faces, their IDs, volume elements, and optionally IDs of these.
+#include "meshing/io/ugrid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "meshing/error.h"
+#include "meshing/io/atomic_file.h"
+#include "meshing/io/cursor.h"
+#include "meshing/io/input_file.h"
+#include "meshing/io/text_output.h"
+
+namespace weft::meshing {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Encoding {
+  bool ascii = false, swapped = false;
+  std::uint64_t integer_size = 4, real_size = 8;
+};
+
+struct NamedEncoding {
+  std::string_view suffix;
+  Encoding encoding;
+};
+constexpr std::array<NamedEncoding, 6> kEncodings = {{{".lb8", {false, false, 4, 8}},
+                                                      {".b8", {false, true, 4, 8}},
+                                                      {".lb8l", {false, false, 8, 8}},
+                                                      {".b8l", {false, true, 8, 8}},
+                                                      {".lb4", {false, false, 4, 4}},
+                                                      {".b4", {false, true, 4, 4}}}};
+
+bool is_fortran(std::string_view suffix) {
+  return suffix == ".r8" || suffix == ".lr8" || suffix == ".r4" || suffix == ".lr4";
+}
+
+Encoding encoding_of(const fs::path& path) {
+  const std::string suffix = path.stem().extension().string();
+  const auto found = std::ranges::find(kEncodings, suffix, &NamedEncoding::suffix);
+  if (found != kEncodings.end()) return found->encoding;
+  if (is_fortran(suffix)) {
+    throw InputError(path.string(), "", "UGRID files of Fortran records (" + suffix + ") are not known here");
+  }
+  return {.ascii = true};
+}
+
+/// NAME.mapbc for NAME.lb8.ugrid and NAME.ugrid.
+fs::path mapbc_beside(const fs::path& path) {
+  fs::path beside = path;
+  beside.replace_extension();
+  if (!encoding_of(path).ascii) beside.replace_extension();
+  beside += ".mapbc";
+  return beside;
+}
+
+struct Counts {
+  std::uint64_t points, triangles, quads, tets, pyramids, prisms, hexes;
+  std::uint64_t volumes() const { return tets + pyramids + prisms + hexes; }
+};
+
+// ---------------------------------------------------------------------------------------------------------
+// Reading
+
+class Reader {
+ public:
+  Reader(Cursor& in, const Encoding& encoding, MeshContents& contents)
+      : in_(in), encoding_(encoding), mesh_(contents.mesh), contents_(contents) {
+    in_.set_swapped(encoding.swapped);
+  }
+
+  void read() {
+    const Counts counts = read_counts();
+    read_points(counts.points);
+    read_elements("triangle", counts.triangles, mesh_.triangles);
+    skip_elements("quadrilateral", counts.quads, 4);
+    read_refs("surface ID", counts.triangles, mesh_.triangle_refs);
+    skip_elements("surface ID of quadrilateral", counts.quads, 1);
+    read_elements("tet", counts.tets, mesh_.tets);
+    skip_elements("pyramid", counts.pyramids, 5);
+    skip_elements("prism", counts.prisms, 6);
+    skip_elements("hexahedron", counts.hexes, 8);
+    contents_.drop("quadrilaterals", counts.quads);
+    contents_.drop_volumes("pyramids", counts.pyramids);
+    contents_.drop_volumes("prisms", counts.prisms);
+    contents_.drop_volumes("hexahedra", counts.hexes);
+    read_volume_ids(counts);
+  }
+
+ private:
+  std::int64_t integer() {
+    if (encoding_.ascii) return in_.text_integer();
+    return encoding_.integer_size == 8 ? in_.value<std::int64_t>() : in_.value<std::int32_t>();
+  }
+  double real() {
+    if (encoding_.ascii) return in_.text_real();
+    return encoding_.real_size == 8 ? in_.value<double>() : in_.value<float>();
+  }
+  /// The least bytes that a number can take; in text a digit.
+  std::uint64_t integer_size() const { return encoding_.ascii ? 1 : encoding_.integer_size; }
+
+  Counts read_counts() {
+    in_.enter("header");
+    std::array<std::uint64_t, 7> n;
+    for (std::uint64_t& count : n) {
+      const std::int64_t value = integer();
+      if (value < 0) in_.fail("a count is " + std::to_string(value) + ": damaged, or not what its name says");
+      count = in_.entity_count(static_cast<std::uint64_t>(value));
+    }
+    return {n[0], n[1], n[2], n[3], n[4], n[5], n[6]};
+  }
+
+  void read_points(std::uint64_t count) {
+    in_.enter("node");
+    in_.require(count, 3 * (encoding_.ascii ? 1 : encoding_.real_size));
+    mesh_.points.resize(count);
+    for (Point& p : mesh_.points) {
+      in_.next_row();
+      for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    }
+  }
+
+  template <std::size_t N>
+  void read_elements(const char* name, std::uint64_t count,
+                     std::vector<std::array<std::uint32_t, N>>& elements) {
+    in_.enter(name);
+    in_.require(count, N * integer_size());
+    elements.resize(count);
+    for (auto& element : elements) {
+      in_.next_row();
+      for (std::uint32_t& v : element) v = in_.index(integer(), 1, mesh_.points.size());
+    }
+  }
+
+  void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs) {
+    in_.enter(name);
+    in_.require(count, integer_size());
+    refs.resize(count);
+    for (std::int32_t& ref : refs) {
+      in_.next_row();
+      ref = in_.ref(integer());
+    }
+  }
+
+  void skip_elements(const char* name, std::uint64_t count, std::uint64_t nodes) {
+    in_.enter(name);
+    in_.require(count, nodes * integer_size());
+    if (!encoding_.ascii) {
+      in_.take(count * nodes * integer_size());
+      return;
+    }
+    for (std::uint64_t i = 0; i < count; ++i) {
+      in_.next_row();
+      for (std::uint64_t n = 0; n < nodes; ++n) integer();
+    }
+  }
+
+  /// What may follow: the number of tets in boundary layers, and an ID for every volume element.
+  void read_volume_ids(const Counts& counts) {
+    in_.enter("");
+    if (encoding_.ascii) in_.skip_blanks();
+    if (in_.at_end()) return;
+    const bool fits = encoding_.ascii || in_.remaining() == (1 + counts.volumes()) * integer_size();
+    if (!fits || counts.volumes() == 0) {
+      in_.fail("the file is longer than its header says, or has optional data that are not read");
+    }
+    in_.enter("header of volume IDs");
+    integer();
+    read_refs("volume ID", counts.tets, mesh_.tet_refs);
+    skip_elements("volume ID", counts.volumes() - counts.tets, 1);
+    in_.enter("");
+    if (encoding_.ascii) in_.skip_blanks();
+    if (!in_.at_end()) in_.fail("there is more in the file than its header says");
+  }
+
+  Cursor& in_;
+  const Encoding encoding_;
+  MeshData& mesh_;
+  MeshContents& contents_;
+};
+
+/// A .mapbc: the number of lines, then lines of surface ID, boundary condition, name. Conditions are dropped.
+void read_mapbc(const fs::path& path, MeshContents& contents) {
+  const FileBytes file(path);
+  Cursor in(file.name(), file.bytes());
+  in.enter("header");
+  const std::uint64_t count = in.text_count();
+  in.line();
+  in.enter("boundary");
+  for (std::uint64_t i = 0; i < count; ++i) {
+    in.next_row();
+    const std::int32_t ref = in.ref(in.text_integer());
+    in.text_integer();
+    const std::string_view name = trimmed(in.line());
+    if (!name.empty()) contents.names.set(2, ref, std::string(name));
+    contents.drop("boundary conditions of " + path.filename().string());
+  }
+}
+
+// ---------------------------------------------------------------------------------------------------------
+// Writing
+
+class Writer {
+ public:
+  Writer(const fs::path& path, const MeshData& mesh)
+      : name_(path.string()), file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
+    const std::uint64_t most = std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()});
+    if (encoding_.integer_size == 4 && !std::in_range<std::int32_t>(most)) {
+      throw InputError(name_, "",
+                       "too large for the 32-bit integers of this UGRID encoding: use .lb8l.ugrid");
+    }
+  }
+
+  void write() {
+    for (const std::uint64_t count : {mesh_.points.size(), mesh_.triangles.size(), std::size_t{0},
+                                      mesh_.tets.size(), std::size_t{0}, std::size_t{0}, std::size_t{0}}) {
+      integer(static_cast<std::int64_t>(count));
+    }
+    end_row();
+    for (const Point& p : mesh_.points) {
+      for (int c = 0; c < 3; ++c) real(p[c]);
+      end_row();
+    }
+    write_elements(mesh_.triangles);
+    write_refs(mesh_.triangle_refs);
+    write_elements(mesh_.tets);
+    if (std::ranges::any_of(mesh_.tet_refs, [](std::int32_t ref) { return ref != 0; })) {
+      integer(0);  // tets in boundary layers
+      end_row();
+      write_refs(mesh_.tet_refs);
+    }
+    file_.commit();
+  }
+
+ private:
+  template <class T>
+  void value(T value) {
+    file_.write_value(encoding_.swapped ? byte_swapped(value) : value);
+  }
+  void integer(std::int64_t number) {
+    if (encoding_.ascii) return text_.number(number);
+    encoding_.integer_size == 8 ? value(number) : value(static_cast<std::int32_t>(number));
+  }
+  void real(double number) {
+    if (encoding_.ascii) return text_.number(number);
+    if (encoding_.real_size == 8) return value(number);
+    if (std::abs(number) > std::numeric_limits<float>::max()) {
+      throw InputError(name_, "", "a coordinate is too large for 32-bit reals");
+    }
+    value(static_cast<float>(number));
+  }
+  void end_row() {
+    if (encoding_.ascii) text_.end_line();
+  }
+
+  template <class Elements>
+  void write_elements(const Elements& elements) {
+    for (const auto& element : elements) {
+      for (const std::uint32_t v : element) integer(std::int64_t{v} + 1);
+      end_row();
+    }
+  }
+  void write_refs(const std::vector<std::int32_t>& refs) {
+    for (const std::int32_t ref : refs) {
+      integer(ref);
+      end_row();
+    }
+  }
+
+  std::string name_;
+  AtomicFile file_;
+  TextOutput text_;
+  Encoding encoding_;
+  const MeshData& mesh_;
+};
+
+}  // namespace
+
+MeshContents read_ugrid(const fs::path& path) {
+  const Encoding encoding = encoding_of(path);
+  const FileBytes file(path);
+  Cursor in(file.name(), file.bytes());
+  MeshContents contents;
+  Reader(in, encoding, contents).read();
+  contents.complete();
+  if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);
+  return contents;
+}
+
+void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOptions&) {
+  check_lengths(contents.mesh, contents.fields);
+  Writer(path, contents.mesh).write();
+}
+
+}  // namespace weft::meshing

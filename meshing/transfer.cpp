@@ -1,0 +1,124 @@
+// Transfer and its account.
+#include "meshing/transfer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "meshing/error.h"
+#include "meshing/interpolate.h"
+#include "meshing/overlap_projection.h"
+
+namespace weft::meshing {
+namespace {
+
+double volume_of(const MeshData& mesh, std::size_t t) {
+  const auto& [a, b, c, d] = mesh.tets[t];
+  return six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6;
+}
+
+std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
+
+/// All components of all fields, those of one vertex together.
+ValueTable packed(const SolutionData& fields) {
+  ValueTable table;
+  for (const Field& field : fields.fields) table.columns += width(field);
+  table.values.resize(fields.num_points * table.columns);
+  std::size_t first = 0;
+  for (const Field& field : fields.fields) {
+    const std::size_t n = width(field);
+    for (std::size_t v = 0; v < fields.num_points; ++v)
+      std::copy_n(field.values.data() + v * n, n, table.values.data() + v * table.columns + first);
+    first += n;
+  }
+  return table;
+}
+
+void unpack(const ValueTable& table, SolutionData& fields) {
+  std::size_t first = 0;
+  for (Field& field : fields.fields) {
+    const std::size_t n = width(field);
+    for (std::size_t v = 0; v < fields.num_points; ++v)
+      std::copy_n(table.values.data() + v * table.columns + first, n, field.values.data() + v * n);
+    first += n;
+  }
+}
+
+std::vector<ComponentAccount> named_accounts(const SolutionData& fields) {
+  std::vector<ComponentAccount> accounts;
+  for (std::size_t f = 0; f < fields.fields.size(); ++f) {
+    const Field& field = fields.fields[f];
+    const std::string name = field.name.empty() ? "field " + std::to_string(f + 1) : field.name;
+    for (std::size_t c = 1; c <= width(field); ++c) {
+      accounts.emplace_back();
+      accounts.back().name = width(field) == 1 ? name : name + " " + std::to_string(c);
+    }
+  }
+  return accounts;
+}
+
+/// The integral of the square of a function that is linear in a tet.
+double square_integral(double volume, const std::array<double, 4>& u) {
+  const double sum = u[0] + u[1] + u[2] + u[3];
+  return volume / 20 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3] + sum * sum);
+}
+
+void account_differences(const MeshData& from, const ValueTable& old, const ValueTable& back,
+                         std::vector<ComponentAccount>& accounts) {
+  const std::size_t n = old.columns;
+  for (std::size_t t = 0; t < from.tets.size(); ++t) {
+    const double volume = volume_of(from, t);
+    for (std::size_t c = 0; c < n; ++c) {
+      std::array<double, 4> value, difference;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::size_t at = from.tets[t][i] * n + c;
+        value[i] = old.values[at];
+        difference[i] = back.values[at] - value[i];
+        accounts[c].absolute += volume / 4 * std::abs(value[i]);
+      }
+      accounts[c].norm_l2 += square_integral(volume, value);
+      accounts[c].difference_l2 += square_integral(volume, difference);
+    }
+  }
+  for (std::size_t i = 0; i < old.values.size(); ++i) {
+    ComponentAccount& account = accounts[i % n];
+    account.norm_max = std::max(account.norm_max, std::abs(old.values[i]));
+    account.difference_max = std::max(account.difference_max, std::abs(back.values[i] - old.values[i]));
+  }
+  for (ComponentAccount& account : accounts) {
+    account.norm_l2 = std::sqrt(account.norm_l2);
+    account.difference_l2 = std::sqrt(account.difference_l2);
+  }
+}
+
+}  // namespace
+
+Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
+                  TransferMethod method) {
+  Transfer result;
+  result.accounts = named_accounts(fields);
+  const ValueTable old = packed(fields);
+  const std::vector<double> before = integrals(from, old);
+  {
+    const Background background = field_background(from);
+    Interpolation linear = interpolate(background, fields, to);
+    result.fields = std::move(linear.fields);
+    result.outside = linear.outside;
+    result.farthest = linear.farthest;
+    if (method == TransferMethod::conservative) {
+      ValueTable table = packed(result.fields);
+      const std::vector<double> beyond = project(background, old, to, linear.places, before, table);
+      unpack(table, result.fields);
+      for (std::size_t c = 0; c < beyond.size(); ++c) result.accounts[c].beyond_bounds = beyond[c];
+    }
+  }
+  const std::vector<double> after = integrals(to, packed(result.fields));
+  for (std::size_t c = 0; c < before.size(); ++c) {
+    result.accounts[c].integral_before = before[c];
+    result.accounts[c].integral_after = after[c];
+  }
+  account_differences(from, old, packed(interpolate(to, result.fields, from).fields), result.accounts);
+  return result;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,202 @@
+"""`weft loop`: cycles with a real solver, resumption after kills and Ctrl-C, bad configurations."""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import time
+import unittest
+
+from command import WEFT, CommandTest, solution_text
+
+SOLVER = pathlib.Path(os.environ["WEFT_EXAMPLE_SOLVER"]).resolve()
+POISSON = f"{SOLVER} poisson smooth {{mesh}} {{solution}}"
+
+
+class LoopTest(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.box(5)
+        self.config = {"mesh": "box.meshb", "solver": POISSON, "complexities": [300, 600], "adapt": {"threads": 1}}
+
+    def write_config(self, **changes):
+        self.config.update(changes)
+        return self.write("run.json", json.dumps(self.config))
+
+    def loop(self, expect=0, **changes):
+        return self.weft("loop", self.write_config(**changes), expect=expect)
+
+    def fails(self, *says, **changes):
+        done = self.loop(expect=2, **changes)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        for word in ("weft: ", *says):
+            self.assertIn(word, done.stderr)
+
+    def kept(self, cycle):
+        return sorted(path.name for path in (self.folder / f"run/{cycle:03}").iterdir())
+
+    def error(self, cycle):
+        return json.loads((self.folder / f"run/{cycle:03}/solver.log").read_text())["l2_error"]
+
+
+class Cycles(LoopTest):
+    def test_the_error_falls_at_the_rate_of_theory(self):
+        self.loop(complexities=[1000, 2000, 4000], metric={"hgrad": 1.5}, transfer="conservative")
+        rate = math.log(self.error(1) / self.error(3)) / math.log(4)
+        self.assertGreater(rate, 0.95 * 2 / 3)
+        with open(self.folder / "run/cycles.csv") as table:
+            rows = list(csv.DictReader(table))
+        self.assertEqual([row["cycle"] for row in rows], ["0", "1", "2", "3"])
+        self.assertAlmostEqual(float(rows[3]["complexity"]), 4000, delta=100)
+        report = json.loads((self.folder / "run/003/report.json").read_text())
+        self.assertEqual(report["fields"]["transfer"], "conservative")
+
+    def test_everything_is_kept(self):
+        text = self.loop().stdout
+        self.assertIn("cycle 2 of 2: complexity", text)
+        self.assertEqual(self.kept(0), ["done.json", "solution.solb", "solver.log"])
+        self.assertEqual(self.kept(1), ["done.json", "mesh-fields.solb", "mesh.meshb", "mesh.solb", "report.json",
+                                        "solution.solb", "solver.log"])
+        self.weft("verify", "run/002/mesh.meshb", "--against", "box.meshb")
+
+    def test_placeholders_are_quoted(self):
+        self.folder = self.folder / "it's a folder"
+        self.folder.mkdir()
+        self.box(3)
+        say = "echo cycle {cycle} from {restart} with ${HOME:+braces} > said; "
+        self.loop(solver=say + POISSON, complexities=[100], cycles=2, mesh_extension=".mesh", folder="other name")
+        self.assertEqual(self.files(), ["box.meshb", "other name", "run.json", "said"])
+        said = (self.folder / "said").read_text()
+        self.assertTrue(said.startswith("cycle 2 from "), said)
+        self.assertIn("it's a folder/other name/002/mesh-fields.sol with", said)
+        self.assertTrue((self.folder / "other name/002/solution.sol").exists())
+
+
+class Resumption(LoopTest):
+    SLOW = "if [ {cycle} = 2 ] && [ -e slow ]; then echo $$ > pid; exec sleep 100; fi; " + POISSON
+
+    def start_slow(self):
+        """Starts the loop and waits until its solver hangs in cycle 2."""
+        self.write("slow", "")
+        self.write_config(solver=self.SLOW, complexities=[300, 400, 500])
+        process = subprocess.Popen([str(WEFT), "loop", "run.json"], cwd=self.folder, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(process.stdout.close)
+        for _ in range(1000):
+            if (self.folder / "pid").exists() and (self.folder / "pid").read_text().strip():
+                return process, int((self.folder / "pid").read_text())
+            time.sleep(0.05)
+        self.fail("the solver was not started")
+
+    def go_on(self):
+        (self.folder / "slow").unlink()
+        before = (self.folder / "run/001/mesh.meshb").stat().st_mtime_ns
+        text = self.weft("loop", "run.json").stdout
+        self.assertIn("cycles 0 to 1 are done already", text)
+        self.assertIn("cycle 3 of 3", text)
+        self.assertEqual((self.folder / "run/001/mesh.meshb").stat().st_mtime_ns, before)
+
+    def test_after_a_kill(self):
+        process, solver = self.start_slow()
+        process.kill()
+        process.wait()
+        self.assertNotIn("done.json", self.kept(2))
+        self.assertIn("still runs", self.weft("loop", "run.json", expect=2).stderr)
+        os.kill(solver, signal.SIGKILL)
+        time.sleep(0.2)
+        self.go_on()
+
+    def test_after_an_interruption(self):
+        process, solver = self.start_slow()
+        process.send_signal(signal.SIGINT)
+        text, _ = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 1)
+        self.assertIn("interrupted in cycle 2", text)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(solver, 0)
+        self.go_on()
+
+    def test_more_complexities_later(self):
+        self.loop()
+        text = self.loop(complexities=[300, 600, 700]).stdout
+        self.assertIn("cycles 0 to 2 are done already", text)
+        self.assertEqual(text.count("cycle 3 of 3"), 1)
+        self.assertNotIn("cycle 2 of 3", text)
+
+    def test_a_removed_cycle_takes_the_later_ones_with_it(self):
+        self.loop()
+        (self.folder / "run/001/done.json").unlink()
+        text = self.loop().stdout
+        self.assertIn("cycle 1 of 2", text)
+        self.assertIn("cycle 2 of 2", text)
+
+    def test_changed_settings_are_refused(self):
+        self.loop()
+        self.fails("run.json: complexity: has changed since cycle 1", "001", complexities=[301, 600])
+        self.fails("run.json: metric: has changed since cycle 1", complexities=[300, 600], metric={"hgrad": 1.3})
+        self.fails("run.json: solver: has changed since cycle 0", metric={}, solver=POISSON + " ")
+        (self.folder / "run/001/done.json").write_text("{}")
+        self.fails("001/done.json", "no marker", solver=POISSON)
+
+
+class Failures(LoopTest):
+    def test_of_the_solver(self):
+        self.fails("run.json: solver: cycle 0: ended with 3", "solver.log", solver="exit 3 # {mesh} {solution}")
+        self.fails("cycle 0: ended with 137", solver="kill -9 $$ # {mesh} {solution}")
+        self.fails("cycle 0: wrote no", "000/solution.solb", solver="true {mesh} {solution}")
+        self.fails("solution.solb", solver="echo nonsense > {solution} # {mesh}")
+        copy = "cp {} {{solution}} # {{mesh}}"
+        self.write("short.sol", solution_text([(1,)] * 7, kind=1))
+        self.fails("solution.sol", "another mesh", solver=copy.format("short.sol"), solution_extension=".sol")
+        n = 6**3
+        self.write("nan.sol", solution_text([(1,)] * 8 + [("nan",)] + [(1,)] * (n - 9), kind=1))
+        self.fails("solution.sol", "vertex 9", solver=copy.format("nan.sol"))
+        self.write("vector.sol", solution_text([(1, 2, 3)] * n, kind=2))
+        self.fails("solution.sol", "no scalar field", solver=copy.format("vector.sol"))
+        self.assertFalse((self.folder / "run/000/done.json").exists())
+
+    def test_of_a_configuration(self):
+        for changes, says in [
+            ({"mesh": None}, "mesh: must be a string"),
+            ({"mesh": "none.meshb"}, "mesh: there is no file"),
+            ({"solver": ""}, "solver: must be a string"),
+            ({"solver": "run {mesh}"}, "solver: does not say {solution}"),
+            ({"complexities": []}, "complexities: must be a list"),
+            ({"complexities": 1000}, "complexities: must be a list"),
+            ({"complexities": [1, -1]}, "complexities[1]: must be a number above zero"),
+            ({"complexities": [1e999]}, "JSON"),
+            ({"cycles": 1.5}, "cycles: must be a whole number"),
+            ({"cycles": 0}, "cycles: must be a number"),
+            ({"metric": []}, "metric: must be an object"),
+            ({"metric": {"hgrad": "big"}}, "metric.hgrad: must be a number"),
+            ({"metric": {"hgrd": 1}}, "metric.hgrd: is unknown; did you mean hgrad?"),
+            ({"metric": {"norm": 0.5}}, "metric.norm: must be a number from 1"),
+            ({"metric": {"recovery": "guess"}}, "metric.recovery: must be l2 or lsq"),
+            ({"metric": {"hmin": 2, "hmax": 1}}, "metric.hmin: is larger than hmax"),
+            ({"adapt": {"threads": 0}}, "adapt.threads"),
+            ({"adapt": {"ridge_angle": 200}}, "adapt.ridge_angle: must be at most 180"),
+            ({"transfer": "magic"}, "transfer: must be conservative or linear"),
+            ({"mesh_extension": ".stl"}, "mesh_extension: must be one of"),
+            ({"solution_extension": "solb"}, "solution_extension: must begin with a dot"),
+            ({"nonsense": 1}, "nonsense: is unknown"),
+        ]:
+            config = {**self.config, **changes}
+            self.write("bad.json", json.dumps(config))
+            self.assert_fails("loop", "bad.json", says=["bad.json", says])
+        del self.config["mesh"]
+        self.write("bad.json", json.dumps(self.config))
+        self.assert_fails("loop", "bad.json", says="bad.json: mesh: is missing")
+
+    def test_of_the_file(self):
+        self.assert_fails("loop", "none.json", says="none.json: cannot be opened")
+        self.write("bad.json", '{"mesh": "a",\n "solver" }')
+        self.assert_fails("loop", "bad.json", says=["bad.json: is not JSON: at line 2"])
+        self.write("bad.json", "[]")
+        self.assert_fails("loop", "bad.json", says="must be an object")
+        self.assert_fails("loop", says="CONFIG", code=64)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,36 @@
+// One adaptation from files to files, as `weft adapt` and every cycle of `weft loop` run it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "meshing/adapt.h"
+#include "tools/weft/adapt_run.h"
+#include "tools/weft/field_source.h"
+#include "tools/weft/metric_source.h"
+#include "tools/weft/progress.h"
+
+namespace weft::tools {
+
+struct AdaptRequest {
+  std::string input, output;
+  std::string background;  ///< the mesh that the metric belongs to; empty: the input
+  std::string report;      ///< folder for report.json; empty: none
+  MetricRequest metric;
+  FieldRequest fields;  ///< of the input
+  meshing::AdaptOptions options;
+  ProgressStyle progress = ProgressStyle::automatic;
+  bool force = false;                  ///< even if the memory seems too small
+  std::vector<std::string> arguments;  ///< for the report
+};
+
+struct AdaptOutcome {
+  int code;  ///< kDone, or kGoalNotMet with the reasons in `run`
+  AdaptRun run;
+};
+
+/// Writes mesh, metric, fields and report; ends early with the valid mesh reached so far on Ctrl-C. Throws
+/// InputError where no mesh comes about, and CLI::ParseError for a request that makes no sense.
+AdaptOutcome run_adapt(const AdaptRequest& request);
+
+}  // namespace weft::tools
