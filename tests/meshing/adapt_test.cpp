@@ -527,7 +527,8 @@ TEST(AdaptCurved, ABallBecomesRound) {
     EXPECT_NEAR(report.volume, exact, 0.005 * exact);
     EXPECT_NEAR(report.area_by_ref.at(1), 4 * std::numbers::pi, 0.005 * 4 * std::numbers::pi);
     expect_on_surface(result.mesh, mesh);
-    // hausd (0.1 % of the diagonal) is aimed at: a split that would ruin a tet is refused, and the rest reported.
+    // hausd (0.1 % of the diagonal) is aimed at: a split that would ruin a tet is refused, and the rest
+    // reported.
     EXPECT_LE(result.report.surface_deviation, 0.003 * std::sqrt(12.0));
     expect_good(result, {0.75, 0.4, 0.05, 0.88});
     std::set<std::uint32_t> boundary;

@@ -4,7 +4,7 @@ import unittest
 
 from command import CommandTest
 
-SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["convert"]]
+SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["mesh", "ball"], ["mesh", "cylinder"], ["mesh", "delta-wing"], ["convert"]]
 
 
 class Usage(CommandTest):
