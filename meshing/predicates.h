@@ -1,6 +1,7 @@
 // Exact orientation: a fast static filter in front, CGAL's exact predicate behind it.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "meshing/point.h"
@@ -9,6 +10,16 @@ namespace weft::meshing {
 
 /// CGAL's exact sign (-1, 0, 1) of det(b-a, c-a, d-a).
 int orientation_exact(const Point& a, const Point& b, const Point& c, const Point& d);
+/// CGAL's exact side of `e` to the circumsphere of the positive tet (a, b, c, d): 1 inside, -1 outside.
+int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e);
+/// Whether three points lie on one line exactly.
+bool collinear(const Point& a, const Point& b, const Point& c);
+/// For coplanar points: whether c and d lie strictly on the same side of the line through a and b.
+bool on_same_side(const Point& a, const Point& b, const Point& c, const Point& d);
+/// Whether closed triangles, or a closed segment and a closed triangle, have a point in common. None may be
+/// degenerate.
+bool triangles_meet(const std::array<Point, 3>& s, const std::array<Point, 3>& t);
+bool segment_meets_triangle(const Point& a, const Point& b, const std::array<Point, 3>& t);
 
 /// Sign of det(b-a, c-a, d-a): from doubles where a forward error bound (Shewchuk 1997, stage A:
 /// 7.8e-16 times the permanent) proves it, from CGAL otherwise.

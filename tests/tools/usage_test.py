@@ -4,8 +4,8 @@ import unittest
 
 from command import CommandTest
 
-SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["convert"],
-               ["interpolate"], ["loop"]]
+SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["mesh", "ball"], ["mesh", "cylinder"],
+               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"]]
 
 
 class Usage(CommandTest):

@@ -1,0 +1,62 @@
+// Coarse to fine: each pass's mesh carries the sizes of the next, because a grid without inner points cannot.
+#include "meshing/initial/fill_volume.h"
+
+#include <numeric>
+
+#include "meshing/initial/point_distribution.h"
+#include "meshing/io/point_merger.h"
+
+namespace weft::meshing {
+namespace {
+
+/// The grid with a surface that adapt() leaves alone.
+MeshData with_fixed_surface(const MeshData& grid) {
+  MeshData mesh = grid;
+  mesh.required_triangles.resize(mesh.triangles.size());
+  std::iota(mesh.required_triangles.begin(), mesh.required_triangles.end(), 0u);
+  return mesh;
+}
+
+/// Replaces what adapt() lists (every edge of a required triangle) by what the grid listed; points that have
+/// not moved are known by their coordinates.
+void restore_lists(const MeshData& grid, MeshData& mesh) {
+  std::vector<Point> points;
+  PointMerger merger(points);
+  merger.reserve(mesh.points.size());
+  for (const Point& p : mesh.points) merger.index(p);
+  mesh.required_triangles.clear();
+  mesh.required_edges.clear();
+  mesh.required_points.clear();
+  mesh.corners.clear();
+  mesh.edges.clear();
+  mesh.edge_refs = grid.edge_refs;
+  mesh.ridges = grid.ridges;
+  for (const auto& [a, b] : grid.edges)
+    mesh.edges.push_back({merger.index(grid.points[a]), merger.index(grid.points[b])});
+  for (const std::uint32_t v : grid.corners) mesh.corners.push_back(merger.index(grid.points[v]));
+}
+
+AdaptResult fill_by_distribution(const MeshData& start, const FillOptions& options) {
+  const PointDistribution sizes(start, options.growth, options.size);
+  AdaptResult result;
+  result.mesh = start;
+  for (const double factor : {4.0, 1.0}) {
+    const MeshData input = std::move(result.mesh);
+    const LogMetricField metric = sizes.sample(input.points, factor);
+    result = adapt(input, {&input, &metric}, options.adapt);
+    if (result.report.interrupted) break;
+  }
+  return result;
+}
+
+}  // namespace
+
+AdaptResult fill_volume(const MeshData& grid, const FillOptions& options) {
+  const MeshData start = options.remesh_surface ? grid : with_fixed_surface(grid);
+  AdaptResult result = options.background.mesh ? adapt(start, options.background, options.adapt)
+                                               : fill_by_distribution(start, options);
+  if (!options.remesh_surface) restore_lists(grid, result.mesh);
+  return result;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,145 @@
+// A tree of boxes proposes pairs, exact predicates decide.
+#include "meshing/initial/self_intersections.h"
+
+#include <tbb/concurrent_vector.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "meshing/box.h"
+#include "meshing/predicates.h"
+
+namespace weft::meshing {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+bool overlap(const Box& a, const Box& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.lo[i] > b.hi[i] || b.lo[i] > a.hi[i]) return false;
+  return true;
+}
+
+/// A balanced tree in the order of an array: the node of [begin, end) splits at the middle.
+class BoxTree {
+ public:
+  explicit BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    nodes_.resize(4 * boxes_.size() + 4);
+    build(1, 0, order_.size());
+  }
+
+  template <class Visit>
+  void visit_overlapping(const Box& box, const Visit& visit) const {
+    descend(1, 0, order_.size(), box, visit);
+  }
+
+ private:
+  static constexpr std::size_t kLeaf = 4;
+
+  void build(std::size_t node, std::size_t begin, std::size_t end) {
+    Box all, centres;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Box& b = boxes_[order_[i]];
+      all.include(b.lo), all.include(b.hi);
+      centres.include(midpoint(b.lo, b.hi));
+    }
+    nodes_[node] = all;
+    if (end - begin <= kLeaf) return;
+    const Vec size = centres.size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+      const double x = boxes_[a].lo[axis] + boxes_[a].hi[axis], y = boxes_[b].lo[axis] + boxes_[b].hi[axis];
+      return x != y ? x < y : a < b;
+    });
+    build(2 * node, begin, middle);
+    build(2 * node + 1, middle, end);
+  }
+
+  template <class Visit>
+  void descend(std::size_t node, std::size_t begin, std::size_t end, const Box& box,
+               const Visit& visit) const {
+    if (!overlap(nodes_[node], box)) return;
+    if (end - begin <= kLeaf) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (overlap(boxes_[order_[i]], box)) visit(order_[i]);
+      return;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    descend(2 * node, begin, middle, box, visit);
+    descend(2 * node + 1, middle, end, box, visit);
+  }
+
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Box> nodes_;
+};
+
+class PairJudge {
+ public:
+  PairJudge(std::span<const Point> points, std::span<const Triangle> triangles)
+      : points_(points), triangles_(triangles) {}
+
+  std::array<Point, 3> corners(std::uint32_t t) const {
+    const Triangle& v = triangles_[t];
+    return {points_[v[0]], points_[v[1]], points_[v[2]]};
+  }
+
+  /// Whether two triangles meet outside the vertices that they share.
+  bool meet(std::uint32_t s, std::uint32_t t) const {
+    Triangle a = triangles_[s], b = triangles_[t];
+    const int shared = bring_shared_first(a, b);
+    if (shared == 0) return triangles_meet(corners(s), corners(t));
+    if (shared == 1)
+      return segment_meets_triangle(points_[a[1]], points_[a[2]], corners(t)) ||
+             segment_meets_triangle(points_[b[1]], points_[b[2]], corners(s));
+    if (shared == 3) return true;
+    const Point &p = points_[a[0]], &q = points_[a[1]], &x = points_[a[2]], &y = points_[b[2]];
+    return orientation(p, q, x, y) == 0 && on_same_side(p, q, x, y);
+  }
+
+ private:
+  /// Reorders both so that the vertices they share stand first, in the same order; returns their number.
+  static int bring_shared_first(Triangle& a, Triangle& b) {
+    std::size_t shared = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = shared; j < 3; ++j)
+        if (a[i] == b[j]) {
+          std::swap(a[i], a[shared]);
+          std::swap(b[j], b[shared]);
+          ++shared;
+          break;
+        }
+    return static_cast<int>(shared);
+  }
+
+  std::span<const Point> points_;
+  std::span<const Triangle> triangles_;
+};
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Point> points,
+                                                             std::span<const Triangle> triangles,
+                                                             std::size_t most) {
+  const PairJudge judge(points, triangles);
+  std::vector<Box> boxes(triangles.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (const Point& p : judge.corners(t)) boxes[t].include(p);
+  const BoxTree tree(boxes);
+  tbb::concurrent_vector<std::array<std::uint32_t, 2>> found;
+  tbb::parallel_for(0u, static_cast<std::uint32_t>(triangles.size()), [&](std::uint32_t s) {
+    tree.visit_overlapping(boxes[s], [&](std::uint32_t t) {
+      if (s < t && judge.meet(s, t)) found.push_back({s, t});
+    });
+  });
+  std::vector<std::array<std::uint32_t, 2>> pairs(found.begin(), found.end());
+  std::sort(pairs.begin(), pairs.end());
+  if (pairs.size() > most) pairs.resize(most);
+  return pairs;
+}
+
+}  // namespace weft::meshing

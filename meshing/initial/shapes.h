@@ -1,0 +1,28 @@
+// Surfaces of simple bodies to start from: `weft mesh ball` and its like.
+#pragma once
+
+#include "meshing/mesh_data.h"
+#include "meshing/point.h"
+
+namespace weft::meshing {
+
+struct BallOptions {
+  Point center;
+  double radius = 1, size = 0.1;
+};
+/// A sphere of triangles with edges of about `size`: a divided icosahedron, reference 1. Throws InputError
+/// for sizes that ask for more points than 32-bit indices name.
+MeshData ball_surface(const BallOptions& options);
+
+struct CylinderOptions {
+  Point base;  ///< centre of the lower end
+  double radius = 1, height = 2, size = 0.1;
+};
+/// An upright cylinder. References: 1 side, 2 lower end, 3 upper end; the end circles are ridges.
+MeshData cylinder_surface(const CylinderOptions& options);
+
+/// UGAWG's delta wing in its far-field box, of the fewest triangles there are. References: 1 top, 2 bottom, 3
+/// bevel, 4 back face, 5 x min, 6 x max, 7 symmetry plane y = 0, 8 y max, 9 z min, 10 z max.
+MeshData delta_wing_surface();
+
+}  // namespace weft::meshing

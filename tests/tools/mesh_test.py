@@ -1,0 +1,70 @@
+"""`weft mesh`: from surfaces and of simple bodies, as a user meets it."""
+
+import unittest
+
+from command import CommandTest
+
+CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+SQUARES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+
+
+def cube_obj(shift=0.0, squares=SQUARES, first=1):
+    """Vertices and triangles of a unit cube moved along (1, 1, 1)."""
+    lines = [f"v {x + shift} {y + shift} {z + shift}\n" for x, y, z in CORNERS]
+    for a, b, c, d in squares:
+        lines += [f"f {first + a} {first + b} {first + c}\n", f"f {first + a} {first + c} {first + d}\n"]
+    return "".join(lines)
+
+
+class Mesh(CommandTest):
+    def verified(self, *words, says=()):
+        done = self.weft("mesh", *words, "-o", "out.meshb", "--progress", "none")
+        for word in says:
+            self.assertIn(word, done.stdout)
+        self.assertIn("conforms", self.weft("verify", "out.meshb").stdout)
+        return done
+
+    def test_surface_to_volume(self):
+        self.write("cube.obj", cube_obj())
+        self.verified("cube.obj", says=["12 triangles", "1 region", "dihedral"])
+        self.verified("cube.obj", "--remesh-surface", "--size", "0.3")
+
+    def test_every_surface_format(self):
+        self.write("cube.obj", cube_obj())
+        for name in ("cube.stl", "cube.ply", "cube.meshb", "cube.msh"):
+            self.weft("convert", "cube.obj", name)
+            self.verified(name, says=["12 triangles"])
+
+    def test_bodies(self):
+        self.verified("ball", "--size", "0.4")
+        self.verified("cylinder", "--size", "0.4", "--height", "1")
+        self.verified("delta-wing")
+
+    def test_background(self):
+        self.write("cube.obj", cube_obj())
+        self.weft("mesh", "box", "-o", "bg.meshb", "--cells", "2", "2", "2", "--min", -1, -1, -1, "--max", 2, 2, 2)
+        self.weft("metric", "bg.meshb", "--metric-fn", "uniform:0.25", "-o", "sizes.solb")
+        self.verified("cube.obj", "--background", "bg.meshb", "--metric", "sizes.solb", "--remesh-surface")
+        self.assert_fails("mesh", "cube.obj", "-o", "x.meshb", "--background", "bg.meshb", says="--metric", code=64)
+
+    def test_refuses_open_surface(self):
+        self.write("open.obj", cube_obj(squares=SQUARES[:-1]))
+        self.assert_fails("mesh", "open.obj", "-o", "x.meshb", "--quiet", says=["open.obj", "triangle", "open", "4 such edges"])
+
+    def test_refuses_self_intersection(self):
+        self.write("two.obj", cube_obj() + cube_obj(0.4, first=9))
+        self.assert_fails("mesh", "two.obj", "-o", "x.meshb", "--quiet", says=["two.obj", "intersects itself", "triangles"])
+
+    def test_refuses_no_surface(self):
+        self.write("empty.obj", "v 0 0 0\n")
+        self.assert_fails("mesh", "empty.obj", "-o", "x.meshb", "--quiet", says="empty.obj")
+        self.assert_fails("mesh", "missing.stl", "-o", "x.meshb", "--quiet", says="missing.stl")
+
+    def test_same_bytes_with_one_thread(self):
+        self.weft("mesh", "ball", "--size", "0.4", "--threads", 1, "-o", "a.meshb", "--quiet")
+        self.weft("mesh", "ball", "--size", "0.4", "--threads", 1, "-o", "b.meshb", "--quiet")
+        self.assertEqual((self.folder / "a.meshb").read_bytes(), (self.folder / "b.meshb").read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main()
