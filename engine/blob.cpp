@@ -1,5 +1,6 @@
-// Memory of large blocks, recycled: the first touch of fresh pages costs several times what copying a message into them
-// does (measured: 1.7 GB/s into fresh pages, 8 to 12 into used ones; tbbmalloc gives blocks of 64 MiB back at once).
+// Memory of large blocks, recycled: the first touch of fresh pages costs several times what copying a message
+// into them does (measured: 1.7 GB/s into fresh pages, 8 to 12 into used ones; tbbmalloc gives blocks of 64
+// MiB back at once).
 #include "engine/blob.h"
 
 #include <sys/mman.h>

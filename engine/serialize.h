@@ -63,13 +63,16 @@ class Packer;
 class Unpacker;
 
 template <class T, class Archive>
-concept HasSerialize =
-    requires(std::remove_const_t<T>& value, Archive& archive) { value.serialize(archive); };
+concept HasSerialize = requires(std::remove_const_t<T>& value, Archive& archive) {
+  value.serialize(archive);
+};
 
-/// Types whose bytes may not be copied although C++ allows it: they point elsewhere, consist of parts that may have a
-/// serialize(), or have bytes that stand for no value and are undefined behaviour when a damaged message holds them.
+/// Types whose bytes may not be copied although C++ allows it: they point elsewhere, consist of parts that
+/// may have a serialize(), or have bytes that stand for no value and are undefined behaviour when a damaged
+/// message holds them.
 template <class T>
-inline constexpr bool kIsOpaque = std::is_pointer_v<T> || std::is_member_pointer_v<T> || std::is_same_v<T, bool>;
+inline constexpr bool kIsOpaque =
+    std::is_pointer_v<T> || std::is_member_pointer_v<T> || std::is_same_v<T, bool>;
 template <class T>
 inline constexpr bool kIsOpaque<const T> = kIsOpaque<T>;
 template <class T>
@@ -89,17 +92,19 @@ inline constexpr bool kIsOpaque<std::basic_string_view<C, Traits>> = true;
 template <class T>
 inline constexpr bool kIsOpaque<std::reference_wrapper<T>> = true;
 
-/// Bytes that may be copied as they are. A type with a serialize() of its own uses that; pointers and views never pass,
-/// except inside a struct, where they cannot be seen.
+/// Bytes that may be copied as they are. A type with a serialize() of its own uses that; pointers and views
+/// never pass, except inside a struct, where they cannot be seen.
 template <class T>
 concept PlainData = std::is_trivially_copyable_v<T> && !kIsOpaque<T> && !HasSerialize<T, Packer>;
 
 /// Values that can travel.
 template <class T>
-concept Packable = requires(Packer& packer, T& value) { packer(value); };
+concept Packable = requires(Packer& packer, T& value) {
+  packer(value);
+};
 
-/// Writes values into a payload. Arrays of plain data of at least kSegmentBytes become segments: moved, not copied, when
-/// the packer may consume what it packs (the arguments of a message, an object that leaves).
+/// Writes values into a payload. Arrays of plain data of at least kSegmentBytes become segments: moved, not
+/// copied, when the packer may consume what it packs (the arguments of a message, an object that leaves).
 class Packer {
  public:
   static constexpr bool kPacks = true;
@@ -125,16 +130,16 @@ class Packer {
   }
   void pack(const bool& value) { raw(&value, sizeof value); }
   template <class T>
-    requires HasSerialize<T, Packer>
+  requires HasSerialize<T, Packer>
   void pack(T& value) {
-    // serialize() is written once for both directions, so it cannot be const; what is const is never consumed.
+    // serialize() is written once for both directions, so it cannot be const; what is const is never
+    // consumed.
     const bool consume = std::exchange(consume_, consume_ && !std::is_const_v<T>);
     const_cast<std::remove_const_t<T>&>(value).serialize(*this);
     consume_ = consume;
   }
   template <class T, std::size_t N>
-    requires(!PlainData<std::array<T, N>>)
-  void pack(std::array<T, N>& values) {
+  requires(!PlainData<std::array<T, N>>) void pack(std::array<T, N>& values) {
     for (T& value : values) pack(value);
   }
   void pack(Blob& value) { blob(consume_ ? std::move(value) : copy_of(value.data(), value.size())); }
@@ -226,8 +231,8 @@ class Packer {
   Payload payload_;
 };
 
-/// Reads values out of a payload, in the order in which they were written. Throws UnpackError at whatever does not fit:
-/// counts are compared with the bytes that are left before anything is allocated.
+/// Reads values out of a payload, in the order in which they were written. Throws UnpackError at whatever
+/// does not fit: counts are compared with the bytes that are left before anything is allocated.
 class Unpacker {
  public:
   static constexpr bool kPacks = false;
@@ -260,13 +265,10 @@ class Unpacker {
   }
   void unpack(bool& value) { value = flag(); }
   template <class T>
-    requires HasSerialize<T, Unpacker>
-  void unpack(T& value) {
-    value.serialize(*this);
-  }
+  requires HasSerialize<T, Unpacker>
+  void unpack(T& value) { value.serialize(*this); }
   template <class T, std::size_t N>
-    requires(!PlainData<std::array<T, N>>)
-  void unpack(std::array<T, N>& values) {
+  requires(!PlainData<std::array<T, N>>) void unpack(std::array<T, N>& values) {
     for (T& value : values) unpack(value);
   }
   void unpack(Blob& value) { value = blob(); }

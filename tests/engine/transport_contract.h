@@ -351,9 +351,9 @@ inline void idles_cheaply(Player& me) {
   me.meet();
 }
 
-/// A packet wakes a rank that sleeps: rank 0 sends one to the sleeping rank 1, which answers while rank 0 sleeps. How soon
-/// is printed, and measured in the benchmark; the bound is that of a machine on which a rank that has been woken has to wait
-/// long for a processor.
+/// A packet wakes a rank that sleeps: rank 0 sends one to the sleeping rank 1, which answers while rank 0
+/// sleeps. How soon is printed, and measured in the benchmark; the bound is that of a machine on which a rank
+/// that has been woken has to wait long for a processor.
 inline void sleepers_wake_soon(Player& me) {
   constexpr int kTries = 100;
   std::vector<double> delays;
