@@ -198,7 +198,6 @@ void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
       peer.under_way += queue.front().wire_bytes;
       sent_bytes += queue.front().wire_bytes;
     }
-    bytes_sent_ += queue.front().wire_bytes;
     append(packet, std::move(queue.front()));
     queue.pop_front();
     ++header.frames;
@@ -260,7 +259,6 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    bytes_received_ += frame.wire_bytes;
     if (header.phase == phase_) deliver(from, std::move(frame), receive);
   }
 }

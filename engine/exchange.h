@@ -84,8 +84,6 @@ class Exchange {
   double load_of(Rank rank) const { return peers_[rank.index()].load; }
 
   std::uint64_t packets_sent() const { return packets_sent_; }
-  std::uint64_t bytes_sent() const { return bytes_sent_; }
-  std::uint64_t bytes_received() const { return bytes_received_; }
 
  private:
   struct Frame {
@@ -134,8 +132,6 @@ class Exchange {
   bool look_at_kept_ = false;
   double load_ = 0;
   std::uint64_t packets_sent_ = 0;
-  std::uint64_t bytes_sent_ = 0;
-  std::uint64_t bytes_received_ = 0;
 };
 
 }  // namespace weft::engine

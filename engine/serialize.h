@@ -97,12 +97,6 @@ inline constexpr bool kIsOpaque<std::reference_wrapper<T>> = true;
 template <class T>
 concept PlainData = std::is_trivially_copyable_v<T> && !kIsOpaque<T> && !HasSerialize<T, Packer>;
 
-/// Values that can travel.
-template <class T>
-concept Packable = requires(Packer& packer, T& value) {
-  packer(value);
-};
-
 /// Writes values into a payload. Arrays of plain data of at least kSegmentBytes become segments: moved, not
 /// copied, when the packer may consume what it packs (the arguments of a message, an object that leaves).
 class Packer {
