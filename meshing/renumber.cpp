@@ -9,19 +9,10 @@
 #include <vector>
 
 #include "meshing/box.h"
+#include "meshing/morton.h"
 
 namespace weft::meshing {
 namespace {
-
-/// Spreads the low 21 bits of x to every third bit.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFF;
-  x = (x | x << 16) & 0x1F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 Box bounding_box(const TetMesh& mesh) {
   Box b;
@@ -44,7 +35,7 @@ std::vector<VertexId> curve_order(const TetMesh& mesh, std::uint32_t& count) {
   for (int k = 0; k < 3; ++k) scale[k] = box.hi[k] > box.lo[k] ? 2097151.0 / (box.hi[k] - box.lo[k]) : 0;
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
     const Vec d = mesh.point(VertexId(keys[i].vertex)) - box.lo;
-    for (int k = 0; k < 3; ++k) keys[i].code |= spread(static_cast<std::uint64_t>(d[k] * scale[k])) << k;
+    for (int k = 0; k < 3; ++k) keys[i].code |= spread_bits(static_cast<std::uint64_t>(d[k] * scale[k])) << k;
   });
   tbb::parallel_sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
     return a.code != b.code ? a.code < b.code : a.vertex < b.vertex;
