@@ -1,0 +1,53 @@
+// Names of subdomains and of vertices that are valid everywhere.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <ostream>
+
+namespace weft::partition {
+
+/// Number of a subdomain, 0 to N - 1, the same everywhere.
+using SubdomainId = std::uint32_t;
+
+/// A vertex's name for life, wherever its copies are (the paper's pair of subdomain and local number). Those of
+/// the input carry their number in it; new vertices count on from there in the subdomain that creates them.
+/// Identity is by this name only, never by coordinates. Plain data.
+class GlobalId {
+ public:
+  static constexpr int kLocalBits = 40;
+
+  constexpr GlobalId() = default;
+  constexpr GlobalId(SubdomainId owner, std::uint64_t local)
+      : value_((std::uint64_t{owner} + 1) << kLocalBits | local) {}
+  static constexpr GlobalId from_value(std::uint64_t value) {
+    GlobalId id;
+    id.value_ = value;
+    return id;
+  }
+
+  constexpr bool valid() const { return value_ != 0; }
+  constexpr SubdomainId owner() const { return static_cast<SubdomainId>((value_ >> kLocalBits) - 1); }
+  constexpr std::uint64_t local() const { return value_ & ((std::uint64_t{1} << kLocalBits) - 1); }
+  constexpr std::uint64_t value() const { return value_; }  ///< 0 for none
+
+  friend constexpr auto operator<=>(GlobalId, GlobalId) = default;
+  friend std::ostream& operator<<(std::ostream& out, GlobalId id) {
+    return id.valid() ? out << id.owner() << ':' << id.local() : out << "none";
+  }
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+}  // namespace weft::partition
+
+template <>
+struct std::hash<weft::partition::GlobalId> {
+  std::size_t operator()(weft::partition::GlobalId id) const noexcept {
+    std::uint64_t x = id.value() * 0x9E3779B97F4A7C15ull;  // low bits alone are nearly consecutive
+    return x ^ x >> 32;
+  }
+};
