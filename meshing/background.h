@@ -46,6 +46,8 @@ class Background {
   const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
   const MeshData& mesh() const { return mesh_; }
   const Adjacency& adjacency() const { return adjacency_; }
+  /// Gives the adjacency back; nothing may be asked afterwards.
+  Adjacency release_adjacency() { return std::move(adjacency_); }
 
  private:
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;

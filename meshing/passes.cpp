@@ -70,13 +70,9 @@ bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
          1;
 }
 
-Verdict split_longest(Worker& w, TetId t) {
+/// Tries the edges beyond the level's limit, longest first.
+Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v, const std::array<EdgeLength, 6>& edges) {
   const Limits& limits = w.kernel.limits;
-  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
-  const TetVertices v = w.mesh.vertices(t);
-  if (on_boundary(w.mesh, v))
-    if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
-  const auto edges = edges_by_length(w.mesh, v);
   Verdict r = Verdict::not_needed;
   for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
     const auto& e = kTetEdges[edges[i].edge];
@@ -87,6 +83,21 @@ Verdict split_longest(Worker& w, TetId t) {
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::split, r);
   }
+  return r;
+}
+
+Verdict split_longest(Worker& w, TetId t) {
+  const Limits& limits = w.kernel.limits;
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const bool boundary = on_boundary(w.mesh, v);
+  if (boundary)
+    if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
+  const auto edges = edges_by_length(w.mesh, v);
+  const Verdict r = split_beyond_limit(w, t, v, edges);
+  const bool finest = limits.long_edge <= limits.finest_long_edge;
+  if (r != Verdict::accepted && !finest && (edges[5].length > limits.finest_long_edge || boundary))
+    w.mesh.mark(t, kLongLater);
   if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
     return done(w, Operator::split, r);
   w.claims.release();

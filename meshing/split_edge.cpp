@@ -86,6 +86,7 @@ VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
   mesh.set_flags(
       p, n.on.kind == VertexKind::interior ? 0 : mesh.flags(shell.a) & mesh.flags(shell.b) & kOnCurved);
   mesh.set_ref(p, 0);
+  mesh.set_label(p, 0);
   mesh.set_background_hint(p, n.background_hint);
   mesh.set_surface_hint(p, n.surface_hint);
   if (n.on.kind == VertexKind::ridge) {

@@ -10,6 +10,9 @@
 
 namespace weft::meshing {
 
+/// Huge pages (2 MiB) serve large arrays; small ones would waste most of theirs.
+enum class Pages { small, huge };
+
 /// Zero-initialised storage for up to `capacity` elements of a plain type. Only pages that are touched cost
 /// memory, so that readers keep valid references while other threads append.
 template <class T>
@@ -17,12 +20,12 @@ class StableArray {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  explicit StableArray(std::size_t capacity) : bytes_(capacity * sizeof(T)) {
+  explicit StableArray(std::size_t capacity, Pages pages = Pages::huge) : bytes_(capacity * sizeof(T)) {
     void* p =
         mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (p == MAP_FAILED) throw std::bad_alloc();
     // Random access over hundreds of megabytes is bound by the TLB without huge pages.
-    madvise(p, bytes_, MADV_HUGEPAGE);
+    madvise(p, bytes_, pages == Pages::huge ? MADV_HUGEPAGE : MADV_NOHUGEPAGE);
     data_ = static_cast<T*>(p);
   }
   ~StableArray() {

@@ -40,23 +40,24 @@ void permute(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint
 
 }  // namespace
 
-TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity)
-    : tets_(tet_capacity),
-      patches_(tet_capacity),
-      tet_refs_(tet_capacity),
-      quality_(tet_capacity),
-      marks_(tet_capacity),
-      points_(vertex_capacity),
-      metrics_(vertex_capacity),
-      log_metrics_(vertex_capacity),
-      vertex_tets_(vertex_capacity),
-      kinds_(vertex_capacity),
-      flags_(vertex_capacity),
-      vertex_marks_(vertex_capacity),
-      vertex_refs_(vertex_capacity),
-      background_hints_(vertex_capacity),
-      surface_hints_(vertex_capacity),
-      claims_(vertex_capacity) {}
+TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages)
+    : tets_(tet_capacity, pages),
+      patches_(tet_capacity, pages),
+      tet_refs_(tet_capacity, pages),
+      quality_(tet_capacity, pages),
+      marks_(tet_capacity, pages),
+      points_(vertex_capacity, pages),
+      metrics_(vertex_capacity, pages),
+      log_metrics_(vertex_capacity, pages),
+      vertex_tets_(vertex_capacity, pages),
+      kinds_(vertex_capacity, pages),
+      flags_(vertex_capacity, pages),
+      vertex_marks_(vertex_capacity, pages),
+      vertex_refs_(vertex_capacity, pages),
+      labels_(vertex_capacity, pages),
+      background_hints_(vertex_capacity, pages),
+      surface_hints_(vertex_capacity, pages),
+      claims_(vertex_capacity, pages) {}
 
 std::uint32_t TetMesh::take_vertex_slots(std::uint32_t count) {
   return take_slots(vertex_slots_, count, points_.capacity(), "vertices");
@@ -121,6 +122,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   permute(flags_, new_vertex, num_vertices);
   permute(vertex_marks_, new_vertex, num_vertices);
   permute(vertex_refs_, new_vertex, num_vertices);
+  permute(labels_, new_vertex, num_vertices);
   permute(background_hints_, new_vertex, num_vertices);
   permute(surface_hints_, new_vertex, num_vertices);
   permute(claims_, new_vertex, num_vertices);

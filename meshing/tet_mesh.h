@@ -33,7 +33,15 @@ struct TetFace {
 using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
-enum TetMark : std::uint8_t { kCheckLong = 1, kCheckSwap = 2, kCheckPoor = 4, kAllTetMarks = 7 };
+/// kLongLater: has an edge to be split at a finer level. kFresh: nobody has looked at this tet as yet.
+enum TetMark : std::uint8_t {
+  kCheckLong = 1,
+  kCheckSwap = 2,
+  kCheckPoor = 4,
+  kAllTetMarks = 7,
+  kLongLater = 8,
+  kFresh = 16
+};
 /// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it
 /// changes.
 enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
@@ -54,8 +62,9 @@ class TetMesh {
   static constexpr std::uint32_t kFree = 0;             ///< claim word of a vertex nobody holds
   static constexpr std::uint32_t kFrozen = 0xFFFFFFFF;  ///< claim word of a vertex that can never be claimed
 
-  /// Reserves address space (not memory) for that many entities. Throws std::bad_alloc.
-  TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity);
+  /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of which each
+  /// array takes at least one. Throws std::bad_alloc.
+  TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages = Pages::huge);
 
   // --- sizes: slots, dead ones included ---
   std::uint32_t vertex_slots() const { return vertex_slots_.load(std::memory_order_relaxed); }
@@ -141,6 +150,9 @@ class TetMesh {
   void set_background_hint(VertexId v, std::uint32_t h) { background_hints_[v.value] = h; }
   std::uint32_t surface_hint(VertexId v) const { return surface_hints_[v.value]; }
   void set_surface_hint(VertexId v, std::uint32_t h) { surface_hints_[v.value] = h; }
+  /// A name that the caller gives the vertex and the kernel only carries along; 0 for one that the kernel creates.
+  std::uint64_t label(VertexId v) const { return labels_[v.value]; }
+  void set_label(VertexId v, std::uint64_t label) { labels_[v.value] = label; }
   std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
   void mark(VertexId v, std::uint8_t m) { set_bits(vertex_marks_[v.value], m); }
   /// The ball of v has changed.
@@ -154,6 +166,7 @@ class TetMesh {
   // --- claims: see speculation.h, the only user besides freeze ---
   std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
   void freeze(VertexId v) { claims_[v.value] = kFrozen; }
+  void thaw(VertexId v) { claims_[v.value] = kFree; }  ///< not while operators run
   bool frozen(VertexId v) const { return load(claims_[v.value]) == kFrozen; }
 
   // --- feature edges ---
@@ -208,6 +221,7 @@ class TetMesh {
   StableArray<VertexKind> kinds_;
   StableArray<std::uint8_t> flags_, vertex_marks_;
   StableArray<std::int32_t> vertex_refs_;
+  StableArray<std::uint64_t> labels_;
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
 };

@@ -1,0 +1,41 @@
+// The kernel's mesh as plain vectors: what is left of it on its way to another process.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "meshing/tet_mesh.h"
+
+namespace weft::meshing {
+
+/// Everything but capacities and what can be computed again: one entry a vertex or tet, no holes.
+struct TetMeshArrays {
+  std::vector<std::array<std::uint32_t, 4>> tets, neighbours;  ///< TetFace codes
+  std::vector<std::array<std::uint32_t, 4>> patches;           ///< PatchId values
+  std::vector<std::int32_t> tet_refs;
+  std::vector<std::uint8_t> tet_marks;
+  std::vector<Point> points;
+  std::vector<LogMetric> log_metrics;
+  std::vector<std::uint64_t> labels;
+  std::vector<std::int32_t> vertex_refs;
+  std::vector<std::uint32_t> background_hints, surface_hints;
+  std::vector<std::uint8_t> kinds, flags, vertex_marks, frozen;
+  std::vector<TetMesh::FeatureEdge> features;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(tets, neighbours, patches, tet_refs, tet_marks, points, log_metrics, labels, vertex_refs,
+            background_hints, surface_hints, kinds, flags, vertex_marks, frozen, features);
+  }
+};
+
+/// Of a mesh without holes (renumber_along_curve).
+TetMeshArrays to_arrays(const TetMesh& mesh);
+
+/// Cached qualities are not set.
+std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& arrays, std::size_t vertex_capacity,
+                                     std::size_t tet_capacity, Pages pages);
+
+}  // namespace weft::meshing

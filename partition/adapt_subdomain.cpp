@@ -1,0 +1,39 @@
+// The kernel called on a subdomain.
+#include "partition/adapt_subdomain.h"
+
+namespace weft::partition {
+
+using meshing::TetId;
+using meshing::VertexId;
+
+namespace {
+
+bool has_fresh_tets(const meshing::TetMesh& mesh) {
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.alive(TetId(i)) && mesh.marks(TetId(i)) & meshing::kFresh) return true;
+  return false;
+}
+
+void remember_who_was_free(meshing::TetMesh& mesh) {
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i)) && !mesh.frozen(VertexId(i)))
+      mesh.set_flags(VertexId(i), mesh.flags(VertexId(i)) | kHasBeenFree);
+}
+
+}  // namespace
+
+meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface, double hausd,
+                                     meshing::Extent extent, const meshing::AdaptOptions& options) {
+  meshing::AdaptReport report;
+  if (s.live_tets() == 0) return report;
+  if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
+  meshing::Kernel kernel{*s.mesh, s.background.background(), surface, {}};
+  kernel.limits.hausd = hausd;
+  meshing::adapt_in_place(kernel, options, extent, report);
+  remember_who_was_free(*s.mesh);
+  name_new_vertices(s);
+  locate_interface(s);
+  return report;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,325 @@
+// Proposals, and the choice and packing of the tets that leave.
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "meshing/quality.h"
+#include "partition/shift.h"
+
+namespace weft::partition {
+
+using meshing::PatchId;
+using meshing::TetFace;
+using meshing::TetId;
+using meshing::TetMesh;
+using meshing::TetVertices;
+using meshing::VertexId;
+using meshing::VertexKind;
+
+namespace {
+
+/// Subdomains by their place in the order of priorities, 1 and up; 0 stands for nobody.
+using Rank = std::uint32_t;
+constexpr Rank kNobody = 0;
+
+/// Chooses for each tet the subdomain that it goes to.
+class Choice {
+ public:
+  Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals) : s_(s), mesh_(*s.mesh) {
+    order_.push_back(mine);
+    for (const Proposal& p : proposals) order_.push_back(p.priority);
+    std::sort(order_.begin(), order_.end());
+    self_ = rank_of(s.id);
+  }
+
+  Rank self() const { return self_; }
+  SubdomainId subdomain(Rank r) const { return order_[r - 1].subdomain; }
+  std::size_t ranks() const { return order_.size() + 1; }
+
+  /// The ranks of the tets' new subdomains, by slot (dead ones too).
+  std::vector<Rank> choose(std::span<const GlobalId> wanted, std::span<const Proposal> proposals,
+                           const ShiftOptions& options) {
+    vertex_.assign(mesh_.vertex_slots(), kNobody);
+    tet_.assign(mesh_.tet_slots(), kNobody);
+    seed(wanted);
+    for (const Proposal& p : proposals) seed(p.wants);
+    take_at_vertices();
+    for (int layer = 0; layer < options.layers && !taken_.empty(); ++layer) {
+      if (options.by_faces) {
+        take_across_faces();
+      } else {
+        spread_to_vertices();
+        take_at_vertices();
+      }
+    }
+    for (Rank& r : tet_)
+      if (r == kNobody) r = self_;
+    return std::move(tet_);
+  }
+
+ private:
+  Rank rank_of(SubdomainId id) const {
+    const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.subdomain == id; });
+    return static_cast<Rank>(at - order_.begin()) + 1;
+  }
+
+  /// Wanted vertices belong to the first of their holders.
+  void seed(std::span<const GlobalId> wanted) {
+    for (const GlobalId id : wanted) {
+      const std::uint32_t i = s_.interface.find(id);
+      Rank first = self_;
+      for (const Holder& h : s_.interface.others(i)) first = std::max(first, rank_of(h.subdomain));
+      vertex_[s_.interface.local(i).value] = first;
+    }
+  }
+
+  /// Every tet that has no subdomain yet takes the first among its vertices'.
+  void take_at_vertices() {
+    taken_.clear();
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
+      if (tet_[i] != kNobody || !mesh_.alive(TetId(i))) continue;
+      Rank first = kNobody;
+      for (const VertexId v : mesh_.vertices(TetId(i))) first = std::max(first, vertex_[v.value]);
+      if (first == kNobody) continue;
+      tet_[i] = first;
+      taken_.push_back(i);
+    }
+  }
+
+  /// Vertices without a subdomain take the first among the tets that were taken last.
+  void spread_to_vertices() {
+    next_.clear();
+    for (const std::uint32_t i : taken_)
+      for (const VertexId v : mesh_.vertices(TetId(i)))
+        if (vertex_[v.value] == kNobody) next_.push_back({v.value, tet_[i]});
+    for (const auto& [v, r] : next_) vertex_[v] = std::max(vertex_[v], r);
+  }
+
+  /// The same from tet to tet through faces.
+  void take_across_faces() {
+    next_.clear();
+    for (const std::uint32_t i : taken_)
+      for (int f = 0; f < 4; ++f)
+        if (const TetFace n = mesh_.neighbour(TetId(i), f); n.valid() && tet_[n.tet().value] == kNobody)
+          next_.push_back({n.tet().value, tet_[i]});
+    taken_.clear();
+    for (const auto& [t, r] : next_) {
+      if (tet_[t] == kNobody) taken_.push_back(t);
+      tet_[t] = std::max(tet_[t], r);
+    }
+  }
+
+  const Subdomain& s_;
+  const TetMesh& mesh_;
+  std::vector<Priority> order_;
+  Rank self_ = kNobody;
+  std::vector<Rank> vertex_, tet_;
+  std::vector<std::uint32_t> taken_;
+  std::vector<std::pair<std::uint32_t, Rank>> next_;
+};
+
+/// Where the tets around each vertex go: the vertices around which not all stay.
+std::vector<Holder> departures(const Subdomain& s, const Choice& choice, const std::vector<Rank>& rank) {
+  const TetMesh& mesh = *s.mesh;
+  std::vector<Rank> lowest(mesh.vertex_slots(), choice.ranks()), highest(mesh.vertex_slots(), kNobody);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    for (const VertexId v : mesh.vertices(TetId(i))) {
+      lowest[v.value] = std::min(lowest[v.value], rank[i]);
+      highest[v.value] = std::max(highest[v.value], rank[i]);
+    }
+  }
+  std::vector<Holder> lines;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (lowest[i] == highest[i] && highest[i] != choice.self())
+      lines.push_back({s.global_id(VertexId(i)), choice.subdomain(highest[i])});
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    for (const VertexId v : mesh.vertices(TetId(i)))
+      if (lowest[v.value] != highest[v.value]) lines.push_back({s.global_id(v), choice.subdomain(rank[i])});
+  }
+  sort_unique(lines);
+  return lines;
+}
+
+/// Packs the parcel for one neighbour.
+class Packing {
+ public:
+  Packing(const Subdomain& s, SubdomainId to) : s_(s), mesh_(*s.mesh), to_(to) { parcel_.from = s.id; }
+
+  void add(TetId t) {
+    Parcel::Tet packed;
+    const TetVertices v = mesh_.vertices(t);
+    for (int i = 0; i < 4; ++i) {
+      packed.vertices[i] = place_of(v[i]);
+      packed.patches[i] = mesh_.patch(t, i);
+    }
+    packed.ref = mesh_.ref(t);
+    parcel_.tets.push_back(packed);
+    add_features(v);
+    add_background(v);
+  }
+
+  Parcel finish() {
+    for (const Holder& line : s_.departures)
+      if (concerns_receiver(line.vertex)) parcel_.now.push_back(line);
+    for (const Parcel::Vertex& v : parcel_.vertices) add_previous_holders(v.id);
+    std::sort(pieces_.begin(), pieces_.end());
+    pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
+    for (const auto& piece : s_.background.pieces(pieces_)) parcel_.pieces.push_back(*piece);
+    return std::move(parcel_);
+  }
+
+ private:
+  std::uint32_t place_of(VertexId v) {
+    const auto [at, is_new] = places_.try_emplace(v.value, static_cast<std::uint32_t>(parcel_.vertices.size()));
+    if (is_new) {
+      const BackgroundTet background = s_.background.name_of(mesh_.background_hint(v));
+      pieces_.push_back(background.piece);
+      ids_.insert(s_.global_id(v));
+      parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
+                                  mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v), mesh_.flags(v)});
+    }
+    return at->second;
+  }
+
+  void add_features(const TetVertices& v) {
+    for (const auto& e : meshing::kTetEdges) {
+      const VertexId a = v[e[0]], b = v[e[1]];
+      if (mesh_.kind(a) < VertexKind::ridge || mesh_.kind(b) < VertexKind::ridge) continue;
+      const meshing::CurveId curve = mesh_.curve(a, b);
+      if (!curve.valid()) continue;
+      const std::uint64_t key = std::uint64_t{std::min(a, b).value} << 32 | std::max(a, b).value;
+      if (features_.insert(key).second)
+        parcel_.feature_edges.push_back({{place_of(a), place_of(b)}, curve});
+    }
+  }
+
+  /// A tet that is larger than the pieces may cover one that none of its vertices is in.
+  void add_background(const TetVertices& v) {
+    std::array<std::uint64_t, 4> piece;
+    for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_.at(v[i].value)].background.piece;
+    if (piece[0] == piece[1] && piece[0] == piece[2] && piece[0] == piece[3]) return;
+    meshing::Point centre;
+    for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
+    look_up(centre, v[0]);
+    for (const auto& e : meshing::kTetEdges)
+      if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
+  }
+  void look_up(const meshing::Point& p, VertexId near) {
+    const auto place = s_.background.background().locate(p, mesh_.background_hint(near));
+    pieces_.push_back(s_.background.name_of(place.tet).piece);
+  }
+
+  bool concerns_receiver(GlobalId id) const {
+    if (ids_.contains(id)) return true;
+    const std::uint32_t i = s_.interface.find(id);
+    return i != Interface::kNone && s_.interface.held_by(i, to_);
+  }
+
+  void add_previous_holders(GlobalId id) {
+    const std::uint32_t i = s_.interface.find(id);
+    if (i == Interface::kNone || s_.interface.held_by(i, to_)) return;
+    parcel_.before.push_back({id, s_.id});
+    for (const Holder& h : s_.interface.others(i)) parcel_.before.push_back(h);
+  }
+
+  const Subdomain& s_;
+  const TetMesh& mesh_;
+  SubdomainId to_;
+  Parcel parcel_;
+  std::unordered_map<std::uint32_t, std::uint32_t> places_;
+  std::unordered_set<GlobalId> ids_;
+  std::unordered_set<std::uint64_t> features_;
+  std::vector<std::uint64_t> pieces_;
+};
+
+/// Feature edges that no tet has any more are forgotten: vertices' places are used again.
+void forget_features(TetMesh& mesh) {
+  std::vector<TetMesh::FeatureEdge> features = mesh.feature_edges();
+  if (features.empty()) return;
+  std::unordered_set<std::uint64_t> present;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const TetVertices v = mesh.vertices(TetId(i));
+    for (const auto& e : meshing::kTetEdges) {
+      const auto [a, b] = std::minmax(v[e[0]], v[e[1]]);
+      if (mesh.kind(a) >= VertexKind::ridge && mesh.kind(b) >= VertexKind::ridge)
+        present.insert(std::uint64_t{a.value} << 32 | b.value);
+    }
+  }
+  for (const TetMesh::FeatureEdge& e : features) {
+    const auto [a, b] = std::minmax(e.a, e.b);
+    if (!present.contains(std::uint64_t{a.value} << 32 | b.value)) mesh.set_curve(a, b, meshing::CurveId());
+  }
+}
+
+/// Removes the tets that do not stay, and the vertices that have none left.
+void remove_departed(Subdomain& s, const std::vector<Rank>& rank, Rank self) {
+  TetMesh& mesh = *s.mesh;
+  const auto departs = [&](TetId t) { return rank[t.value] != self; };
+  std::vector<VertexId> touched;
+  for (std::uint32_t i = 0; i < rank.size(); ++i) {
+    const TetId t(i);
+    if (!departs(t) || !mesh.alive(t)) continue;
+    for (int f = 0; f < 4; ++f) {
+      touched.push_back(mesh.vertex(t, f));
+      if (const TetFace n = mesh.neighbour(t, f); n.valid() && !departs(n.tet()))
+        mesh.set_neighbour(n.tet(), n.face(), TetFace());
+    }
+    mesh.kill(t);
+  }
+  for (const VertexId v : touched) mesh.set_tet_of(v, TetId());
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.alive(TetId(i)))
+      for (const VertexId v : mesh.vertices(TetId(i))) mesh.set_tet_of(v, TetId(i));
+  forget_features(mesh);
+  for (const VertexId v : touched)
+    if (!mesh.alive(v)) {
+      mesh.kill(v);
+      mesh.thaw(v);
+    }
+}
+
+bool never_free(const Subdomain& s, VertexId v) { return !(s.mesh->flags(v) & kHasBeenFree); }
+
+}  // namespace
+
+std::vector<GlobalId> wanted(const Subdomain& s) {
+  std::vector<GlobalId> ids;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i)
+    if (never_free(s, s.interface.local(i))) ids.push_back(s.interface.id(i));
+  return ids;
+}
+
+std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted) {
+  std::vector<Proposal> proposals;
+  for (const SubdomainId neighbour : s.interface.neighbours()) {
+    proposals.push_back({mine, {}});
+    for (const GlobalId id : wanted)
+      if (s.interface.held_by(s.interface.find(id), neighbour)) proposals.back().wants.push_back(id);
+  }
+  return proposals;
+}
+
+std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted,
+                           std::span<const Proposal> proposals, const ShiftOptions& options) {
+  Choice choice(s, mine, proposals);
+  const std::vector<Rank> rank = choice.choose(wanted, proposals, options);
+  s.departures = departures(s, choice, rank);
+  std::vector<Packing> packing;
+  std::vector<std::size_t> packing_of(choice.ranks(), 0);
+  const auto neighbours = s.interface.neighbours();
+  for (const SubdomainId neighbour : neighbours) packing.emplace_back(s, neighbour);
+  for (Rank r = 1; r < choice.ranks(); ++r)
+    packing_of[r] = static_cast<std::size_t>(
+        std::lower_bound(neighbours.begin(), neighbours.end(), choice.subdomain(r)) - neighbours.begin());
+  for (std::uint32_t i = 0; i < rank.size(); ++i)
+    if (rank[i] != choice.self() && s.mesh->alive(TetId(i))) packing[packing_of[rank[i]]].add(TetId(i));
+  std::vector<Parcel> parcels;
+  for (Packing& p : packing) parcels.push_back(p.finish());
+  remove_departed(s, rank, choice.self());
+  return parcels;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,37 @@
+// Tables of shared vertices.
+#include "partition/interface.h"
+
+#include <algorithm>
+
+namespace weft::partition {
+
+void sort_unique(std::vector<Holder>& lines) {
+  std::sort(lines.begin(), lines.end());
+  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+}
+
+Interface::Interface(std::vector<Holder> lines) : lines_(std::move(lines)) {
+  sort_unique(lines_);
+  begins_.clear();
+  for (std::uint32_t i = 0; i < lines_.size(); ++i) {
+    neighbours_.push_back(lines_[i].subdomain);
+    if (i > 0 && lines_[i].vertex == lines_[i - 1].vertex) continue;
+    ids_.push_back(lines_[i].vertex);
+    begins_.push_back(i);
+  }
+  begins_.push_back(static_cast<std::uint32_t>(lines_.size()));
+  std::sort(neighbours_.begin(), neighbours_.end());
+  neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
+  locals_.resize(ids_.size());
+}
+
+std::uint32_t Interface::find(GlobalId id) const {
+  const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
+  return at != ids_.end() && *at == id ? static_cast<std::uint32_t>(at - ids_.begin()) : kNone;
+}
+
+bool Interface::held_by(std::uint32_t i, SubdomainId other) const {
+  return std::any_of(others(i).begin(), others(i).end(), [&](const Holder& h) { return h.subdomain == other; });
+}
+
+}  // namespace weft::partition

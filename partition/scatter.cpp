@@ -1,0 +1,266 @@
+// Joining of parcels by global ids, and who holds which vertex afterwards.
+#include <algorithm>
+#include <unordered_map>
+
+#include "partition/shift.h"
+
+namespace weft::partition {
+
+using meshing::TetFace;
+using meshing::TetId;
+using meshing::TetMesh;
+using meshing::TetVertices;
+using meshing::VertexId;
+
+namespace {
+
+using FaceName = std::array<std::uint32_t, 3>;
+struct FaceNameHash {
+  std::size_t operator()(const FaceName& f) const noexcept {
+    std::uint64_t h = f[0];
+    h = h * 0x9E3779B97F4A7C15ull + f[1];
+    h = h * 0x9E3779B97F4A7C15ull + f[2];
+    return h ^ h >> 29;
+  }
+};
+
+/// Puts tets of parcels into the mesh.
+class Joining {
+ public:
+  explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh) {
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i)
+      if (mesh_.alive(s.interface.local(i))) vertices_.emplace(s.interface.id(i), s.interface.local(i));
+  }
+
+  /// After all parcels have been added the faces are joined.
+  void add(const Parcel& parcel) {
+    std::vector<VertexId> local;
+    for (const Parcel::Vertex& v : parcel.vertices) local.push_back(vertex(v));
+    std::uint32_t slot = mesh_.take_tet_slots(static_cast<std::uint32_t>(parcel.tets.size()));
+    for (const Parcel::Tet& t : parcel.tets) {
+      const TetId id(slot++);
+      for (int i = 0; i < 4; ++i) {
+        const VertexId v = local[t.vertices[i]];
+        mesh_.set_vertex(id, i, v);
+        mesh_.set_neighbour(id, i, TetFace());
+        mesh_.set_patch(id, i, t.patches[i]);
+        mesh_.set_tet_of(v, id);
+      }
+      mesh_.set_ref(id, t.ref);
+      mesh_.mark(id, meshing::kFresh);
+    }
+    for (const Parcel::FeatureEdge& e : parcel.feature_edges)
+      mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
+  }
+
+  void join_faces() {
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
+      if (!mesh_.alive(TetId(i))) continue;
+      for (int f = 0; f < 4; ++f)
+        if (!mesh_.neighbour(TetId(i), f).valid()) join(TetFace(TetId(i), f));
+    }
+  }
+
+ private:
+  VertexId vertex(const Parcel::Vertex& v) {
+    const auto [at, is_new] = vertices_.try_emplace(v.id);
+    if (!is_new) return at->second;
+    const VertexId x(mesh_.take_vertex_slots(1));
+    mesh_.set_point(x, v.point);
+    mesh_.set_metric(x, v.log_metric, meshing::exp_fast(v.log_metric));
+    mesh_.set_label(x, v.id.value());
+    mesh_.set_kind(x, v.kind);
+    mesh_.set_flags(x, v.flags);
+    mesh_.set_ref(x, v.ref);
+    mesh_.set_surface_hint(x, v.surface_hint);
+    mesh_.set_background_hint(x, s_.background.tet_of(v.background));
+    return at->second = x;
+  }
+
+  void join(TetFace face) {
+    FaceName name;
+    for (int i = 0; i < 3; ++i)
+      name[i] = mesh_.vertex(face.tet(), meshing::kTetFaces[face.face()][i]).value;
+    std::sort(name.begin(), name.end());
+    const auto [at, is_new] = open_.try_emplace(name, face);
+    if (is_new) return;
+    mesh_.glue(face, at->second);
+    open_.erase(at);
+  }
+
+  Subdomain& s_;
+  TetMesh& mesh_;
+  std::unordered_map<GlobalId, VertexId> vertices_;
+  std::unordered_map<FaceName, TetFace, FaceNameHash> open_;
+};
+
+bool by_vertex(const Holder& a, const Holder& b) { return a.vertex < b.vertex; }
+
+/// Calls f(vertex, lines) for each vertex of sorted lines.
+template <class F>
+void for_each_vertex(std::span<const Holder> lines, F f) {
+  for (std::size_t i = 0; i < lines.size();) {
+    std::size_t end = i;
+    while (end < lines.size() && lines[end].vertex == lines[i].vertex) ++end;
+    f(lines[i].vertex, lines.subspan(i, end - i));
+    i = end;
+  }
+}
+
+/// All holders, this subdomain included, of the vertices of the old interface and of those that tets have left.
+class NewHolders {
+ public:
+  NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s) {
+    lines_ = s.departures;
+    for (const Parcel& p : parcels) lines_.insert(lines_.end(), p.now.begin(), p.now.end());
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i) add_those_who_stayed(i, parcels);
+    sort_unique(lines_);
+  }
+
+  std::span<const Holder> lines() const { return lines_; }
+  std::span<const Holder> of(GlobalId vertex) const {
+    const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, 0}, by_vertex);
+    return {first, last};
+  }
+
+ private:
+  /// A holder that says nothing of a vertex keeps all its tets around it.
+  void add_those_who_stayed(std::uint32_t i, std::span<const Parcel> parcels) {
+    const GlobalId id = s_.interface.id(i);
+    const auto silent = [&](std::span<const Holder> lines) {
+      return !std::binary_search(lines.begin(), lines.end(), Holder{id, 0}, by_vertex);
+    };
+    if (silent(s_.departures)) lines_.push_back({id, s_.id});
+    for (const Holder& h : s_.interface.others(i)) {
+      const auto at = std::find_if(parcels.begin(), parcels.end(), [&](const Parcel& p) { return p.from == h.subdomain; });
+      if (silent(at->now)) lines_.push_back(h);
+    }
+  }
+
+  const Subdomain& s_;
+  std::vector<Holder> lines_;
+};
+
+/// For vertices that this subdomain is the lowest to have held: those who hold them now and did not are told of all
+/// holders.
+std::vector<Scattered::Addressed> write_notices(const Subdomain& s, const NewHolders& now) {
+  std::vector<std::pair<SubdomainId, Holder>> lines;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    if (s.interface.others(i).front().subdomain < s.id) continue;
+    const auto holders = now.of(s.interface.id(i));
+    for (const Holder& h : holders)
+      if (h.subdomain != s.id && !s.interface.held_by(i, h.subdomain))
+        for (const Holder& line : holders) lines.push_back({h.subdomain, line});
+  }
+  std::sort(lines.begin(), lines.end());
+  std::vector<Scattered::Addressed> notices;
+  for (const auto& [to, line] : lines) {
+    if (notices.empty() || notices.back().to != to) notices.push_back({to, {}});
+    notices.back().notice.holders.push_back(line);
+  }
+  return notices;
+}
+
+/// Who will tell this subdomain about vertices that it did not hold and several others did.
+std::vector<SubdomainId> notices_expected(std::span<const Holder> before) {
+  std::vector<SubdomainId> from;
+  for_each_vertex(before, [&](GlobalId, std::span<const Holder> holders) { from.push_back(holders.front().subdomain); });
+  std::sort(from.begin(), from.end());
+  from.erase(std::unique(from.begin(), from.end()), from.end());
+  return from;
+}
+
+/// Freezes the vertices of the new interface, thaws those of the old that it lacks; returns these.
+std::vector<VertexId> replace_interface(Subdomain& s, Interface interface) {
+  std::vector<VertexId> thawed;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const VertexId v = s.interface.local(i);
+    if (!v.valid() || !s.mesh->alive(v) || s.mesh->label(v) != s.interface.id(i).value()) continue;
+    s.mesh->thaw(v);
+    if (interface.find(s.interface.id(i)) == Interface::kNone) thawed.push_back(v);
+  }
+  s.interface = std::move(interface);
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
+    const VertexId v(i);
+    if (!s.mesh->alive(v)) continue;
+    const std::uint32_t at = s.interface.find(s.global_id(v));
+    if (at == Interface::kNone) continue;
+    s.interface.set_local(at, v);
+    s.mesh->freeze(v);
+  }
+  return thawed;
+}
+
+/// Tets around the given vertices, and `layers` more around what is fresh, become fresh.
+void freshen(TetMesh& mesh, std::span<const VertexId> vertices, int layers) {
+  std::vector<std::uint8_t> near(mesh.vertex_slots(), 0);
+  for (const VertexId v : vertices) near[v.value] = 1;
+  for (int layer = 0; layer <= layers; ++layer) {
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+      const TetId t(i);
+      if (!mesh.alive(t) || mesh.marks(t) & meshing::kFresh) continue;
+      const TetVertices v = mesh.vertices(t);
+      if (near[v[0].value] | near[v[1].value] | near[v[2].value] | near[v[3].value]) mesh.mark(t, meshing::kFresh);
+    }
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+      if (mesh.alive(TetId(i)) && mesh.marks(TetId(i)) & meshing::kFresh)
+        for (const VertexId v : mesh.vertices(TetId(i))) near[v.value] = 1;
+  }
+}
+
+constexpr int kLayersAround = 2;
+
+}  // namespace
+
+Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
+  Scattered result;
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  for (Parcel& p : parcels)
+    for (BackgroundPiece& piece : p.pieces)
+      if (!s.background.has(piece.id)) pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+  if (!pieces.empty()) s.background.add(pieces);
+  Joining joining(s);
+  for (const Parcel& p : parcels) {
+    joining.add(p);
+    result.received += p.tets.size();
+  }
+  if (result.received > 0) joining.join_faces();
+
+  const NewHolders now(s, parcels);
+  result.notices = write_notices(s, now);
+  std::vector<Holder> before;
+  for (const Parcel& p : parcels) before.insert(before.end(), p.before.begin(), p.before.end());
+  sort_unique(before);
+  result.expected = notices_expected(before);
+
+  // Vertices of which the last word is not known yet keep those who held them before, and stay frozen.
+  std::vector<Holder> lines;
+  for_each_vertex(now.lines(), [&](GlobalId, std::span<const Holder> holders) {
+    if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; })) return;
+    for (const Holder& h : holders)
+      if (h.subdomain != s.id) lines.push_back(h);
+  });
+  lines.insert(lines.end(), before.begin(), before.end());
+  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)));
+  s.departures.clear();
+  result.thawed = thawed.size();
+  if (result.received > 0 || result.thawed > 0) freshen(*s.mesh, thawed, kLayersAround);
+  return result;
+}
+
+std::uint64_t update_topology(Subdomain& s, std::span<const Notice> notices) {
+  if (notices.empty()) return 0;
+  std::vector<Holder> told;
+  for (const Notice& n : notices) told.insert(told.end(), n.holders.begin(), n.holders.end());
+  sort_unique(told);
+  std::vector<Holder> lines;
+  for (const Holder& line : s.interface.lines())
+    if (!std::binary_search(told.begin(), told.end(), line, by_vertex)) lines.push_back(line);
+  for (const Holder& line : told)
+    if (line.subdomain != s.id) lines.push_back(line);
+  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)));
+  if (!thawed.empty()) freshen(*s.mesh, thawed, kLayersAround);
+  return thawed.size();
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,126 @@
+// The interface shift as messages between neighbours: proposals, parcels of tets, notices of who holds what. Plain
+// functions on one subdomain; who calls them when, and how the messages travel, is not known here.
+//
+//   propose()  every subdomain tells its neighbours its priority and which shared vertices it wants to be freed
+//   gather()   the holder of highest priority receives all tets around such a vertex and some layers more;
+//              each tet goes to one subdomain
+//   scatter()  what arrived is joined by global ids; the interface is where the tets of others begin now
+//   update_topology()  those who have come to hold a vertex learn of all others who do
+//
+// For each interface vertex the holder of the highest priority receives. A subdomain above all its neighbours receives
+// everything, as in Luby's algorithm; but the others, which would be idle, also receive from those below them. So one
+// round frees all of the interface but for the tets where three subdomains meet, instead of that of a third of them.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "partition/subdomain.h"
+
+namespace weft::partition {
+
+/// Total order of subdomains in one round: the higher receives.
+struct Priority {
+  std::uint64_t value = 0;
+  SubdomainId subdomain = 0;
+  friend auto operator<=>(const Priority&, const Priority&) = default;
+};
+
+/// What one subdomain tells a neighbour first.
+struct Proposal {
+  Priority priority;
+  std::vector<GlobalId> wants;  ///< shared with the neighbour, to be freed; ascending
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(priority, wants);
+  }
+};
+
+/// Tets on their way, with all that belongs to them, and what the receiver must know of the sender's departures.
+struct Parcel {
+  struct Vertex {
+    GlobalId id;
+    meshing::Point point;
+    meshing::LogMetric log_metric;
+    BackgroundTet background;
+    std::uint32_t surface_hint;
+    std::int32_t ref;
+    meshing::VertexKind kind;
+    std::uint8_t flags;
+  };
+  struct Tet {
+    std::array<std::uint32_t, 4> vertices;  ///< in the parcel
+    std::array<meshing::PatchId, 4> patches;
+    std::int32_t ref;
+  };
+  struct FeatureEdge {
+    std::array<std::uint32_t, 2> ends;  ///< in the parcel
+    meshing::CurveId curve;
+  };
+  SubdomainId from = 0;
+  std::vector<Vertex> vertices;
+  std::vector<Tet> tets;
+  std::vector<FeatureEdge> feature_edges;
+  std::vector<BackgroundPiece> pieces;  ///< of the background
+  /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
+  /// receiver; left out where all of them stay with the sender.
+  std::vector<Holder> now;
+  /// Who held a vertex of the parcel before, for vertices that the receiver did not hold.
+  std::vector<Holder> before;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(from, vertices, tets, feature_edges, pieces, now, before);
+  }
+};
+
+/// All holders of vertices that the addressee has come to hold.
+struct Notice {
+  std::vector<Holder> holders;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(holders);
+  }
+};
+
+struct ShiftOptions {
+  int layers = 5;       ///< of tets, point-connected, handed over beyond those at the interface
+  bool by_faces = false;  ///< layers grow through faces instead of points
+};
+
+/// The shared vertices that this subdomain wants to be freed, ascending.
+std::vector<GlobalId> wanted(const Subdomain& subdomain);
+
+/// One proposal for each of the interface's neighbours, in their order.
+std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted);
+
+/// Takes the tets that go away out of the mesh. `proposals` are those of the neighbours, in their order; so are the
+/// parcels, many of them empty.
+std::vector<Parcel> gather(Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted,
+                           std::span<const Proposal> proposals, const ShiftOptions& options);
+
+/// What scattering leaves to be said and heard.
+struct Scattered {
+  std::uint64_t received = 0;  ///< tets
+  std::uint64_t thawed = 0;    ///< vertices of the interface that are none any more
+  struct Addressed {
+    SubdomainId to;
+    Notice notice;
+  };
+  std::vector<Addressed> notices;       ///< by addressee, ascending
+  std::vector<SubdomainId> expected;    ///< who sends a notice here, ascending
+};
+
+/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. What is new or was frozen, and
+/// two layers around, gets the mark kFresh.
+Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
+
+/// The notices of all that were expected. Returns how many vertices turned out to be no interface.
+std::uint64_t update_topology(Subdomain& subdomain, std::span<const Notice> notices);
+
+}  // namespace weft::partition

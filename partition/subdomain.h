@@ -1,0 +1,59 @@
+// One subdomain: a mesh of its own, the background that it covers, and the interface that it shares with others.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "meshing/adaptation.h"
+#include "meshing/surface.h"
+#include "meshing/tet_mesh.h"
+#include "partition/background_store.h"
+#include "partition/interface.h"
+#include "partition/mesh_piece.h"
+#include "partition/subdomain_start.h"
+
+namespace weft::partition {
+
+/// A vertex flag (meshing::VertexFlag leaves the upper bits to callers): some adaptation could change all around
+/// the vertex.
+inline constexpr std::uint8_t kHasBeenFree = 0x80;
+
+/// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The steps
+/// are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's label; those of
+/// the interface are frozen.
+struct Subdomain {
+  Subdomain() = default;
+  /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
+  Subdomain(const SubdomainStart& start, std::size_t tet_capacity);
+
+  SubdomainId id = 0;
+  std::uint64_t tet_capacity = 0;
+  std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
+  std::unique_ptr<meshing::TetMesh> mesh;
+  BackgroundStore background;
+  Interface interface;
+  /// Where the tets around vertices of the old interface have gone from here: between gathering and scattering.
+  std::vector<Holder> departures;
+
+  GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
+  std::uint64_t live_tets() const;
+  std::uint64_t live_vertices() const;
+
+  /// Packs or unpacks everything: a subdomain moves between ranks. The holes of the mesh are closed on the way.
+  template <class Archive>
+  void serialize(Archive& archive);
+};
+
+/// New vertices get their ids, in the order of their places.
+void name_new_vertices(Subdomain& subdomain);
+
+/// Finds the interface's vertices in the mesh again, after numbers have changed.
+void locate_interface(Subdomain& subdomain);
+
+/// The subdomain as plain arrays. Numbers change: holes are closed.
+MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface, const std::vector<bool>& patch_required);
+
+}  // namespace weft::partition
+
+#include "partition/subdomain_serialize_inl.h"

@@ -1,0 +1,33 @@
+// Packing of subdomains for any archive.
+#pragma once
+
+#include "meshing/renumber.h"
+#include "meshing/tet_mesh_arrays.h"
+#include "partition/subdomain.h"
+
+namespace weft::partition {
+
+/// Vertices are a fifth of the tets; boundaries of thin parts need more.
+inline std::size_t vertex_capacity(std::size_t tet_capacity) { return tet_capacity / 2 + 1000; }
+
+template <class Archive>
+void Subdomain::serialize(Archive& archive) {
+  meshing::TetMeshArrays arrays;
+  std::vector<BackgroundPiece> pieces;
+  if constexpr (Archive::kPacks) {
+    meshing::renumber_along_curve(*mesh);
+    locate_interface(*this);
+    arrays = meshing::to_arrays(*mesh);
+    for (const auto& piece : background.all_pieces()) pieces.push_back(*piece);
+  }
+  archive(id, tet_capacity, next_local, interface, departures, arrays, pieces);
+  if constexpr (!Archive::kPacks) {
+    mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);
+    std::vector<std::shared_ptr<const BackgroundPiece>> shared;
+    for (BackgroundPiece& piece : pieces)
+      shared.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+    background.add(shared);
+  }
+}
+
+}  // namespace weft::partition
