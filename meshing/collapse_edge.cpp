@@ -42,6 +42,7 @@ void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const 
 /// positive tets imply it; the boundary may close up over a gap.
 Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
   const TetMesh& mesh = w.mesh;
+  if (mesh.frozen(kept)) return Verdict::frozen;  // its ball is not all here
   if (const Verdict r = gather_ball(w.mesh, w.claims, kept, w.other_ball); r != Verdict::accepted) return r;
   SmallSet &link = w.vertices_seen, &ring = w.other_ball.seen;  // the latter is free now
   link.clear();

@@ -104,6 +104,10 @@ struct EdgeClass {
   PatchId patch;                           ///< of a surface edge
   CurveId curve;                           ///< of a feature edge
 };
+/// May the edge have tets outside this mesh?
+inline bool incomplete(const TetMesh& mesh, const Shell& shell) {
+  return !shell.closed && mesh.frozen(shell.a) && mesh.frozen(shell.b);
+}
 /// Classifies the edge of a gathered shell.
 EdgeClass classify(const TetMesh& mesh, const Shell& shell);
 

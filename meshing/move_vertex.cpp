@@ -45,6 +45,7 @@ double sum_of_inverses(const std::vector<float>& qualities) {
 
 Verdict smooth_vertex(Worker& w, VertexId v) {
   TetMesh& mesh = w.mesh;
+  if (mesh.frozen(v)) return Verdict::frozen;
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   MoveSpace space;
   if (const Verdict r = move_space(w, v, space); r != Verdict::accepted) return r;

@@ -130,6 +130,7 @@ void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
 
 /// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
 Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
+  if (w.mesh.frozen(v)) return done(w, Operator::collapse, Verdict::frozen);
   if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
     return done(w, Operator::collapse, r);
   if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);

@@ -54,6 +54,7 @@ class BallResiduals {
 
 Verdict relocate_vertex(Worker& w, VertexId v) {
   TetMesh& mesh = w.mesh;
+  if (mesh.frozen(v)) return Verdict::frozen;
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   if (mesh.kind(v) != VertexKind::interior || mesh.fixed(v)) return Verdict::not_needed;
   if (w.ball.tets.size() > kMaxBall) return Verdict::too_large;

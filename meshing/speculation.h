@@ -21,13 +21,12 @@ class Claims {
     held_.reserve(512);
   }
 
-  /// accepted (held now, or already), frozen or conflict.
+  /// accepted (held now, or already) or conflict.
   Verdict claim(VertexId v) {
     std::uint32_t& word = mesh_.claim_word(v);
     std::atomic_ref ref(word);
     std::uint32_t seen = ref.load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
-    if (seen == TetMesh::kFrozen) return Verdict::frozen;
     if (seen != TetMesh::kFree) return Verdict::conflict;
     if (sole_) {
       ref.store(owner_, std::memory_order_relaxed);

@@ -145,6 +145,7 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
 
 Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds) {
   if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
+  if (incomplete(w.mesh, w.shell)) return Verdict::frozen;
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   const NewVertex n = place(w, a, b, on);

@@ -177,6 +177,7 @@ Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   // The cavity changes its outline here: an edge across it may exist already, outside, where the boundary
   // bends.
   for (int i = 0; i + 2 <= shell.size; ++i) {
+    if (w.mesh.frozen(shell.ring[i])) return Verdict::frozen;  // its ball is not all here
     if (const Verdict r = gather_ball(w.mesh, w.claims, shell.ring[i], w.other_ball); r != Verdict::accepted)
       return r;
     for (const auto& [t, local] : w.other_ball.tets)
@@ -264,6 +265,7 @@ Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = w.mesh;
   const Shell& shell = w.shell;
   if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
+  if (incomplete(mesh, shell)) return Verdict::frozen;
   // Every tet of a shell would try the same swap: it is left to the worst if that one is going to be visited.
   const TetId worst = worst_of(mesh, shell);
   if (worst != t && mesh.marks(worst) & kCheckSwap) return Verdict::not_needed;

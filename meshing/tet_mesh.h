@@ -54,13 +54,12 @@ enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4
 enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
 
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
-/// the output.
-enum VertexFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4, kOnCurved = 8 };
+/// the output. The highest bit is left to the caller.
+enum VertexFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4, kOnCurved = 8, kFrozen = 16 };
 
 class TetMesh {
  public:
-  static constexpr std::uint32_t kFree = 0;             ///< claim word of a vertex nobody holds
-  static constexpr std::uint32_t kFrozen = 0xFFFFFFFF;  ///< claim word of a vertex that can never be claimed
+  static constexpr std::uint32_t kFree = 0;  ///< claim word of a vertex nobody holds
 
   /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of which each
   /// array takes at least one. Throws std::bad_alloc.
@@ -163,11 +162,15 @@ class TetMesh {
     store(vertex_marks_[v.value], std::uint8_t{0});
   }
 
-  // --- claims: see speculation.h, the only user besides freeze ---
+  // --- claims: see speculation.h, the only user ---
   std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
-  void freeze(VertexId v) { claims_[v.value] = kFrozen; }
-  void thaw(VertexId v) { claims_[v.value] = kFree; }  ///< not while operators run
-  bool frozen(VertexId v) const { return load(claims_[v.value]) == kFrozen; }
+
+  /// A frozen vertex may have tets that are not in this mesh. It is neither moved nor removed, and no face without
+  /// neighbour whose three vertices are frozen, nor an edge of one, changes; all else around it may. Not while
+  /// operators run.
+  void freeze(VertexId v) { flags_[v.value] |= kFrozen; }
+  void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
+  bool frozen(VertexId v) const { return flags_[v.value] & kFrozen; }
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.

@@ -18,7 +18,7 @@ enum class Verdict : std::uint8_t {
   breaks_classification,  ///< a corner, ridge, patch or material interface would be lost
   leaves_surface,         ///< the boundary would deviate more than hausd, or fold
   required,               ///< a required entity would change
-  frozen,                 ///< a vertex that can never be claimed
+  frozen,                 ///< what lies outside this mesh might change, or a frozen vertex would
   conflict,               ///< another thread holds a vertex: rolled back, tried again later
   too_large,              ///< the cavity exceeds the kernel's limits
   count_

@@ -178,7 +178,8 @@ class Packing {
       pieces_.push_back(background.piece);
       ids_.insert(s_.global_id(v));
       parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
-                                  mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v), mesh_.flags(v)});
+                                  mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
+                                  static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen)});
     }
     return at->second;
   }
