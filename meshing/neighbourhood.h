@@ -71,7 +71,7 @@ struct Ball {
 /// The tets around edge (a, b). Tet s is (a, b, ring[s], ring[s + 1]) up to an even permutation; a closed
 /// shell has ring.front() == ring.back(). An open one starts and ends at a face without neighbour.
 struct Shell {
-  static constexpr int kMaxSize = 64;
+  static constexpr int kMaxSize = 256;
   struct Entry {
     TetId tet;
     int a, b, r, s;

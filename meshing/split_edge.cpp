@@ -15,14 +15,6 @@ struct NewVertex {
   std::uint32_t background_hint, surface_hint = 0;
 };
 
-/// Share of the way from a to b at which both halves are equally long, sizes varying geometrically along the
-/// edge.
-double metric_middle(double la, double lb) {
-  const double ratio = lb / la;
-  if (std::abs(ratio - 1) < 1e-3) return 0.5;
-  return std::clamp(std::log(0.5 * (1 + ratio)) / std::log(ratio), 0.2, 0.8);
-}
-
 NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   const TetMesh& mesh = w.mesh;
   const Point &pa = mesh.point(a), &pb = mesh.point(b);
@@ -75,6 +67,23 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBoun
     w.qualities.push_back(static_cast<float>(qb));
   }
   return Verdict::accepted;
+}
+
+/// The qualities of the tets that a split would leave; false where one is not positive.
+bool stays_positive(Worker& w, const Shell& shell, const NewVertex& n) {
+  const TetMesh& mesh = w.mesh;
+  const MetricMean mean = mesh.metric_mean();
+  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
+               p{n.x, judge_tensor(mean, n.metric, n.log_metric)};
+  w.qualities.clear();
+  for (int i = 0; i < shell.size; ++i) {
+    const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
+    const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
+    if (qa < 0 || qb < 0) return false;
+    w.qualities.push_back(static_cast<float>(qa));
+    w.qualities.push_back(static_cast<float>(qb));
+  }
+  return true;
 }
 
 VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
@@ -142,6 +151,32 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
 }
 
 }  // namespace
+
+VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans, const VertexOnEdge& at) {
+  EdgeClass on;
+  on.kind = at.kind;
+  on.curve = at.curve;
+  const NewVertex n{at.x, at.log_metric, exp_fast(at.log_metric), on, at.background_hint, at.surface_hint};
+  for (const TetId t : fans) {
+    if (gather_shell(w.mesh, w.claims, t, a, b, w.shell) != Verdict::accepted) return {};
+    if (!stays_positive(w, w.shell, n)) return {};
+  }
+  VertexId p;
+  for (const TetId t : fans) {
+    gather_shell(w.mesh, w.claims, t, a, b, w.shell);
+    stays_positive(w, w.shell, n);
+    if (!p.valid()) p = create(w, n, w.shell);
+    w.short_edges.clear();
+    commit(w, w.shell, p);
+  }
+  return p;
+}
+
+double metric_middle(double la, double lb) {
+  const double ratio = lb / la;
+  if (std::abs(ratio - 1) < 1e-3) return 0.5;
+  return std::clamp(std::log(0.5 * (1 + ratio)) / std::log(ratio), 0.2, 0.8);
+}
 
 Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds) {
   if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;

@@ -28,6 +28,12 @@ class GlobalId {
     return id;
   }
 
+  /// A name made from two others (refine_interface.h): a hash, apart from all names that count.
+  static constexpr GlobalId derived_from(GlobalId a, GlobalId b) {
+    return from_value(mix(mix(a.value_ + 0x9E3779B97F4A7C15ull) + b.value_) | kDerived);
+  }
+  constexpr bool derived() const { return value_ & kDerived; }
+
   constexpr bool valid() const { return value_ != 0; }
   constexpr SubdomainId owner() const { return static_cast<SubdomainId>((value_ >> kLocalBits) - 1); }
   constexpr std::uint64_t local() const { return value_ & ((std::uint64_t{1} << kLocalBits) - 1); }
@@ -39,6 +45,15 @@ class GlobalId {
   }
 
  private:
+  static constexpr std::uint64_t kDerived = std::uint64_t{1} << 63;
+
+  /// A bijection of 64 bits that leaves no pattern.
+  static constexpr std::uint64_t mix(std::uint64_t x) {
+    x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9ull;
+    x = (x ^ x >> 27) * 0x94D049BB133111EBull;
+    return x ^ x >> 31;
+  }
+
   std::uint64_t value_ = 0;
 };
 

@@ -10,12 +10,14 @@
 #include "meshing/import_mesh.h"
 #include "meshing/mesh_data.h"
 #include "meshing/metric_field.h"
+#include "partition/geometry.h"
+#include "partition/refine_interface.h"
 #include "partition/subdomain_start.h"
 
 namespace weft::support {
 
 struct Cut {
-  meshing::ImportedMesh imported;  ///< of the whole: surface and classification
+  partition::Geometry geometry;
   std::vector<partition::SubdomainStart> starts;
 };
 
@@ -24,8 +26,19 @@ inline Cut cut(const meshing::MeshData& mesh, const meshing::LogMetricField& log
                const std::vector<partition::SubdomainId>& part, std::uint32_t count, double ridge_angle = 45) {
   using namespace meshing;
   using namespace partition;
-  Cut result{import_mesh(mesh, ridge_angle, mesh.points.size() + 1, mesh.tets.size() + 1), {}};
-  const TetMesh& whole = *result.imported.mesh;
+  ImportedMesh imported = import_mesh(mesh, ridge_angle, mesh.points.size() + 1, mesh.tets.size() + 1);
+  const TetMesh& whole = *imported.mesh;
+  const std::size_t patches = imported.surface->patches().size();
+  Cut result{{std::move(*imported.surface), imported.patch_required, std::vector<bool>(patches)}, {}};
+  std::vector<bool> delicate(mesh.points.size());
+  for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    const auto& v = mesh.tets[t];
+    if (is_delicate({mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]}))
+      for (const std::uint32_t x : v) delicate[x] = true;
+    for (int f = 0; f < 4; ++f)
+      if (const PatchId p = whole.patch(TetId(t), f); p.valid() && whole.neighbour(TetId(t), f).valid())
+        result.geometry.patch_inner[p.value] = true;
+  }
   std::vector<std::set<SubdomainId>> holders(mesh.points.size());
   for (std::size_t t = 0; t < part.size(); ++t)
     for (const std::uint32_t v : mesh.tets[t]) holders[v].insert(part[t]);
@@ -46,7 +59,7 @@ inline Cut cut(const meshing::MeshData& mesh, const meshing::LogMetricField& log
       s.log_metrics.push_back(log_metrics[v]);
       s.ids.emplace_back(*holders[v].begin(), v);
       s.kinds.push_back(whole.kind(id));
-      s.flags.push_back(whole.flags(id));
+      s.flags.push_back(static_cast<std::uint8_t>(whole.flags(id) | (delicate[v] ? kDelicate : 0)));
       s.surface_hints.push_back(whole.surface_hint(id));
       for (const SubdomainId other : holders[v])
         if (other != part[t]) s.shared.push_back({at->second, other});

@@ -14,15 +14,28 @@ namespace weft::support {
 class Rounds {
  public:
   Rounds(Cut& cut, std::size_t capacity, double hausd, partition::ShiftOptions shift)
-      : surface_(*cut.imported.surface), required_(cut.imported.patch_required), hausd_(hausd), shift_(shift) {
+      : geometry_(cut.geometry), hausd_(hausd), shift_(shift) {
     for (const auto& s : cut.starts) subdomains.emplace_back(s, capacity);
   }
 
   void adapt(meshing::Extent extent) {
     for (auto& s : subdomains) {
-      auto r = partition::adapt_subdomain(s, surface_, hausd_, extent, options);
+      auto r = partition::adapt_subdomain(s, geometry_.surface, hausd_, extent, options);
       counts += r.counts;
     }
+  }
+
+  void refine_interfaces() {
+    using namespace partition;
+    std::vector<std::vector<InterfaceVertices>> sent(subdomains.size()), theirs(subdomains.size());
+    for (std::size_t i = 0; i < subdomains.size(); ++i) sent[i] = refine_interface(subdomains[i], geometry_);
+    for (std::size_t i = 0; i < subdomains.size(); ++i)
+      for (const SubdomainId from : subdomains[i].interface.neighbours()) {
+        const auto back = subdomains[from].interface.neighbours();
+        const auto at = std::lower_bound(back.begin(), back.end(), static_cast<SubdomainId>(i)) - back.begin();
+        theirs[i].push_back(sent[from][at]);
+      }
+    for (std::size_t i = 0; i < subdomains.size(); ++i) register_interface(subdomains[i], theirs[i]);
   }
 
   /// One shift without the adaptation; returns the number of tets that moved.
@@ -87,7 +100,7 @@ class Rounds {
 
   std::vector<partition::MeshPiece> pieces() {
     std::vector<partition::MeshPiece> all;
-    for (auto& s : subdomains) all.push_back(partition::make_piece(s, surface_, required_));
+    for (auto& s : subdomains) all.push_back(partition::make_piece(s, geometry_.surface, geometry_.patch_required));
     return all;
   }
 
@@ -107,8 +120,7 @@ class Rounds {
   std::uint64_t wanted_total = 0, receivers = 0;
 
  private:
-  const meshing::Surface& surface_;
-  const std::vector<bool>& required_;
+  const partition::Geometry& geometry_;
   double hausd_;
   partition::ShiftOptions shift_;
   std::vector<std::vector<partition::SubdomainId>> expected_;
