@@ -11,7 +11,7 @@ namespace weft::graph::dataflow {
 /// A tbb::flow::graph with a node for each node of a structure and TBB's edges for the local ones. The nodes
 /// are lightweight: each runs on the thread that put its input, so an instance's bodies, which share its
 /// state, run one at a time and in a fixed order: a node's successors in the order in which their edges were
-/// declared, each with all that follows from it before the next.
+/// declared (those of the same round first), each with all that follows from it before the next.
 class FlowGraph {
  public:
   /// Runs a node on its input and returns what it passes on; null: nothing. What it throws ends the graph's

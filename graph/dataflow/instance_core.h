@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/context.h"
@@ -26,7 +28,7 @@ class InstanceCore {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(recording_, events_, complete_, log_);
+    archive(recording_, events_, known_, complete_, log_);
   }
 
   // For the engine's messages.
@@ -43,19 +45,21 @@ class InstanceCore {
 
   void send(engine::Context& context, NodeIndex from, const void* event, engine::ObjectId target,
             std::uint64_t round, engine::Payload value);
-  void declare(engine::Context& context, NodeIndex node, const void* event, std::uint64_t round,
+  void declare(engine::Context& context, const void* event, std::uint64_t round,
                std::vector<engine::ObjectId> from, engine::Seconds seconds);
   void count(std::string_view name, double amount);
 
   // For the program, between runs.
 
-  NodeIndex node_of(const void* body) const;
+  NodeIndex node_of(const void* body) const { return structure_.node_of(body); }
   const ExecutionLog& log() const { return log_; }
   /// One line for each event that is declared and lacks arrivals: "gather in round 4 waits for 0.2 1.1".
   std::vector<std::string> incomplete() const;
 
  private:
   std::shared_ptr<void> run_node(NodeIndex node, const Token& input);
+  std::shared_ptr<void> call_body(NodeIndex node, const Token& input);
+  void record_run(NodeIndex node, const Token& input);
   void record_local_uses(const StructureNode& node, std::uint64_t round);
   void complete(engine::Context& context, NodeIndex event, engine::FiredEvent fired);
 
@@ -63,11 +67,11 @@ class InstanceCore {
   void* state_;
   Recording recording_;
   engine::EventTable events_;                            ///< EventKey::method is the event's NodeIndex
+  std::set<engine::EventKey> known_;                     ///< declared, or a value has come
   std::map<engine::EventKey, PackedArrivals> complete_;  ///< events that fire soon
   ExecutionLog log_;
   std::unique_ptr<FlowGraph> flow_;
   engine::Context* context_ = nullptr;  ///< while the flow graph runs
-  NodeIndex entered_ = 0;               ///< the node that the flow graph's run began with
 };
 
 }  // namespace weft::graph::dataflow

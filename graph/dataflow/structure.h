@@ -23,6 +23,7 @@ using PackedArrivals = std::vector<std::pair<engine::ObjectId, engine::Payload>>
 struct Token {
   std::shared_ptr<void> value;
   std::uint64_t round = 0;
+  bool shared = false;  ///< several nodes read the value
 };
 
 /// A node as the instance sees it.
@@ -65,8 +66,8 @@ class Structure {
   const std::vector<StructureNode>& nodes() const { return nodes_; }
   const EdgeDescription& edge(EdgeIndex edge) const { return description_.edges[edge]; }
 
-  /// The event with this body.
-  NodeIndex event_of(const void* body) const;
+  /// The node with this body.
+  NodeIndex node_of(const void* body) const;
   /// The edge along which `from` may send to `event`.
   EdgeIndex remote_edge(NodeIndex from, NodeIndex event) const;
 
