@@ -35,7 +35,7 @@ RankExchange::RankExchange(engine::Runtime& runtime) : runtime_(runtime) {
     const auto mailbox = context.create<Mailbox>();
     if (mailbox != mailbox_of(context.rank().value)) {
       throw std::logic_error(
-          engine::text("a rank's mailbox must be its first object, and is its ", mailbox.id.number, "th"));
+          engine::text("a rank's mailbox must be its first object, but has the number ", mailbox.id.number));
     }
   });
 }
