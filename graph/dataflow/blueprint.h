@@ -6,8 +6,9 @@
 //
 //       double adapt(NodeContext& context, double size);
 //       void propose(NodeContext& context, double quality) {
-//         for (const auto& other : neighbours) context.send<&Subdomain::gather>(other, context.round(),
-//         quality); context.expect<&Subdomain::gather>(context.round(), neighbours);
+//         const std::uint64_t round = context.round();
+//         for (const auto& other : neighbours) context.send<&Subdomain::gather>(other, round, quality);
+//         context.expect<&Subdomain::gather>(round, neighbours);
 //       }
 //       void gather(NodeContext& context, std::uint64_t round, std::vector<Arrival<double>> qualities);
 //
@@ -22,7 +23,7 @@
 //       }
 //     };
 //
-//     Registry registry;
+//     engine::Registry registry;
 //     register_blueprint<Subdomain>(registry);
 //     ...
 //     runtime.run([](engine::Context& context) {
@@ -232,8 +233,8 @@ std::shared_ptr<void> Blueprint<State>::run_node(void* state, NodeContext& conte
     return detail::result_of([&] { return (self.*Body)(context, Nothing{}); });
   } else {
     auto& value = *static_cast<Input*>(input);
-    if constexpr (std::is_copy_constructible_v<Input>) {
-      if (!consume) return detail::result_of([&] { return (self.*Body)(context, Input(value)); });
+    if constexpr (std::is_invocable_v<decltype(Body), State&, NodeContext&, const Input&>) {
+      if (!consume) return detail::result_of([&] { return (self.*Body)(context, std::as_const(value)); });
     }
     return detail::result_of([&] { return (self.*Body)(context, std::move(value)); });
   }

@@ -60,7 +60,7 @@ struct BodyTraits<Result (S::*)(NodeContext&)> {
 };
 template <class S, class Result, class In>
 struct BodyTraits<Result (S::*)(NodeContext&, In)> {
-  static_assert(!std::is_lvalue_reference_v<In> || std::is_const_v<std::remove_reference_t<In>>,
+  static_assert(!std::is_reference_v<In> || std::is_same_v<In, const std::decay_t<In>&>,
                 "a node's body must take its input by value or by reference to const");
   using State = S;
   using Input = std::decay_t<In>;

@@ -34,12 +34,9 @@ std::uint64_t bytes_of(const PackedArrivals& arrivals) {
 // --- Messages
 
 void InstanceCore::run(engine::Context& context, NodeIndex node, Token input) {
-  if (!flow_) {
-    flow_ = std::make_unique<FlowGraph>(
-        structure_, [this](NodeIndex n, const Token& token) { return run_node(n, token); });
-  }
   context_ = &context;
-  flow_->run(node, std::move(input));
+  FlowGraph flow(structure_, [this](NodeIndex n, const Token& token) { return run_node(n, token); });
+  flow.run(node, std::move(input));
 }
 
 void InstanceCore::arrive(engine::Context& context, const void* event, engine::ObjectId from,

@@ -17,8 +17,9 @@
 
 namespace weft::graph::dataflow {
 
-/// What Instance<State> does for any State. Events and log travel with it; the flow graph is made when the
-/// first node runs where it is.
+/// What Instance<State> does for any State. Events and log travel with it; the flow graph is made for each
+/// run, because destroying one enters the arena of the workers: a thread that is none of them, as the one
+/// that sends an instance away, would wait until a worker is free.
 class InstanceCore {
  public:
   InstanceCore(const Structure& structure, void* state, Recording recording)
@@ -33,7 +34,7 @@ class InstanceCore {
 
   // For the engine's messages.
 
-  /// Runs `node` and all that follows from it locally.
+  /// Runs `node` and all that follows from it locally, in a flow graph.
   void run(engine::Context& context, NodeIndex node, Token input);
   /// A value for an event has come.
   void arrive(engine::Context& context, const void* event, engine::ObjectId from, std::uint64_t round,
@@ -70,7 +71,6 @@ class InstanceCore {
   std::set<engine::EventKey> known_;                     ///< declared, or a value has come
   std::map<engine::EventKey, PackedArrivals> complete_;  ///< events that fire soon
   ExecutionLog log_;
-  std::unique_ptr<FlowGraph> flow_;
   engine::Context* context_ = nullptr;  ///< while the flow graph runs
 };
 

@@ -67,7 +67,9 @@ void expect_game(int ranks, GameRules rules, const GameSetting& setting) {
 }
 
 TEST_P(DataflowOnRanks, PlaysRoundsWithChangingNeighbours) {
-  expect_game(GetParam(), {.players = 17, .rounds = 20}, {});
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    expect_game(GetParam(), {.players = 17, .rounds = 20, .seed = seed}, {});
+  }
 }
 
 TEST_P(DataflowOnRanks, PlaysOnSeveralThreads) {
@@ -75,7 +77,9 @@ TEST_P(DataflowOnRanks, PlaysOnSeveralThreads) {
 }
 
 TEST_P(DataflowOnRanks, WakesDormantInstances) {
-  expect_game(GetParam(), {.players = 13, .rounds = 25, .dormancy = true}, {});
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    expect_game(GetParam(), {.players = 13, .rounds = 25, .dormancy = true, .seed = seed}, {});
+  }
 }
 
 TEST_P(DataflowOnRanks, PlaysOverALateNetwork) {
@@ -84,7 +88,10 @@ TEST_P(DataflowOnRanks, PlaysOverALateNetwork) {
 }
 
 TEST_P(DataflowOnRanks, PlaysWhileEveryInstanceMoves) {
-  expect_game(GetParam(), {.players = 16, .rounds = 12, .dormancy = true}, {.balancer = engine::rotate()});
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    expect_game(GetParam(), {.players = 16, .rounds = 12, .dormancy = true, .seed = seed},
+                {.balancer = engine::rotate(1.0, seed + 1)});
+  }
 }
 
 TEST_P(DataflowOnRanks, PlaysWhileEveryInstanceMovesOverALateNetwork) {

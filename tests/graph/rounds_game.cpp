@@ -19,7 +19,9 @@ std::uint64_t mix(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return mix(mix(mix(a + 0x9E3779B97F4A7C15u) ^ b) ^ c);
 }
 
-bool may_sleep(std::uint32_t player, std::uint64_t round) { return mix(player, round, 77) % 3 == 0; }
+bool may_sleep(const GameRules& rules, std::uint32_t player, std::uint64_t round) {
+  return mix(player, round, rules.seed + 77) % 3 == 0;
+}
 
 std::uint64_t first_value(std::uint32_t player) { return mix(player, 1, 2); }
 
@@ -40,15 +42,17 @@ std::vector<std::uint32_t> GameRules::neighbours(std::uint32_t player, std::uint
     if (in_ring || mix(std::min(player, other), std::max(player, other), round) % 5 == 0)
       all.push_back(other);
   }
-  std::sort(all.begin(), all.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return mix(player, round, a) < mix(player, round, b); });
+  std::sort(all.begin(), all.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return mix(player, round + seed, a) < mix(player, round + seed, b);
+  });
   return all;
 }
 
 bool GameRules::sleeps(std::uint32_t player, std::uint64_t round) const {
-  if (!dormancy || !may_sleep(player, round)) return false;
+  if (!dormancy || !may_sleep(*this, player, round)) return false;
   const auto others = neighbours(player, round);
-  return std::any_of(others.begin(), others.end(), [&](std::uint32_t i) { return !may_sleep(i, round); });
+  return std::any_of(others.begin(), others.end(),
+                     [&](std::uint32_t i) { return !may_sleep(*this, i, round); });
 }
 
 // --- Nodes

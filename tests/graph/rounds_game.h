@@ -20,6 +20,7 @@ struct GameRules {
   std::uint32_t ballast = 0;       ///< numbers sent beside each value
   std::uint32_t first_number = 1;  ///< of a rank's first player
   bool dormancy = false;
+  std::uint64_t seed = 0;
 
   graph::dataflow::Ref<struct Player> player(std::uint32_t index) const;
   /// Symmetric; at least the two next in the ring (if there are others at all).
