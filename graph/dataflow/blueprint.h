@@ -70,7 +70,8 @@ struct Event {
 ///     Out State::body(NodeContext&, In)         a T on or, when empty, nothing
 ///     Out State::body(NodeContext&, std::uint64_t round, std::vector<Arrival<Value>>)       of events
 ///
-/// A node runs once for each value that is passed to it. Nodes of one instance run one at a time. Each body
+/// Values of starts and events travel: they are packed (engine/serialize.h) and have a default constructor. A
+/// node runs once for each value that is passed to it. Nodes of one instance run one at a time. Each body
 /// and each name is used once. Misuse throws std::logic_error that names graph, nodes and edge.
 template <class State>
 class Blueprint {

@@ -84,8 +84,8 @@ void Structure::add_local(NodeIndex from, NodeIndex to, RoundStep step, bool cop
 }
 
 void Structure::add_remote(NodeIndex from, NodeIndex to, std::string value_type) {
-  nodes_.at(from).remote_edges.push_back(
-      add_edge(EdgeKind::remote, from, to, RoundStep::same, std::move(value_type)));
+  const EdgeIndex edge = add_edge(EdgeKind::remote, from, to, RoundStep::same, std::move(value_type));
+  nodes_[from].remote_edges.push_back(edge);
 }
 
 void Structure::add_wake(NodeIndex event, NodeIndex wake) {

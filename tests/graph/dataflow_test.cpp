@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <numeric>
+#include <thread>
 
 #include "engine/balancer.h"
 #include "graph/dataflow/blueprint.h"
@@ -301,6 +302,60 @@ TEST(Dataflow, TellsWhichEventsLackArrivals) {
     });
     EXPECT_THAT(incomplete<Collector>(runtime),
                 ElementsAre("object 0.1: collect in round 3 waits for 0.4 0.3"));
+  });
+}
+
+// --- What the balancer knows
+
+/// The largest load that any rank has had.
+std::atomic<double> largest_load{0};
+
+class LoadWatcher final : public engine::Balancer {
+ public:
+  void step(engine::BalanceActions& actions, engine::TimePoint time) override {
+    largest_load = std::max(largest_load.load(), actions.load().queued_seconds);
+    next_ = time + 100'000;
+  }
+  void told(engine::Rank, const engine::BalanceMessage&, engine::BalanceActions&) override {}
+  std::optional<engine::TimePoint> next_step() const override { return next_; }
+
+ private:
+  std::optional<engine::TimePoint> next_ = 0;
+};
+
+/// Occupies the only worker until the balancer has seen the work that waits.
+struct Planner {
+  template <class Archive>
+  void serialize(Archive&) {}
+  static void wait_for_load(double seconds) {
+    while (largest_load < seconds) std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+  void plan(NodeContext& context) {
+    context.expect<&Planner::work>(1, {}, engine::Seconds{500});
+    wait_for_load(400);
+  }
+  void work(NodeContext&, std::uint64_t, std::vector<Arrival<Nothing>>) {}
+  static Blueprint<Planner> blueprint() {
+    Blueprint<Planner> g("planner");
+    g.start<&Planner::plan>("plan");
+    g.event<&Planner::work>("work");
+    return g;
+  }
+};
+
+TEST(Dataflow, TheBalancerSeesWhatStartsAndEventsWillCost) {
+  on_ranks(1, [&](Transport& transport) {
+    Registry registry;
+    register_blueprint<Planner>(registry);
+    Runtime runtime(transport, registry, {.threads = 1, .balancer = [](engine::Rank, int) {
+                                            return std::make_unique<LoadWatcher>();
+                                          }});
+    runtime.run([&](Context& context) {
+      start<&Planner::plan>(context, create<Planner>(context), 0, {}, engine::Seconds{50});
+      Planner::wait_for_load(40);
+      EXPECT_LT(largest_load, 400);
+    });
+    EXPECT_GE(largest_load, 400);
   });
 }
 

@@ -41,7 +41,7 @@ NodeIndex node_named(const std::string& name) {
 
 using RunKey = std::tuple<engine::ObjectId, NodeIndex, std::uint64_t>;
 
-/// The runs of each node by instance and round; wakes but for the one that begins the round run once in it.
+/// The runs by instance, node and round; in this game each occurs at most once.
 std::multimap<RunKey, NodeRun> by_key(const ExecutionLog& log) {
   std::multimap<RunKey, NodeRun> runs;
   for (const NodeRun& run : log.runs) runs.emplace(RunKey{run.instance, run.node, run.round}, run);
