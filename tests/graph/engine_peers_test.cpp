@@ -1,0 +1,153 @@
+// Exchanges between all ranks, of all sizes, many in a row.
+#include "graph/adaptation/engine_peers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+
+#include "tests/graph/rounds_game.h"
+#include "tests/support/ranks.h"
+
+namespace weft::graph::adaptation {
+namespace {
+
+using engine::Registry;
+using engine::Runtime;
+using engine::Transport;
+using ::testing::HasSubstr;
+using weft::testing::kSlowness;
+using weft::testing::on_ranks;
+
+class EnginePeersOnRanks : public weft::testing::OnRanks {};
+INSTANTIATE_TEST_SUITE_P(Ranks, EnginePeersOnRanks, ::testing::ValuesIn(weft::testing::rank_counts()),
+                         [](const auto& ranks) { return std::to_string(ranks.param); });
+
+Registry registry_with_peers() {
+  Registry registry;
+  EnginePeers::register_types(registry);
+  return registry;
+}
+
+/// What rank `from` sends to rank `to` in an exchange: both can make it up. Often nothing, seldom a lot.
+partition::Bytes message(int exchange, int from, int to, std::size_t longest) {
+  std::mt19937 random(static_cast<unsigned>((exchange * 64 + from) * 64 + to));
+  const std::size_t kind = random() % 4;
+  const std::size_t size = kind == 0 ? 0 : random() % (kind == 3 ? longest : 100);
+  partition::Bytes bytes(size);
+  for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+  return bytes;
+}
+
+void expect_exchanges(partition::Peers& peers, int exchanges, std::size_t longest) {
+  for (int exchange = 0; exchange < exchanges; ++exchange) {
+    std::vector<partition::Bytes> to_each;
+    std::vector<partition::Bytes> expected;
+    for (int other = 0; other < peers.ranks(); ++other) {
+      to_each.push_back(message(exchange, peers.rank(), other, longest));
+      expected.push_back(message(exchange, other, peers.rank(), longest));
+    }
+    ASSERT_TRUE(peers.exchange(std::move(to_each)) == expected) << "exchange " << exchange;
+  }
+}
+
+TEST_P(EnginePeersOnRanks, ManyExchangesNeverMix) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = registry_with_peers();
+    Runtime runtime(transport, registry);
+    EnginePeers peers(runtime);
+    EXPECT_EQ(peers.rank(), transport.rank().value);
+    EXPECT_EQ(peers.ranks(), GetParam());
+    expect_exchanges(peers, 100 / kSlowness, 30'000);
+  });
+}
+
+TEST_P(EnginePeersOnRanks, ALateNetworkChangesNothing) {
+  on_ranks(GetParam(), [&](Transport& network) {
+    const auto late = weft::testing::delayed(network, std::chrono::microseconds(500), 11);
+    const Registry registry = registry_with_peers();
+    Runtime runtime(*late, registry, {.balancer = engine::rotate()});
+    EnginePeers peers(runtime);
+    expect_exchanges(peers, 10, 30'000);
+  });
+}
+
+TEST_P(EnginePeersOnRanks, LargeMessagesArriveWhole) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = registry_with_peers();
+    Runtime runtime(transport, registry);
+    EnginePeers peers(runtime);
+    expect_exchanges(peers, 3, 4'000'000);
+  });
+}
+
+TEST_P(EnginePeersOnRanks, ServesTheTypedExchange) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = registry_with_peers();
+    Runtime runtime(transport, registry);
+    EnginePeers peers(runtime);
+    const auto ranks = static_cast<std::size_t>(GetParam());
+    std::vector<std::vector<int>> to_each(ranks);
+    for (std::size_t to = 0; to < ranks; ++to) to_each[to].assign(to, peers.rank());
+    const auto received = partition::exchange<int>(peers, to_each);
+    ASSERT_EQ(received.size(), ranks);
+    for (std::size_t from = 0; from < ranks; ++from) {
+      const auto length = static_cast<std::size_t>(peers.rank());
+      EXPECT_EQ(received[from], std::vector<int>(length, static_cast<int>(from)));
+    }
+  });
+}
+
+TEST_P(EnginePeersOnRanks, ExchangesBeforeAndAfterOtherWork) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    Registry registry = registry_with_peers();
+    dataflow::register_blueprint<weft::testing::Player>(registry);
+    Runtime runtime(transport, registry, {.balancer = engine::rotate()});
+    EnginePeers peers(runtime);
+    expect_exchanges(peers, 3, 1000);
+    runtime.run([&](engine::Context& context) {
+      weft::testing::start_game(dataflow::Recording::off, context,
+                                {.players = 8, .rounds = 3, .first_number = 2});
+    });
+    EnginePeers others(runtime);  // the same mailboxes
+    expect_exchanges(others, 3, 1000);
+    expect_exchanges(peers, 3, 1000);
+  });
+}
+
+/// The failure of `act`, which must fail on every rank.
+template <class Act>
+std::string failure_of(const Act& act) {
+  try {
+    act();
+  } catch (const engine::RunFailure& failure) {
+    return failure.what();
+  }
+  return "no failure";
+}
+
+TEST_P(EnginePeersOnRanks, MustBeTheFirstToMakeObjects) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    Registry registry = registry_with_peers();
+    dataflow::register_blueprint<weft::testing::Player>(registry);
+    Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
+    runtime.run([&](engine::Context& context) { dataflow::create<weft::testing::Player>(context); });
+    EXPECT_THAT(failure_of([&] { EnginePeers peers(runtime); }),
+                HasSubstr("a rank's mailbox must be its first object, but has the number 2"));
+  });
+}
+
+TEST_P(EnginePeersOnRanks, RefusesAMessageTooMany) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = registry_with_peers();
+    Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
+    EnginePeers peers(runtime);
+    const auto ranks = static_cast<std::size_t>(GetParam());
+    EXPECT_THAT(failure_of([&] { peers.exchange(std::vector<partition::Bytes>(ranks + 1)); }),
+                HasSubstr(std::to_string(ranks + 1) + " payloads for " + std::to_string(ranks) + " ranks"));
+  });
+}
+
+}  // namespace
+}  // namespace weft::graph::adaptation
