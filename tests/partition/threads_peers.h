@@ -1,10 +1,13 @@
 // Ranks as threads of one process.
 #pragma once
 
-#include <atomic>
+#include <algorithm>
 #include <barrier>
+#include <cstdint>
 #include <exception>
 #include <functional>
+#include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -32,8 +35,10 @@ class ThreadsPeers final : public partition::Peers {
     explicit World(int ranks)
         : barrier(ranks), mail(static_cast<std::size_t>(ranks) * static_cast<std::size_t>(ranks)) {}
     std::barrier<> barrier;
-    std::atomic<bool> failed = false;
-    std::vector<partition::Bytes> mail;  // to rank a from rank b at a ranks + b
+    std::mutex mutex;
+    std::uint64_t last_common_step =
+        std::numeric_limits<std::uint64_t>::max();  // the last that all ranks took
+    std::vector<partition::Bytes> mail;             // to rank a from rank b at a ranks + b
   };
 
   ThreadsPeers(World& world, int rank, int ranks) : world_(world), rank_(rank), ranks_(ranks) {}
@@ -50,6 +55,15 @@ class ThreadsPeers final : public partition::Peers {
     return received;
   }
 
+  /// The others are not to wait for this rank any more.
+  void fail() {
+    {
+      const std::lock_guard lock(world_.mutex);
+      world_.last_common_step = std::min(world_.last_common_step, step_);
+    }
+    world_.barrier.arrive_and_drop();
+  }
+
  private:
   partition::Bytes& mail(int to, int from) {
     return world_.mail[static_cast<std::size_t>(to) * static_cast<std::size_t>(ranks_) +
@@ -57,11 +71,13 @@ class ThreadsPeers final : public partition::Peers {
   }
   void wait() {
     world_.barrier.arrive_and_wait();
-    if (world_.failed) throw std::runtime_error("another rank has failed");
+    const std::lock_guard lock(world_.mutex);
+    if (++step_ > world_.last_common_step) throw std::runtime_error("another rank has failed");
   }
 
   World& world_;
   int rank_, ranks_;
+  std::uint64_t step_ = 0;  // times that all have met
 };
 
 inline std::vector<std::exception_ptr> run_ranks_caught(int ranks,
@@ -76,8 +92,7 @@ inline std::vector<std::exception_ptr> run_ranks_caught(int ranks,
         body(peers);
       } catch (...) {
         thrown[static_cast<std::size_t>(r)] = std::current_exception();
-        world.failed = true;
-        world.barrier.arrive_and_drop();
+        peers.fail();
       }
     });
   for (std::thread& thread : threads) thread.join();
