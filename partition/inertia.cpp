@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "meshing/metric.h"
 #include "partition/reduce.h"
 
 namespace weft::partition {
@@ -13,6 +12,7 @@ namespace {
 
 using meshing::Box;
 using meshing::Point;
+using meshing::SymTensor;
 using meshing::Vec;
 
 std::int64_t moment(std::uint64_t weight, double x) { return std::llround(static_cast<double>(weight) * x); }
@@ -36,7 +36,7 @@ std::vector<Mean> means(Peers& peers, const WeightedItems& items, std::span<cons
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Box& box = boxes[groups[i]];
     const Vec u = (1 / extent(box)) * (items.centres[i] - box.lo);
-    std::int64_t* s = &sums[4 * groups[i]];
+    std::int64_t* s = &sums[4 * std::size_t{groups[i]}];
     s[3] += static_cast<std::int64_t>(items.weights[i]);
     for (int k = 0; k < 3; ++k) s[k] += moment(items.weights[i], u[k]);
   }
@@ -50,20 +50,6 @@ std::vector<Mean> means(Peers& peers, const WeightedItems& items, std::span<cons
                   static_cast<double>(s[2]) / weight}};
   }
   return result;
-}
-
-/// Ascending variances to axes, the widest first; signs such that the largest component is positive.
-Axes axes_of(const meshing::SymTensor& covariance) {
-  const meshing::Eigen3 eigen = meshing::eigen_decomposition(covariance);
-  Axes axes;
-  for (int i = 0; i < 3; ++i) {
-    const Vec& v = eigen.vectors[2 - i];
-    int largest = 0;
-    for (int k = 1; k < 3; ++k)
-      if (std::abs(v[k]) > std::abs(v[largest])) largest = k;
-    axes[i] = v[largest] < 0 ? -1.0 * v : v;
-  }
-  return axes;
 }
 
 }  // namespace
@@ -81,26 +67,52 @@ std::vector<Box> group_boxes(Peers& peers, std::span<const Point> points,
   });
 }
 
-std::vector<Axes> principal_axes(Peers& peers, const WeightedItems& items,
-                                 std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
+std::vector<SymTensor> covariances(Peers& peers, const WeightedItems& items,
+                                   std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
   const std::vector<Box> boxes = group_boxes(peers, items.centres, groups, num_groups);
   const std::vector<Mean> mean = means(peers, items, groups, boxes);
   std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Box& box = boxes[groups[i]];
     const Vec d = (1 / extent(box)) * (items.centres[i] - box.lo) - mean[groups[i]].mean;
-    std::int64_t* s = &sums[6 * groups[i]];
+    std::int64_t* s = &sums[6 * std::size_t{groups[i]}];
     int k = 0;
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b <= a; ++b) s[k++] += moment(items.weights[i], d[a] * d[b]);
   }
   sums = partition::sum(peers, sums);
-  std::vector<Axes> axes;
+  std::vector<SymTensor> result;
   for (std::uint32_t g = 0; g < num_groups; ++g) {
-    const auto variance = [&](int k) { return static_cast<double>(sums[6 * g + k]) / mean[g].weight; };
-    axes.push_back(axes_of({variance(0), variance(1), variance(2), variance(3), variance(4), variance(5)}));
+    const auto entry = [&](std::size_t k) {
+      return static_cast<double>(sums[6 * std::size_t{g} + k]) / mean[g].weight;
+    };
+    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
+  }
+  return result;
+}
+
+Axes principal_axes(const SymTensor& covariance) {
+  const meshing::Eigen3 eigen = meshing::eigen_decomposition(covariance);
+  Axes axes;
+  for (int i = 0; i < 3; ++i) {
+    const Vec& v = eigen.vectors[2 - i];
+    int largest = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::abs(v[k]) > std::abs(v[largest])) largest = k;
+    axes[i] = v[largest] < 0 ? -1.0 * v : v;
   }
   return axes;
+}
+
+Vec cutting_axis(const SymTensor& c) {
+  constexpr double kNearly = 0.9;
+  const std::array<double, 3> variances{c.xx, c.yy, c.zz};
+  const auto widest = std::max_element(variances.begin(), variances.end());
+  const Vec principal = principal_axes(c)[0];
+  if (*widest < kNearly * squared_length(c, principal)) return principal;
+  Vec axis;
+  axis[static_cast<int>(widest - variances.begin())] = 1;
+  return axis;
 }
 
 }  // namespace weft::partition

@@ -45,7 +45,8 @@ std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& it
                                            std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
                                            bool along_principal_axes) {
   std::vector<std::uint32_t> groups(items.centres.size(), 0);
-  const Axes axes = along_principal_axes ? principal_axes(peers, items, groups, 1)[0] : kCartesian;
+  const Axes axes =
+      along_principal_axes ? principal_axes(covariances(peers, items, groups, 1)[0]) : kCartesian;
   const std::vector<Point> points = turned(items.centres, axes);
   if (slabs[0] == 0) slabs = suitable_slabs(num_subdomains, group_boxes(peers, points, groups, 1)[0].size());
   std::size_t num_groups = 1;
@@ -64,9 +65,11 @@ std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std
   std::vector<std::uint32_t> sizes{num_subdomains};  // subdomains that each group becomes
   std::vector<std::uint64_t> keys(items.centres.size());
   while (sizes.size() < num_subdomains) {
-    const auto axes = principal_axes(peers, items, groups, static_cast<std::uint32_t>(sizes.size()));
+    std::vector<Vec> axes;
+    for (const auto& c : covariances(peers, items, groups, static_cast<std::uint32_t>(sizes.size())))
+      axes.push_back(cutting_axis(c));
     for (std::size_t i = 0; i < keys.size(); ++i)
-      keys[i] = ordered_key(dot(axes[groups[i]][0], items.centres[i]));
+      keys[i] = ordered_key(dot(axes[groups[i]], items.centres[i]));
     std::vector<std::vector<std::uint32_t>> shares;
     std::vector<std::uint32_t> halves;
     for (const std::uint32_t size : sizes) {

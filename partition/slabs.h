@@ -19,8 +19,8 @@ std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& it
                                            std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
                                            bool along_principal_axes);
 
-/// Halves (as nearly as the number of subdomains allows) across the longest principal axis of each part's
-/// weights, until each part is one subdomain.
+/// Halves (as nearly as the number of subdomains allows) across the longest axis of each part's weights
+/// (cutting_axis), until each part is one subdomain.
 std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains);
 
 /// The P, Q, R of product `num_subdomains` that cut a box of these sides with the least area of interfaces;

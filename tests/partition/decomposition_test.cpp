@@ -210,8 +210,18 @@ TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
   Alone alone;
   const std::vector<std::uint64_t> weights(points.size(), std::uint64_t{1} << 40), numbers(points.size());
   const std::vector<std::uint32_t> groups(points.size(), 0);
-  const Axes found = principal_axes(alone, {points, weights, numbers}, groups, 1)[0];
+  const Axes found = principal_axes(covariances(alone, {points, weights, numbers}, groups, 1)[0]);
   for (int i = 0; i < 3; ++i) EXPECT_GT(dot(found[i], expected[i]), 0.999) << i;
+}
+
+TEST(CuttingAxis, IsACoordinateAxisWhereThatIsNearlyAsWide) {
+  const Point y{0, 1, 0};
+  EXPECT_EQ(cutting_axis({1, 0.01, 1.001, 0.02, 0.03, 1}), y);  // a cube, with some rounding
+  EXPECT_EQ(cutting_axis({1, 0, 5, 0, 0.1, 1}), y);
+  const Point oblique = cutting_axis({3, 2.9, 3, 0, 0, 1});  // along (1, 1, 0)
+  EXPECT_NEAR(oblique.x, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(oblique.y, std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(norm(cutting_axis({})), 1);  // a single place
 }
 
 /// Faces between different subdomains.
@@ -229,12 +239,13 @@ std::size_t interface_faces(const Whole& w, const std::vector<SubdomainId>& subd
   return cut;
 }
 
-TEST(GraphPartition, CutsFewFaces) {
+// 8 cubes have 3 planes of 2 triangles a cell between them.
+TEST(Interfaces, AreSmall) {
   MeshData mesh = support::unit_cube(12);
   support::shuffle(mesh, 3);
   const Whole w = whole_of(mesh);
-  // 8 cubes have 3 planes of 2 triangles a cell between them. METIS must not be much worse than that.
-  EXPECT_LT(interface_faces(w, decompose_on(3, w, 8, "graph")), 2 * 3 * 2 * 12 * 12u);
+  for (const char* name : {"pqr", "bisection", "graph"})
+    EXPECT_LT(interface_faces(w, decompose_on(3, w, 8, name)), 2 * 3 * 2 * 12 * 12u) << name;
 }
 
 TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {

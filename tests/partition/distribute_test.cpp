@@ -4,13 +4,16 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 
 #include "meshing/import_mesh.h"
+#include "meshing/io/mesh_file.h"
 #include "meshing/measures.h"
 #include "meshing/tet_tables.h"
 #include "tests/partition/metric_meshes.h"
@@ -260,6 +263,27 @@ TEST_P(Distribute, KeepsTheWholeMeshAndItsClassification) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Subdomains, Distribute, ::testing::Values(1, 2, 3, 16, 128, 1000));
+
+TEST(DistributeSmall, MeshesMayHaveFewerTetsThanRanks) {
+  MetricMesh whole{support::two_tets(), {}};
+  whole.log_metrics.assign(5, {});
+  for (const int ranks : support::kNumbersOfRanks)
+    for (const std::uint32_t n : {1u, 2u, 7u})
+      Comparison(whole).check(distribute_on(ranks, whole, options_of(n)));
+}
+
+TEST(DistributeCases, KeepTheirGeometry) {
+  const char* given = std::getenv("WEFT_CASES");
+  const std::filesystem::path folder = given ? given : WEFT_CASES;
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "NOT TESTED: the case files are not at " << folder << " (set WEFT_CASES to their folder)";
+  for (const char* name : {"delta-wing/coarse.meshb", "ugawg/cube-cylinder.meshb", "ugawg/cone-cone.meshb"}) {
+    SCOPED_TRACE(name);
+    MetricMesh whole{meshing::read_mesh(folder / name), {}};
+    whole.log_metrics.assign(whole.mesh.points.size(), {});
+    Comparison(whole).check(distribute_on(4, whole, options_of(6)));
+  }
+}
 
 TEST(DistributeWarnings, AreThoseOfTheImport) {
   const MetricMesh whole = support::random_metric_mesh(6);
