@@ -1,5 +1,5 @@
-// What the ranks tell each other before and after the adaptation, as seen by plain algorithms: how it travels is
-// not known here.
+// What the ranks tell each other before and after the adaptation, as seen by plain algorithms: how it travels
+// is not known here.
 #pragma once
 
 #include <cstddef>
@@ -52,7 +52,8 @@ std::vector<std::vector<T>> exchange(Peers& peers, const std::vector<std::vector
 /// The same array to every rank: result[r] is that of rank r.
 template <class T>
 std::vector<std::vector<T>> share(Peers& peers, const std::vector<T>& mine) {
-  return exchange(peers, std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
+  return partition::exchange(peers,
+                             std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
 }
 
 }  // namespace weft::partition

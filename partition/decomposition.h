@@ -1,0 +1,37 @@
+// Which subdomain each tet belongs to: parts of equal work, found without any rank seeing all tets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshing/point.h"
+#include "partition/global_id.h"
+#include "partition/partitioner.h"
+#include "partition/peers.h"
+
+namespace weft::partition {
+
+/// This rank's tets, one entry each in every array.
+struct Items {
+  std::span<const meshing::Point> centres;
+  std::span<const double> work;            ///< any unit; negative and NaN count as 0
+  std::span<const std::uint64_t> numbers;  ///< in the whole input; settle ties
+  std::span<const std::array<std::uint32_t, 4>>
+      vertices;  ///< in the whole input; of the graph partitioner only
+};
+
+/// The subdomain, 0 to num_subdomains - 1, of each of this rank's tets; all ranks call together. Depends on
+/// the tets of all ranks, not on which rank has which nor on the number of ranks. Every tet counts for at
+/// least a tiny share of the greatest work, so that tets without work are divided evenly too.
+///
+/// PQR and bisection: every cut leaves each side with its share of the work to within half a tet, so that
+/// parts are balanced to one tet a cut; subdomains may be empty where tets are fewer or much work is in one
+/// tet. Graph: to a few percent of a part; may leave a subdomain empty or in pieces.
+///
+/// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs.
+std::vector<SubdomainId> decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
+                                   const Partitioner& partitioner);
+
+}  // namespace weft::partition

@@ -1,0 +1,149 @@
+// The steps of the distribution, in their order.
+#include "partition/distribute.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "partition/boundary_index.h"
+#include "partition/decomposition.h"
+#include "partition/inertia.h"
+#include "partition/point_records.h"
+#include "partition/ranges.h"
+#include "partition/reduce.h"
+#include "partition/slice_checks.h"
+#include "partition/start_builder.h"
+#include "partition/whole_boundary.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::Point;
+
+/// Final tets for one unit of complexity, and what an input tet costs in final tets.
+constexpr double kTetsPerComplexity = 12, kHandling = 0.1;
+
+/// The slice's tets with the points that they need from anywhere.
+class TetPoints {
+ public:
+  TetPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges) : tets_(slice.tets) {
+    for (const auto& tet : tets_) numbers_.insert(numbers_.end(), tet.begin(), tet.end());
+    std::sort(numbers_.begin(), numbers_.end());
+    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    records_ = fetch_points(peers, slice, ranges, numbers_);
+  }
+  std::array<const PointRecord*, 4> of(std::size_t t) const {
+    std::array<const PointRecord*, 4> result;
+    for (std::size_t i = 0; i < 4; ++i)
+      result[i] = &records_[static_cast<std::size_t>(
+          std::lower_bound(numbers_.begin(), numbers_.end(), tets_[t][i]) - numbers_.begin())];
+    return result;
+  }
+  const std::vector<PointRecord>& all() const { return records_; }
+
+ private:
+  std::span<const std::array<std::uint32_t, 4>> tets_;
+  std::vector<std::uint32_t> numbers_;
+  std::vector<PointRecord> records_;
+};
+
+/// What the decomposition wants to know of the slice's tets.
+struct TetMeasures {
+  std::vector<Point> centres;
+  std::vector<double> complexities;
+  meshing::Box box;  ///< of the whole mesh
+};
+
+TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
+  TetMeasures m;
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+    const auto p = points.of(t);
+    double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
+    for (const PointRecord* corner : p) density += 0.25 * std::exp(0.5 * trace(corner->log_metric));
+    const double volume = six_volume(p[0]->point, p[1]->point, p[2]->point, p[3]->point) / 6;
+    m.complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
+    m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
+  }
+  std::vector<Point> all;
+  for (const PointRecord& record : points.all()) all.push_back(record.point);
+  m.box = group_boxes(peers, all, std::vector<std::uint32_t>(all.size(), 0), 1)[0];
+  return m;
+}
+
+TetMeasures check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges) {
+  const TetPoints points(peers, slice, ranges);
+  std::vector<std::array<const Point*, 4>> corners;
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+    const auto p = points.of(t);
+    corners.push_back({&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point});
+  }
+  throw_least(peers, find_inverted(slice, corners));
+  return measure_tets(peers, slice, points);
+}
+
+std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
+                                         const DecompositionOptions& options) {
+  std::vector<double> work;
+  std::vector<std::uint64_t> numbers;
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+    work.push_back(kTetsPerComplexity * measures.complexities[t] + kHandling);
+    numbers.push_back(slice.first_tet + t);
+  }
+  return decompose(peers, {measures.centres, work, numbers, slice.tets}, options.num_subdomains,
+                   options.partitioner);
+}
+
+std::shared_ptr<const Geometry> build_geometry(const WholeBoundary& boundary, double ridge_angle_degrees) {
+  meshing::Surface surface(boundary.data, {ridge_angle_degrees});
+  std::vector<bool> required(surface.patches().size(), false);
+  for (const std::uint32_t t : boundary.data.required_triangles)
+    required[surface.triangle_patch(t).value] = true;
+  return std::make_shared<const Geometry>(Geometry{std::move(surface), std::move(required)});
+}
+
+void check_options(const DecompositionOptions& options) {
+  constexpr std::uint32_t kMost = (1u << (64 - GlobalId::kLocalBits)) - 2;
+  if (options.num_subdomains == 0 || options.num_subdomains > kMost)
+    throw std::invalid_argument(
+        fmt::format("the number of subdomains is {}, not one of 1..{}", options.num_subdomains, kMost));
+}
+
+}  // namespace
+
+Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options) {
+  check_options(options);
+  const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
+  check_slices(peers, slice, points, tets);
+  Distributed result;
+  const TetMeasures measures = check_and_measure(peers, slice, points);
+  WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
+  slice.boundary = {};
+  result.box = measures.box;
+  result.complexity = ordered_sum(peers, measures.complexities);
+  const std::vector<SubdomainId> subdomains = decompose_slice(peers, slice, measures, options);
+
+  const std::vector<TetRecord> mine = send_tets_home(peers, slice, subdomains, options.num_subdomains);
+  const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
+  const Holders holders = find_holders(peers, mine, options.num_subdomains);
+  result.geometry = build_geometry(boundary, options.ridge_angle_degrees);
+  const BoundaryIndex index(boundary, *result.geometry);
+  auto begin = mine.begin();
+  for (SubdomainId s = 0; s < options.num_subdomains; ++s) {
+    if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
+    const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
+    result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
+    begin = end;
+  }
+  result.warnings = std::move(boundary.warnings);
+  if (holders.used < slice.num_points)
+    result.warnings.push_back(
+        fmt::format("{} points that belong to no tet were dropped", slice.num_points - holders.used));
+  return result;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,118 @@
+// Moments as integers: a weight times a coordinate between -1 and 1, rounded, so that sums do not depend on
+// their order.
+#include "partition/inertia.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "partition/reduce.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::Box;
+using meshing::Point;
+using meshing::SymTensor;
+using meshing::Vec;
+
+std::int64_t moment(std::uint64_t weight, double x) { return std::llround(static_cast<double>(weight) * x); }
+
+/// Longest side of a box; 1 for a box without extent, which has nothing to be scaled by it.
+double extent(const Box& box) {
+  const Vec size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  return longest > 0 && std::isfinite(longest) ? longest : 1;
+}
+
+/// Weight, and weighted mean of the coordinates counted from the box's lower end in units of its extent.
+struct Mean {
+  double weight;
+  Vec mean;
+};
+
+std::vector<Mean> means(Peers& peers, const WeightedItems& items, std::span<const std::uint32_t> groups,
+                        const std::vector<Box>& boxes) {
+  std::vector<std::int64_t> sums(4 * boxes.size(), 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Box& box = boxes[groups[i]];
+    const Vec u = (1 / extent(box)) * (items.centres[i] - box.lo);
+    std::int64_t* s = &sums[4 * std::size_t{groups[i]}];
+    s[3] += static_cast<std::int64_t>(items.weights[i]);
+    for (int k = 0; k < 3; ++k) s[k] += moment(items.weights[i], u[k]);
+  }
+  sums = partition::sum(peers, sums);
+  std::vector<Mean> result(boxes.size());
+  for (std::size_t g = 0; g < boxes.size(); ++g) {
+    const std::int64_t* s = &sums[4 * g];
+    const double weight = std::max(1.0, static_cast<double>(s[3]));
+    result[g] = {weight,
+                 {static_cast<double>(s[0]) / weight, static_cast<double>(s[1]) / weight,
+                  static_cast<double>(s[2]) / weight}};
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Box> group_boxes(Peers& peers, std::span<const Point> points,
+                             std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
+  std::vector<Box> boxes(num_groups);
+  for (std::size_t i = 0; i < points.size(); ++i) boxes[groups[i]].include(points[i]);
+  return reduce(peers, boxes, [](Box a, const Box& b) {
+    for (int k = 0; k < 3; ++k) {
+      a.lo[k] = std::min(a.lo[k], b.lo[k]);
+      a.hi[k] = std::max(a.hi[k], b.hi[k]);
+    }
+    return a;
+  });
+}
+
+std::vector<SymTensor> covariances(Peers& peers, const WeightedItems& items,
+                                   std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
+  const std::vector<Box> boxes = group_boxes(peers, items.centres, groups, num_groups);
+  const std::vector<Mean> mean = means(peers, items, groups, boxes);
+  std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Box& box = boxes[groups[i]];
+    const Vec d = (1 / extent(box)) * (items.centres[i] - box.lo) - mean[groups[i]].mean;
+    std::int64_t* s = &sums[6 * std::size_t{groups[i]}];
+    int k = 0;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b <= a; ++b) s[k++] += moment(items.weights[i], d[a] * d[b]);
+  }
+  sums = partition::sum(peers, sums);
+  std::vector<SymTensor> result;
+  for (std::uint32_t g = 0; g < num_groups; ++g) {
+    const auto entry = [&](std::size_t k) {
+      return static_cast<double>(sums[6 * std::size_t{g} + k]) / mean[g].weight;
+    };
+    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
+  }
+  return result;
+}
+
+Axes principal_axes(const SymTensor& covariance) {
+  const meshing::Eigen3 eigen = meshing::eigen_decomposition(covariance);
+  Axes axes;
+  for (int i = 0; i < 3; ++i) {
+    const Vec& v = eigen.vectors[2 - i];
+    int largest = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::abs(v[k]) > std::abs(v[largest])) largest = k;
+    axes[i] = v[largest] < 0 ? -1.0 * v : v;
+  }
+  return axes;
+}
+
+Vec cutting_axis(const SymTensor& c) {
+  constexpr double kNearly = 0.9;
+  const std::array<double, 3> variances{c.xx, c.yy, c.zz};
+  const auto widest = std::max_element(variances.begin(), variances.end());
+  const Vec principal = principal_axes(c)[0];
+  if (*widest < kNearly * squared_length(c, principal)) return principal;
+  Vec axis;
+  axis[static_cast<int>(widest - variances.begin())] = 1;
+  return axis;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,27 @@
+// Names of the ways to decompose a mesh, as on the command line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace weft::partition {
+
+/// How tets are divided among subdomains.
+struct Partitioner {
+  enum class Kind {
+    pqr,        ///< sorted by a coordinate into P slabs, each into Q, each into R
+    bisection,  ///< cut in two across the longest principal axis, again and again
+    graph       ///< METIS on clusters of tets
+  };
+  Kind kind = Kind::bisection;
+  std::array<std::uint32_t, 3> slabs{0, 0, 0};  ///< of pqr: P, Q, R; zero: to be chosen by the shape
+  bool principal_axes = false;                  ///< of pqr: along the work's principal axes, not x, y, z
+};
+
+/// Reads `bisection`, `graph`, `pqr`, `pqr:PxQxR`, `pqr:principal` or `pqr:PxQxR:principal`. `num_subdomains`
+/// (0: not given) must be P Q R where both are given. Throws std::invalid_argument that names what is wrong
+/// and what is allowed.
+Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdomains = 0);
+
+}  // namespace weft::partition

@@ -1,0 +1,85 @@
+// PQR and bisection: both cut groups of items across an axis, level by level.
+#include "partition/slabs.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "partition/inertia.h"
+#include "partition/ordered_cuts.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::Point;
+using meshing::Vec;
+
+constexpr Axes kCartesian{Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}};
+
+/// Coordinates along the axes, exact for Cartesian ones.
+std::vector<Point> turned(std::span<const Point> points, const Axes& axes) {
+  std::vector<Point> result;
+  result.reserve(points.size());
+  for (const Point& p : points) result.push_back({dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)});
+  return result;
+}
+
+}  // namespace
+
+std::array<std::uint32_t, 3> suitable_slabs(std::uint32_t n, const Vec& sides) {
+  std::array<std::uint32_t, 3> best{n, 1, 1};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t p = n; p >= 1; --p) {
+    if (n % p != 0) continue;
+    for (std::uint32_t q = n / p; q >= 1; --q) {
+      if (n / p % q != 0) continue;
+      const std::uint32_t r = n / p / q;
+      const double area =
+          (p - 1.0) * sides.y * sides.z + (q - 1.0) * sides.x * sides.z + (r - 1.0) * sides.x * sides.y;
+      if (area < least) best = {p, q, r}, least = area;
+    }
+  }
+  return best;
+}
+
+std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& items,
+                                           std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
+                                           bool along_principal_axes) {
+  std::vector<std::uint32_t> groups(items.centres.size(), 0);
+  const Axes axes =
+      along_principal_axes ? principal_axes(covariances(peers, items, groups, 1)[0]) : kCartesian;
+  const std::vector<Point> points = turned(items.centres, axes);
+  if (slabs[0] == 0) slabs = suitable_slabs(num_subdomains, group_boxes(peers, points, groups, 1)[0].size());
+  std::size_t num_groups = 1;
+  std::vector<std::uint64_t> keys(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < points.size(); ++i) keys[i] = ordered_key(points[i][axis]);
+    const std::vector<std::uint32_t> equal(slabs[axis], 1);
+    groups = cut_groups(peers, {keys, items.numbers, items.weights}, groups, {num_groups, equal});
+    num_groups *= slabs[axis];
+  }
+  return groups;
+}
+
+std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains) {
+  std::vector<std::uint32_t> groups(items.centres.size(), 0);
+  std::vector<std::uint32_t> sizes{num_subdomains};  // subdomains that each group becomes
+  std::vector<std::uint64_t> keys(items.centres.size());
+  while (sizes.size() < num_subdomains) {
+    std::vector<Vec> axes;
+    for (const auto& c : covariances(peers, items, groups, static_cast<std::uint32_t>(sizes.size())))
+      axes.push_back(cutting_axis(c));
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      keys[i] = ordered_key(dot(axes[groups[i]], items.centres[i]));
+    std::vector<std::vector<std::uint32_t>> shares;
+    std::vector<std::uint32_t> halves;
+    for (const std::uint32_t size : sizes) {
+      shares.push_back(size == 1 ? std::vector{1u} : std::vector{size / 2, size - size / 2});
+      halves.insert(halves.end(), shares.back().begin(), shares.back().end());
+    }
+    groups = cut_groups(peers, {keys, items.numbers, items.weights}, groups, shares);
+    sizes = std::move(halves);
+  }
+  return groups;
+}
+
+}  // namespace weft::partition

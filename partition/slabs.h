@@ -1,0 +1,30 @@
+// The geometric partitioners: PQR and recursive inertial bisection.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "meshing/point.h"
+#include "partition/global_id.h"
+#include "partition/peers.h"
+#include "partition/weighted_items.h"
+
+namespace weft::partition {
+
+/// Sorted along the first axis into slabs[0] parts of equal weight, each along the second into slabs[1], each
+/// along the third into slabs[2]; part p, q, r is subdomain (p slabs[1] + q) slabs[2] + r. Zero slabs: chosen
+/// so that `num_subdomains` bricks of the items' box have the least interface.
+std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& items,
+                                           std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
+                                           bool along_principal_axes);
+
+/// Halves (as nearly as the number of subdomains allows) across the longest axis of each part's weights
+/// (cutting_axis), until each part is one subdomain.
+std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains);
+
+/// The P, Q, R of product `num_subdomains` that cut a box of these sides with the least area of interfaces;
+/// of equal ones that with the greatest P, then Q.
+std::array<std::uint32_t, 3> suitable_slabs(std::uint32_t num_subdomains, const meshing::Vec& sides);
+
+}  // namespace weft::partition

@@ -1,0 +1,263 @@
+// Every partitioner: the same for any number of ranks, balanced, and whole.
+#include "partition/decomposition.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+#include <stdexcept>
+
+#include "partition/inertia.h"
+#include "partition/slabs.h"
+#include "tests/partition/threads_peers.h"
+#include "tests/support/meshes.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::MeshData;
+using meshing::Point;
+
+/// All items of a case.
+struct Whole {
+  std::vector<Point> centres;
+  std::vector<double> work;
+  std::vector<std::array<std::uint32_t, 4>> vertices;
+};
+
+Whole whole_of(const MeshData& mesh) {
+  Whole w;
+  for (const auto& tet : mesh.tets) {
+    Point centre;
+    for (const std::uint32_t v : tet) centre += 0.25 * mesh.points[v];
+    w.centres.push_back(centre);
+  }
+  w.work.assign(mesh.tets.size(), 1);
+  w.vertices = mesh.tets;
+  return w;
+}
+
+/// Jittered, shuffled cells, more work near one corner.
+Whole random_whole(std::uint32_t cells, unsigned seed) {
+  MeshData mesh = support::unit_cube(cells);
+  support::jitter_interior(mesh, 0.1 / cells, seed);
+  support::shuffle(mesh, seed);
+  Whole w = whole_of(mesh);
+  for (std::size_t i = 0; i < w.work.size(); ++i) w.work[i] = std::exp(-5 * norm(w.centres[i]));
+  return w;
+}
+
+/// The subdomain of every item, the items being dealt out to `ranks` ranks.
+std::vector<SubdomainId> decompose_on(int ranks, const Whole& w, std::uint32_t n, const std::string& name) {
+  std::vector<SubdomainId> all(w.work.size(), 0xFFFFFFFFu);
+  support::run_ranks(ranks, [&](Peers& peers) {
+    Whole mine;
+    std::vector<std::uint64_t> numbers;
+    for (std::size_t i = 0; i < w.work.size(); ++i) {
+      if (static_cast<int>(i / 3 % 17) % peers.ranks() != peers.rank()) continue;
+      mine.centres.push_back(w.centres[i]);
+      mine.work.push_back(w.work[i]);
+      mine.vertices.push_back(w.vertices[i]);
+      numbers.push_back(i);
+    }
+    const auto found =
+        decompose(peers, {mine.centres, mine.work, numbers, mine.vertices}, n, parse_partitioner(name, n));
+    for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
+  });
+  return all;
+}
+
+std::vector<double> loads(const Whole& w, const std::vector<SubdomainId>& subdomains, std::uint32_t n) {
+  std::vector<double> result(n, 0);
+  for (std::size_t i = 0; i < w.work.size(); ++i) result[subdomains[i]] += w.work[i];
+  return result;
+}
+
+class Partitioners : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Partitioners, DoNotDependOnTheNumberOfRanks) {
+  const Whole w = random_whole(6, 3);
+  for (const std::uint32_t n : {1u, 2u, 3u, 7u, 16u, 128u, 1000u, 5000u}) {
+    const auto expected = decompose_on(1, w, n, GetParam());
+    for (const SubdomainId s : expected) ASSERT_LT(s, n);
+    for (const int ranks : support::kNumbersOfRanks)
+      ASSERT_EQ(decompose_on(ranks, w, n, GetParam()), expected) << n << " subdomains, " << ranks << " ranks";
+  }
+}
+
+TEST_P(Partitioners, BalanceWork) {
+  const Whole w = random_whole(8, 4);
+  const double total = std::accumulate(w.work.begin(), w.work.end(), 0.0);
+  const double heaviest = *std::max_element(w.work.begin(), w.work.end());
+  for (const std::uint32_t n : {2u, 3u, 16u, 24u}) {
+    const double levels = GetParam() == "bisection" ? std::ceil(std::log2(n)) : 3;
+    // METIS: 3 % of a part and the size of a cluster.
+    const double slack = GetParam() == "graph" ? 0.06 * total / n : levels * heaviest;
+    for (const double load : loads(w, decompose_on(2, w, n, GetParam()), n)) {
+      EXPECT_LE(load, total / n + slack) << n;
+      EXPECT_GE(load, GetParam() == "graph" ? 0.8 * total / n : total / n - slack) << n;
+    }
+  }
+}
+
+TEST_P(Partitioners, AcceptAnyWork) {
+  Whole w = random_whole(3, 5);
+  for (const double scale : {0.0, 1e-320, 1e300}) {
+    for (std::size_t i = 0; i < w.work.size(); ++i) w.work[i] = i % 7 == 0 ? scale : 1e-3 * scale;
+    for (const SubdomainId s : decompose_on(3, w, 5, GetParam())) EXPECT_LT(s, 5u);
+  }
+  w.work.assign(w.work.size(), 0);  // without work, tets are counted
+  std::vector<std::uint32_t> counts(4, 0);
+  for (const SubdomainId s : decompose_on(3, w, 4, GetParam())) ++counts[s];
+  for (const std::uint32_t count : counts) EXPECT_NEAR(count, w.work.size() / 4.0, 4);
+}
+
+TEST_P(Partitioners, LeaveSubdomainsEmptyWhereTetsAreFew) {
+  const Whole w = whole_of(support::two_tets());
+  for (const int ranks : support::kNumbersOfRanks) {
+    const auto subdomains = decompose_on(ranks, w, 100, GetParam());
+    EXPECT_NE(subdomains[0], subdomains[1]);
+    for (const SubdomainId s : subdomains) EXPECT_LT(s, 100u);
+  }
+}
+
+TEST_P(Partitioners, CutTetsThatAllLieInOnePlace) {
+  Whole w = random_whole(3, 6);
+  std::fill(w.centres.begin(), w.centres.end(), Point{0.25, -1, 3});
+  std::fill(w.work.begin(), w.work.end(), 2.0);
+  std::vector<std::uint32_t> counts(6, 0);
+  for (const SubdomainId s : decompose_on(4, w, 6, GetParam())) ++counts[s];
+  for (const std::uint32_t count : counts) EXPECT_NEAR(count, w.work.size() / 6.0, 3);
+}
+
+TEST_P(Partitioners, RefuseNoSubdomains) {
+  Alone alone;
+  EXPECT_THROW(decompose(alone, {}, 0, parse_partitioner(GetParam())), std::invalid_argument);
+}
+
+INSTANTIATE_TEST_SUITE_P(Decomposition, Partitioners,
+                         ::testing::Values("pqr", "pqr:principal", "bisection", "graph"),
+                         [](const auto& test) {
+                           return test.param == "pqr:principal" ? "principal" : test.param;
+                         });
+
+TEST(Pqr, SlabsAreSortedAlongTheirAxes) {
+  const Whole w = random_whole(6, 8);
+  const auto subdomains = decompose_on(3, w, 24, "pqr:4x3x2");
+  // Bounds of each slab in x, of each column in y within its slab, of each part in z within its column.
+  const auto expect_sorted = [&](int axis, std::uint32_t parts_below, std::uint32_t siblings) {
+    std::map<std::uint32_t, std::pair<double, double>> bounds;
+    for (std::size_t i = 0; i < subdomains.size(); ++i) {
+      const double x = w.centres[i][axis];
+      auto& [lo, hi] = bounds.try_emplace(subdomains[i] / parts_below, x, x).first->second;
+      lo = std::min(lo, x), hi = std::max(hi, x);
+    }
+    for (const auto& [slab, bound] : bounds)
+      EXPECT_TRUE(slab % siblings == 0 || bound.first >= bounds.at(slab - 1).second);
+  };
+  expect_sorted(0, 6, 4);
+  expect_sorted(1, 2, 3);
+  expect_sorted(2, 1, 2);
+}
+
+TEST(Pqr, RefusesSlabsOfAnotherProduct) {
+  Alone alone;
+  EXPECT_THROW(decompose(alone, {}, 5, parse_partitioner("pqr:2x2x2")), std::invalid_argument);
+}
+
+TEST(Pqr, SlabsSuitTheBox) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(suitable_slabs(8, {1, 1, 1}), ElementsAre(2, 2, 2));
+  EXPECT_THAT(suitable_slabs(12, {1, 3, 2}), ElementsAre(1, 4, 3));
+  EXPECT_THAT(suitable_slabs(16, {100, 1, 1}), ElementsAre(16, 1, 1));
+  EXPECT_THAT(suitable_slabs(7, {1, 1, 9}), ElementsAre(1, 1, 7));
+}
+
+TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
+  // A bar along (1, 1, 0): the first cut separates its halves.
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Whole w;
+  for (int i = 0; i < 1000; ++i) {
+    const double s = 10 * unit(random);
+    w.centres.push_back({s + unit(random), s + unit(random), unit(random)});
+  }
+  w.work.assign(1000, 1);
+  w.vertices.resize(1000);
+  const auto subdomains = decompose_on(2, w, 2, "bisection");
+  double least = 100, greatest = -100;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const double along = w.centres[i].x + w.centres[i].y;
+    if (subdomains[i] == 0)
+      greatest = std::max(greatest, along);
+    else
+      least = std::min(least, along);
+  }
+  EXPECT_LT(greatest - least, 1.5);  // the axis is found to a few percent
+}
+
+TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const Axes expected{Point{0.6, 0.8, 0}, Point{0, 0, 1}, Point{0.8, -0.6, 0}};
+  std::vector<Point> points;
+  for (int i = 0; i < 20000; ++i)
+    points.push_back(Point{1000, 0, 0} + 9 * normal(random) * expected[0] + 3 * normal(random) * expected[1] +
+                     normal(random) * expected[2]);
+  Alone alone;
+  const std::vector<std::uint64_t> weights(points.size(), std::uint64_t{1} << 40), numbers(points.size());
+  const std::vector<std::uint32_t> groups(points.size(), 0);
+  const Axes found = principal_axes(covariances(alone, {points, weights, numbers}, groups, 1)[0]);
+  for (int i = 0; i < 3; ++i) EXPECT_GT(dot(found[i], expected[i]), 0.999) << i;
+}
+
+TEST(CuttingAxis, IsACoordinateAxisWhereThatIsNearlyAsWide) {
+  const Point y{0, 1, 0};
+  EXPECT_EQ(cutting_axis({1, 0.01, 1.001, 0.02, 0.03, 1}), y);  // a cube, with some rounding
+  EXPECT_EQ(cutting_axis({1, 0, 5, 0, 0.1, 1}), y);
+  const Point oblique = cutting_axis({3, 2.9, 3, 0, 0, 1});  // along (1, 1, 0)
+  EXPECT_NEAR(oblique.x, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(oblique.y, std::sqrt(0.5), 1e-12);
+  EXPECT_EQ(norm(cutting_axis({})), 1);  // a single place
+}
+
+/// Faces between different subdomains.
+std::size_t interface_faces(const Whole& w, const std::vector<SubdomainId>& subdomains) {
+  std::map<std::array<std::uint32_t, 3>, SubdomainId> open;
+  std::size_t cut = 0;
+  for (std::size_t t = 0; t < w.vertices.size(); ++t)
+    for (std::size_t skipped = 0; skipped < 4; ++skipped) {
+      std::array<std::uint32_t, 3> face;
+      for (std::size_t i = 0; i < 3; ++i) face[i] = w.vertices[t][i < skipped ? i : i + 1];
+      std::sort(face.begin(), face.end());
+      const auto [it, fresh] = open.try_emplace(face, subdomains[t]);
+      if (!fresh) cut += it->second != subdomains[t];
+    }
+  return cut;
+}
+
+// 8 cubes have 3 planes of 2 triangles a cell between them.
+TEST(Interfaces, AreSmall) {
+  MeshData mesh = support::unit_cube(12);
+  support::shuffle(mesh, 3);
+  const Whole w = whole_of(mesh);
+  for (const char* name : {"pqr", "bisection", "graph"})
+    EXPECT_LT(interface_faces(w, decompose_on(3, w, 8, name)), 2 * 3 * 2 * 12 * 12u) << name;
+}
+
+TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {
+  Whole w;
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    w.centres.push_back({static_cast<double>(i), 0, 0});
+    w.vertices.push_back({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
+  }
+  w.work.assign(200, 1);
+  for (const std::uint32_t n : {4u, 12u})
+    for (const double load : loads(w, decompose_on(2, w, n, "graph"), n)) EXPECT_NEAR(load, 200.0 / n, 2);
+}
+
+}  // namespace
+}  // namespace weft::partition
