@@ -14,9 +14,9 @@ namespace weft::partition {
 /// One array of flags a piece, one flag a vertex.
 using VertexFlags = std::vector<std::vector<std::uint8_t>>;
 
-/// All ranks: what meshing::measure says of merge_pieces() of all pieces, sums in another order (quantiles
-/// and counts are exact). Does not depend on which rank has which pieces, nor on the number of threads (TBB,
-/// in the caller's arena).
+/// All ranks: what meshing::measure says of merge_pieces() of all pieces: counts and qualities exactly, sums
+/// and lengths but for rounding (another order, the other end). Does not depend on which rank has which
+/// pieces, nor on the number of threads (TBB, in the caller's arena).
 meshing::Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine);
 
 /// Likewise of a part of the mesh alone: the tets with a flagged vertex, their vertices and edges, and the
