@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -40,7 +42,8 @@ class TextWriter {
   void header() { out_.write("MeshVersionFormatted " + std::to_string(version_) + "\n\nDimension 3\n"); }
 
   void begin_section(const SectionShape& shape) {
-    out_.write("\n" + std::string(keyword_name(shape.code)) + "\n" + std::to_string(shape.count) + "\n");
+    out_.write("\n" + std::string(keyword_name(shape.code)) + "\n");
+    if (shape.counted) out_.write(std::to_string(shape.count) + "\n");
     if (shape.code != kSolAtVertices) return;
     out_.write(std::to_string(shape.field_types.size()));
     for (const std::int32_t type : shape.field_types) out_.write(" " + std::to_string(type));
@@ -102,6 +105,34 @@ void write_section_rows(Writer& out, const MeshData& mesh, Keyword code) {
   }
 }
 
+/// What the two sections of communicators need beside those of the mesh.
+void add_communicator_shapes(std::span<const GmfCommunicator> communicators,
+                             std::vector<SectionShape>& shapes) {
+  std::uint64_t points = 0;
+  for (const GmfCommunicator& communicator : communicators) points += communicator.points.size();
+  shapes.push_back({kParallelVertexCommunicators, communicators.size(), 0, 2});
+  shapes.push_back({kParallelCommunicatorVertices, points, 0, 3, {}, false});
+}
+
+template <class Writer>
+void write_row(Writer& out, std::initializer_list<std::int64_t> numbers) {
+  for (const std::int64_t number : numbers) out.index(number);
+  out.end_row();
+}
+
+/// Parts and communicators count from 0, vertices from 1.
+template <class Writer>
+void write_communicators(Writer& out, std::span<const GmfCommunicator> communicators, Keyword code) {
+  for (std::size_t c = 0; c < communicators.size(); ++c) {
+    const auto& [part, points, global] = communicators[c];
+    if (code == kParallelVertexCommunicators)
+      write_row(out, {part, static_cast<std::int64_t>(points.size())});
+    for (std::size_t i = 0; code == kParallelCommunicatorVertices && i < points.size(); ++i)
+      write_row(out, {std::int64_t{points[i]} + 1, static_cast<std::int64_t>(global[i]) + 1,
+                      static_cast<std::int64_t>(c)});
+  }
+}
+
 /// A file of these sections, whose rows write_rows(writer, keyword) writes.
 template <class WriteRows>
 void write_file(const std::filesystem::path& path, int version, const std::vector<SectionShape>& shapes,
@@ -139,6 +170,18 @@ void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int
   check_lengths(mesh);
   write_file(path, version, mesh_shapes(counts_of(mesh)),
              [&](auto& out, Keyword code) { write_section_rows(out, mesh, code); });
+}
+
+void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
+                    std::span<const GmfCommunicator> communicators, int version) {
+  check_lengths(mesh);
+  std::vector<SectionShape> shapes = mesh_shapes(counts_of(mesh));
+  add_communicator_shapes(communicators, shapes);
+  write_file(path, version, shapes, [&](auto& out, Keyword code) {
+    const bool of_mesh = code != kParallelVertexCommunicators && code != kParallelCommunicatorVertices;
+    if (of_mesh) return write_section_rows(out, mesh, code);
+    write_communicators(out, communicators, code);
+  });
 }
 
 void write_gmf_solution(const std::filesystem::path& path, const SolutionData& solution, int version) {

@@ -68,7 +68,11 @@ bool version_holds(int version, const std::vector<SectionShape>& shapes) {
 
 const KeywordInfo* find_keyword(std::int32_t code) { return find_by(&KeywordInfo::code, code); }
 const KeywordInfo* find_keyword(std::string_view name) { return find_by(&KeywordInfo::name, name); }
-std::string_view keyword_name(Keyword code) { return find_keyword(code)->name; }
+std::string_view keyword_name(Keyword code) {
+  if (code == kParallelVertexCommunicators) return "ParallelVertexCommunicators";
+  if (code == kParallelCommunicatorVertices) return "ParallelCommunicatorVertices";
+  return find_keyword(code)->name;
+}
 
 void check_range(const Section& section, RowRange rows) {
   if (rows.first <= section.count && rows.count <= section.count - rows.first) return;
@@ -88,7 +92,7 @@ bool is_text(const std::filesystem::path& path) {
 
 std::uint64_t section_head_size(const Encoding& encoding, const SectionShape& shape) {
   const bool solution = shape.code == kSolAtVertices;
-  return 4 + encoding.position_size() + encoding.index_size() +
+  return 4 + encoding.position_size() + (shape.counted ? encoding.index_size() : 0) +
          (solution ? 4 * (1 + shape.field_types.size()) : 0);
 }
 

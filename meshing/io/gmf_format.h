@@ -31,6 +31,8 @@ enum Keyword : std::int32_t {
   kRequiredTriangles = 17,
   kEnd = 54,
   kSolAtVertices = 62,
+  kParallelVertexCommunicators = 71,  ///< ParMmg's; written, not read
+  kParallelCommunicatorVertices = 73,
   kFloatingPointPrecision = 155,
 };
 
@@ -120,6 +122,7 @@ struct SectionShape {
   std::uint64_t count;
   std::size_t reals, indices;                  ///< a row
   std::vector<std::int32_t> field_types = {};  ///< of a solution
+  bool counted = true;                         ///< the rows follow their count
 };
 
 /// Bytes from a section's keyword to its first row, and to the next keyword.

@@ -34,7 +34,7 @@ class BinaryWriter {
 
   void begin_section(const SectionShape& shape) {
     begin_keyword(shape.code, out_.position() + section_size(encoding_, shape));
-    index(shape.count);
+    if (shape.counted) index(shape.count);
     if (shape.code != kSolAtVertices) return;
     out_.write_value(static_cast<std::int32_t>(shape.field_types.size()));
     for (const std::int32_t type : shape.field_types) out_.write_value(type);
