@@ -32,6 +32,13 @@ class Context {
   Rank rank() const;
   int ranks() const;
 
+  /// What the program has given this rank: RuntimeOptions::local. Objects reach by it what all of a rank share and
+  /// what does not move with them.
+  template <class T>
+  const T& local() const {
+    return *static_cast<const T*>(local_data());
+  }
+
   /// The object whose handler this is; the rank's root object in the function that a run starts with.
   ObjectId self() const;
 
@@ -96,6 +103,7 @@ class Context {
   bool stop_requested() const;
 
  private:
+  const void* local_data() const;
   const Registry& registry() const;
   ObjectId add_object(const TypeInfo& type, void* object);
   void send(Request request, ObjectId target, std::uint32_t method, std::uint64_t round, Seconds expected,

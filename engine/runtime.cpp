@@ -72,7 +72,8 @@ class Runtime::Implementation final : private BalanceActions {
         exchange_(transport, options_.exchange),
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
-        scheduler_({transport.rank(), transport.size(), options_.threads, balancer_->wants_finished()},
+        scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
+                    balancer_->wants_finished()},
                    registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
 
   ~Implementation() override {

@@ -49,6 +49,7 @@ class Scheduler {
     Rank rank;
     int ranks = 1;
     int threads = 1;
+    const void* local = nullptr;   ///< Context::local()
     bool report_finished = false;  ///< keep the objects whose handlers ran for take_finished()
   };
 
@@ -61,6 +62,7 @@ class Scheduler {
   Rank rank() const { return options_.rank; }
   int ranks() const { return options_.ranks; }
   const Registry& registry() const { return registry_; }
+  const void* local() const { return options_.local; }
   bool stopping() const { return stopping_.load(std::memory_order_relaxed); }
   ObjectId add_object(const TypeInfo& type, void* object);
   void send(Cell& from, Request request, ObjectId target, std::uint32_t method, std::uint64_t round,

@@ -10,47 +10,19 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
 #include <span>
 #include <sstream>
 #include <utility>
 
+#include "meshing/compensated_sum.h"
 #include "meshing/predicates.h"
+#include "meshing/problems.h"
 
 namespace weft::meshing {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 using Tet = std::array<std::uint32_t, 4>;
-
-/// The sentences found so far: the first `limit` are kept, the others only counted.
-class Problems {
- public:
-  explicit Problems(std::size_t limit) : limit_(limit) {}
-
-  template <class... Parts>
-  void add(const Parts&... parts) {
-    ++count_;
-    if (sentences_.size() >= limit_) return;
-    std::ostringstream sentence;
-    (sentence << ... << parts);
-    sentences_.push_back(std::move(sentence).str());
-  }
-  void append(Problems&& other) {
-    count_ += other.count_;
-    const std::size_t taken = std::min(limit_ - sentences_.size(), other.sentences_.size());
-    std::move(other.sentences_.begin(), other.sentences_.begin() + taken, std::back_inserter(sentences_));
-  }
-  /// An empty list with the same limit.
-  Problems fresh() const { return Problems(limit_); }
-  std::uint64_t count() const { return count_; }
-  std::vector<std::string> take() { return std::move(sentences_); }
-
- private:
-  std::size_t limit_;
-  std::uint64_t count_ = 0;
-  std::vector<std::string> sentences_;
-};
 
 constexpr std::size_t kChunk = 1 << 15;
 
@@ -109,23 +81,6 @@ void check_coordinates(const std::vector<Point>& points, Problems& problems) {
   for (std::size_t p = 0; p < points.size(); ++p)
     if (!std::isfinite(points[p].x) || !std::isfinite(points[p].y) || !std::isfinite(points[p].z))
       problems.add("vertex ", p + 1, ": a coordinate is not finite");
-}
-
-void check_arrays(const MeshData& mesh, Problems& problems) {
-  check_references("vertex", mesh.point_refs.size(), mesh.points.size(), problems);
-  check_references("tet", mesh.tet_refs.size(), mesh.tets.size(), problems);
-  check_references("triangle", mesh.triangle_refs.size(), mesh.triangles.size(), problems);
-  check_references("edge", mesh.edge_refs.size(), mesh.edges.size(), problems);
-  check_coordinates(mesh.points, problems);
-  check_vertices("tet", mesh.tets, mesh.points.size(), problems);
-  check_vertices("triangle", mesh.triangles, mesh.points.size(), problems);
-  check_vertices("edge", mesh.edges, mesh.points.size(), problems);
-  check_list("corner", mesh.corners, mesh.points.size(), problems);
-  check_list("required vertex", mesh.required_points, mesh.points.size(), problems);
-  check_list("ridge", mesh.ridges, mesh.edges.size(), problems);
-  check_list("required edge", mesh.required_edges, mesh.edges.size(), problems);
-  check_list("required triangle", mesh.required_triangles, mesh.triangles.size(), problems);
-  if (mesh.tets.size() >= std::size_t{1} << 30) problems.add("more than 1073741823 tets");
 }
 
 // --- Tets, faces and triangles
@@ -398,16 +353,6 @@ class EdgeCheck {
 // --- Sums
 // ----------------------------------------------------------------------------------------------------
 
-/// Neumaier's summation: the error does not grow with the number of terms.
-struct CompensatedSum {
-  double sum = 0, lost = 0;
-  void add(double x) {
-    const double next = sum + x;
-    lost += std::abs(sum) >= std::abs(x) ? (sum - next) + x : (x - next) + sum;
-    sum = next;
-  }
-  double value() const { return sum + lost; }
-};
 using SumsByRef = std::map<std::int32_t, CompensatedSum>;
 
 template <class Size>
@@ -454,6 +399,23 @@ std::uint64_t count_unreferenced(const MeshData& mesh) {
 }
 
 }  // namespace
+
+void check_arrays(const MeshData& mesh, Problems& problems) {
+  check_references("vertex", mesh.point_refs.size(), mesh.points.size(), problems);
+  check_references("tet", mesh.tet_refs.size(), mesh.tets.size(), problems);
+  check_references("triangle", mesh.triangle_refs.size(), mesh.triangles.size(), problems);
+  check_references("edge", mesh.edge_refs.size(), mesh.edges.size(), problems);
+  check_coordinates(mesh.points, problems);
+  check_vertices("tet", mesh.tets, mesh.points.size(), problems);
+  check_vertices("triangle", mesh.triangles, mesh.points.size(), problems);
+  check_vertices("edge", mesh.edges, mesh.points.size(), problems);
+  check_list("corner", mesh.corners, mesh.points.size(), problems);
+  check_list("required vertex", mesh.required_points, mesh.points.size(), problems);
+  check_list("ridge", mesh.ridges, mesh.edges.size(), problems);
+  check_list("required edge", mesh.required_edges, mesh.edges.size(), problems);
+  check_list("required triangle", mesh.required_triangles, mesh.triangles.size(), problems);
+  if (mesh.tets.size() >= std::size_t{1} << 30) problems.add("more than 1073741823 tets");
+}
 
 CheckReport check_mesh(const MeshData& mesh, int max_problems) {
   CheckReport report;

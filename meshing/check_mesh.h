@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/mesh_data.h"
+#include "meshing/problems.h"
 
 namespace weft::meshing {
 
@@ -34,5 +35,8 @@ struct CheckReport {
 /// that comparisons at 1e-9 mean something. Multithreaded on TBB (in the caller's arena); 70 bytes a tet of
 /// temporaries.
 CheckReport check_mesh(const MeshData& mesh, int max_problems = 20);
+
+/// The first of these checks alone, up to the lists being in range.
+void check_arrays(const MeshData& mesh, Problems& problems);
 
 }  // namespace weft::meshing

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
-#include <numbers>
+#include <cstddef>
 
 #include "meshing/adjacency.h"
+#include "meshing/measure_totals.h"
 
 namespace weft::meshing {
 namespace {
@@ -34,9 +34,10 @@ Totals reduce(std::size_t n, const Accumulate& accumulate) {
       });
 }
 
-double tet_volume(const MeshData& mesh, std::size_t t) {
-  const auto& [a, b, c, d] = mesh.tets[t];
-  return six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6;
+using Tet = std::array<std::uint32_t, 4>;
+
+double tet_volume(const Tet& tet, std::span<const Point> p) {
+  return six_volume(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) / 6;
 }
 
 /// sqrt(det M) at every vertex.
@@ -51,104 +52,9 @@ std::vector<double> densities_of(std::span<const LogMetric> log_metrics) {
 
 /// What a tet adds to the complexity. Summed by tets, not by vertices, so that no order of summation at a
 /// vertex has to be kept.
-double tet_complexity(const MeshData& mesh, const std::vector<double>& densities, std::size_t t) {
-  const auto& [a, b, c, d] = mesh.tets[t];
-  return 0.25 * tet_volume(mesh, t) * (densities[a] + densities[b] + densities[c] + densities[d]);
-}
-
-struct TetTotals {
-  double volume = 0, complexity = 0, quality = 0;
-  double quality_min = std::numeric_limits<double>::infinity();
-  std::uint64_t below_01 = 0, below_02 = 0, above_08 = 0;
-  Histogram linear = Measures{}.quality, logarithmic = Measures{}.quality_log;
-
-  void add_quality(double q) {
-    quality += q;
-    quality_min = std::min(quality_min, q);
-    below_01 += q < 0.1;
-    below_02 += q < 0.2;
-    above_08 += q > 0.8;
-    linear.add(q);
-    logarithmic.add(q);
-  }
-  TetTotals& operator+=(const TetTotals& o) {
-    volume += o.volume;
-    complexity += o.complexity;
-    quality += o.quality;
-    quality_min = std::min(quality_min, o.quality_min);
-    below_01 += o.below_01;
-    below_02 += o.below_02;
-    above_08 += o.above_08;
-    linear += o.linear;
-    logarithmic += o.logarithmic;
-    return *this;
-  }
-};
-
-struct EdgeTotals {
-  std::uint64_t edges = 0, unit = 0, shorter = 0, longer = 0;
-  double length = 0, length_max = 0;
-  double length_min = std::numeric_limits<double>::infinity();
-  Histogram linear = Measures{}.length, logarithmic = Measures{}.length_log;
-
-  void add_length(double l) {
-    ++edges;
-    length += l;
-    length_min = std::min(length_min, l);
-    length_max = std::max(length_max, l);
-    shorter += l < 1 / std::numbers::sqrt2;
-    longer += l > std::numbers::sqrt2;
-    unit += l >= 1 / std::numbers::sqrt2 && l <= std::numbers::sqrt2;
-    linear.add(l);
-    logarithmic.add(l);
-  }
-  EdgeTotals& operator+=(const EdgeTotals& o) {
-    edges += o.edges;
-    unit += o.unit;
-    shorter += o.shorter;
-    longer += o.longer;
-    length += o.length;
-    length_min = std::min(length_min, o.length_min);
-    length_max = std::max(length_max, o.length_max);
-    linear += o.linear;
-    logarithmic += o.logarithmic;
-    return *this;
-  }
-};
-
-/// Of the values in their order, the one at the share q of [0, end); leaves the smaller ones before it.
-std::size_t select_quantile(std::vector<double>& values, std::size_t end, double q) {
-  const auto rank = std::max(std::ceil(q * static_cast<double>(values.size())), 1.0);
-  const std::size_t place = static_cast<std::size_t>(rank) - 1;
-  std::nth_element(values.begin(), values.begin() + place, values.begin() + end);
-  return place;
-}
-
-void measure_tets(const MeshData& mesh, std::span<const LogMetric> log_metrics, Measures& m) {
-  std::vector<double> qualities(mesh.tets.size());
-  const std::vector<double> densities = densities_of(log_metrics);
-  TetTotals totals = reduce<TetTotals>(mesh.tets.size(), [&](TetTotals& sums, std::size_t t) {
-    const auto& [a, b, c, d] = mesh.tets[t];
-    const auto& p = mesh.points;
-    const auto& l = log_metrics;
-    qualities[t] = mean_ratio({p[a], p[b], p[c], p[d]}, {l[a], l[b], l[c], l[d]});
-    sums.volume += tet_volume(mesh, t);
-    sums.complexity += tet_complexity(mesh, densities, t);
-    sums.add_quality(qualities[t]);
-  });
-  const auto n = static_cast<double>(mesh.tets.size());
-  m.volume = totals.volume;
-  m.complexity = totals.complexity;
-  m.quality_mean = totals.quality / n;
-  m.quality_min = totals.quality_min;
-  m.quality_below_01 = static_cast<double>(totals.below_01) / n;
-  m.quality_below_02 = static_cast<double>(totals.below_02) / n;
-  m.quality_above_08 = static_cast<double>(totals.above_08) / n;
-  m.quality = std::move(totals.linear);
-  m.quality_log = std::move(totals.logarithmic);
-  const std::size_t q01 = select_quantile(qualities, qualities.size(), 0.01);
-  m.quality_q01 = qualities[q01];
-  m.quality_q001 = qualities[select_quantile(qualities, q01 + 1, 0.001)];
+double tet_complexity(const Tet& tet, std::span<const Point> points, const std::vector<double>& densities) {
+  const auto& [a, b, c, d] = tet;
+  return 0.25 * tet_volume(tet, points) * (densities[a] + densities[b] + densities[c] + densities[d]);
 }
 
 std::vector<Metric> metrics_of(std::span<const LogMetric> log_metrics) {
@@ -159,13 +65,65 @@ std::vector<Metric> metrics_of(std::span<const LogMetric> log_metrics) {
   return metrics;
 }
 
-void measure_edges(const MeshData& mesh, std::span<const LogMetric> log_metrics, Measures& m) {
-  const EdgeLists edges = unique_edges(mesh.tets, mesh.points.size());
-  const std::vector<Metric> metrics = metrics_of(log_metrics);
-  EdgeTotals totals = reduce<EdgeTotals>(mesh.points.size(), [&](EdgeTotals& sums, std::size_t v) {
-    for (const std::uint32_t w : edges.of(static_cast<std::uint32_t>(v)))
-      sums.add_length(edge_length(mesh.points[w] - mesh.points[v], metrics[v], metrics[w]));
+/// Moves quantile q of [0, n) to its place among the first `end` values, which hold it; the smaller ones stay
+/// before it.
+std::size_t select_quantile(std::vector<double>& values, std::size_t end, double q) {
+  const auto place = static_cast<std::ptrdiff_t>(quantile_place(values.size(), q));
+  std::nth_element(values.begin(), values.begin() + place, values.begin() + static_cast<std::ptrdiff_t>(end));
+  return static_cast<std::size_t>(place);
+}
+
+void measure_tets(const MeshData& mesh, std::span<const LogMetric> log_metrics, Measures& m) {
+  std::vector<double> qualities;
+  put_tets(sum_tets(mesh.tets, mesh.points, log_metrics, qualities), mesh.tets.size(), m);
+  const std::size_t q01 = select_quantile(qualities, qualities.size(), 0.01);
+  m.quality_q01 = qualities[q01];
+  m.quality_q001 = qualities[select_quantile(qualities, q01 + 1, 0.001)];
+}
+
+}  // namespace
+
+TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
+                   std::span<const LogMetric> log_metrics, std::vector<double>& qualities) {
+  qualities.resize(tets.size());
+  const std::vector<double> densities = densities_of(log_metrics);
+  return reduce<TetTotals>(tets.size(), [&](TetTotals& sums, std::size_t t) {
+    const auto& [a, b, c, d] = tets[t];
+    const auto& p = points;
+    const auto& l = log_metrics;
+    qualities[t] = mean_ratio({p[a], p[b], p[c], p[d]}, {l[a], l[b], l[c], l[d]});
+    sums.volume += tet_volume(tets[t], points);
+    sums.complexity += tet_complexity(tets[t], points, densities);
+    sums.add_quality(qualities[t]);
   });
+}
+
+EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
+                     std::span<const Point> points, std::span<const LogMetric> log_metrics) {
+  const std::vector<Metric> metrics = metrics_of(log_metrics);
+  return reduce<EdgeTotals>(points.size(), [&](EdgeTotals& sums, std::size_t v) {
+    for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e) {
+      const std::uint32_t w = edges.others[e];
+      if (counted.empty() || counted[e])
+        sums.add_length(edge_length(points[w] - points[v], metrics[v], metrics[w]));
+    }
+  });
+}
+
+void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& m) {
+  const auto n = static_cast<double>(num_tets);
+  m.volume = totals.volume;
+  m.complexity = totals.complexity;
+  m.quality_mean = totals.quality / n;
+  m.quality_min = totals.quality_min;
+  m.quality_below_01 = static_cast<double>(totals.below_01) / n;
+  m.quality_below_02 = static_cast<double>(totals.below_02) / n;
+  m.quality_above_08 = static_cast<double>(totals.above_08) / n;
+  m.quality = totals.linear;
+  m.quality_log = totals.logarithmic;
+}
+
+void put_edges(const EdgeTotals& totals, Measures& m) {
   const auto n = static_cast<double>(totals.edges);
   m.num_edges = totals.edges;
   m.length_mean = totals.length / n;
@@ -174,11 +132,13 @@ void measure_edges(const MeshData& mesh, std::span<const LogMetric> log_metrics,
   m.edges_unit = static_cast<double>(totals.unit) / n;
   m.edges_short = static_cast<double>(totals.shorter) / n;
   m.edges_long = static_cast<double>(totals.longer) / n;
-  m.length = std::move(totals.linear);
-  m.length_log = std::move(totals.logarithmic);
+  m.length = totals.linear;
+  m.length_log = totals.logarithmic;
 }
 
-}  // namespace
+std::uint64_t quantile_place(std::uint64_t n, double q) {
+  return static_cast<std::uint64_t>(std::max(std::ceil(q * static_cast<double>(n)), 1.0)) - 1;
+}
 
 void Histogram::add(double value) {
   const double x = logarithmic ? std::log10(value) : value;  // of zero: below; of a negative value: NaN
@@ -221,7 +181,7 @@ Measures measure(const MeshData& mesh, std::span<const LogMetric> log_metrics) {
   m.num_triangles = mesh.triangles.size();
   if (mesh.tets.empty()) return m;
   measure_tets(mesh, log_metrics, m);
-  measure_edges(mesh, log_metrics, m);
+  put_edges(sum_edges(unique_edges(mesh.tets, mesh.points.size()), {}, mesh.points, log_metrics), m);
   return m;
 }
 
@@ -233,7 +193,9 @@ double complexity(const MeshData& mesh, std::span<const LogMetric> log_metrics) 
   };
   const std::vector<double> densities = densities_of(log_metrics);
   return reduce<Sum>(mesh.tets.size(),
-                     [&](Sum& sum, std::size_t t) { sum.value += tet_complexity(mesh, densities, t); })
+                     [&](Sum& sum, std::size_t t) {
+                       sum.value += tet_complexity(mesh.tets[t], mesh.points, densities);
+                     })
       .value;
 }
 

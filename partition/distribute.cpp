@@ -17,6 +17,7 @@
 #include "partition/ranges.h"
 #include "partition/reduce.h"
 #include "partition/slice_checks.h"
+#include "partition/refine_interface.h"
 #include "partition/start_builder.h"
 #include "partition/whole_boundary.h"
 
@@ -98,12 +99,44 @@ std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, c
                    options.partitioner);
 }
 
-std::shared_ptr<const Geometry> build_geometry(const WholeBoundary& boundary, double ridge_angle_degrees) {
+std::shared_ptr<Geometry> build_geometry(const WholeBoundary& boundary, double ridge_angle_degrees) {
   meshing::Surface surface(boundary.data, {ridge_angle_degrees});
   std::vector<bool> required(surface.patches().size(), false);
   for (const std::uint32_t t : boundary.data.required_triangles)
     required[surface.triangle_patch(t).value] = true;
-  return std::make_shared<const Geometry>(Geometry{std::move(surface), std::move(required)});
+  std::vector<bool> inner(surface.patches().size(), false);
+  return std::make_shared<Geometry>(Geometry{std::move(surface), std::move(required), std::move(inner)});
+}
+
+/// Inner patches have two tets at every triangle. Patches are cut at features, so they are all inner or all outer.
+void find_inner_patches(Peers& peers, const WholeBoundary& boundary, std::span<const SubdomainStart> starts,
+                        Geometry& geometry) {
+  std::vector<std::int64_t> faces(geometry.patch_inner.size(), 0), triangles(faces.size(), 0);
+  for (const SubdomainStart& s : starts)
+    for (const auto& face : s.boundary_faces) ++faces[face.patch.value];
+  for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t)
+    ++triangles[geometry.surface.triangle_patch(t).value];
+  std::vector<std::int64_t> sum(faces.size(), 0);
+  for (const auto& part : share(peers, faces))
+    for (std::size_t p = 0; p < part.size(); ++p) sum[p] += part[p];
+  for (std::size_t p = 0; p < sum.size(); ++p) geometry.patch_inner[p] = sum[p] > triangles[p];
+}
+
+/// Vertices of tets so thin that rounding could invert them are marked in all copies.
+void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
+  std::vector<std::uint64_t> delicate;
+  for (const SubdomainStart& s : starts)
+    for (const auto& t : s.tets)
+      if (is_delicate({s.points[t[0]], s.points[t[1]], s.points[t[2]], s.points[t[3]]}))
+        for (const std::uint32_t v : t) delicate.push_back(s.ids[v].value());
+  std::sort(delicate.begin(), delicate.end());
+  delicate.erase(std::unique(delicate.begin(), delicate.end()), delicate.end());
+  std::vector<std::uint64_t> all;
+  for (const auto& part : share(peers, delicate)) all.insert(all.end(), part.begin(), part.end());
+  std::sort(all.begin(), all.end());
+  for (SubdomainStart& s : starts)
+    for (std::size_t v = 0; v < s.ids.size(); ++v)
+      if (std::binary_search(all.begin(), all.end(), s.ids[v].value())) s.flags[v] |= kDelicate;
 }
 
 void check_options(const DecompositionOptions& options) {
@@ -130,8 +163,9 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const std::vector<TetRecord> mine = send_tets_home(peers, slice, subdomains, options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
-  result.geometry = build_geometry(boundary, options.ridge_angle_degrees);
-  const BoundaryIndex index(boundary, *result.geometry);
+  const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options.ridge_angle_degrees);
+  result.geometry = geometry;
+  const BoundaryIndex index(boundary, *geometry);
   auto begin = mine.begin();
   for (SubdomainId s = 0; s < options.num_subdomains; ++s) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
@@ -139,6 +173,8 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
     begin = end;
   }
+  find_inner_patches(peers, boundary, result.starts, *geometry);
+  mark_delicate(peers, result.starts);
   result.warnings = std::move(boundary.warnings);
   if (holders.used < slice.num_points)
     result.warnings.push_back(

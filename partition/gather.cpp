@@ -305,6 +305,12 @@ std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::spa
 
 std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted,
                            std::span<const Proposal> proposals, const ShiftOptions& options) {
+  const auto wants_nothing = [](const Proposal& p) { return p.wants.empty(); };
+  if (wanted.empty() && std::all_of(proposals.begin(), proposals.end(), wants_nothing)) {
+    std::vector<Parcel> none(proposals.size());
+    for (Parcel& p : none) p.from = s.id;
+    return none;
+  }
   Choice choice(s, mine, proposals);
   const std::vector<Rank> rank = choice.choose(wanted, proposals, options);
   s.departures = departures(s, choice, rank);

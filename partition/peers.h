@@ -52,6 +52,7 @@ std::vector<std::vector<T>> exchange(Peers& peers, const std::vector<std::vector
 /// The same array to every rank: result[r] is that of rank r.
 template <class T>
 std::vector<std::vector<T>> share(Peers& peers, const std::vector<T>& mine) {
+  // Qualified: std::exchange would be found too, by way of the vector.
   return partition::exchange(peers,
                              std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
 }

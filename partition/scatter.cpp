@@ -177,6 +177,7 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface) {
     const VertexId v = s.interface.local(i);
     if (!v.valid() || !s.mesh->alive(v) || s.mesh->label(v) != s.interface.id(i).value()) continue;
     s.mesh->thaw(v);
+    s.mesh->set_flags(v, s.mesh->flags(v) | kWasInterface);
     if (interface.find(s.interface.id(i)) == Interface::kNone) thawed.push_back(v);
   }
   s.interface = std::move(interface);
@@ -214,6 +215,8 @@ constexpr int kLayersAround = 2;
 
 Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   Scattered result;
+  const auto says_nothing = [](const Parcel& p) { return p.tets.empty() && p.now.empty(); };
+  if (s.departures.empty() && std::all_of(parcels.begin(), parcels.end(), says_nothing)) return result;
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (Parcel& p : parcels)
     for (BackgroundPiece& piece : p.pieces)

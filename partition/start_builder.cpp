@@ -63,7 +63,7 @@ void StartBuilder::add_names(const Holders& holders) {
   for (std::uint32_t v = 0; v < numbers_.size(); ++v) {
     const auto all = holders.of(numbers_[v]);
     start_.ids.emplace_back(all.empty() ? start_.subdomain : all.front().subdomain, numbers_[v]);
-    for (const Holder& holder : all)
+    for (const InputHolder& holder : all)
       if (holder.subdomain != start_.subdomain) start_.shared.push_back({v, holder.subdomain});
   }
 }

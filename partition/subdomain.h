@@ -19,6 +19,9 @@ namespace weft::partition {
 /// the vertex.
 inline constexpr std::uint8_t kHasBeenFree = 0x80;
 
+/// Another one: the vertex has been one of the interface.
+inline constexpr std::uint8_t kWasInterface = 0x20;
+
 /// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The steps
 /// are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's label; those of
 /// the interface are frozen.

@@ -8,8 +8,8 @@
 namespace weft::partition {
 namespace {
 
-std::vector<Holder> holders_here(std::span<const TetRecord> tets) {
-  std::vector<Holder> result;
+std::vector<InputHolder> holders_here(std::span<const TetRecord> tets) {
+  std::vector<InputHolder> result;
   for (std::size_t begin = 0, end = 0; begin < tets.size(); begin = end) {
     while (end < tets.size() && tets[end].subdomain == tets[begin].subdomain) ++end;
     for (const std::uint32_t v : vertices_of(tets.subspan(begin, end - begin)))
@@ -19,10 +19,10 @@ std::vector<Holder> holders_here(std::span<const TetRecord> tets) {
 }
 
 /// The holders of one vertex, sorted, to each rank that has one of them.
-void send_to_holders(std::span<const Holder> holders, std::uint32_t num_subdomains,
-                     std::vector<std::vector<Holder>>& to_each) {
+void send_to_holders(std::span<const InputHolder> holders, std::uint32_t num_subdomains,
+                     std::vector<std::vector<InputHolder>>& to_each) {
   int last = -1;
-  for (const Holder& holder : holders) {
+  for (const InputHolder& holder : holders) {
     const int rank = home_rank(holder.subdomain, num_subdomains, static_cast<int>(to_each.size()));
     if (rank == last) continue;
     auto& list = to_each[static_cast<std::size_t>(rank)];
@@ -65,8 +65,8 @@ std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
   return vertices;
 }
 
-std::span<const Holder> Holders::of(std::uint32_t vertex) const {
-  const auto begin = std::lower_bound(shared.begin(), shared.end(), Holder{vertex, 0});
+std::span<const InputHolder> Holders::of(std::uint32_t vertex) const {
+  const auto begin = std::lower_bound(shared.begin(), shared.end(), InputHolder{vertex, 0});
   auto end = begin;
   while (end != shared.end() && end->vertex == vertex) ++end;
   return {begin, end};
@@ -74,9 +74,9 @@ std::span<const Holder> Holders::of(std::uint32_t vertex) const {
 
 Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_t num_subdomains) {
   const auto ranks = static_cast<std::uint32_t>(peers.ranks());
-  std::vector<std::vector<Holder>> to_each(ranks);
-  for (const Holder& holder : holders_here(tets)) to_each[holder.vertex % ranks].push_back(holder);
-  std::vector<Holder> met;
+  std::vector<std::vector<InputHolder>> to_each(ranks);
+  for (const InputHolder& holder : holders_here(tets)) to_each[holder.vertex % ranks].push_back(holder);
+  std::vector<InputHolder> met;
   for (const auto& part : partition::exchange(peers, to_each))
     met.insert(met.end(), part.begin(), part.end());
   std::sort(met.begin(), met.end());

@@ -35,19 +35,19 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
 std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets);
 
 /// That a subdomain has a tet at a vertex of the input.
-struct Holder {
+struct InputHolder {
   std::uint32_t vertex;
   SubdomainId subdomain;
-  friend auto operator<=>(const Holder&, const Holder&) = default;
+  friend auto operator<=>(const InputHolder&, const InputHolder&) = default;
 };
 
 /// Who holds the vertices of this rank's subdomains.
 struct Holders {
-  std::vector<Holder> shared;  ///< all holders, on whatever rank, of each vertex that has several; sorted
+  std::vector<InputHolder> shared;  ///< all holders, on whatever rank, of each vertex that has several; sorted
   std::uint64_t used = 0;      ///< vertices of the whole mesh that any tet has
 
   /// Those of one vertex; empty where one subdomain alone has it.
-  std::span<const Holder> of(std::uint32_t vertex) const;
+  std::span<const InputHolder> of(std::uint32_t vertex) const;
 };
 
 /// From this rank's tets, sorted by subdomain. Holders of a vertex meet at a rank that its number decides.

@@ -12,6 +12,8 @@ namespace weft::graph::adaptation {
 /// see RankExchange.
 class EnginePeers final : public partition::Peers {
  public:
+  static constexpr std::uint32_t kObjects = dataflow::RankExchange::kObjects;
+
   static void register_types(engine::Registry& registry) { dataflow::RankExchange::register_types(registry); }
 
   /// `runtime` must outlive it.

@@ -1,6 +1,7 @@
 // Payloads from every rank to every rank, between the runs of an engine, by point-to-point messages.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "engine/registry.h"
@@ -13,6 +14,8 @@ namespace weft::graph::dataflow {
 /// know its address without asking.
 class RankExchange {
  public:
+  static constexpr std::uint32_t kObjects = 1;  ///< that it makes on every rank, before all others
+
   static void register_types(engine::Registry& registry);
 
   /// All ranks must make it before any other object is made, else the run that this is fails

@@ -1,7 +1,10 @@
 // The Gamma Mesh Format (.meshb, .solb binary; .mesh, .sol ASCII) that refine, Mmg, Omega_h and Gmsh share.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <vector>
 
 #include "meshing/mesh_data.h"
 
@@ -24,6 +27,19 @@ SolutionData read_gmf_solution(const std::filesystem::path& path);
 /// below 2 GiB, else 3, or 4 where a count needs it. Throws InputError when writing fails or an explicit
 /// version cannot hold the mesh.
 void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int version = 0);
+
+/// The vertices that one part of a distributed mesh has in common with another one.
+struct GmfCommunicator {
+  std::int32_t part;                  ///< the other one
+  std::vector<std::uint32_t> points;  ///< indices in the part that is written
+  std::vector<std::uint64_t> global;  ///< their 0-based numbers in the whole mesh
+};
+
+/// Writes one part of a distributed mesh likewise, with ParMmg's sections ParallelVertexCommunicators and
+/// ParallelCommunicatorVertices. Text files are the safer choice for ParMmg: its 1.5 passes over the latter
+/// in binary ones.
+void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
+                    std::span<const GmfCommunicator> communicators, int version = 0);
 
 /// Writes fields at vertices likewise. Field names are lost: the format has none.
 void write_gmf_solution(const std::filesystem::path& path, const SolutionData& solution, int version = 0);

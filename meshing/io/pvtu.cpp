@@ -109,17 +109,22 @@ std::vector<std::uint32_t> first_points(const MeshData& mesh, std::size_t num_pi
   return points;
 }
 
-std::string index_text(const MeshView& contents, const std::vector<std::string>& pieces) {
+std::string index_text(const SolutionData& fields, const std::vector<std::string>& cell_data,
+                       const std::vector<std::string>& pieces) {
   std::string xml =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
       "byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n"
       "<PPoints><PDataArray type=\"Float64\" NumberOfComponents=\"3\"/></PPoints>\n"
-      "<PCellData Scalars=\"ref\"><PDataArray type=\"Int32\" Name=\"ref\"/></PCellData>\n"
+      "<PCellData Scalars=\"ref\"><PDataArray type=\"Int32\" Name=\"ref\"/>";
+  for (const std::string& name : cell_data)
+    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(name) + "\"/>";
+  xml +=
+      "</PCellData>\n"
       "<PPointData GlobalIds=\"GlobalPointIds\">\n<PDataArray type=\"Int64\" Name=\"GlobalPointIds\"/>\n";
-  for (std::size_t i = 0; i < contents.fields.fields.size(); ++i) {
-    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(field_name(contents.fields, i)) +
-           "\" NumberOfComponents=\"" + std::to_string(components(contents.fields.fields[i].kind)) + "\"/>\n";
+  for (std::size_t i = 0; i < fields.fields.size(); ++i) {
+    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(field_name(fields, i)) +
+           "\" NumberOfComponents=\"" + std::to_string(components(fields.fields[i].kind)) + "\"/>\n";
   }
   xml += "</PPointData>\n";
   for (const std::string& piece : pieces) xml += "<Piece Source=\"" + VtkWriter::escaped(piece) + "\"/>\n";
@@ -151,7 +156,14 @@ void write_pvtu(const fs::path& path, const MeshView& contents, const WriteOptio
     const Share share(contents, i, num_pieces, i == 0 ? first : std::vector<std::uint32_t>{});
     write_vtu_piece(path.parent_path() / names.back(), share.contents(), share.global_ids(), options);
   }
-  index.write(index_text(contents, names));
+  index.write(index_text(contents.fields, {}, names));
+  index.commit();
+}
+
+void write_pvtu_index(const fs::path& path, const SolutionData& fields,
+                      const std::vector<std::string>& cell_data, const std::vector<std::string>& pieces) {
+  AtomicFile index(path);
+  index.write(index_text(fields, cell_data, pieces));
   index.commit();
 }
 

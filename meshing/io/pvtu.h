@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "meshing/io/mesh_contents.h"
 
@@ -16,5 +18,10 @@ MeshContents read_pvtu(const std::filesystem::path& path);
 /// shares of their order, points with global IDs.
 void write_pvtu(const std::filesystem::path& path, const MeshView& contents,
                 const WriteOptions& options = {});
+
+/// The index alone, of pieces that write_vtu_piece wrote: files named relative to the index, all with the
+/// same point fields (their kinds and names count, not their values) and the same cell data beside `ref`.
+void write_pvtu_index(const std::filesystem::path& path, const SolutionData& fields,
+                      const std::vector<std::string>& cell_data, const std::vector<std::string>& pieces);
 
 }  // namespace weft::meshing

@@ -371,7 +371,8 @@ std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
 MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(read_vtu_pieces(path)); }
 
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options) {
+                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
+                     const std::vector<CellData>& cell_data) {
   static_assert(sizeof(Point) == 3 * sizeof(double), "points are written as they lie in memory");
   check_lengths(contents.mesh, contents.fields);
   const MeshData& mesh = contents.mesh;
@@ -388,6 +389,10 @@ void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents
   out.array("UInt8", "types", 1, cells.count(), [&] { return cells.types(); });
   out.text("</Cells>\n<CellData Scalars=\"ref\">");
   out.array("Int32", "ref", 1, cells.count() * sizeof(std::int32_t), [&] { return cells.refs(); });
+  for (const CellData& data : cell_data) {
+    out.array("Float64", data.name, 1, data.values.size() * sizeof(double),
+              [&data] { return bytes_of(data.values); });
+  }
   out.text("</CellData>");
   describe_point_data(out, contents, global_ids);
   out.text("</Piece>\n</UnstructuredGrid>");

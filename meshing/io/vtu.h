@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "meshing/io/merge_pieces.h"
@@ -20,9 +21,17 @@ MeshContents read_vtu(const std::filesystem::path& path);
 /// Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
 
-/// The pieces of one .vtu, and a .vtu as one of several.
+/// A number for every cell: tets, triangles, edges and corners, in this order.
+struct CellData {
+  std::string name;
+  std::vector<double> values;
+};
+
+/// The pieces of one .vtu, and a .vtu as one of several. More cell data than `ref` are for viewers: readers
+/// here drop them.
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path);
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options);
+                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
+                     const std::vector<CellData>& cell_data = {});
 
 }  // namespace weft::meshing

@@ -1,0 +1,107 @@
+// Decomposition, one run of the engine, and what it leaves.
+#include "graph/adaptation/distributed_adaptation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+namespace weft::graph::adaptation {
+
+using partition::Subdomain;
+using partition::SubdomainStart;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// Twelve times its complexity, as in partition/distribute.h.
+double predicted_tets(const SubdomainStart& s) {
+  double complexity = 0;
+  for (const auto& t : s.tets) {
+    double density = 0;
+    for (const std::uint32_t v : t) density += 0.25 * std::exp(0.5 * trace(s.log_metrics[v]));
+    const auto& p = s.points;
+    complexity += density / 6 * dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
+  }
+  return 12 * complexity;
+}
+
+/// Address space for what a subdomain may grow to: in the worst case it receives nearly everything.
+std::size_t tet_capacity(double complexity, std::uint64_t input_tets) {
+  constexpr double kMost = (1u << 30) - 1;
+  return static_cast<std::size_t>(std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
+}
+
+void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts, std::size_t capacity,
+                     dataflow::Recording recording, const AdaptationPlan& plan) {
+  for (SubdomainStart& start : starts) {
+    const double predicted = predicted_tets(start);
+    const auto ref = dataflow::create<SubdomainTask>(
+        context, SubdomainTask(Subdomain(start, capacity), predicted), recording);
+    if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
+      throw std::logic_error("subdomain " + std::to_string(start.subdomain) + " is not the object that others expect");
+    start = {};
+    dataflow::start<&SubdomainTask::refine_interface>(context, ref);
+  }
+}
+
+void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, DistributedResult& result) {
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    Subdomain& s = task.subdomain();
+    result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required));
+    std::vector<std::uint8_t> was(result.pieces.back().ids.size());
+    for (std::uint32_t v = 0; v < was.size(); ++v)
+      was[v] = s.mesh->frozen(meshing::VertexId(v)) || s.mesh->flags(meshing::VertexId(v)) & partition::kWasInterface;
+    result.was_interface.push_back(std::move(was));
+    result.shifts.push_back(task.shifts());
+    result.counts += task.counts();
+    s = {};
+  });
+}
+
+}  // namespace
+
+void register_adaptation(engine::Registry& registry) {
+  EnginePeers::register_types(registry);
+  dataflow::register_blueprint<SubdomainTask>(registry);
+}
+
+DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers, RankData& rank,
+                                    partition::MeshSlice&& slice, const DistributedOptions& options) {
+  DistributedResult result;
+  const auto begin = Clock::now();
+  const std::uint64_t input_tets = slice.num_tets;
+  partition::Distributed d = partition::distribute(peers, std::move(slice), options.decomposition);
+  result.warnings = d.warnings;
+  result.decomposition_seconds = seconds_since(begin);
+
+  AdaptationPlan& plan = rank.plan;
+  plan.subdomains = options.decomposition.num_subdomains;
+  plan.first_object = EnginePeers::kObjects + 1;
+  plan.most_shifts = options.most_shifts;
+  plan.shift = options.shift;
+  plan.refine_interface = options.refine_interface;
+  plan.hausd = options.hausd > 0 ? options.hausd : 0.001 * norm(d.box.size());
+  plan.expected_complexity = d.complexity;
+  const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));
+  plan.threads_of_subdomain = std::max(1, options.threads / here);
+  rank.geometry = d.geometry;
+  rank.interrupt = options.interrupt;
+
+  const auto middle = Clock::now();
+  runtime.run([&](engine::Context& context) {
+    make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
+  });
+  if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
+    throw std::logic_error("the subdomains have not finished: " + lines.front());
+  result.adaptation_seconds = seconds_since(middle);
+  take_pieces(runtime, *rank.geometry, result);
+  return result;
+}
+
+dataflow::ExecutionLog execution_log(engine::Runtime& runtime) { return dataflow::log_of<SubdomainTask>(runtime); }
+
+}  // namespace weft::graph::adaptation

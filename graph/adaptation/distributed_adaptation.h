@@ -1,0 +1,50 @@
+// The distributed method from every rank's share of the input to every rank's pieces of the result.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "engine/runtime.h"
+#include "graph/adaptation/engine_peers.h"
+#include "graph/adaptation/subdomain_task.h"
+#include "graph/dataflow/execution_log.h"
+#include "partition/distribute.h"
+#include "partition/mesh_piece.h"
+
+namespace weft::graph::adaptation {
+
+struct DistributedOptions {
+  partition::DecompositionOptions decomposition;
+  partition::ShiftOptions shift;
+  std::uint32_t most_shifts = 8;
+  bool refine_interface = true;
+  double hausd = 0;  ///< 0: 0.1 % of the bounding box diagonal
+  int threads = 1;   ///< of this rank
+  dataflow::Recording recording = dataflow::Recording::on;
+  const std::atomic<bool>* interrupt = nullptr;
+};
+
+/// What this rank has in the end.
+struct DistributedResult {
+  std::vector<partition::MeshPiece> pieces;
+  std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
+  std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
+  meshing::OperationCounts counts;                       ///< of all subdomains that are here now
+  std::vector<std::string> warnings;                     ///< the same on all ranks
+  double decomposition_seconds = 0, adaptation_seconds = 0;
+};
+
+/// On all ranks, before the runtime starts.
+void register_adaptation(engine::Registry& registry);
+
+/// Decomposes the mesh, adapts all subdomains and their interfaces, and leaves every rank what it has then. All ranks
+/// call it, with one runtime whose RuntimeOptions::local is `rank` (which this fills) and which has no objects but
+/// those of `peers`. Throws what distribute() throws, and engine::RunFailure, on all ranks.
+DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers, RankData& rank,
+                                    partition::MeshSlice&& slice, const DistributedOptions& options);
+
+/// The runs of all nodes on this rank, after adapt_distributed().
+dataflow::ExecutionLog execution_log(engine::Runtime& runtime);
+
+}  // namespace weft::graph::adaptation

@@ -1,0 +1,173 @@
+// The nodes of a subdomain's graph, and the graph.
+#include "graph/adaptation/subdomain_task.h"
+
+#include "partition/adapt_subdomain.h"
+#include "partition/distribute.h"
+
+namespace weft::graph::adaptation {
+
+using dataflow::Arrival;
+using dataflow::NodeContext;
+using engine::Seconds;
+using partition::SubdomainId;
+
+namespace {
+
+/// A first guess of what adapting costs for each tet of the result; the balancer corrects it.
+constexpr double kSecondsPerTet = 12e-6;
+/// Of the tets of a subdomain, those that a shift brings and makes worth looking at.
+constexpr double kShareShifted = 0.3;
+
+/// A draw for each subdomain and round that all agree on: who receives changes from round to round.
+std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
+  return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0), partition::GlobalId(0, round + 1))
+      .value();
+}
+
+template <class Value>
+std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
+  std::vector<Value> values;
+  for (auto& a : arrivals) values.push_back(std::move(a.value));
+  return values;
+}
+
+}  // namespace
+
+SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
+  const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
+  SubdomainId first = subdomain;
+  while (first > 0 && partition::home_rank(first - 1, plan.subdomains, ranks) == home) --first;
+  return {engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first)}};
+}
+
+SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
+    : subdomain_(std::move(subdomain)), predicted_tets_(predicted_tets) {}
+
+dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
+  dataflow::Blueprint<SubdomainTask> g("subdomain");
+  const auto refine = g.start<&SubdomainTask::refine_interface>("refine interface");
+  const auto registered = g.event<&SubdomainTask::register_interface>("register interface");
+  const auto interior = g.node<&SubdomainTask::adapt_interior>("adapt interior");
+  const auto proposal = g.node<&SubdomainTask::propose>("propose");
+  const auto gathered = g.event<&SubdomainTask::gather>("gather");
+  const auto woken = g.wakes<&SubdomainTask::wake>(gathered, "wake");
+  const auto scattered = g.event<&SubdomainTask::scatter>("scatter");
+  const auto shifted = g.node<&SubdomainTask::adapt_shifted>("adapt shifted");
+  const auto updated = g.event<&SubdomainTask::update_topology>("update topology");
+  g.remote<partition::InterfaceVertices>(refine, registered);
+  g.local(registered, interior);
+  g.local(interior, proposal);
+  g.remote<partition::Proposal>(proposal, gathered);
+  g.local(woken, proposal);
+  g.remote<partition::Parcel>(gathered, scattered);
+  g.local(scattered, shifted);
+  g.remote<partition::Notice>(scattered, updated);
+  g.local(updated, proposal, dataflow::RoundStep::next);
+  return g;
+}
+
+const RankData& SubdomainTask::rank_data(NodeContext& context) const {
+  return context.engine().local<RankData>();
+}
+
+std::vector<SubdomainTask::Ref> SubdomainTask::neighbours(NodeContext& context) const {
+  std::vector<Ref> refs;
+  for (const SubdomainId s : subdomain_.interface.neighbours())
+    refs.push_back(object_of(rank_data(context).plan, context.ranks(), s));
+  return refs;
+}
+
+void SubdomainTask::refine_interface(NodeContext& context) {
+  const RankData& rank = rank_data(context);
+  const std::vector<Ref> to = neighbours(context);
+  std::vector<partition::InterfaceVertices> created(to.size());
+  if (rank.plan.refine_interface) created = partition::refine_interface(subdomain_, *rank.geometry);
+  for (std::size_t i = 0; i < to.size(); ++i)
+    context.send<&SubdomainTask::register_interface>(to[i], context.round(), std::move(created[i]));
+  context.expect<&SubdomainTask::register_interface>(context.round(), to, Seconds{kSecondsPerTet * predicted_tets_});
+}
+
+void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
+                                       std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
+  partition::register_interface(subdomain_, values_of(arrivals));
+}
+
+void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent) {
+  const RankData& rank = rank_data(context);
+  meshing::AdaptOptions options;
+  options.threads = rank.plan.threads_of_subdomain;
+  options.interrupt = rank.interrupt;
+  counts_ += partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options).counts;
+  context.count("tets", static_cast<double>(subdomain_.live_tets()));
+}
+
+void SubdomainTask::adapt_interior(NodeContext& context) { adapt(context, meshing::Extent::everything); }
+
+/// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it rests.
+void SubdomainTask::propose(NodeContext& context) {
+  const RankData& rank = rank_data(context);
+  const std::uint64_t round = context.round();
+  wants_.clear();
+  const bool interrupted = rank.interrupt && rank.interrupt->load(std::memory_order_relaxed);
+  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_);
+  const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
+  rests_ = round >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0;
+  if (rests_) return;
+  priority_ = {draw(subdomain_.id, round), subdomain_.id};
+  std::vector<partition::Proposal> proposals = partition::propose(subdomain_, priority_, wants_);
+  const std::vector<Ref> to = neighbours(context);
+  for (std::size_t i = 0; i < to.size(); ++i)
+    context.send<&SubdomainTask::gather>(to[i], round, std::move(proposals[i]));
+  context.expect<&SubdomainTask::gather>(round, to);
+  context.count("vertices wanted", static_cast<double>(wants_.size()));
+}
+
+std::optional<engine::Nothing> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
+  woken_for_ = round;
+  if (!rests_) return {};
+  rests_ = false;
+  return engine::Nothing{};
+}
+
+void SubdomainTask::gather(NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Proposal>> arrivals) {
+  const std::vector<partition::Proposal> proposals = values_of(arrivals);
+  neighbourhood_wants_ = !wants_.empty();
+  for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
+  const std::vector<Ref> to = neighbours(context);
+  std::vector<partition::Parcel> parcels =
+      partition::gather(subdomain_, priority_, wants_, proposals, rank_data(context).plan.shift);
+  ShiftRecord record;
+  record.round = round;
+  record.wanted = wants_.size();
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    record.sent += parcels[i].tets.size();
+    context.send<&SubdomainTask::scatter>(to[i], round, std::move(parcels[i]));
+  }
+  shifts_.push_back(record);
+  const double seconds = neighbourhood_wants_ ? kShareShifted * kSecondsPerTet * predicted_tets_ : 0;
+  context.expect<&SubdomainTask::scatter>(round, to, Seconds{seconds});
+  context.count("tets sent", static_cast<double>(record.sent));
+}
+
+void SubdomainTask::scatter(NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Parcel>> arrivals) {
+  std::vector<partition::Parcel> parcels = values_of(arrivals);
+  partition::Scattered result = partition::scatter(subdomain_, parcels);
+  const AdaptationPlan& plan = rank_data(context).plan;
+  for (auto& [to, notice] : result.notices)
+    context.send<&SubdomainTask::update_topology>(object_of(plan, context.ranks(), to), round, std::move(notice));
+  std::vector<Ref> from;
+  for (const SubdomainId s : result.expected) from.push_back(object_of(plan, context.ranks(), s));
+  context.expect<&SubdomainTask::update_topology>(round, from);
+  shifts_.back().received = result.received;
+  shifts_.back().thawed = result.thawed;
+  context.count("tets received", static_cast<double>(result.received));
+}
+
+void SubdomainTask::adapt_shifted(NodeContext& context) { adapt(context, meshing::Extent::fresh); }
+
+void SubdomainTask::update_topology(NodeContext& context, std::uint64_t, std::vector<Arrival<partition::Notice>> arrivals) {
+  context.count("vertices thawed",
+                static_cast<double>(partition::update_topology(subdomain_, values_of(arrivals))));
+}
+
+}  // namespace weft::graph::adaptation

@@ -1,0 +1,109 @@
+// What a subdomain does: the task graph of the distributed method (the paper's figure of the algorithm), one instance
+// a subdomain, which lives on whatever rank the balancer has put it.
+//
+//   refine interface =>> register interface -> adapt interior -> propose =>> gather =>> scatter -> adapt shifted
+//                                                                  ^                       =>>
+//                                                                  +---- next round ---- update topology
+//
+// -> stays in the subdomain, =>> goes to its neighbours. A subdomain goes on as soon as its own neighbours' values are
+// there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a proposal for a later
+// round wakes it. The run has ended when all rest.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "graph/dataflow/blueprint.h"
+#include "partition/geometry.h"
+#include "partition/refine_interface.h"
+#include "partition/shift.h"
+#include "partition/subdomain.h"
+
+namespace weft::graph::adaptation {
+
+/// How subdomains are adapted; the same on all ranks.
+struct AdaptationPlan {
+  std::uint32_t subdomains = 1;
+  std::uint32_t first_object = 0;  ///< number of the first subdomain's object on every rank
+  std::uint32_t most_shifts = 8;
+  partition::ShiftOptions shift;
+  bool refine_interface = true;
+  double hausd = 0;               ///< meshing::AdaptOptions, not 0
+  double expected_complexity = 0; ///< of the whole result
+  int threads_of_subdomain = 1;   ///< that one adaptation may use
+};
+
+/// What all subdomains of a rank read (engine::RuntimeOptions::local).
+struct RankData {
+  AdaptationPlan plan;
+  std::shared_ptr<const partition::Geometry> geometry;
+  const std::atomic<bool>* interrupt = nullptr;  ///< when true, subdomains finish with what they have
+};
+
+/// One round of one subdomain, for the report.
+struct ShiftRecord {
+  std::uint64_t round = 0;
+  std::uint64_t wanted = 0;    ///< vertices that this subdomain wanted to be freed
+  std::uint64_t sent = 0;      ///< tets
+  std::uint64_t received = 0;  ///< tets
+  std::uint64_t thawed = 0;    ///< vertices
+};
+
+class SubdomainTask {
+ public:
+  using Ref = dataflow::Ref<SubdomainTask>;
+
+  SubdomainTask() = default;
+  /// `predicted_tets`: of the adapted subdomain, for the balancer.
+  SubdomainTask(partition::Subdomain subdomain, double predicted_tets);
+
+  partition::Subdomain& subdomain() { return subdomain_; }
+  const std::vector<ShiftRecord>& shifts() const { return shifts_; }
+  const meshing::OperationCounts& counts() const { return counts_; }
+
+  static dataflow::Blueprint<SubdomainTask> blueprint();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_, counts_);
+  }
+
+  // The nodes.
+  void refine_interface(dataflow::NodeContext& context);
+  void register_interface(dataflow::NodeContext& context, std::uint64_t round,
+                          std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
+  void adapt_interior(dataflow::NodeContext& context);
+  void propose(dataflow::NodeContext& context);
+  std::optional<engine::Nothing> wake(dataflow::NodeContext& context, std::uint64_t round);
+  void gather(dataflow::NodeContext& context, std::uint64_t round,
+              std::vector<dataflow::Arrival<partition::Proposal>> arrivals);
+  void scatter(dataflow::NodeContext& context, std::uint64_t round,
+               std::vector<dataflow::Arrival<partition::Parcel>> arrivals);
+  void adapt_shifted(dataflow::NodeContext& context);
+  void update_topology(dataflow::NodeContext& context, std::uint64_t round,
+                       std::vector<dataflow::Arrival<partition::Notice>> arrivals);
+
+ private:
+  const RankData& rank_data(dataflow::NodeContext& context) const;
+  std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
+  void adapt(dataflow::NodeContext& context, meshing::Extent extent);
+
+  static constexpr std::uint64_t kNever = ~std::uint64_t{0};
+
+  partition::Subdomain subdomain_;
+  double predicted_tets_ = 0;
+  std::vector<partition::GlobalId> wants_;  ///< of this round
+  partition::Priority priority_;            ///< of this round
+  bool neighbourhood_wants_ = true;         ///< somebody wanted something in the last round
+  bool rests_ = false;
+  std::uint64_t woken_for_ = kNever;  ///< a round that a neighbour has proposed while this one was in the last
+  std::vector<ShiftRecord> shifts_;
+  meshing::OperationCounts counts_;
+};
+
+/// The object of a subdomain: made on its home rank, in the order of their ids.
+SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, partition::SubdomainId subdomain);
+
+}  // namespace weft::graph::adaptation

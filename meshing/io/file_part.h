@@ -1,0 +1,54 @@
+// Writes at given positions of a file that exists already and that others write into at the same time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace weft::meshing {
+
+/// Buffered output to one part of a file after another. Every failure throws InputError(name, "",
+/// "cannot write: ...").
+class FilePart {
+ public:
+  /// `name` is what messages call the file, which may be a temporary one.
+  FilePart(const std::filesystem::path& file, std::string name);
+  ~FilePart();
+  FilePart(const FilePart&) = delete;
+  FilePart& operator=(const FilePart&) = delete;
+
+  /// Where the next byte goes.
+  void seek(std::uint64_t position) {
+    flush();
+    flushed_ = position;
+  }
+  std::uint64_t position() const { return flushed_ + used_; }
+
+  /// The bytes of one number as they lie in memory.
+  template <class T>
+  void write_value(T value) {
+    if (sizeof value > kBufferSize - used_) flush();
+    std::memcpy(buffer_.get() + used_, &value, sizeof value);
+    used_ += sizeof value;
+  }
+
+  /// Everything to the disk. Nothing may be written afterwards.
+  void finish();
+
+ private:
+  static constexpr std::size_t kBufferSize = std::size_t{1} << 20;
+
+  void flush();
+  [[noreturn]] void fail(int error) const;
+
+  std::string name_;
+  int descriptor_ = -1;
+  std::unique_ptr<std::byte[]> buffer_;
+  std::size_t used_ = 0;
+  std::uint64_t flushed_ = 0;  ///< position of the buffer's first byte
+};
+
+}  // namespace weft::meshing
