@@ -36,8 +36,8 @@ struct GmfCommunicator {
 };
 
 /// Writes one part of a distributed mesh likewise, with ParMmg's sections ParallelVertexCommunicators and
-/// ParallelCommunicatorVertices. Text files are the safer choice for ParMmg: its 1.5 passes over the latter
-/// in binary ones.
+/// ParallelCommunicatorVertices. Text files are the safer choice: the reader of binary communicators in
+/// ParMmg's sources never reaches the second section.
 void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
                     std::span<const GmfCommunicator> communicators, int version = 0);
 
