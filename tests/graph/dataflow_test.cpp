@@ -57,7 +57,7 @@ void expect_game(int ranks, GameRules rules, const GameSetting& setting) {
       EXPECT_EQ(player.faults, 0u);
       EXPECT_EQ(player.rounds_played, rules.rounds);
       ++players;
-      woken += player.times_woken;
+      woken += player.woken_in.size();
     });
   });
   if (is_distributed()) return;

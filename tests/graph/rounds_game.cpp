@@ -68,7 +68,7 @@ std::optional<Nothing> Player::enter(NodeContext& context) {
 }
 
 std::optional<Nothing> Player::woken(NodeContext&, std::uint64_t round) {
-  ++times_woken;
+  if (!woken_in.insert(round).second) ++faults;
   if (asleep_before != round) {
     calls.insert(round);
     return std::nullopt;

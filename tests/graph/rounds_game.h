@@ -47,15 +47,15 @@ struct Player {
   GameRules rules;
   std::uint32_t index = 0;
   std::uint64_t value = 0;
-  std::uint64_t faults = 0;  ///< arrivals out of order, corrupted or in the wrong round
+  std::uint64_t faults = 0;  ///< arrivals out of order, corrupted or in the wrong round; woken twice
   std::uint64_t rounds_played = 0;
-  std::uint64_t times_woken = 0;
+  std::set<std::uint64_t> woken_in;            ///< rounds
   std::optional<std::uint64_t> asleep_before;  ///< the round it sleeps until it is called up
   std::set<std::uint64_t> calls;               ///< rounds that others have begun
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rules, index, value, faults, rounds_played, times_woken, asleep_before, calls);
+    archive(rules, index, value, faults, rounds_played, woken_in, asleep_before, calls);
   }
 
   std::optional<graph::dataflow::Nothing> enter(graph::dataflow::NodeContext& context);
