@@ -10,9 +10,12 @@
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/measures.h"
+#include "tools/picture/histogram_plot.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/metric_source.h"
+#include "tools/weft/outputs.h"
+#include "tools/weft/picture_options.h"
 #include "tools/weft/report_json.h"
 #include "tools/weft/summary.h"
 #include "tools/weft/text.h"
@@ -25,8 +28,9 @@ using Json = nlohmann::ordered_json;
 using meshing::MeshData;
 using meshing::Point;
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
+  weft stat wing.meshb --metric wing.solb --plot wing.pdf
 
 Without a metric: counts, volumes, bounding box and areas by reference. With one: mean ratios of the
 tets and lengths of the edges in it, as `weft adapt` reports them.)";
@@ -34,6 +38,7 @@ tets and lengths of the edges in it, as `weft adapt` reports them.)";
 struct StatCommand {
   std::string mesh;
   MetricRequest metric;
+  std::string plot;
   bool json = false, histogram = false;
 };
 
@@ -122,9 +127,18 @@ std::string histograms_text(const meshing::Measures& measures) {
          histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
 }
 
+void plot(const StatCommand& command, const meshing::Measures& measures) {
+  if (measures.num_tets == 0) throw meshing::InputError(command.mesh, "", "has no tets to plot");
+  const std::string title = fmt::format("{} in the metric {}", command.mesh, command.metric.name());
+  write_text(command.plot, picture::histogram_plot(measures, title, picture_format(command.plot)));
+}
+
 int run_stat(const StatCommand& command) {
   if (command.histogram && !command.metric.given())
     throw CLI::RequiresError("--histogram", "--metric or --metric-fn");
+  if (!command.plot.empty() && !command.metric.given())
+    throw CLI::RequiresError("--plot", "--metric or --metric-fn");
+  if (!command.plot.empty()) check_writable(command.plot);
   const MeshData mesh = meshing::read_mesh(command.mesh);
   const Geometry geometry = geometry_of(mesh);
   Json json = json_of(mesh, geometry);
@@ -135,6 +149,7 @@ int run_stat(const StatCommand& command) {
     json["measures"] = tools::json_of(measures);
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);
+    if (!command.plot.empty()) plot(command, measures);
   }
   fmt::print("{}", command.json ? json.dump(1) + "\n" : text);
   return kDone;
@@ -151,6 +166,9 @@ void add_stat_command(CLI::App& app, Action& action) {
   add_metric_source(*sub, command->metric);
   sub->add_flag("--json", command->json, "everything as JSON, histograms included");
   sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");
+  sub->add_option("--plot", command->plot, "these histograms as a figure: .png, .svg or .pdf")
+      ->type_name("FILE")
+      ->check(picture_name());
   sub->callback([command, &action] { action = [command] { return run_stat(*command); }; });
 }
 
