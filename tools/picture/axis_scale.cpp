@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace weft::picture {
 namespace {
@@ -26,6 +28,14 @@ std::string label(double value, double step, double largest) {
   return fmt::format("{:.{}f}", value, std::max(decimals, 0));
 }
 
+std::string power_label(int exponent) {
+  if (exponent >= -3 && exponent <= 4) return fmt::format("{:g}", std::pow(10, exponent));
+  static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : std::to_string(std::abs(exponent))) text += kDigits[digit - '0'];
+  return text;
+}
+
 }  // namespace
 
 std::vector<Tick> linear_ticks(double lo, double hi, int count) {
@@ -43,8 +53,7 @@ std::vector<Tick> decade_ticks(double lo, double hi, int count) {
   const int first = static_cast<int>(std::ceil(lo - 1e-9)), last = static_cast<int>(std::floor(hi + 1e-9));
   const int step = std::max(1, (last - first + count) / count);
   std::vector<Tick> ticks;
-  for (int k = first; k <= last; k += step)
-    ticks.push_back({std::pow(10, k), fmt::format("{:g}", std::pow(10, k))});
+  for (int k = first; k <= last; k += step) ticks.push_back({std::pow(10, k), power_label(k)});
   return ticks;
 }
 

@@ -123,43 +123,64 @@ void draw_panel(Canvas& canvas, const Panel& panel, const Theme& theme) {
   draw_value_axis(canvas, panel, theme);
   draw_outside(canvas, panel, theme);
   canvas.set_colour(theme.text);
-  canvas.text(panel.title, panel.x + panel.width / 2, panel.y - 0.8 * kFont, kFont, Align::centre);
+  canvas.text(panel.title, panel.x + panel.width / 2, panel.y - 1.1 * kFont, kFont, Align::centre);
 }
 
-std::string quality_line(const Measures& m) {
-  return fmt::format("{} tets: mean ratio {:.3f} in the mean, worst 1 % below {:.3f}, least {:.3g}",
-                     m.num_tets, m.quality_mean, m.quality_q01, m.quality_min);
+/// Drops empty bins at the ends, `step` at a time, but none of those between the values (exponents of values
+/// on a logarithmic axis) `lo` and `hi`.
+Histogram trimmed(Histogram histogram, std::ptrdiff_t step, double lo, double hi) {
+  auto& counts = histogram.counts;
+  const double width = (histogram.hi - histogram.lo) / static_cast<double>(counts.size());
+  const double dropped = static_cast<double>(step) * width, rounding = width / 2;
+  const auto is_empty = [&](auto first) {
+    return std::all_of(first, first + step, [](auto n) { return n == 0; });
+  };
+  while (histogram.below == 0 && histogram.lo + dropped < lo + rounding && is_empty(counts.begin())) {
+    counts.erase(counts.begin(), counts.begin() + step);
+    histogram.lo += dropped;
+  }
+  while (histogram.above == 0 && histogram.hi - dropped > hi - rounding && is_empty(counts.end() - step)) {
+    counts.erase(counts.end() - step, counts.end());
+    histogram.hi -= dropped;
+  }
+  return histogram;
 }
 
-std::string length_line(const Measures& m) {
-  return fmt::format(
-      "{} edges: {:.1f} % unit (shaded), {:.2f} % shorter, {:.2f} % longer, from {:.3g} to {:.3g}",
-      m.num_edges, 100 * m.edges_unit, 100 * m.edges_short, 100 * m.edges_long, m.length_min, m.length_max);
+/// 0.01, 0.02, 0.05, 0.1 ... within the exponents lo and hi.
+std::vector<Tick> ticks_1_2_5(double lo, double hi) {
+  std::vector<Tick> ticks;
+  for (int decade = static_cast<int>(std::floor(lo)); decade <= hi; ++decade)
+    for (const double factor : {1, 2, 5}) {
+      const double value = factor * std::pow(10, decade);
+      if (std::log10(value) > lo - 1e-9 && std::log10(value) < hi + 1e-9)
+        ticks.push_back({value, fmt::format("{:.3g}", value)});
+    }
+  return ticks;
 }
 
 }  // namespace
 
-std::string histogram_plot(const Measures& m, const std::string& title, Canvas::Format format) {
+std::string histogram_plot(const Measures& m, const PlotText& text, Canvas::Format format) {
   const Theme& theme = light_theme();
   Canvas canvas(format, kWidth, kHeight, theme.background);
-  constexpr double kLeft = 130, kMiddle = 1050, kPlotWidth = 680, kPlotHeight = 375, kUpper = 195,
-                   kLower = 800;
+  constexpr double kLeft = 130, kRight = 1050, kPlotWidth = 680, kPlotHeight = 385, kUpper = 195,
+                   kLower = 810;
   const std::pair unit = {1 / std::numbers::sqrt2, std::numbers::sqrt2};
-  const std::vector<Tick> log_lengths = {{0.05, "0.05"}, {0.1, "0.1"}, {0.2, "0.2"}, {0.5, "0.5"}, {1, "1"},
-                                         {2, "2"},       {5, "5"},     {10, "10"},   {20, "20"}};
-  const Panel panels[] = {
-      {kLeft, kUpper, kPlotWidth, kPlotHeight, "quality, share of the tets", m.quality,
-       linear_ticks(0, 1, 5)},
-      {kMiddle, kUpper, kPlotWidth, kPlotHeight, "quality, number of tets", m.quality_log,
-       decade_ticks(-4, 0, 5)},
-      {kLeft, kLower, kPlotWidth, kPlotHeight, "length, share of the edges", m.length, linear_ticks(0, 4, 8),
-       unit},
-      {kMiddle, kLower, kPlotWidth, kPlotHeight, "length, number of edges", m.length_log, log_lengths, unit}};
+  const Histogram quality_log = trimmed(m.quality_log, 20, -1, 0);
+  const Histogram length = trimmed(m.length, 10, 0, 2), length_log = trimmed(m.length_log, 1, -0.5, 0.5);
+  const Panel panels[] = {{kLeft, kUpper, kPlotWidth, kPlotHeight, "quality, share of the tets", m.quality,
+                           linear_ticks(0, 1, 5)},
+                          {kRight, kUpper, kPlotWidth, kPlotHeight, "quality, number of tets", quality_log,
+                           ticks_1_2_5(quality_log.lo, quality_log.hi)},
+                          {kLeft, kLower, kPlotWidth, kPlotHeight, "length, share of the edges", length,
+                           linear_ticks(0, length.hi, 8), unit},
+                          {kRight, kLower, kPlotWidth, kPlotHeight, "length, number of edges", length_log,
+                           ticks_1_2_5(length_log.lo, length_log.hi), unit}};
   for (const Panel& panel : panels) draw_panel(canvas, panel, theme);
   canvas.set_colour(theme.text);
-  canvas.text(title, kWidth / 2.0, 45, 1.2 * kFont, Align::centre, true);
-  canvas.text(quality_line(m), kWidth / 2.0, 105, 0.95 * kFont, Align::centre);
-  canvas.text(length_line(m), kWidth / 2.0, 700, 0.95 * kFont, Align::centre);
+  canvas.text(text.title, kWidth / 2.0, 45, 1.2 * kFont, Align::centre, true);
+  canvas.text(text.tets, kWidth / 2.0, 105, 0.95 * kFont, Align::centre);
+  canvas.text(text.edges, kWidth / 2.0, 715, 0.95 * kFont, Align::centre);
   return canvas.finish();
 }
 

@@ -18,15 +18,15 @@ constexpr int kBarSteps = 256;
 void draw_bar(Canvas& canvas, const Legend& legend, double font_size, double x, double y, double height,
               const Theme& theme) {
   const ColourScale& scale = legend.scale;
-  const double width = kPatch * font_size, step = height / kBarSteps;
+  const double width = std::round(kPatch * font_size), step = height / kBarSteps;
   const bool logarithmic = scale.kind == ColourScale::Kind::logarithmic;
   for (int i = 0; i < kBarSteps; ++i) {
-    const double share = (i + 0.5) / kBarSteps;
+    const double share = 1 - (i + 0.5) / kBarSteps;
     const double value = logarithmic ? scale.lo * std::pow(scale.hi / scale.lo, share)
                                      : scale.lo + share * (scale.hi - scale.lo);
     canvas.set_colour(scale.colour(value));
-    // A little higher than a step, so that no seams show.
-    canvas.rectangle(x, y + height - (i + 1) * step, width, i == 0 ? step : 1.5 * step);
+    // All the way down, to be covered by the next steps: no seams show.
+    canvas.rectangle(x, y + i * step, width, height - i * step);
   }
   canvas.set_colour(theme.text);
   for (const Tick& tick : legend.ticks) {
@@ -73,7 +73,7 @@ void draw_legend(Canvas& canvas, const Legend& legend, double font_size, double 
   if (legend.ticks.empty())
     draw_entries(canvas, legend, font_size, x, below + kPatch * font_size / 2, left, theme);
   else
-    draw_bar(canvas, legend, font_size, x, below, left, theme);
+    draw_bar(canvas, legend, font_size, std::round(x), std::round(below), std::round(left), theme);
 }
 
 }  // namespace weft::picture

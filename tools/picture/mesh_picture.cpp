@@ -25,7 +25,8 @@ Layout lay_out(const Canvas& canvas, const PictureOptions& options, const Legend
   layout.font = std::min(canvas.width(), canvas.height()) / 36.0;
   layout.margin = 0.8 * layout.font;
   layout.top = options.title.empty() ? 0 : 2.4 * layout.font;
-  const double column = options.legend ? legend_width(canvas, legend, layout.font) : 0;
+  const double legend_column = options.legend ? legend_width(canvas, legend, layout.font) : 0;
+  const double column = legend_column > 0 ? std::max(legend_column, 6 * layout.font) : 0;
   layout.right = column > 0 ? std::max(canvas.width() - column - 2 * layout.margin, canvas.width() / 4.0)
                             : canvas.width();
   layout.width = std::max(1.0, std::floor(layout.right));
@@ -65,25 +66,29 @@ std::vector<Point> fitted_points(const Surface& surface, const meshing::MeshData
   return points;
 }
 
-/// The directions of x, y and z in a corner of the picture.
+/// An arrow with its name, at (x0, y0).
+void draw_axis(Canvas& canvas, const char* name, double x0, double y0, const Projected& tip, double font) {
+  const double seen = std::hypot(tip.x, tip.y);
+  const double x = tip.x / seen, y = tip.y / seen;
+  const double head = std::min(0.55 * font, 0.6 * seen), tip_x = x0 + tip.x, tip_y = y0 + tip.y;
+  const double foot_x = tip_x - head * x, foot_y = tip_y - head * y, half = 0.35 * head;
+  canvas.line(x0, y0, foot_x, foot_y, 0.09 * font);
+  canvas.triangle(tip_x, tip_y, foot_x - half * y, foot_y + half * x, foot_x + half * y, foot_y - half * x);
+  canvas.text(name, tip_x + 0.6 * font * x, tip_y + 0.6 * font * y, 0.9 * font, Align::centre);
+}
+
+/// The directions of x, y and z: below the legend or, without one, in the lower left corner.
 void draw_axes(Canvas& canvas, const Camera& camera, const Layout& layout, const Theme& theme) {
-  const double length = 2.2 * layout.font;
-  const double x0 = 3.4 * layout.font, y0 = canvas.height() - 3.4 * layout.font;
+  const double length = 2.2 * layout.font, room = 3.4 * layout.font;
+  const double x0 = layout.right < canvas.width() ? layout.right + room : room, y0 = canvas.height() - room;
   constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
   canvas.set_colour(theme.text);
   for (int axis = 0; axis < 3; ++axis) {
     meshing::Vec direction;
     direction[axis] = length;
     const Projected tip = camera.turn(direction);
-    const double seen = std::hypot(tip.x, tip.y);
-    if (seen < 0.1 * length) continue;  // along the line of sight
-    const double x = tip.x / seen, y = tip.y / seen;
-    const double head = std::min(0.55 * layout.font, 0.6 * seen), tip_x = x0 + tip.x, tip_y = y0 + tip.y;
-    canvas.line(x0, y0, tip_x - head * x, tip_y - head * y, 0.09 * layout.font);
-    canvas.triangle(tip_x, tip_y, tip_x - head * x - 0.35 * head * y, tip_y - head * y + 0.35 * head * x,
-                    tip_x - head * x + 0.35 * head * y, tip_y - head * y - 0.35 * head * x);
-    canvas.text(kNames[static_cast<std::size_t>(axis)], tip_x + 0.6 * layout.font * x,
-                tip_y + 0.6 * layout.font * y, 0.9 * layout.font, Align::centre);
+    const bool along_the_sight = std::hypot(tip.x, tip.y) < 0.1 * length;
+    if (!along_the_sight) draw_axis(canvas, kNames[static_cast<std::size_t>(axis)], x0, y0, tip, layout.font);
   }
 }
 
@@ -114,6 +119,7 @@ std::string mesh_picture(const ColourSource& source, const meshing::RefNames& na
                               options.only ? "has no triangles of these references" : "has nothing to show");
   const Colouring colouring(source);
   const std::vector<Facet> facets = facets_of(surface, colouring, source, options);
+  if (facets.empty()) throw meshing::InputError("", "", "has nothing behind the plane of the cut");
   const Legend legend = colouring.legend(facets, names, options.theme, options.range);
 
   Canvas canvas(format, options.width, options.height, options.theme.background);
@@ -128,7 +134,7 @@ std::string mesh_picture(const ColourSource& source, const meshing::RefNames& na
   if (options.axes) draw_axes(canvas, camera, layout, options.theme);
   if (options.legend)
     draw_legend(canvas, legend, layout.font, layout.right + layout.margin, layout.top + 2 * layout.font,
-                layout.height - 6 * layout.font, options.theme);
+                layout.height - 9.5 * layout.font, options.theme);
   return canvas.finish();
 }
 

@@ -39,16 +39,16 @@ struct Flat {
   float light, ink;  ///< brightness; opacity of its lines
 };
 
-/// 1 for a facet that faces the light, 0.6 for one that it grazes.
+/// 1 for a facet that faces the light; never so dark that its colour could be taken for another of the scale.
 float light_on(const Facet& facet, const Camera& camera) {
   const auto& [a, b, c] = facet.corners;
   const Vec normal = cross(b - a, c - a);
   const double length = norm(normal);
   if (!(length > 0)) return 1;
   const double side = dot(normal, camera.toward_eye()) < 0 ? -1 : 1;
-  const Vec light = camera.toward_eye() + 0.5 * camera.up() + -0.4 * camera.right();
+  const Vec light = camera.toward_eye() + 0.45 * camera.up() + -0.35 * camera.right();
   const double cosine = side * dot(normal, light) / (length * norm(light));
-  return static_cast<float>(0.6 + 0.4 * std::max(cosine, 0.0));
+  return static_cast<float>(0.7 + 0.3 * std::max(cosine, 0.0));
 }
 
 Affine interpolation(const std::array<Affine, 3>& weights, double v0, double v1, double v2) {
@@ -170,6 +170,8 @@ class Band {
     const std::array<double, 3> weights = {flat.weights[0](x, y), flat.weights[1](x, y),
                                            flat.weights[2](x, y)};
     const Colour face = mix({0, 0, 0}, options_.scale.colour(value_at(facet, weights)), flat.light);
+    // A sample on an edge may have a weight just below zero: without lines none must be drawn there either.
+    if (!(options_.line_width > 0)) return face;
     for (std::size_t i = 0; i < 3; ++i)
       if (facet.edges[i] && weights[i] * flat.heights[i] < options_.line_width / 2)
         return mix(face, options_.line, flat.ink);
@@ -204,12 +206,12 @@ class Band {
 
 std::vector<Flat> flatten(std::span<const Facet> facets, const Camera& camera, const RasterOptions& options) {
   std::vector<Flat> flats;
-  Flat flat;
-  for (std::size_t i = 0; i < facets.size(); ++i)
-    if (flatten(facets[i], camera, options, flat)) {
-      flat.facet = static_cast<std::uint32_t>(i);
-      flats.push_back(flat);
-    }
+  for (std::size_t i = 0; i < facets.size(); ++i) {
+    Flat flat;
+    if (!flatten(facets[i], camera, options, flat)) continue;
+    flat.facet = static_cast<std::uint32_t>(i);
+    flats.push_back(flat);
+  }
   return flats;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "meshing/adjacency.h"
@@ -29,7 +30,8 @@ class Surface {
   /// 50 more for a moment.
   explicit Surface(const meshing::MeshData& mesh, const std::optional<std::vector<std::int32_t>>& only = {});
 
-  const std::vector<ShownFace>& faces() const { return faces_; }
+  const std::vector<ShownFace>& faces() const& { return faces_; }
+  std::vector<ShownFace> faces() && { return std::move(faces_); }
 
   /// The faces of what is left without the tets (and, where there are none, triangles) whose centroids lie in
   /// front of the plane.

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -127,10 +128,20 @@ std::string histograms_text(const meshing::Measures& measures) {
          histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
 }
 
+picture::PlotText plot_text(const StatCommand& command, const meshing::Measures& m) {
+  const auto file = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  return {fmt::format("{} in the metric {}", file(command.mesh), file(command.metric.name())),
+          fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
+                      grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
+          fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
+                      grouped(m.num_edges), percent(m.edges_unit), percent(m.edges_short, 2),
+                      percent(m.edges_long, 2), m.length_min, m.length_max)};
+}
+
 void plot(const StatCommand& command, const meshing::Measures& measures) {
   if (measures.num_tets == 0) throw meshing::InputError(command.mesh, "", "has no tets to plot");
-  const std::string title = fmt::format("{} in the metric {}", command.mesh, command.metric.name());
-  write_text(command.plot, picture::histogram_plot(measures, title, picture_format(command.plot)));
+  write_text(command.plot,
+             picture::histogram_plot(measures, plot_text(command, measures), picture_format(command.plot)));
 }
 
 int run_stat(const StatCommand& command) {

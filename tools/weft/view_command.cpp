@@ -34,8 +34,9 @@ constexpr const char* kFooter = R"(Examples:
   weft view wing.meshb --only 1,2,3 --clip y=0 --from iso -o wing.svg
   weft view flow.vtu --color-by field:mach --clip z=0.1 --slice --from z -o mach.png
 
-Shows the surface, or with --clip what lies behind a plane: whole tets, or with --slice a plane
-section. --color-by takes
+Shows the surface. --clip cuts away what lies on the eye's side of a plane like x=0.5, or on the side to
+which the normal N points from P, and leaves whole tets, or with --slice a plane section. Azimuths
+count from x towards y, elevations from there up to z, in degrees. --color-by takes
   none           the surface in one colour, what a cut lays bare in another (default)
   ref            references of the triangles
   subdomain      references of the tets
@@ -183,7 +184,7 @@ int run_view(const ViewCommand& command) {
 void add_camera_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Camera";
   sub.add_option("--from", command.from,
-                 "where the eye is: x, -x, y, -y, z, -z, iso (default), or AZIMUTH,ELEVATION in degrees")
+                 "where the eye is: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
       ->type_name("VIEW")
       ->group(kGroup);
   sub.add_option("--up", command.up, "what is up in the picture, named likewise; default z")
@@ -202,8 +203,7 @@ void add_camera_options(CLI::App& sub, ViewCommand& command) {
 void add_cut_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Cut";
   auto* clip = sub.add_option("--clip", command.clip,
-                              "cut away what is on the eye's side of x=0.5 (or y, z), or on the normal's "
-                              "side of PX,PY,PZ,NX,NY,NZ (point, normal)")
+                              "cut away one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
                    ->type_name("PLANE")
                    ->group(kGroup);
   sub.add_flag("--flip", command.flip, "cut away the other side")->needs(clip)->group(kGroup);
