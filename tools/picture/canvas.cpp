@@ -142,17 +142,12 @@ std::string Canvas::finish() {
   return std::move(handles_->bytes);
 }
 
-bool Canvas::format_of(const std::string& name, Format& format) {
+std::optional<Canvas::Format> Canvas::format_of(const std::string& name) {
   const std::string extension = std::filesystem::path(name).extension().string();
-  if (extension == ".png")
-    format = Format::png;
-  else if (extension == ".svg")
-    format = Format::svg;
-  else if (extension == ".pdf")
-    format = Format::pdf;
-  else
-    return false;
-  return true;
+  if (extension == ".png") return Format::png;
+  if (extension == ".svg") return Format::svg;
+  if (extension == ".pdf") return Format::pdf;
+  return std::nullopt;
 }
 
 }  // namespace weft::picture

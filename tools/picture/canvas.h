@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tools/picture/colour.h"
@@ -41,8 +42,8 @@ class Canvas {
   /// The bytes of the file. Nothing may be drawn afterwards.
   std::string finish();
 
-  /// The format that the name's extension asks for; false for other extensions.
-  static bool format_of(const std::string& name, Format& format);
+  /// The format that the name's extension asks for; nothing for other extensions.
+  static std::optional<Format> format_of(const std::string& name);
 
  private:
   struct Handles;

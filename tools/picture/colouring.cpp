@@ -140,6 +140,7 @@ void Colouring::append(const Section& section, std::vector<Facet>& facets) const
   // As for a face of this tet that the cut has laid bare; the corners and a field are the section's own.
   const auto& [a, b, c, d] = source_.mesh.tets[section.tet];
   Facet facet = this->facet({{a, b, c}, section.tet, {}, true});
+  facet.lit = false;  // all of the section faces the same way: its colours can be those of the scale
   if (source_.by == ColourBy::length) {
     facet.values[0] = tet_value(section.tet);
     facet.blend = Blend::constant;

@@ -21,6 +21,7 @@ struct Facet {
   std::array<double, 3> values = {};
   Blend blend = Blend::constant;
   std::array<bool, 3> edges = {true, true, true};  ///< whether the edge opposite corner i is drawn
+  bool lit = true;                                 ///< whether its brightness depends on where it faces
   bool trimmed = false;                            ///< only what lies behind the scene's plane is drawn
 };
 

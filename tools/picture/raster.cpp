@@ -44,7 +44,7 @@ float light_on(const Facet& facet, const Camera& camera) {
   const auto& [a, b, c] = facet.corners;
   const Vec normal = cross(b - a, c - a);
   const double length = norm(normal);
-  if (!(length > 0)) return 1;
+  if (!facet.lit || !(length > 0)) return 1;
   const double side = dot(normal, camera.toward_eye()) < 0 ? -1 : 1;
   const Vec light = camera.toward_eye() + 0.45 * camera.up() + -0.35 * camera.right();
   const double cosine = side * dot(normal, light) / (length * norm(light));

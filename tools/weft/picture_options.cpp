@@ -26,16 +26,13 @@ Number number_in(std::string_view text) {
 CLI::Validator picture_name() {
   return CLI::Validator(
       [](const std::string& text) -> std::string {
-        Canvas::Format format;
-        return Canvas::format_of(text, format) ? "" : "'" + text + "' must end in .png, .svg or .pdf";
+        return Canvas::format_of(text) ? "" : "'" + text + "' must end in .png, .svg or .pdf";
       },
       "");
 }
 
 Canvas::Format picture_format(const std::string& name) {
-  Canvas::Format format = Canvas::Format::png;
-  Canvas::format_of(name, format);
-  return format;
+  return Canvas::format_of(name).value_or(Canvas::Format::png);
 }
 
 std::vector<double> numbers_in(const std::string& text, std::size_t count) {
@@ -52,7 +49,7 @@ std::vector<double> numbers_in(const std::string& text, std::size_t count) {
 }
 
 std::pair<int, int> picture_size(const std::string& text) {
-  constexpr int kLeast = 16, kMost = 16384;
+  constexpr int kLeast = 16, kMost = 16000;
   const auto by = text.find('x');
   if (by == std::string::npos) throw std::invalid_argument("'" + text + "' is not WIDTHxHEIGHT");
   const int width = number_in<int>(std::string_view(text).substr(0, by));

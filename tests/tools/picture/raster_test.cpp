@@ -222,6 +222,20 @@ TEST(Raster, AHugeFacetCoversThePicture) {
     ASSERT_EQ(category(pixel), 2);
 }
 
+TEST(Raster, OnlyLitFacetsDarkenAsTheyTurnAway) {
+  // Seen on the left half, steep and to the right, and on the right half, flat.
+  std::vector<Facet> facets = {facet({0, 0, 0}, {0.5, 0, -3}, {0.5, 1, -3}, 0),
+                               facet({0.5, 0, 0}, {1, 0, 0}, {1, 1, 0}, 0)};
+  const auto red = [](const Image& image, double x) { return at(image, x, 0.1) >> 16; };
+  const Image lit = rasterize(facets, from_above(), plain());
+  EXPECT_LT(red(lit, 0.4) + 20, red(lit, 0.9));
+  EXPECT_GT(red(lit, 0.4), 0.65 * 255);
+  for (Facet& f : facets) f.lit = false;
+  const Image unlit = rasterize(facets, from_above(), plain());
+  EXPECT_EQ(red(unlit, 0.4), 255u);
+  EXPECT_EQ(red(unlit, 0.9), 255u);
+}
+
 TEST(Raster, ThreadsDoNotShow) {
   const auto facets = together(square(0, 0), {facet({0, 0, 1}, {1, 0, -1}, {0.5, 1, 0.2}, 1)});
   const auto with_threads = [&](int threads) {
