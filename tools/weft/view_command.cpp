@@ -221,7 +221,7 @@ void add_cut_options(CLI::App& sub, ViewCommand& command) {
 void add_colour_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Colour";
   sub.add_option("--color-by", command.colour_by,
-                 "none, ref, subdomain, quality, length, nonconforming or field[:NAME]; see below")
+                 "none, ref, subdomain, quality, length, nonconforming or field[:NAME]")
       ->type_name("WHAT")
       ->check(CLI::Validator(check_colouring, ""))
       ->group(kGroup);
