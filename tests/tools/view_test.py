@@ -197,6 +197,12 @@ class View(CommandTest):
         once = self.view("box.meshb", "--from", "-y", "--zoom", "0.5").count(SURFACE)
         self.assertAlmostEqual(once, (0.47 * 120) ** 2, delta=150)
 
+    def test_up(self):
+        self.weft("mesh", "box", "-o", "long.meshb", "--max", 2, 1, 1)
+        wide, high = self.view("long.meshb", "--from", "z"), self.view("long.meshb", "--from", "z", "--up", "x")
+        for picture, left, top in [(wide, SURFACE, WHITE), (high, WHITE, SURFACE)]:
+            self.assertTrue(like(picture.at(0.1, 0.5), left) and like(picture.at(0.5, 0.1), top))
+
     def test_dark_ground(self):
         picture = self.view(self.box(), "--dark")
         self.assertLess(max(picture.at(0, 0)), 50)
@@ -233,6 +239,7 @@ class View(CommandTest):
             (["--color-by", "length"], "--metric"),
             (["--color-by", "nonconforming"], "--metric"),
             (["--color-by", "field"], "--field"),
+            (["--color-by", "quality", "--field", "f.sol"], "--field"),
             (["--range", "0,1"], "--range"),
             (["--color-by", "quality", "--range", "1,0"], "--range"),
             (["--color-by", "length", "--metric-fn", "uniform:1", "--range", "0,1"], "--range"),

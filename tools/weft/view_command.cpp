@@ -109,6 +109,8 @@ void check_needs(const ViewCommand& command, ColourBy by) {
     throw CLI::RequiresError("--color-by " + command.colour_by, "--metric or --metric-fn");
   if (by == ColourBy::field && !command.fields.given() && !meshing::holds_fields(command.mesh))
     throw CLI::RequiresError("--color-by " + command.colour_by, "--field");
+  if (by != ColourBy::field && command.fields.given())
+    throw CLI::ValidationError("--field", "is for --color-by field");
   const bool continuous = by == ColourBy::quality || by == ColourBy::length || by == ColourBy::field;
   if (!command.range.empty() && !continuous)
     throw CLI::ValidationError("--range", "is for --color-by quality, length and field");
