@@ -25,6 +25,7 @@ LIBRARIES = {
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk_xml."]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk_xml."]),
+    "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
     "METIS": (re.compile(r"metis\.h$"), ["partition/cluster_graph.cpp"]),
 }
@@ -88,6 +89,8 @@ FORBIDDEN = [
     ("tools/weft/a.cpp", "<zlib.h>"),
     ("meshing/io/vtu.cpp", "<cgnslib.h>"),
     ("tools/weft/a.cpp", "<CGAL/Kernel.h>"),
+    ("tools/picture/legend.cpp", "<cairo.h>"),
+    ("tools/weft/view_command.cpp", "<cairo-pdf.h>"),
     ("graph/dataflow/a.h", '"meshing/metric.h"'),
     ("graph/dataflow/a.h", '"partition/decomposition.h"'),
     ("graph/dataflow/a.h", '"graph/adaptation/converged.h"'),
@@ -105,6 +108,7 @@ PERMITTED = [
     ("graph/adaptation/a.h", '"partition/decomposition.h"'),
     ("tools/weft/a.cpp", '"graph/adaptation/converged.h"'),
     ("tests/tools/a.cpp", '"tools/weft/text.h"'),
+    ("tools/picture/canvas.cpp", "<cairo.h>"),
     ("meshing/a.cpp", "<vector>"),
 ]
 

@@ -31,6 +31,7 @@ fixed_layout() {
 run_asan() {
   scripts/build.sh asan
   export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+  export LSAN_OPTIONS=suppressions=$root/scripts/known_leaks.txt:print_suppressions=0
   ASAN_OPTIONS=detect_stack_use_after_return=1 ctest --test-dir build-asan --output-on-failure --exclude-regex '^mpi\.'
   # Open MPI does not free all that it allocates.
   ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 \

@@ -6,6 +6,7 @@ packages=(
   g++ cmake ninja-build ccache python3
   libtbb-dev libcgal-dev libceres-dev libeigen3-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libcgns-dev libhdf5-dev
+  pkg-config libcairo2-dev
   openmpi-bin libopenmpi-dev libmetis-dev
   libgtest-dev libgmock-dev
 )

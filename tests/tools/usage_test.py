@@ -5,7 +5,7 @@ import unittest
 from command import CommandTest
 
 SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["mesh", "ball"], ["mesh", "cylinder"],
-               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"]]
+               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"], ["view"]]
 
 
 class Usage(CommandTest):

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,9 +11,12 @@
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/measures.h"
+#include "tools/picture/histogram_plot.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/metric_source.h"
+#include "tools/weft/outputs.h"
+#include "tools/weft/picture_options.h"
 #include "tools/weft/report_json.h"
 #include "tools/weft/summary.h"
 #include "tools/weft/text.h"
@@ -25,8 +29,9 @@ using Json = nlohmann::ordered_json;
 using meshing::MeshData;
 using meshing::Point;
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
+  weft stat wing.meshb --metric wing.solb --plot wing.pdf
 
 Without a metric: counts, volumes, bounding box and areas by reference. With one: mean ratios of the
 tets and lengths of the edges in it, as `weft adapt` reports them.)";
@@ -34,6 +39,7 @@ tets and lengths of the edges in it, as `weft adapt` reports them.)";
 struct StatCommand {
   std::string mesh;
   MetricRequest metric;
+  std::string plot;
   bool json = false, histogram = false;
 };
 
@@ -122,9 +128,28 @@ std::string histograms_text(const meshing::Measures& measures) {
          histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
 }
 
+picture::PlotText plot_text(const StatCommand& command, const meshing::Measures& m) {
+  const auto file = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  return {fmt::format("{} in the metric {}", file(command.mesh), file(command.metric.name())),
+          fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
+                      grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
+          fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
+                      grouped(m.num_edges), percent(m.edges_unit), percent(m.edges_short, 2),
+                      percent(m.edges_long, 2), m.length_min, m.length_max)};
+}
+
+void plot(const StatCommand& command, const meshing::Measures& measures) {
+  if (measures.num_tets == 0) throw meshing::InputError(command.mesh, "", "has no tets to plot");
+  write_text(command.plot,
+             picture::histogram_plot(measures, plot_text(command, measures), picture_format(command.plot)));
+}
+
 int run_stat(const StatCommand& command) {
   if (command.histogram && !command.metric.given())
     throw CLI::RequiresError("--histogram", "--metric or --metric-fn");
+  if (!command.plot.empty() && !command.metric.given())
+    throw CLI::RequiresError("--plot", "--metric or --metric-fn");
+  if (!command.plot.empty()) check_writable(command.plot);
   const MeshData mesh = meshing::read_mesh(command.mesh);
   const Geometry geometry = geometry_of(mesh);
   Json json = json_of(mesh, geometry);
@@ -135,6 +160,7 @@ int run_stat(const StatCommand& command) {
     json["measures"] = tools::json_of(measures);
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);
+    if (!command.plot.empty()) plot(command, measures);
   }
   fmt::print("{}", command.json ? json.dump(1) + "\n" : text);
   return kDone;
@@ -151,6 +177,9 @@ void add_stat_command(CLI::App& app, Action& action) {
   add_metric_source(*sub, command->metric);
   sub->add_flag("--json", command->json, "everything as JSON, histograms included");
   sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");
+  sub->add_option("--plot", command->plot, "these histograms as a figure: .png, .svg or .pdf")
+      ->type_name("FILE")
+      ->check(picture_name());
   sub->callback([command, &action] { action = [command] { return run_stat(*command); }; });
 }
 
