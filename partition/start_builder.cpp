@@ -2,7 +2,6 @@
 #include "partition/start_builder.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "meshing/tet_tables.h"
 

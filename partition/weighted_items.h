@@ -1,13 +1,10 @@
 // What the partitioners work on: tets as points with integer weights.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
-#include "meshing/box.h"
 #include "meshing/point.h"
-#include "partition/peers.h"
 
 namespace weft::partition {
 

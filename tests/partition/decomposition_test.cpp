@@ -79,8 +79,8 @@ std::vector<double> loads(const Whole& w, const std::vector<SubdomainId>& subdom
 class Partitioners : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Partitioners, DoNotDependOnTheNumberOfRanks) {
-  const Whole w = random_whole(6, 3);
-  for (const std::uint32_t n : {1u, 2u, 3u, 7u, 16u, 128u, 1000u, 5000u}) {
+  const Whole w = random_whole(5, 3);
+  for (const std::uint32_t n : {1u, 2u, 3u, 16u, 128u, 1000u}) {
     const auto expected = decompose_on(1, w, n, GetParam());
     for (const SubdomainId s : expected) ASSERT_LT(s, n);
     for (const int ranks : support::kNumbersOfRanks)
