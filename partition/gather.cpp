@@ -153,13 +153,17 @@ std::vector<Departure> find_departures(const Subdomain& s, const std::vector<Ran
     }
   }
   std::vector<Departure> found;
+  std::vector<Rank> last(mesh.vertex_slots(), kNobody);  // neighbours in the arrays mostly go the same way
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
     if (lowest[i] == highest[i] && highest[i] != self && interface_index[i] != Interface::kNone)
       found.push_back({i, highest[i]});
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     if (!mesh.alive(TetId(i))) continue;
     for (const VertexId v : mesh.vertices(TetId(i)))
-      if (lowest[v.value] != highest[v.value]) found.push_back({v.value, rank[i]});
+      if (lowest[v.value] != highest[v.value] && last[v.value] != rank[i]) {
+        found.push_back({v.value, rank[i]});
+        last[v.value] = rank[i];
+      }
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -184,6 +188,7 @@ class Packing {
       packed.patches[i] = mesh_.patch(t, i);
     }
     packed.ref = mesh_.ref(t);
+    packed.quality = mesh_.quality(t);
     place_of_tet_[t.value] = static_cast<std::uint32_t>(parcel_.tets.size());
     parcel_.tets.push_back(packed);
     tets_.push_back(t);
@@ -242,10 +247,13 @@ class Packing {
   void add_background(const TetVertices& v) {
     std::array<std::uint64_t, 4> piece;
     for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_[v[i].value]].background.piece;
-    if (piece[0] == piece[1] && piece[0] == piece[2] && piece[0] == piece[3]) return;
+    const auto differs = std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
+    if (differs == piece.end()) return;
+    const std::uint64_t other = *differs;
     meshing::Point centre;
     for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
     look_up(centre, v[0]);
+    if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4) return;
     for (const auto& e : meshing::kTetEdges)
       if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
   }
@@ -327,14 +335,27 @@ void remove_departed(Subdomain& s, const std::vector<Rank>& rank, Rank self) {
     }
 }
 
-bool never_free(const Subdomain& s, VertexId v) { return !(s.mesh->flags(v) & kHasBeenFree); }
+bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHasBeenFree); }
+
+/// Frozen vertices of poor tets, by slot.
+std::vector<std::uint8_t> at_poor_tets(const TetMesh& mesh) {
+  constexpr float kPoor = 0.45f;
+  std::vector<std::uint8_t> poor(mesh.vertex_slots(), 0);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i)))
+      for (const VertexId v : mesh.vertices(TetId(i))) poor[v.value] = mesh.frozen(v);
+  return poor;
+}
 
 }  // namespace
 
 std::vector<GlobalId> wanted(const Subdomain& s) {
+  const std::vector<std::uint8_t> poor = at_poor_tets(*s.mesh);
   std::vector<GlobalId> ids;
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-    if (never_free(s, s.interface.local(i))) ids.push_back(s.interface.id(i));
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const VertexId v = s.interface.local(i);
+    if (never_free(*s.mesh, v) || poor[v.value]) ids.push_back(s.interface.id(i));
+  }
   return ids;
 }
 

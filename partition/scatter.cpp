@@ -49,6 +49,7 @@ class Joining {
         mesh_.set_tet_of(v, id);
       }
       mesh_.set_ref(id, t.ref);
+      mesh_.set_quality(id, t.quality);
     }
     for (const Parcel::FeatureEdge& e : parcel.feature_edges)
       mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
@@ -224,7 +225,7 @@ void freshen(TetMesh& mesh, std::span<const VertexId> vertices, int layers) {
   }
 }
 
-constexpr int kLayersAround = 2;
+constexpr int kLayersAround = 0;
 
 }  // namespace
 

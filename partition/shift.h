@@ -57,6 +57,7 @@ struct Parcel {
     std::array<std::uint32_t, 4> neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
     std::array<meshing::PatchId, 4> patches;
     std::int32_t ref;
+    float quality;  ///< the kernel's cached one
   };
   struct FeatureEdge {
     std::array<std::uint32_t, 2> ends;  ///< in the parcel
@@ -95,7 +96,8 @@ struct ShiftOptions {
   bool by_faces = false;  ///< layers grow through faces instead of points
 };
 
-/// The shared vertices that this subdomain wants to be freed, ascending.
+/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and those of
+/// poor tets.
 std::vector<GlobalId> wanted(const Subdomain& subdomain);
 
 /// One proposal for each of the interface's neighbours, in their order.
