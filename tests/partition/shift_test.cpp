@@ -205,6 +205,7 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
   constexpr int kMostRounds = 60;
   int round = 0;
   for (; count(rounds.wants()) > 0 && round < kMostRounds; ++round) {
+    if (getenv("GO_ON")) printf("seed %u round %d\n", seed, round);
     SCOPED_TRACE("round " + std::to_string(round));
     rounds.shift(random_priorities(scene.subdomains, random));
     adapt(meshing::Extent::fresh);
@@ -222,14 +223,14 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
 
 TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
   constexpr int kLayers[] = {3, 1, 0, 10};
-  for (unsigned seed = 0; seed < 24; ++seed) {
+  for (unsigned seed = getenv("SEED")?atoi(getenv("SEED")):0; seed < 24; ++seed) {
     const Scene scene = random_scene(seed, 2);
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
     const bool refine = seed % 3 != 2;
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " + std::to_string(options.layers) +
                  (options.by_faces ? " by faces" : " by points") + (refine ? ", refined" : ""));
-    adapt_until_free(scene, options, refine, seed);
-    if (HasFailure()) return;
+    EXPECT_NO_THROW(adapt_until_free(scene, options, refine, seed));
+    if (getenv("GO_ON") ? false : HasFailure()) return;
   }
 }
 
