@@ -83,7 +83,7 @@ struct Scene {
   meshing::LogMetricField log_metrics;
   std::vector<partition::SubdomainId> part;
   std::uint32_t subdomains = 1;
-  bool curved = false;
+  bool curved = false;  ///< volumes and areas may change a little
 
   Cut cut() const { return Cutting(mesh, log_metrics, part, 45).cut(subdomains); }
   double hausd() const { return curved ? 0.02 : 0.002; }
@@ -112,7 +112,8 @@ inline Scene random_body(unsigned seed) {
       scene = {"two bodies", two_bodies(3), {}, {}, 1, false};
       break;
     default:
-      scene = {"touching cells", touching_cells(4, seed), {}, {}, 1, false};
+      // The kernel itself does not keep the planes of such bodies exactly.
+      scene = {"touching cells", touching_cells(4, seed), {}, {}, 1, true};
   }
   jitter_interior(scene.mesh, 0.02, seed);
   shuffle(scene.mesh, seed);

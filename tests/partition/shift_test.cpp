@@ -123,7 +123,7 @@ TEST(Shift, LosesNothingAndFreesEverything) {
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " + std::to_string(options.layers) +
                  (options.by_faces ? " by faces" : " by points"));
-    shift_until_free(scene, options, seed);
+    EXPECT_NO_THROW(shift_until_free(scene, options, seed));
     if (HasFailure()) return;
   }
 }
@@ -186,7 +186,15 @@ std::map<std::pair<SubdomainId, GlobalId>, std::array<double, 9>> frozen_places(
   return places;
 }
 
-/// The whole method on one scene, everything checked after each step. Curved boundaries change volumes and areas.
+/// Conforming, and the same domain: exactly where the boundary is planar.
+void expect_result(const MergedMesh& merged, const Scene& scene) {
+  if (!scene.curved) return expect_same_domain(merged.mesh, scene.mesh);
+  const meshing::CheckReport now = check_mesh(merged.mesh), before = check_mesh(scene.mesh);
+  EXPECT_THAT(now.problems, ElementsAre());
+  EXPECT_NEAR(now.volume, before.volume, 0.2 * before.volume);  // of a coarse polyhedron in a ball
+}
+
+/// The whole method on one scene, everything checked after each step.
 void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refine, unsigned seed) {
   const Cut cut = scene.cut();
   std::optional<ExpectedTotals> totals;
@@ -205,7 +213,6 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
   constexpr int kMostRounds = 60;
   int round = 0;
   for (; count(rounds.wants()) > 0 && round < kMostRounds; ++round) {
-    if (getenv("GO_ON")) printf("seed %u round %d\n", seed, round);
     SCOPED_TRACE("round " + std::to_string(round));
     rounds.shift(random_priorities(scene.subdomains, random));
     adapt(meshing::Extent::fresh);
@@ -214,23 +221,19 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
     if (::testing::Test::HasFailure()) return;
   }
   EXPECT_LT(round, kMostRounds);
-  const MergedMesh merged = merge_pieces(rounds.pieces());
-  if (scene.curved)
-    EXPECT_THAT(meshing::check_mesh(merged.mesh).problems, ElementsAre());
-  else
-    expect_same_domain(merged.mesh, scene.mesh);
+  expect_result(merge_pieces(rounds.pieces()), scene);
 }
 
 TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
   constexpr int kLayers[] = {3, 1, 0, 10};
-  for (unsigned seed = getenv("SEED")?atoi(getenv("SEED")):0; seed < 24; ++seed) {
-    const Scene scene = random_scene(seed, 2);
+  for (unsigned seed = 0; seed < 24; ++seed) {
+    const Scene scene = random_scene(seed, 1.5);
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
     const bool refine = seed % 3 != 2;
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " + std::to_string(options.layers) +
                  (options.by_faces ? " by faces" : " by points") + (refine ? ", refined" : ""));
     EXPECT_NO_THROW(adapt_until_free(scene, options, refine, seed));
-    if (getenv("GO_ON") ? false : HasFailure()) return;
+    if (HasFailure()) return;
   }
 }
 
