@@ -109,7 +109,7 @@ void SubdomainTask::propose(NodeContext& context) {
   const std::uint64_t round = context.round();
   wants_.clear();
   const bool interrupted = rank.interrupt && rank.interrupt->load(std::memory_order_relaxed);
-  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_);
+  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, round);
   const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
   rests_ = round >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0;
   if (rests_) return;
