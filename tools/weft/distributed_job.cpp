@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -108,10 +109,11 @@ class DistributedJob {
                          input.slice.boundary.edges.size()};
     run_.times.read = watch_.lap();
     if (input.whole && first()) run_.before = meshing::measure(*input.whole, input.whole_metric);
-    if (request_.fields.given() && first()) {
+    partition::agree_on(*peers_, [&] {
+      if (!request_.fields.given() || !first()) return;
       fields_ = read_fields(request_.fields, input.whole->points.size(), request_.input);
       whole_ = std::move(*input.whole);
-    }
+    });
     input.whole.reset();
     run_.times.measure = watch_.lap();
     return input;
@@ -120,6 +122,8 @@ class DistributedJob {
   std::uint32_t number_of_subdomains() const {
     constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
     if (subdomains_.subdomains > 0) return subdomains_.subdomains;
+    const std::array<std::uint32_t, 3> slabs = partition::parse_partitioner(subdomains_.partitioner).slabs;
+    if (slabs[0] > 0) return slabs[0] * slabs[1] * slabs[2];
     return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * request_.options.threads);
   }
 
