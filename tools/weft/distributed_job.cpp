@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "engine/launch.h"
@@ -247,6 +248,13 @@ class DistributedJob {
   AdaptRun run_;
 };
 
+int refuse(const engine::Transport& transport, const std::exception& error) {
+  if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
+  return kNoMesh;
+}
+
+/// What all ranks throw alike ends here. Other exceptions may be those of one rank alone, for which the others would
+/// wait: launch() takes them down.
 int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet,
                 engine::Transport& transport) {
   try {
@@ -254,11 +262,10 @@ int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains,
     const int code = job.run();
     if (job.first() && !quiet) fmt::print("{}", summary_text(job.account()));
     return code;
-  } catch (const engine::RunFailure&) {
-    throw;  // has been reported, and the network may be broken
-  } catch (const std::exception& error) {  // all ranks throw the same
-    if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
-    return kNoMesh;
+  } catch (const meshing::InputError& error) {
+    return refuse(transport, error);
+  } catch (const std::invalid_argument& error) {
+    return refuse(transport, error);
   }
 }
 
