@@ -1,4 +1,5 @@
-// The whole distributed method on all numbers of ranks: the same bytes everywhere, and sound whatever happens.
+// The whole distributed method on all numbers of ranks: the same bytes everywhere, and sound whatever
+// happens.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -96,7 +97,8 @@ partition::Bytes bytes_of(const MeshPiece& p) {
   partition::Bytes bytes;
   const MeshData& m = p.mesh;
   append(bytes, m.points), append(bytes, m.point_refs), append(bytes, m.tets), append(bytes, m.tet_refs);
-  append(bytes, m.triangles), append(bytes, m.triangle_refs), append(bytes, m.edges), append(bytes, m.edge_refs);
+  append(bytes, m.triangles), append(bytes, m.triangle_refs), append(bytes, m.edges),
+      append(bytes, m.edge_refs);
   append(bytes, m.corners), append(bytes, m.required_points), append(bytes, m.ridges);
   append(bytes, m.required_edges), append(bytes, m.required_triangles);
   append(bytes, p.log_metrics), append(bytes, p.ids), append(bytes, p.shared);
@@ -109,7 +111,8 @@ using PieceBytes = std::map<SubdomainId, partition::Bytes>;
 PieceBytes gather_bytes(partition::Peers& peers, const std::vector<MeshPiece>& mine) {
   PieceBytes all;
   std::uint64_t most = 0;
-  for (const auto& n : partition::share(peers, std::vector<std::uint64_t>{mine.size()})) most = std::max(most, n[0]);
+  for (const auto& n : partition::share(peers, std::vector<std::uint64_t>{mine.size()}))
+    most = std::max(most, n[0]);
   for (std::uint64_t i = 0; i < most; ++i) {
     std::vector<partition::Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
     if (i < mine.size()) {
@@ -148,7 +151,8 @@ void expect_sound(RankOutcome rank, const MetricMesh& whole, const Setting& sett
   ASSERT_EQ(rank.result.shifts.size(), rank.result.pieces.size());
   for (std::size_t p = 0; p < rank.result.pieces.size(); ++p) {
     EXPECT_EQ(rank.result.was_interface[p].size(), rank.result.pieces[p].mesh.points.size());
-    for (const auto& shared : rank.result.pieces[p].shared) EXPECT_TRUE(rank.result.was_interface[p][shared.vertex]);
+    for (const auto& shared : rank.result.pieces[p].shared)
+      EXPECT_TRUE(rank.result.was_interface[p][shared.vertex]);
   }
 }
 

@@ -1,4 +1,5 @@
-// A subdomain that has travelled is the one that left: whatever is done with it afterwards gives the same bits.
+// A subdomain that has travelled is the one that left: whatever is done with it afterwards gives the same
+// bits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +29,9 @@ Subdomain travelled(Subdomain& s) {
   return arrived;
 }
 
-bool same_bits(const meshing::Point& a, const meshing::Point& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+bool same_bits(const meshing::Point& a, const meshing::Point& b) {
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
 
 void expect_same_background(const BackgroundStore& a, const BackgroundStore& b) {
   const MeshData &x = a.background().mesh(), &y = b.background().mesh();
@@ -68,7 +71,8 @@ void expect_same(const Subdomain& a, const Subdomain& b) {
   EXPECT_EQ(a.departures, b.departures);
   EXPECT_TRUE(std::ranges::equal(a.interface.lines(), b.interface.lines()));
   ASSERT_EQ(a.interface.size(), b.interface.size());
-  for (std::uint32_t i = 0; i < a.interface.size(); ++i) EXPECT_EQ(a.interface.local(i), b.interface.local(i));
+  for (std::uint32_t i = 0; i < a.interface.size(); ++i)
+    EXPECT_EQ(a.interface.local(i), b.interface.local(i));
   expect_same_mesh(a, b);
   expect_same_background(a.background, b.background);
 }
@@ -81,7 +85,8 @@ TEST(SubdomainSerialize, EveryStepGivesTheSameAfterAJourney) {
     Rounds stays(cut, scene.hausd(), {2, false}), travels(cut, scene.hausd(), {2, false});
     const auto travel = [&] {
       for (Subdomain& s : travels.subdomains()) s = travelled(s);
-      for (std::size_t i = 0; i < scene.subdomains; ++i) expect_same(stays.subdomains()[i], travels.subdomains()[i]);
+      for (std::size_t i = 0; i < scene.subdomains; ++i)
+        expect_same(stays.subdomains()[i], travels.subdomains()[i]);
       return !HasFailure();
     };
     const auto both = [&](auto step) { step(stays), step(travels); };
