@@ -35,8 +35,9 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
 
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
-  SubdomainId first = subdomain;
-  while (first > 0 && partition::home_rank(first - 1, plan.subdomains, ranks) == home) --first;
+  const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
+  const auto first = static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
+                                              static_cast<std::uint64_t>(ranks));  // whose home that is
   return {engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first)}};
 }
 
