@@ -54,7 +54,7 @@ class Rounds {
 
   ForEach<partition::GlobalId> wants() const {
     ForEach<partition::GlobalId> ids;
-    for (const auto& s : subdomains_) ids.push_back(partition::wanted(s));
+    for (const auto& s : subdomains_) ids.push_back(partition::wanted(s, round_));
     return ids;
   }
 
@@ -97,6 +97,7 @@ class Rounds {
       misunderstandings += from != expected_[i];
       update_topology(subdomains_[i], notices);
     }
+    ++round_;
     return misunderstandings;
   }
 
@@ -141,6 +142,7 @@ class Rounds {
   meshing::AdaptOptions options_;
   std::vector<partition::Subdomain> subdomains_;
   ForEach<SubdomainId> expected_;                                  ///< senders of notices
+  std::uint64_t round_ = 0;
   std::vector<std::map<SubdomainId, partition::Notice>> notices_;  ///< that are under way, by addressee
 };
 

@@ -161,7 +161,7 @@ TEST(Shift, ProposesToEachNeighbourWhatItShares) {
   const Cut cut = scene.cut();
   Rounds rounds(cut, scene.hausd(), {});
   for (const Subdomain& s : rounds.subdomains()) {
-    const std::vector<GlobalId> wants = wanted(s);
+    const std::vector<GlobalId> wants = wanted(s, 0);
     EXPECT_EQ(wants.size(), s.interface.size());  // nothing has been free
     EXPECT_TRUE(std::is_sorted(wants.begin(), wants.end()));
     const Priority mine{7, s.id};
