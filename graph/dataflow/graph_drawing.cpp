@@ -289,7 +289,6 @@ void add_blueprint(const GraphDescription& description, const std::string& prefi
 
 Drawing planned_drawing(const GraphDump& dump, const std::string& instance_word) {
   Drawing drawing{dump.description.name, {}, {}, {}};
-  const std::size_t nodes = dump.description.nodes.size();
   std::set<InstanceIndex> shown;
   for (const NetworkLink& link : dump.network) shown.insert(link.from), shown.insert(link.to);
   if (dump.network.empty())
@@ -311,7 +310,7 @@ Drawing planned_drawing(const GraphDump& dump, const std::string& instance_word)
     drawing.edges.push_back({first.at(link.from) + edge.from, first.at(link.to) + edge.to, DrawnEdgeKind::remote, "",
                              false, {{"edge", edge.name}, {"value_type", edge.value_type}}});
   }
-  return nodes == 0 ? Drawing{dump.description.name, {}, {}, {}} : drawing;
+  return drawing;
 }
 
 }  // namespace

@@ -97,8 +97,8 @@ GraphDump executed_dump(GraphDescription description, const ExecutionLog& log, c
 
 /// What is left of a graph.
 struct DumpFilter {
-  std::optional<std::uint64_t> round;
-  std::optional<std::uint64_t> instance;  ///< its number
+  std::optional<std::uint64_t> round = {};
+  std::optional<std::uint64_t> instance = {};  ///< its number
   bool critical_path_only = false;
 };
 /// The runs that fulfil all of the filter and the uses between them. The network keeps the links of which an
