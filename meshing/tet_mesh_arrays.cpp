@@ -32,12 +32,12 @@ void copy_vertices(const TetMesh& mesh, TetMeshArrays& a) {
     a.log_metrics.push_back(mesh.log_metric(v));
     a.labels.push_back(mesh.label(v));
     a.vertex_refs.push_back(mesh.ref(v));
+    a.vertex_tets.push_back(mesh.tet_of(v).value);
     a.background_hints.push_back(mesh.background_hint(v));
     a.surface_hints.push_back(mesh.surface_hint(v));
     a.kinds.push_back(static_cast<std::uint8_t>(mesh.kind(v)));
     a.flags.push_back(mesh.flags(v));
     a.vertex_marks.push_back(mesh.marks(v));
-    a.frozen.push_back(mesh.frozen(v));
   }
 }
 
@@ -67,7 +67,7 @@ std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_
     mesh->set_kind(v, static_cast<VertexKind>(a.kinds[i]));
     mesh->set_flags(v, a.flags[i]);
     mesh->mark(v, a.vertex_marks[i]);
-    if (a.frozen[i]) mesh->freeze(v);
+    mesh->set_tet_of(v, TetId(a.vertex_tets[i]));
   }
   for (std::uint32_t i = 0; i < a.tets.size(); ++i) {
     const TetId t(i);
@@ -75,7 +75,6 @@ std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_
       mesh->set_vertex(t, f, VertexId(a.tets[i][f]));
       mesh->set_neighbour(t, f, TetFace(a.neighbours[i][f]));
       mesh->set_patch(t, f, PatchId(a.patches[i][f]));
-      mesh->set_tet_of(VertexId(a.tets[i][f]), t);
     }
     mesh->set_ref(t, a.tet_refs[i]);
     mesh->mark(t, a.tet_marks[i]);

@@ -10,7 +10,8 @@
 
 namespace weft::meshing {
 
-/// Everything but capacities and what can be computed again: one entry a vertex or tet, no holes.
+/// Everything but capacities and what can be computed again: one entry a slot, dead ones too, so that what is done with
+/// the mesh afterwards does not depend on whether it has travelled.
 struct TetMeshArrays {
   std::vector<std::array<std::uint32_t, 4>> tets, neighbours;  ///< TetFace codes
   std::vector<std::array<std::uint32_t, 4>> patches;           ///< PatchId values
@@ -20,18 +21,18 @@ struct TetMeshArrays {
   std::vector<LogMetric> log_metrics;
   std::vector<std::uint64_t> labels;
   std::vector<std::int32_t> vertex_refs;
+  std::vector<std::uint32_t> vertex_tets;  ///< TetId values, invalid for a dead vertex
   std::vector<std::uint32_t> background_hints, surface_hints;
-  std::vector<std::uint8_t> kinds, flags, vertex_marks, frozen;
+  std::vector<std::uint8_t> kinds, flags, vertex_marks;
   std::vector<TetMesh::FeatureEdge> features;
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive(tets, neighbours, patches, tet_refs, tet_marks, points, log_metrics, labels, vertex_refs,
-            background_hints, surface_hints, kinds, flags, vertex_marks, frozen, features);
+            vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
   }
 };
 
-/// Of a mesh without holes (renumber_along_curve).
 TetMeshArrays to_arrays(const TetMesh& mesh);
 
 /// Cached qualities are not set.

@@ -87,6 +87,17 @@ TetMeasures check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges
   return measure_tets(peers, slice, points);
 }
 
+/// M <- (target/C)^(2/3) M, here and in what has been measured. Returns the complexity.
+double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& measures) {
+  const double complexity = ordered_sum(peers, measures.complexities);
+  if (target <= 0 || !(complexity > 0)) return complexity;
+  const double factor = target / complexity;
+  const meshing::LogMetric shift = (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
+  for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
+  for (double& c : measures.complexities) c *= factor;
+  return target;
+}
+
 std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
                                          const DecompositionOptions& options) {
   std::vector<double> work;
@@ -153,11 +164,11 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
   Distributed result;
-  const TetMeasures measures = check_and_measure(peers, slice, points);
+  TetMeasures measures = check_and_measure(peers, slice, points);
+  result.complexity = scale_metric(peers, options.target_complexity, slice, measures);
   WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
   slice.boundary = {};
   result.box = measures.box;
-  result.complexity = ordered_sum(peers, measures.complexities);
   const std::vector<SubdomainId> subdomains = decompose_slice(peers, slice, measures, options);
 
   const std::vector<TetRecord> mine = send_tets_home(peers, slice, subdomains, options.num_subdomains);

@@ -20,6 +20,7 @@ struct DecompositionOptions {
   std::uint32_t num_subdomains = 1;
   Partitioner partitioner;
   double ridge_angle_degrees = 45;  ///< of meshing::Surface
+  double target_complexity = 0;     ///< the metric is scaled to it (paper, equation 3); 0: as it is
 };
 
 /// What one rank has after the decomposition.

@@ -29,7 +29,7 @@ class Joining {
  public:
   explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh) {
     for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-      if (mesh_.alive(s.interface.local(i))) vertices_.emplace(s.interface.id(i), s.interface.local(i));
+      if (const VertexId v = s.interface.local(i); v.valid() && mesh_.alive(v)) vertices_.emplace(s.interface.id(i), v);
   }
 
   /// After all parcels have been added the faces are joined.
@@ -175,7 +175,7 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface) {
   std::vector<VertexId> thawed;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
     const VertexId v = s.interface.local(i);
-    if (!v.valid() || !s.mesh->alive(v) || s.mesh->label(v) != s.interface.id(i).value()) continue;
+    if (!v.valid() || !s.mesh->alive(v)) continue;
     s.mesh->thaw(v);
     s.mesh->set_flags(v, s.mesh->flags(v) | kWasInterface);
     if (interface.find(s.interface.id(i)) == Interface::kNone) thawed.push_back(v);

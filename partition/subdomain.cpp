@@ -84,6 +84,7 @@ void name_new_vertices(Subdomain& s) {
 }
 
 void locate_interface(Subdomain& s) {
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) s.interface.set_local(i, VertexId());
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
     const VertexId v(i);
     if (!s.mesh->alive(v) || !s.mesh->frozen(v)) continue;

@@ -43,7 +43,7 @@ struct Subdomain {
   std::uint64_t live_tets() const;
   std::uint64_t live_vertices() const;
 
-  /// Packs or unpacks everything: a subdomain moves between ranks. The holes of the mesh are closed on the way.
+  /// Packs or unpacks everything: a subdomain moves between ranks.
   template <class Archive>
   void serialize(Archive& archive);
 };
@@ -51,7 +51,8 @@ struct Subdomain {
 /// New vertices get their ids, in the order of their places.
 void name_new_vertices(Subdomain& subdomain);
 
-/// Finds the interface's vertices in the mesh again, after numbers have changed.
+/// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all left have
+/// no place (until scattering has found who holds them now).
 void locate_interface(Subdomain& subdomain);
 
 /// The subdomain as plain arrays. Numbers change: holes are closed.

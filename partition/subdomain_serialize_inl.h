@@ -1,7 +1,6 @@
 // Packing of subdomains for any archive.
 #pragma once
 
-#include "meshing/renumber.h"
 #include "meshing/tet_mesh_arrays.h"
 #include "partition/subdomain.h"
 
@@ -15,8 +14,6 @@ void Subdomain::serialize(Archive& archive) {
   meshing::TetMeshArrays arrays;
   std::vector<BackgroundPiece> pieces;
   if constexpr (Archive::kPacks) {
-    meshing::renumber_along_curve(*mesh);
-    locate_interface(*this);
     arrays = meshing::to_arrays(*mesh);
     for (const auto& piece : background.all_pieces()) pieces.push_back(*piece);
   }

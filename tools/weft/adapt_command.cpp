@@ -7,8 +7,10 @@
 #include <memory>
 #include <thread>
 
+#include "engine/mpi_transport.h"
 #include "tools/weft/adapt_job.h"
 #include "tools/weft/commands.h"
+#include "tools/weft/distributed_job.h"
 #include "tools/weft/option_checks.h"
 #include "tools/weft/summary.h"
 
@@ -30,8 +32,15 @@ about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with the 
 and exit code 1.)";
 
 struct AdaptCommand : AdaptRequest {
+  SubdomainRequest subdomains;
+  int threads = 0;  ///< 0: not given
   bool quiet = false;
 };
+
+/// Ranks share a machine: unless told otherwise each works with one thread.
+int default_threads() {
+  return engine::under_mpirun() ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 int run(AdaptCommand& command) {
   if (!command.metric.given())
@@ -40,12 +49,12 @@ int run(AdaptCommand& command) {
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   if (command.quiet) command.progress = ProgressStyle::none;
+  command.options.threads = command.threads > 0 ? command.threads : default_threads();
+  if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
   const AdaptOutcome outcome = run_adapt(command);
   if (!command.quiet) fmt::print("{}", summary_text(outcome.run));
   return outcome.code;
 }
-
-int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_files(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("IN", command.input, "the mesh to adapt")->type_name("FILE")->required();
@@ -78,7 +87,7 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
 void add_run(CLI::App& sub, AdaptCommand& command) {
   static const std::map<std::string, ProgressStyle> styles = {
       {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
-  sub.add_option("--threads", command.options.threads, "threads; default: the cores of this machine")
+  sub.add_option("--threads", command.threads, "threads (of each rank); default: all cores, under mpirun one")
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""))
       ->group("Run");
@@ -93,6 +102,39 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
   sub.add_flag("--force", command.force, "start even if the memory seems too small")->group("Run");
 }
 
+void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
+  constexpr const char* kGroup = "Subdomains";
+  static const std::map<std::string, bool> connections = {{"points", false}, {"faces", true}};
+  sub.add_option("--subdomains", request.subdomains,
+                 "adapt in N parts; default under mpirun: 4 for each thread, else the whole mesh")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1 << 22).description(""))
+      ->group(kGroup);
+  sub.add_option("--partitioner", request.partitioner,
+                 "bisection (default), graph, pqr:PxQxR or pqr:PxQxR:principal")
+      ->type_name("NAME")
+      ->group(kGroup);
+  sub.add_option("--layers", request.layers, "layers of tets handed over in a shift; default 3")
+      ->type_name("L")
+      ->check(CLI::Range(0, 1000).description(""))
+      ->group(kGroup);
+  sub.add_option("--layers-by", request.by_faces, "layers grow through points (default) or faces")
+      ->transform(CLI::CheckedTransformer(connections).description(""))
+      ->type_name("KIND")
+      ->group(kGroup);
+  sub.add_option("--shifts", request.shifts, "auto (default: until all of the interface has been free) or at most N")
+      ->type_name("N")
+      ->check(number_or_auto())
+      ->group(kGroup);
+  sub.add_option("--balancer", request.balancer, "stealing (default), diffusion or none")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"stealing", "diffusion", "none"}).description(""))
+      ->group(kGroup);
+  sub.add_flag("!--no-interface-refinement", request.refine_interface,
+               "leave the interface coarse before the interior is adapted")
+      ->group(kGroup);
+}
+
 }  // namespace
 
 void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::string>& arguments) {
@@ -100,7 +142,6 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   sub->footer(kFooter);
   auto command = std::make_shared<AdaptCommand>();
   command->arguments = arguments;
-  command->options.threads = default_threads();
   add_files(*sub, *command);
   add_metric_source(*sub, command->metric);
   add_metric_construction(*sub, command->metric);
@@ -108,6 +149,7 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   add_metric_processing(*sub, command->metric);
   add_field_options(*sub, command->fields, "IN", "Fields");
   add_geometry(*sub, *command);
+  add_subdomains(*sub, command->subdomains);
   add_run(*sub, *command);
   sub->callback([command, &action] { action = [command] { return run(*command); }; });
 }

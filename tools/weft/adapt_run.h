@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "tools/weft/outputs.h"
 
 namespace weft::tools {
+
+struct SubdomainAccount;
 
 struct StageTimes {
   double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
@@ -35,6 +38,7 @@ struct AdaptRun {
   std::optional<meshing::Measures> before;  ///< empty when the metric belongs to another mesh than the input
   meshing::Measures after;
   meshing::AdaptReport report;
+  std::shared_ptr<const SubdomainAccount> subdomains;  ///< null: the whole mesh was adapted at once
   meshing::TransferMethod transfer = meshing::TransferMethod::linear;
   std::vector<meshing::ComponentAccount> field_accounts;  ///< empty: no fields
   StageTimes times;

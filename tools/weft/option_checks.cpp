@@ -46,6 +46,14 @@ CLI::Validator number_from_one() {
   });
 }
 
+CLI::Validator number_or_auto() {
+  return validator([](const std::string& text) -> std::string {
+    const bool digits =
+        !text.empty() && text.size() < 7 && text.find_first_not_of("0123456789") == std::string::npos;
+    return digits || text == "auto" ? "" : "'" + text + "' is neither a number nor auto";
+  });
+}
+
 CLI::Validator mesh_output_name() {
   return validator([](const std::string& text) -> std::string {
     return meshing::is_mesh_name(text) ? "" : "'" + text + "' must end in " + meshing::mesh_extensions();

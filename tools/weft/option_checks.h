@@ -11,6 +11,8 @@ CLI::Validator finite_number();
 CLI::Validator positive_number();
 /// A number from 1 up, infinity included.
 CLI::Validator number_from_one();
+/// A whole number, or the word auto.
+CLI::Validator number_or_auto();
 /// The name of a mesh file of any format.
 CLI::Validator mesh_output_name();
 /// The name of a mesh file whose format holds tets.

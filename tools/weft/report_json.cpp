@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/weft/subdomain_account.h"
 #include "tools/weft/version.h"
 
 namespace weft::tools {
@@ -80,6 +81,36 @@ Json fields_json(const AdaptRun& run) {
   return {{"transfer", name_of(run.transfer)}, {"components", components}};
 }
 
+Json json_of(const std::vector<OperationTime>& operations) {
+  Json seconds = Json::object();
+  for (const OperationTime& t : operations) seconds[t.name] = t.seconds;
+  return seconds;
+}
+
+Json json_of(const SubdomainAccount& a) {
+  Json shifts = Json::array(), ranks = Json::array();
+  for (const ShiftAccount& s : a.shifts)
+    shifts.push_back({{"shift", s.round + 1},
+                      {"vertices_wanted", s.wanted},
+                      {"tets_moved", s.moved},
+                      {"receivers", s.receivers},
+                      {"vertices_freed", s.thawed}});
+  for (const RankAccount& r : a.by_rank)
+    ranks.push_back({{"rank", r.rank}, {"seconds_by_operation", json_of(r.operations)}});
+  return {{"subdomains", a.subdomains},
+          {"partitioner", a.partitioner},
+          {"ranks", a.ranks},
+          {"layers", a.layers},
+          {"decomposition_seconds", a.decomposition_seconds},
+          {"adaptation_seconds", a.adaptation_seconds},
+          {"seconds_by_operation", json_of(a.sum)},
+          {"share_beside_adaptation", a.beside_adaptation},
+          {"shifts", shifts},
+          {"by_rank", ranks},
+          {"former_interface", tools::json_of(a.former_interface)},
+          {"engine", engine::json_of(a.engine)}};
+}
+
 }  // namespace
 
 Json json_of(const meshing::Measures& m) {
@@ -129,6 +160,7 @@ Json json_of(const AdaptRun& run) {
       {"after", json_of(run.after)},
       {"stages", stages},
       {"operations", json_of(run.report.counts)},
+      {"subdomains", run.subdomains ? json_of(*run.subdomains) : Json(nullptr)},
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.report.surface_deviation},
       {"seconds", json_of(run.times)},

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "tools/weft/field_source.h"
+#include "tools/weft/subdomain_account.h"
 #include "tools/weft/text.h"
 
 namespace weft::tools {
@@ -175,9 +176,11 @@ std::string summary_text(const AdaptRun& run) {
   text += speed_text(run) + "\n";
   text += measures_table({{"before", run.before ? &*run.before : nullptr}, {"after", &run.after}}) + "\n";
   text += times_text(run) + "\n";
+  if (run.subdomains) text += subdomains_text(*run.subdomains) + "\n";
   text += operations_text(run.report.counts) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
-  text += fmt::format("surface deviation at most {}\n", significant(run.report.surface_deviation));
+  if (!run.subdomains)
+    text += fmt::format("surface deviation at most {}\n", significant(run.report.surface_deviation));
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   text += fmt::format("mesh    {}\nmetric  {}\n", run.outputs.mesh, run.outputs.solution);
   if (!run.field_accounts.empty()) text += fmt::format("fields  {}\n", run.outputs.fields);

@@ -1,0 +1,276 @@
+// The steps of a run in subdomains, done by all ranks together.
+#include "tools/weft/distributed_job.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "engine/launch.h"
+#include "engine/mpi_transport.h"
+#include "graph/adaptation/distributed_adaptation.h"
+#include "meshing/error.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/agreement.h"
+#include "partition/measure_pieces.h"
+#include "partition/merge_pieces.h"
+#include "partition/output.h"
+#include "partition/partitioner.h"
+#include "partition/piece_files.h"
+#include "partition/reduce.h"
+#include "tools/weft/exit_codes.h"
+#include "tools/weft/gather_pieces.h"
+#include "tools/weft/interrupt.h"
+#include "tools/weft/named_error.h"
+#include "tools/weft/report_json.h"
+#include "tools/weft/slice_source.h"
+#include "tools/weft/subdomain_account.h"
+#include "tools/weft/summary.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using graph::adaptation::DistributedResult;
+using graph::adaptation::EnginePeers;
+using graph::adaptation::RankData;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// One run on one rank. All ranks do the same steps; only rank 0 says anything.
+class DistributedJob {
+ public:
+  DistributedJob(const AdaptRequest& request, const SubdomainRequest& subdomains, engine::Transport& transport)
+      : request_(request), subdomains_(subdomains) {
+    graph::adaptation::register_adaptation(registry_);
+    engine::RuntimeOptions options;
+    options.threads = request.options.threads;
+    options.balancer = engine::balancer_by_name(subdomains.balancer);
+    options.local = &rank_;
+    options.trace.spans = false;
+    runtime_.emplace(transport, registry_, options);
+    peers_.emplace(*runtime_);
+  }
+
+  /// Exit code; the account is complete on rank 0.
+  int run() {
+    describe();
+    partition::agree_on(*peers_, [&] {
+      if (first()) check_outputs();
+    });
+    SliceInput input = read();
+    adapt(std::move(input));
+    measure();
+    write();
+    return finish();
+  }
+
+  const AdaptRun& account() const { return run_; }
+  bool first() const { return runtime_->rank().value == 0; }
+
+ private:
+  void describe() {
+    run_.arguments = request_.arguments;
+    run_.input = request_.input;
+    run_.metric = request_.metric.name();
+    run_.outputs = output_paths(request_.output);
+    run_.threads = request_.options.threads;
+    if (!request_.report.empty()) run_.report_path = (fs::path(request_.report) / "report.json").string();
+  }
+
+  void check_outputs() {
+    check_writable(run_.outputs.mesh);
+    if (fs::path(run_.outputs.mesh).extension() != ".pvtu") check_writable(run_.outputs.solution);
+    if (request_.report.empty()) return;
+    make_folder(request_.report);
+    check_writable(run_.report_path);
+  }
+
+  SliceInput read() {
+    SliceInput input = read_slice(*peers_, request_);
+    run_.warnings = input.warnings;
+    run_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.boundary.triangles.size(),
+                         input.slice.boundary.edges.size()};
+    run_.times.read = watch_.lap();
+    if (input.whole && first()) run_.before = meshing::measure(*input.whole, input.whole_metric);
+    if (request_.fields.given() && first()) {
+      fields_ = read_fields(request_.fields, input.whole->points.size(), request_.input);
+      whole_ = std::move(*input.whole);
+    }
+    input.whole.reset();
+    run_.times.measure = watch_.lap();
+    return input;
+  }
+
+  std::uint32_t number_of_subdomains() const {
+    constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
+    if (subdomains_.subdomains > 0) return subdomains_.subdomains;
+    return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * request_.options.threads);
+  }
+
+  void adapt(SliceInput input) {
+    graph::adaptation::DistributedOptions options;
+    options.decomposition.num_subdomains = number_of_subdomains();
+    options.decomposition.partitioner =
+        partition::parse_partitioner(subdomains_.partitioner, options.decomposition.num_subdomains);
+    options.decomposition.ridge_angle_degrees = request_.options.ridge_angle_degrees;
+    options.decomposition.target_complexity = input.target_complexity;
+    options.shift = {subdomains_.layers, subdomains_.by_faces};
+    if (subdomains_.shifts != "auto") options.most_shifts = static_cast<std::uint32_t>(std::stoul(subdomains_.shifts));
+    options.refine_interface = subdomains_.refine_interface;
+    options.hausd = request_.options.hausd;
+    options.threads = request_.options.threads;
+    options.interrupt = interrupt_.flag();
+    result_ = naming(request_.input, [&] {
+      return adapt_distributed(*runtime_, *peers_, rank_, std::move(input.slice), options);
+    });
+    run_.warnings.insert(run_.warnings.end(), result_.warnings.begin(), result_.warnings.end());
+    run_.target_complexity = rank_.plan.expected_complexity;
+    run_.times.metric = result_.decomposition_seconds;
+    run_.times.adapt = result_.adaptation_seconds;
+    run_.report.interrupted = interrupt_.raised();
+    watch_.lap();
+    tell_what_was_done(options);
+  }
+
+  /// Rank 0 hears of all.
+  void tell_what_was_done(const graph::adaptation::DistributedOptions& options) {
+    dataflow_exchange_.emplace(*runtime_);
+    graph::dataflow::ExecutionLog log =
+        gather_log(*dataflow_exchange_, graph::adaptation::execution_log(*runtime_));
+    std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
+    std::vector<graph::adaptation::ShiftRecord> mine;
+    for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
+    std::vector<graph::adaptation::ShiftRecord> all;
+    for (const auto& part : partition::share(*peers_, mine)) all.insert(all.end(), part.begin(), part.end());
+    for (const auto& counts : partition::share(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
+      run_.report.counts += counts[0];
+    SubdomainAccount account = account_for(log, std::move(summaries), all);
+    account.subdomains = options.decomposition.num_subdomains;
+    account.ranks = runtime_->ranks();
+    account.partitioner = subdomains_.partitioner;
+    account.layers = options.shift.layers;
+    account.decomposition_seconds = result_.decomposition_seconds;
+    account.adaptation_seconds = result_.adaptation_seconds;
+    account_ = std::make_shared<SubdomainAccount>(std::move(account));
+    run_.subdomains = account_;
+  }
+
+  void measure() {
+    run_.after = partition::measure_pieces(*peers_, result_.pieces);
+    account_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+    run_.output_counts = {run_.after.num_vertices, run_.after.num_tets, run_.after.num_triangles, 0};
+    run_.missed = missed_goals(run_.after, request_.metric.complexity, run_.report.interrupted);
+    run_.times.measure += watch_.lap();
+  }
+
+  void write() {
+    const fs::path mesh = run_.outputs.mesh;
+    if (mesh.extension() == ".pvtu" && !request_.fields.given()) {
+      partition::write_pieces_as_vtu(*peers_, result_.pieces, mesh);
+      run_.outputs.solution = run_.outputs.mesh;
+    } else if (mesh.extension() == ".meshb" && !request_.fields.given()) {
+      partition::write_pieces(*peers_, result_.pieces, mesh, run_.outputs.solution);
+    } else {
+      write_by_first();
+    }
+    run_.times.write = watch_.lap();
+  }
+
+  /// Formats that one program writes, and fields: rank 0 gets the whole mesh.
+  void write_by_first() {
+    const std::vector<partition::MeshPiece> pieces = gather_pieces(*dataflow_exchange_, std::move(result_.pieces));
+    partition::agree_on(*peers_, [&] {
+      if (!first()) return;
+      const partition::MergedMesh merged = partition::merge_pieces(pieces);
+      if (request_.fields.given()) carry_fields(merged.mesh);
+      write_mesh_with_solution(run_.outputs, merged.mesh, meshing::solution_from_metric(merged.log_metrics), fields_);
+    });
+  }
+
+  void carry_fields(const meshing::MeshData& mesh) {
+    meshing::Transfer result = meshing::transfer(whole_, fields_, mesh, request_.fields.method);
+    const std::vector<std::string> warnings = transfer_warnings(result, request_.input);
+    run_.warnings.insert(run_.warnings.end(), warnings.begin(), warnings.end());
+    run_.transfer = request_.fields.method;
+    run_.field_accounts = std::move(result.accounts);
+    fields_ = std::move(result.fields);
+  }
+
+  int finish() {
+    run_.times.total = total_.lap();
+    run_.peak_memory = peak_memory_bytes();
+    int code = run_.missed.empty() ? kDone : kGoalNotMet;
+    if (first() && !run_.report_path.empty()) {
+      try {
+        write_text(run_.report_path, json_of(run_).dump(1) + "\n");
+      } catch (const meshing::InputError& error) {
+        fmt::print(stderr, "weft: {}\n", error.what());
+        code = kGoalNotMet;
+      }
+    }
+    return code;
+  }
+
+  const AdaptRequest& request_;
+  const SubdomainRequest& subdomains_;
+  InterruptGuard interrupt_;
+  Stopwatch total_, watch_;
+  RankData rank_;
+  engine::Registry registry_;
+  std::optional<engine::Runtime> runtime_;
+  std::optional<EnginePeers> peers_;
+  std::optional<graph::dataflow::RankExchange> dataflow_exchange_;
+  DistributedResult result_;
+  std::shared_ptr<SubdomainAccount> account_;
+  meshing::MeshData whole_;        ///< the input, on rank 0, where fields have to be carried along
+  meshing::SolutionData fields_;
+  AdaptRun run_;
+};
+
+int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet,
+                engine::Transport& transport) {
+  try {
+    DistributedJob job(request, subdomains, transport);
+    const int code = job.run();
+    if (job.first() && !quiet) fmt::print("{}", summary_text(job.account()));
+    return code;
+  } catch (const engine::RunFailure&) {
+    throw;  // has been reported, and the network may be broken
+  } catch (const std::exception& error) {  // all ranks throw the same
+    if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
+    return kNoMesh;
+  }
+}
+
+}  // namespace
+
+bool in_subdomains(const SubdomainRequest& request) { return request.subdomains > 0 || engine::under_mpirun(); }
+
+int run_in_subdomains(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet) {
+  try {
+    partition::parse_partitioner(subdomains.partitioner, subdomains.subdomains);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--partitioner", error.what());
+  }
+  return engine::launch(0, nullptr, [&](engine::Transport& transport) {
+    return run_on_rank(request, subdomains, quiet, transport);
+  });
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,28 @@
+// One adaptation in subdomains, on one rank or many, from files to files.
+#pragma once
+
+#include <string>
+
+#include "tools/weft/adapt_job.h"
+
+namespace weft::tools {
+
+/// What `weft adapt` is told beside an AdaptRequest when it works in subdomains.
+struct SubdomainRequest {
+  std::uint32_t subdomains = 0;  ///< 0: not asked for; then under mpirun a few for each thread
+  std::string partitioner = "bisection";
+  int layers = 3;
+  bool by_faces = false;
+  std::string shifts = "auto";  ///< or the largest number of them
+  bool refine_interface = true;
+  std::string balancer = "stealing";
+};
+
+/// Whether this run works in subdomains: it was asked to, or there are several ranks.
+bool in_subdomains(const SubdomainRequest& request);
+
+/// Runs the adaptation on all ranks, writes the result, and prints errors and (unless `quiet`) the summary on rank 0.
+/// Returns the exit code, the same on all ranks. Throws CLI::ParseError for a request that makes no sense.
+int run_in_subdomains(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet);
+
+}  // namespace weft::tools
