@@ -126,6 +126,8 @@ std::string seconds_text(double seconds) {
                                                  : fmt::format("{:.3g} s", seconds);
 }
 
+std::string signed_text(double seconds) { return fmt::format("{}{}", seconds > 0 ? "+" : "", seconds_text(seconds)); }
+
 std::string change_text(double a, double b) {
   return a > 0 ? fmt::format("{:+.1f} %", 100 * (b / a - 1)) : std::string("-");
 }
@@ -137,9 +139,8 @@ std::string seconds_table(const std::string& title, std::vector<ComparedSeconds>
   });
   std::string text = fmt::format("\n{:<32}{:>12}{:>12}{:>14}{:>10}\n", title, "A", "B", "difference", "");
   for (const ComparedSeconds& row : rows) {
-    const double difference = row.b - row.a;
     text += fmt::format("  {:<30}{:>12}{:>12}{:>14}{:>10}\n", row.name, seconds_text(row.a), seconds_text(row.b),
-                        (difference > 0 ? "+" : "") + seconds_text(difference), change_text(row.a, row.b));
+                        signed_text(row.b - row.a), change_text(row.a, row.b));
   }
   return text;
 }

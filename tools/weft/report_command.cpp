@@ -6,12 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "meshing/error.h"
 #include "tools/report/compare.h"
 #include "tools/report/report_page.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/json_file.h"
-#include "tools/weft/named_error.h"
 #include "tools/weft/outputs.h"
 
 namespace weft::tools {
@@ -27,6 +27,18 @@ constexpr const char* kFooter = R"(Examples:
 One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what got slower,
 by operation and rank, and how the meshes differ; with -o as a page too. report.json can be compared as well.)";
 
+/// call(); what it has against a document is said with the file's name.
+template <class Call>
+auto naming_json(const std::string& file, const Call& call) {
+  try {
+    return call();
+  } catch (const std::invalid_argument& error) {
+    throw meshing::InputError(file, "", error.what());
+  } catch (const Json::exception& error) {
+    throw meshing::InputError(file, "", error.what());
+  }
+}
+
 struct ReportCommand {
   std::string a, b, output;
 };
@@ -38,17 +50,12 @@ int run_report(const ReportCommand& command) {
   if (!command.output.empty()) check_writable(command.output);
   const Json a = read_json(command.a);
   if (command.b.empty()) {
-    const std::string page = naming(command.a, [&] { return report::report_page(a); });
-    write_text(command.output, page);
+    write_text(command.output, naming_json(command.a, [&] { return report::report_page(a); }));
     return kDone;
   }
-  const report::Comparison comparison = [&] {
-    try {
-      return report::compare(command.a, a, command.b, read_json(command.b));
-    } catch (const Json::exception& error) {
-      throw std::invalid_argument(fmt::format("{} or {}: {}", command.a, command.b, error.what()));
-    }
-  }();
+  const Json b = read_json(command.b);
+  const report::Comparison comparison = naming_json(
+      command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
   fmt::print("{}", report::comparison_text(comparison));
   if (!command.output.empty()) write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
   return kDone;

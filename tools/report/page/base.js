@@ -27,7 +27,7 @@ weft.percent = (share, decimals = 1) => (share === null || share === undefined ?
 weft.seconds = function seconds(s) {
   if (s === null || s === undefined) return "–";
   if (s >= 120) return Math.floor(s / 60) + " min " + String(Math.round(s % 60)).padStart(2, "0") + " s";
-  if (s >= 0.1) return weft.digits(s) + " s";
+  if (s >= 0.1 || s < 5e-9) return weft.digits(s < 5e-9 ? 0 : s) + " s";
   return s >= 1e-4 ? weft.digits(1e3 * s) + " ms" : weft.digits(1e6 * s) + " µs";
 };
 weft.bytes = function bytes(b) {
@@ -67,7 +67,7 @@ weft.table = function table(head, rows, options = {}) {
     weft.make("tr", { class: options.classOf ? options.classOf(r) : null },
       row.map((cell, c) => weft.make("td", { class: typeof cell === "object" && !(cell instanceof Node) ? cell.class : null, "data-figure": options.figures && options.figures[r][c] },
         typeof cell === "object" && !(cell instanceof Node) ? cell.text : cell))));
-  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col" }, h)))),
+  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col", class: h === "source" ? "text" : null }, h)))),
     weft.make("tbody", {}, body));
   return weft.make("div", { class: "scroll" }, element);
 };
@@ -78,7 +78,7 @@ weft.legend = (operations) => weft.make("div", { class: "legend" }, operations.m
 
 /** Buttons of which one is pressed; calls `chosen` with its value. */
 weft.choice = function choice(label, values, chosen) {
-  const buttons = values.map(([value, text], i) => weft.make("button", { type: "button", "aria-pressed": i === 0, "data-choice": value, onclick: () => {
+  const buttons = values.map(([value, text], i) => weft.make("button", { type: "button", "aria-pressed": String(i === 0), "data-choice": value, onclick: () => {
     buttons.forEach((b, k) => b.setAttribute("aria-pressed", String(k === i)));
     chosen(value);
   } }, text));

@@ -32,7 +32,7 @@
     details.append(...more);
   }
   const button = (label, act) => ({ class: "box", role: "button", tabindex: 0, "aria-label": label, onclick: act, onkeydown: (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); act(); } } });
-  const svg = (width, height, label, ...children) => make("svg", { class: "plot", viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": label, style: `max-height:760px` }, ...children);
+  const svg = (width, height, label, ...children) => make("svg", { class: "plot", viewBox: `0 0 ${width} ${height}`, role: "group", "aria-label": label, style: `max-height:780px` }, ...children);
 
   // --- The plan
 
@@ -45,11 +45,12 @@
     return column;
   }
   function drawPlan() {
-    const column = columnsOf(), width = 138, height = 46, stepX = 188, stepY = 92, rows = new Map(), at = [];
+    const column = columnsOf(), width = 122, height = 46, stepX = 160, stepY = 96, rows = new Map(), at = [];
     plan.nodes.forEach((n, i) => { const row = rows.get(column[i]) || 0; rows.set(column[i], row + 1); at.push([20 + column[i] * stepX, 60 + row * stepY]); });
     const total = [40 + (Math.max(...column) + 1) * stepX, 110 + Math.max(...rows.values()) * stepY];
     const edges = plan.edges.map((e) => {
-      const [x0, y0] = at[e.from], [x1, y1] = at[e.to], back = e.next_round || x1 <= x0;
+      const [x0, y0] = at[e.from], [x1, y1] = at[e.to], up = x0 === x1 && y1 < y0, back = !up && (e.next_round || x1 <= x0);
+      if (up) return make("path", { class: "edge", d: `M${x0 + width / 2},${y0} L${x1 + width / 2},${y1 + height}`, "marker-end": "url(#arrow)", "stroke-width": 1.6 }, make("title", {}, `${e.name} (${e.kind})`));
       const from = back ? [x0 + width / 2, y0 + height] : [x0 + width, y0 + height / 2], to = back ? [x1 + width / 2, y1 + height] : [x1, y1 + height / 2];
       const low = total[1] - 14, bend = back ? `M${from} C${from[0]},${low} ${to[0]},${low} ${to}` : `M${from} C${from[0] + 32},${from[1] + (e.kind === "remote" && y0 === y1 ? -34 : 0)} ${to[0] - 32},${to[1] + (e.kind === "remote" && y0 === y1 ? -34 : 0)} ${to}`;
       return make("path", { class: "edge", d: bend, "marker-end": "url(#arrow)", "stroke-width": 1.6, "stroke-dasharray": e.kind === "remote" ? "6 4" : e.kind === "wake" ? "2 4" : null }, make("title", {}, `${e.name} (${e.kind}${e.next_round ? ", next round" : ""}${e.value_type ? ": " + e.value_type : ""})`));
@@ -92,7 +93,7 @@
       const round = Math.floor(key / 1000), node = key % 1000, [x, y] = place(round, node), sum = sumOf(list), isCritical = list.some((r) => critical.has(r));
       return make("g", button(`${plan.nodes[node].name}, round ${round}`, () => explain(plan.nodes[node].name, [["round", round]], list)),
         make("rect", { x, y, width: box[0], height: box[1], rx: 7, fill: colour(node), "fill-opacity": 0.15 + (0.8 * sum.seconds) / most, stroke: isCritical ? weft.css("--critical") : colour(node), "stroke-width": isCritical ? 2.5 : 1 }),
-        make("text", { x: x + box[0] / 2, y: y + 22, "text-anchor": "middle" }, weft.seconds(sum.seconds)));
+        make("text", { x: x + box[0] / 2, y: y + 22, "text-anchor": "middle", style: sum.seconds > 0.55 * most ? "fill:#fff" : null }, weft.seconds(sum.seconds)));
     });
     const names = plan.nodes.map((n, i) => make("text", { x: left - 14, y: 40 + i * stepY + 22, "text-anchor": "end" }, n.name));
     const titles = rounds.map((r) => make("text", { class: "faint", x: left + rounds.indexOf(r) * stepX + box[0] / 2, y: 24, "text-anchor": "middle" }, `round ${r}`));
@@ -133,7 +134,7 @@
     const circles = order.map((i, k) => {
       const [x, y] = place.get(i), r = Math.max(3, Math.min(0.45 * room, 22) * Math.sqrt(0.25 + (0.75 * time.get(i)) / most)), angle = (2 * Math.PI * k) / order.length;
       const hot = ofInstance.get(i).some((run) => critical.has(run));
-      const label = room > 13 ? make("text", { class: "faint", x: centre + (radius + 26) * Math.sin(angle), y: centre - (radius + 26) * Math.cos(angle) + 4, "text-anchor": "middle" }, graph.instances[i].number) : null;
+      const label = room > 13 ? make("text", { class: "faint", x: centre + (radius + 34) * Math.sin(angle), y: centre - (radius + 34) * Math.cos(angle) + 4, "text-anchor": "middle" }, graph.instances[i].number) : null;
       return make("g", { ...button(`Subdomain ${graph.instances[i].number}`, () => choose(i)), "data-subdomain": graph.instances[i].number }, make("circle", { cx: x, cy: y, r, fill: `rgb(${weft.categoryColour(rank(i))})`, stroke: hot ? weft.css("--critical") : "none", "stroke-width": 2.5 }), label);
     });
     drawing.replaceChildren(svg(size, size, "Network of subdomains", ...lines, ...circles), make("p", { class: "note" }, "A circle a subdomain, larger where it worked longer, coloured by rank; red rim: on the critical path. Lines: bytes exchanged."));

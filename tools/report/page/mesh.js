@@ -139,9 +139,9 @@
       note.textContent = `${weft.count(view.layers[0].facets)} facets of the surface.` + (thinned ? " The mesh has more than a page should hold: vertices near each other are drawn as one, with the worst value." : "");
       view.rebuild();
     }
-    const tool = make("div", { class: "tool" },
+    const tool = make("div", { class: "tool" }, "Colour:",
       weft.choice("colour", [["quality", "Quality"], ["length", "Edge length"], ["conforming", "Not conforming"], ["subdomain", "Subdomains"], ["plain", "Plain"]], (by) => { view.state.by = by; update(); }),
-      weft.choice("clip", [["-1", "Whole"], ["0", "Cut x"], ["1", "Cut y"], ["2", "Cut z"]], (axis) => { view.state.axis = Number(axis); view.state.index = Math.floor(sections(view.state.axis).length / 2); update(); }),
+      "Cut:", weft.choice("clip", [["-1", "none"], ["0", "x"], ["1", "y"], ["2", "z"]], (axis) => { view.state.axis = Number(axis); view.state.index = Math.floor(sections(view.state.axis).length / 2); update(); }),
       slider, place, make("label", {}, make("input", { type: "checkbox", checked: true, onchange: (e) => { view.state.edges = e.target.checked; update(); } }), "edges"), make("button", { type: "button", onclick: () => { view.home(); view.render(); } }, "Reset"));
     slider.addEventListener("input", () => { view.state.index = Number(slider.value); update(); });
     canvas.addEventListener("keydown", (event) => {

@@ -7,8 +7,8 @@
   if (report.subdomains && report.subdomains.former_interface && report.subdomains.former_interface.tets > 0) sets.push(["former interface", report.subdomains.former_interface, "#e07b16"]);
   const known = sets.filter(([, m]) => m);
 
-  const middle = (h, i) => {
-    const at = h.lo + ((i + 0.5) * (h.hi - h.lo)) / h.counts.length;
+  const edge = (h, i) => {
+    const at = h.lo + (i * (h.hi - h.lo)) / h.counts.length;
     return h.logarithmic ? 10 ** at : at;
   };
   /** Shares of all values in each bin, those outside in the first and the last. */
@@ -20,6 +20,21 @@
     return counts.map((c) => (100 * c) / all);
   }
 
+  /** A point at the left edge of each bin, and one at the end. */
+  function points(h, logarithmicY) {
+    const list = shares(h).map((y, i) => ({ x: edge(h, i), y: logarithmicY && y === 0 ? NaN : y }));
+    return [...list, { x: edge(h, h.counts.length), y: list[list.length - 1].y }];
+  }
+  /** The lengths that count as unit. */
+  const unitZone = { id: "unit", beforeDatasetsDraw(chart) {
+    const { ctx, chartArea: area, scales: { x } } = chart, left = x.getPixelForValue(Math.SQRT1_2), right = x.getPixelForValue(Math.SQRT2);
+    ctx.save();
+    ctx.fillStyle = weft.css("--good");
+    ctx.globalAlpha = 0.1;
+    ctx.fillRect(left, area.top, right - left, area.height);
+    ctx.restore();
+  } };
+
   function histogram(title, group, what, unit) {
     let logarithmicX = false, logarithmicY = false;
     const chart = weft.chart(() => {
@@ -27,14 +42,17 @@
       const first = known[0][1][group][key];
       return {
         type: "line",
-        data: { labels: first.counts.map((_, i) => middle(first, i)), datasets: known.map(([name, m, colour]) => ({ label: name, data: shares(m[group][key]).map((y) => (logarithmicY && y === 0 ? null : y)), borderColor: colour, backgroundColor: colour + "33", fill: true, stepped: "middle", pointRadius: 0, borderWidth: 2 })) },
-        options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: what }, ticks: { callback: (v, i) => weft.digits(middle(first, i), 2), maxTicksLimit: 11 } }, y: { type: logarithmicY ? "logarithmic" : "linear", title: { display: true, text: `% of the ${unit} in a bin` }, beginAtZero: !logarithmicY } },
-          plugins: { legend: { position: "bottom", labels: { boxWidth: 12 } }, tooltip: { callbacks: { title: (c) => `${what} about ${weft.digits(c[0].label * 1)}`, label: (c) => `${c.dataset.label}: ${weft.digits(c.raw)} %` } } } },
+        data: { datasets: known.map(([name, m, colour]) => ({ label: name, data: points(m[group][key], logarithmicY), borderColor: colour, backgroundColor: colour + "2e", fill: name === "after", order: name === "after" ? 2 : 1, stepped: true, pointRadius: 0, pointHitRadius: 6, borderWidth: name === "before" ? 1.5 : 2 })) },
+        options: { parsing: false, interaction: { mode: "nearest", axis: "x", intersect: false },
+          scales: { x: { type: logarithmicX ? "logarithmic" : "linear", min: edge(first, 0), max: edge(first, first.counts.length), title: { display: true, text: what }, ticks: { callback: (v) => weft.digits(v, 2), maxTicksLimit: 11, maxRotation: 0 } }, y: { type: logarithmicY ? "logarithmic" : "linear", title: { display: true, text: `% of the ${unit} in a bin` }, beginAtZero: !logarithmicY } },
+          plugins: { legend: { position: "bottom", labels: { boxWidth: 12 } }, tooltip: { callbacks: { title: (c) => `${what} from ${weft.digits(c[0].parsed.x)}`, label: (c) => `${c.dataset.label}: ${weft.digits(c.parsed.y)} %` } } } },
+        plugins: group === "edge_length" ? [unitZone] : [],
       };
     }, 330, title);
-    const tool = make("div", { class: "tool" }, weft.choice("values", [["linear", "Linear"], ["log", "Logarithmic values"]], (v) => { logarithmicX = v === "log"; chart.redraw(); }),
-      weft.choice("counts", [["linear", "Linear"], ["log", "Logarithmic counts"]], (v) => { logarithmicY = v === "log"; chart.redraw(); }));
-    return weft.card(title, tool, chart);
+    const tool = make("div", { class: "tool" }, "Values:", weft.choice("values", [["linear", "linear"], ["log", "logarithmic"]], (v) => { logarithmicX = v === "log"; chart.redraw(); }),
+      "Counts:", weft.choice("counts", [["linear", "linear"], ["log", "logarithmic"]], (v) => { logarithmicY = v === "log"; chart.redraw(); }));
+    const note = group === "edge_length" ? "Green: unit edges. The outermost bins hold what lies beyond them." : "The outermost bins hold what lies beyond them.";
+    return weft.card(title, tool, chart, make("p", { class: "note" }, note));
   }
 
   function figures() {

@@ -75,8 +75,8 @@
 
   weft.publishedCard = function publishedCard() {
     if (!data.published.length) return null;
-    const own = ["weft, this run", weft.count(data.total ? data.total.workers : report.threads), weft.digits(report.seconds.adapt), after.quality.mean.toFixed(3), after.quality["quantile_0.01"].toFixed(3), weft.digits(after.quality.min, 2), weft.percent(after.edge_length.share_unit), { class: "text", text: "seconds of the adaptation" }];
-    const rows = data.published.map((p) => [p.program, p.cores, weft.digits(p.seconds), p.quality_mean.toFixed(3), p["quality_quantile_0.01"].toFixed(3), weft.digits(p.quality_min, 2), weft.percent(p.share_unit), { class: "text", text: p.source }]);
+    const own = ["weft, this run", weft.count(data.total ? data.total.workers : report.threads), weft.digits(report.seconds.adapt), after.quality.mean.toFixed(3), after.quality["quantile_0.01"].toFixed(3), weft.digits(after.quality.min), weft.percent(after.edge_length.share_unit), { class: "text", text: "seconds of the adaptation" }];
+    const rows = data.published.map((p) => [p.program, p.cores, weft.digits(p.seconds), p.quality_mean.toFixed(3), p["quality_quantile_0.01"].toFixed(3), weft.digits(p.quality_min), weft.percent(p.share_unit), { class: "text", text: p.source }]);
     return weft.card(`Others on ${data.case}`, weft.table(["program", "cores", "seconds", "Q mean", "Q 1 %", "Q min", "unit edges", "source"], [own, ...rows], { classOf: (r) => (r === 0 ? "own" : null) }));
   };
 

@@ -40,12 +40,13 @@
       weft.card("The same, by rank", make("p", { class: "note" }, "Summed over the subdomains that a rank had."), ranks.length ? weft.table(["rank", "for", "waited", "times"], ranks) : none.cloneNode(true)));
   }
 
-  function stages() {
-    const s = report.seconds;
-    const rows = Object.keys(s).map((name) => [name, weft.seconds(s[name])]);
-    const kernel = report.stages.map((stage) => [stage.name, weft.seconds(stage.seconds), weft.count(stage.vertices), weft.count(stage.tets)]);
-    return make("div", { class: "two" }, weft.card("The whole command", weft.table(["step", "time"], rows)),
-      kernel.length ? weft.card("Stages of the adaptation", weft.table(["stage", "time", "vertices", "tets"], kernel)) : null);
+  function commandCard() {
+    const rows = Object.entries(report.seconds).map(([name, s]) => [name, weft.seconds(s)]);
+    return weft.card("The whole command", weft.table(["step", "time"], rows));
+  }
+  function stagesCard() {
+    const rows = report.stages.map((stage) => [stage.name, weft.seconds(stage.seconds), weft.count(stage.vertices), weft.count(stage.tets)]);
+    return rows.length ? weft.card("Stages of the adaptation", weft.table(["stage", "time", "vertices", "tets"], rows)) : null;
   }
 
   function path() {
@@ -55,6 +56,6 @@
     return weft.card("Critical path", make("p", { class: "note" }, `The longest chain of work of which each piece had to wait for the one before: ${weft.seconds(p.seconds)} of ${weft.seconds(p.wall)}. However many workers there are, it will not be faster with this work.`), weft.table(["operation", "time", "share", "runs"], rows));
   }
 
-  const build = () => (data.total ? [breakdown(), rankTable(), path(), waits(), stages()] : [stages()]);
+  const build = () => (data.total ? [breakdown(), make("div", { class: "two" }, path(), commandCard()), waits(), rankTable(), stagesCard()] : [make("div", { class: "two" }, commandCard(), stagesCard())]);
   weft.views.push({ id: "times", title: "Time", build });
 })();
