@@ -109,19 +109,23 @@ Json critical_path_json(const GraphDump& graph) {
           {"by_operation", parts}};
 }
 
-/// What the nodes have counted, by round.
+/// What the nodes have counted, by round: of each subdomain the last value, as several of its nodes may count the same.
 Json convergence_json(const GraphDump& graph) {
-  std::map<std::uint64_t, std::map<std::string, double>> rounds;
+  using Key = std::pair<graph::dataflow::InstanceIndex, std::size_t>;
+  std::map<std::uint64_t, std::map<Key, double>> last;
+  std::map<std::uint64_t, double> spent;
   for (const DumpedRun& run : graph.runs) {
-    auto& sums = rounds[run.round];
-    for (std::size_t c = 0; c < run.counters.size(); ++c) sums[graph.counter_names[c]] += run.counters[c];
-    sums["seconds"] += seconds(run.end - run.begin);
+    for (std::size_t c = 0; c < run.counters.size(); ++c)
+      if (run.counters[c] != 0) last[run.round][{run.instance, c}] = run.counters[c];
+    spent[run.round] += seconds(run.end - run.begin);
   }
   Json list = Json::array();
-  for (const auto& [round, sums] : rounds) {
-    Json entry = {{"round", round}};
-    for (const auto& [name, sum] : sums) entry[name] = sum;
-    list.push_back(std::move(entry));
+  for (const auto& [round, time] : spent) {
+    std::vector<double> sums(graph.counter_names.size());
+    for (const auto& [key, value] : last[round]) sums[key.second] += value;
+    Json counters = Json::object();
+    for (std::size_t c = 0; c < sums.size(); ++c) counters[graph.counter_names[c]] = sums[c];
+    list.push_back({{"round", round}, {"seconds", time}, {"counters", counters}});
   }
   return list;
 }

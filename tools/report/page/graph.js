@@ -48,13 +48,18 @@
     const column = columnsOf(), width = 122, height = 46, stepX = 160, stepY = 96, rows = new Map(), at = [];
     plan.nodes.forEach((n, i) => { const row = rows.get(column[i]) || 0; rows.set(column[i], row + 1); at.push([20 + column[i] * stepX, 60 + row * stepY]); });
     const total = [40 + (Math.max(...column) + 1) * stepX, 110 + Math.max(...rows.values()) * stepY];
-    const edges = plan.edges.map((e) => {
-      const [x0, y0] = at[e.from], [x1, y1] = at[e.to], up = x0 === x1 && y1 < y0, back = !up && (e.next_round || x1 <= x0);
-      if (up) return make("path", { class: "edge", d: `M${x0 + width / 2},${y0} L${x1 + width / 2},${y1 + height}`, "marker-end": "url(#arrow)", "stroke-width": 1.6 }, make("title", {}, `${e.name} (${e.kind})`));
-      const from = back ? [x0 + width / 2, y0 + height] : [x0 + width, y0 + height / 2], to = back ? [x1 + width / 2, y1 + height] : [x1, y1 + height / 2];
-      const low = total[1] - 14, bend = back ? `M${from} C${from[0]},${low} ${to[0]},${low} ${to}` : `M${from} C${from[0] + 32},${from[1] + (e.kind === "remote" && y0 === y1 ? -34 : 0)} ${to[0] - 32},${to[1] + (e.kind === "remote" && y0 === y1 ? -34 : 0)} ${to}`;
-      return make("path", { class: "edge", d: bend, "marker-end": "url(#arrow)", "stroke-width": 1.6, "stroke-dasharray": e.kind === "remote" ? "6 4" : e.kind === "wake" ? "2 4" : null }, make("title", {}, `${e.name} (${e.kind}${e.next_round ? ", next round" : ""}${e.value_type ? ": " + e.value_type : ""})`));
-    });
+    const woken = new Set(plan.edges.filter((e) => e.kind === "wake").map((e) => e.to));
+    woken.forEach((n) => { at[n][0] += 0.5 * stepX; });
+    /** From box to box: to the right, up from a node that was woken, or below all others to an earlier box. */
+    function way(e) {
+      const [x0, y0] = at[e.from], [x1, y1] = at[e.to], low = total[1] - 8;
+      if (woken.has(e.to)) return `M${x0 + width / 2},${y0 + height} C${x0 + width / 2},${y1 + height / 2} ${x1 + width + 20},${y1 + height / 2} ${x1 + width},${y1 + height / 2}`;
+      if (woken.has(e.from)) return `M${x0 + width / 3},${y0} L${x1 + 0.8 * width},${y1 + height}`;
+      if (e.next_round || x1 <= x0) return `M${x0 + width / 2},${y0 + height} C${x0 + width / 2},${low + 20} ${x1 + width / 3},${low + 20} ${x1 + width / 3},${y1 + height}`;
+      return `M${x0 + width},${y0 + height / 2} C${x0 + width + 32},${y0 + height / 2} ${x1 - 32},${y1 + height / 2} ${x1},${y1 + height / 2}`;
+    }
+    const edges = plan.edges.map((e) => make("path", { class: "edge", d: way(e), "marker-end": "url(#arrow)", "stroke-width": 1.6, "stroke-dasharray": e.kind === "remote" ? "6 4" : e.kind === "wake" ? "2 4" : null },
+      make("title", {}, `${e.name} (${e.kind}${e.next_round ? ", next round" : ""}${e.value_type ? ": " + e.value_type : ""})`)));
     const boxes = plan.nodes.map((n, i) => make("g", { ...button(n.name, () => explain(n.name, [["kind", n.kind]], ofNode.get(i) || [], edgesOf(i))), "data-node": i },
       make("rect", { x: at[i][0], y: at[i][1], width, height, rx: 9, fill: colour(i), "fill-opacity": 0.18, stroke: colour(i), "stroke-width": 2 }),
       make("text", { x: at[i][0] + width / 2, y: at[i][1] + 20, "text-anchor": "middle" }, n.name),
