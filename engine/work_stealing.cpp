@@ -83,7 +83,7 @@ class WorkStealing final : public Balancer {
   }
 
   /// Gives `to` about half of what this rank has more, the objects last in the queue; at least one if there
-  /// is any.
+  /// is any that is worth its way.
   bool give(Rank to, double their_seconds, BalanceActions& actions) {
     const std::vector<ReadyObject> ready = actions.ready_objects();
     const Load load = actions.load();
@@ -91,15 +91,18 @@ class WorkStealing final : public Balancer {
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
     const double wanted = (load.queued_seconds - their_seconds) / 2;
+    const double worth_it = actions.move_seconds();
     double given = 0;
     std::ptrdiff_t number = 0;
     for (auto object = ready.rbegin(); object != ready.rend() && number < spare; ++object) {
+      if (object->seconds < worth_it) continue;
       if (number > 0 && given + object->seconds > wanted) continue;
       actions.move(object->id, to);
       given += object->seconds;
       ++number;
       if (given >= wanted) break;
     }
+    if (number == 0) return false;
     actions.tell(to, {static_cast<std::uint32_t>(Kind::given), given});
     return true;
   }

@@ -21,13 +21,14 @@ class Claims {
     held_.reserve(512);
   }
 
-  /// accepted (held now, or already) or conflict.
+  /// accepted (held now, or already), conflict, or frozen (TetMesh::frozen_are_untouchable).
   Verdict claim(VertexId v) {
     std::uint32_t& word = mesh_.claim_word(v);
     std::atomic_ref ref(word);
     std::uint32_t seen = ref.load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
     if (seen != TetMesh::kFree) return Verdict::conflict;
+    if (mesh_.frozen_are_untouchable() && mesh_.frozen(v)) return Verdict::frozen;
     if (sole_) {
       ref.store(owner_, std::memory_order_relaxed);
     } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,

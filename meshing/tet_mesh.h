@@ -171,6 +171,9 @@ class TetMesh {
   void freeze(VertexId v) { flags_[v.value] |= kFrozen; }
   void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
   bool frozen(VertexId v) const { return flags_[v.value] & kFrozen; }
+  /// Whether nobody can claim frozen vertices at present: then all around them stays as it is.
+  bool frozen_are_untouchable() const { return frozen_are_untouchable_; }
+  void set_frozen_are_untouchable(bool yes) { frozen_are_untouchable_ = yes; }  ///< not while operators run
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
@@ -212,6 +215,7 @@ class TetMesh {
 
   std::atomic<std::uint32_t> vertex_slots_{0}, tet_slots_{0};
   MetricMean metric_mean_ = MetricMean::arithmetic;
+  bool frozen_are_untouchable_ = false;
   StableArray<Tet> tets_;
   StableArray<std::array<std::uint32_t, 4>> patches_;  // patch + 1, so that fresh memory means none
   StableArray<std::int32_t> tet_refs_;

@@ -151,7 +151,7 @@ void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
 }
 
 void check_options(const DecompositionOptions& options) {
-  constexpr std::uint32_t kMost = (1u << (64 - GlobalId::kLocalBits)) - 2;
+  constexpr std::uint32_t kMost = (1u << (63 - GlobalId::kLocalBits)) - 2;  // the highest bit is that of derived names
   if (options.num_subdomains == 0 || options.num_subdomains > kMost)
     throw std::invalid_argument(
         fmt::format("the number of subdomains is {}, not one of 1..{}", options.num_subdomains, kMost));

@@ -1,6 +1,5 @@
 // Proposals, and the choice and packing of the tets that leave.
 #include <algorithm>
-#include <unordered_map>
 #include <unordered_set>
 
 #include "meshing/quality.h"
@@ -29,7 +28,12 @@ class Choice {
     order_.push_back(mine);
     for (const Proposal& p : proposals) order_.push_back(p.priority);
     std::sort(order_.begin(), order_.end());
-    self_ = rank_of(s.id);
+    const auto place = [&](SubdomainId id) {
+      const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.subdomain == id; });
+      return static_cast<Rank>(at - order_.begin()) + 1;
+    };
+    self_ = place(s.id);
+    for (const SubdomainId neighbour : s.interface.neighbours()) rank_of_neighbour_.push_back(place(neighbour));
   }
 
   Rank self() const { return self_; }
@@ -59,14 +63,16 @@ class Choice {
 
  private:
   Rank rank_of(SubdomainId id) const {
-    const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.subdomain == id; });
-    return static_cast<Rank>(at - order_.begin()) + 1;
+    const auto neighbours = s_.interface.neighbours();
+    return rank_of_neighbour_[static_cast<std::size_t>(
+        std::lower_bound(neighbours.begin(), neighbours.end(), id) - neighbours.begin())];
   }
 
   /// Wanted vertices belong to the first of their holders.
   void seed(std::span<const GlobalId> wanted) {
-    for (const GlobalId id : wanted) {
-      const std::uint32_t i = s_.interface.find(id);
+    std::uint32_t i = 0;
+    for (const GlobalId id : wanted) {  // both are sorted
+      while (s_.interface.id(i) < id) ++i;
       Rank first = self_;
       for (const Holder& h : s_.interface.others(i)) first = std::max(first, rank_of(h.subdomain));
       vertex_[s_.interface.local(i).value] = first;
@@ -113,15 +119,32 @@ class Choice {
   const TetMesh& mesh_;
   std::vector<Priority> order_;
   Rank self_ = kNobody;
+  std::vector<Rank> rank_of_neighbour_;
   std::vector<Rank> vertex_, tet_;
   std::vector<std::uint32_t> taken_;
   std::vector<std::pair<std::uint32_t, Rank>> next_;
 };
 
-/// Where the tets around each vertex go: the vertices around which not all stay.
-std::vector<Holder> departures(const Subdomain& s, const Choice& choice, const std::vector<Rank>& rank) {
+/// Index in the interface of each vertex by slot, kNone for others.
+std::vector<std::uint32_t> interface_index(const Subdomain& s) {
+  std::vector<std::uint32_t> index(s.mesh->vertex_slots(), Interface::kNone);
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) index[s.interface.local(i).value] = i;
+  return index;
+}
+
+/// A vertex with a subdomain that tets around it go to (or stay in).
+struct Departure {
+  std::uint32_t vertex;
+  Rank to;
+  friend auto operator<=>(const Departure&, const Departure&) = default;
+};
+
+/// Where the tets around each vertex go, for vertices of the interface around which not all stay and for those that
+/// become vertices of it. A vertex that leaves with all its tets for one other concerns nobody else.
+std::vector<Departure> find_departures(const Subdomain& s, const std::vector<Rank>& rank, Rank self,
+                                       const std::vector<std::uint32_t>& interface_index) {
   const TetMesh& mesh = *s.mesh;
-  std::vector<Rank> lowest(mesh.vertex_slots(), choice.ranks()), highest(mesh.vertex_slots(), kNobody);
+  std::vector<Rank> lowest(mesh.vertex_slots(), ~Rank{0}), highest(mesh.vertex_slots(), kNobody);
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     if (!mesh.alive(TetId(i))) continue;
     for (const VertexId v : mesh.vertices(TetId(i))) {
@@ -129,25 +152,35 @@ std::vector<Holder> departures(const Subdomain& s, const Choice& choice, const s
       highest[v.value] = std::max(highest[v.value], rank[i]);
     }
   }
-  std::vector<Holder> lines;
+  std::vector<Departure> found;
+  std::vector<Rank> last(mesh.vertex_slots(), kNobody);  // neighbours in the arrays mostly go the same way
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (lowest[i] == highest[i] && highest[i] != choice.self())
-      lines.push_back({s.global_id(VertexId(i)), choice.subdomain(highest[i])});
+    if (lowest[i] == highest[i] && highest[i] != self && interface_index[i] != Interface::kNone)
+      found.push_back({i, highest[i]});
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     if (!mesh.alive(TetId(i))) continue;
     for (const VertexId v : mesh.vertices(TetId(i)))
-      if (lowest[v.value] != highest[v.value]) lines.push_back({s.global_id(v), choice.subdomain(rank[i])});
+      if (lowest[v.value] != highest[v.value] && last[v.value] != rank[i]) {
+        found.push_back({v.value, rank[i]});
+        last[v.value] = rank[i];
+      }
   }
-  sort_unique(lines);
-  return lines;
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
 }
 
 /// Packs the parcel for one neighbour.
 class Packing {
  public:
-  Packing(const Subdomain& s, SubdomainId to) : s_(s), mesh_(*s.mesh), to_(to) { parcel_.from = s.id; }
+  Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
+          std::vector<std::uint32_t>& place_of_tet)
+      : s_(s), mesh_(*s.mesh), to_(to), interface_index_(interface_index), place_of_tet_(place_of_tet) {
+    parcel_.from = s.id;
+  }
 
   void add(TetId t) {
+    if (places_.empty()) places_.assign(mesh_.vertex_slots(), kNoPlace);
     Parcel::Tet packed;
     const TetVertices v = mesh_.vertices(t);
     for (int i = 0; i < 4; ++i) {
@@ -155,15 +188,28 @@ class Packing {
       packed.patches[i] = mesh_.patch(t, i);
     }
     packed.ref = mesh_.ref(t);
+    packed.quality = mesh_.quality(t);
+    place_of_tet_[t.value] = static_cast<std::uint32_t>(parcel_.tets.size());
     parcel_.tets.push_back(packed);
+    tets_.push_back(t);
     add_features(v);
     add_background(v);
   }
 
-  Parcel finish() {
-    for (const Holder& line : s_.departures)
-      if (concerns_receiver(line.vertex)) parcel_.now.push_back(line);
-    for (const Parcel::Vertex& v : parcel_.vertices) add_previous_holders(v.id);
+  Parcel finish(const std::vector<Rank>& rank, const std::vector<Departure>& departures, const Choice& choice) {
+    for (std::size_t i = 0; i < tets_.size(); ++i)
+      for (int f = 0; f < 4; ++f) {
+        const TetFace n = mesh_.neighbour(tets_[i], f);
+        parcel_.tets[i].neighbours[f] =
+            n.valid() && rank[n.tet().value] == rank[tets_[i].value]
+                ? 4 * place_of_tet_[n.tet().value] + static_cast<std::uint32_t>(n.face())
+                : meshing::kNoNeighbour;
+      }
+    for (const Departure& d : departures)
+      if (concerns_receiver(d.vertex))
+        parcel_.now.push_back({s_.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
+    sort_unique(parcel_.now);
+    for (const std::uint32_t v : vertices_) add_previous_holders(v);
     std::sort(pieces_.begin(), pieces_.end());
     pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
     for (const auto& piece : s_.background.pieces(pieces_)) parcel_.pieces.push_back(*piece);
@@ -171,17 +217,19 @@ class Packing {
   }
 
  private:
+  static constexpr std::uint32_t kNoPlace = 0xFFFFFFFFu;
+
   std::uint32_t place_of(VertexId v) {
-    const auto [at, is_new] = places_.try_emplace(v.value, static_cast<std::uint32_t>(parcel_.vertices.size()));
-    if (is_new) {
-      const BackgroundTet background = s_.background.name_of(mesh_.background_hint(v));
-      pieces_.push_back(background.piece);
-      ids_.insert(s_.global_id(v));
-      parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
-                                  mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
-                                  static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen)});
-    }
-    return at->second;
+    std::uint32_t& place = places_[v.value];
+    if (place != kNoPlace) return place;
+    place = static_cast<std::uint32_t>(parcel_.vertices.size());
+    const BackgroundTet background = s_.background.name_of(mesh_.background_hint(v));
+    if (pieces_.empty() || pieces_.back() != background.piece) pieces_.push_back(background.piece);
+    vertices_.push_back(v.value);
+    parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
+                                mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
+                                static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen)});
+    return place;
   }
 
   void add_features(const TetVertices& v) {
@@ -191,19 +239,21 @@ class Packing {
       const meshing::CurveId curve = mesh_.curve(a, b);
       if (!curve.valid()) continue;
       const std::uint64_t key = std::uint64_t{std::min(a, b).value} << 32 | std::max(a, b).value;
-      if (features_.insert(key).second)
-        parcel_.feature_edges.push_back({{place_of(a), place_of(b)}, curve});
+      if (features_.insert(key).second) parcel_.feature_edges.push_back({{place_of(a), place_of(b)}, curve});
     }
   }
 
   /// A tet that is larger than the pieces may cover one that none of its vertices is in.
   void add_background(const TetVertices& v) {
     std::array<std::uint64_t, 4> piece;
-    for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_.at(v[i].value)].background.piece;
-    if (piece[0] == piece[1] && piece[0] == piece[2] && piece[0] == piece[3]) return;
+    for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_[v[i].value]].background.piece;
+    const auto differs = std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
+    if (differs == piece.end()) return;
+    const std::uint64_t other = *differs;
     meshing::Point centre;
     for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
     look_up(centre, v[0]);
+    if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4) return;
     for (const auto& e : meshing::kTetEdges)
       if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
   }
@@ -212,25 +262,28 @@ class Packing {
     pieces_.push_back(s_.background.name_of(place.tet).piece);
   }
 
-  bool concerns_receiver(GlobalId id) const {
-    if (ids_.contains(id)) return true;
-    const std::uint32_t i = s_.interface.find(id);
+  bool concerns_receiver(std::uint32_t vertex) const {
+    if (!places_.empty() && places_[vertex] != kNoPlace) return true;
+    const std::uint32_t i = interface_index_[vertex];
     return i != Interface::kNone && s_.interface.held_by(i, to_);
   }
 
-  void add_previous_holders(GlobalId id) {
-    const std::uint32_t i = s_.interface.find(id);
+  void add_previous_holders(std::uint32_t vertex) {
+    const std::uint32_t i = interface_index_[vertex];
     if (i == Interface::kNone || s_.interface.held_by(i, to_)) return;
-    parcel_.before.push_back({id, s_.id});
+    parcel_.before.push_back({s_.interface.id(i), s_.id});
     for (const Holder& h : s_.interface.others(i)) parcel_.before.push_back(h);
   }
 
   const Subdomain& s_;
   const TetMesh& mesh_;
   SubdomainId to_;
+  const std::vector<std::uint32_t>& interface_index_;
+  std::vector<std::uint32_t>& place_of_tet_;  ///< by slot; each tet is in one parcel
   Parcel parcel_;
-  std::unordered_map<std::uint32_t, std::uint32_t> places_;
-  std::unordered_set<GlobalId> ids_;
+  std::vector<TetId> tets_;              ///< of the parcel
+  std::vector<std::uint32_t> vertices_;  ///< of the parcel
+  std::vector<std::uint32_t> places_;    ///< vertex -> its place in the parcel; empty while that is
   std::unordered_set<std::uint64_t> features_;
   std::vector<std::uint64_t> pieces_;
 };
@@ -282,23 +335,40 @@ void remove_departed(Subdomain& s, const std::vector<Rank>& rank, Rank self) {
     }
 }
 
-bool never_free(const Subdomain& s, VertexId v) { return !(s.mesh->flags(v) & kHasBeenFree); }
+bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHasBeenFree); }
+
+/// Frozen vertices of poor tets, by slot.
+std::vector<std::uint8_t> at_poor_tets(const TetMesh& mesh) {
+  constexpr float kPoor = 0.45f;
+  std::vector<std::uint8_t> poor(mesh.vertex_slots(), 0);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i)))
+      for (const VertexId v : mesh.vertices(TetId(i))) poor[v.value] = mesh.frozen(v);
+  return poor;
+}
 
 }  // namespace
 
 std::vector<GlobalId> wanted(const Subdomain& s) {
+  const std::vector<std::uint8_t> poor = at_poor_tets(*s.mesh);
   std::vector<GlobalId> ids;
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-    if (never_free(s, s.interface.local(i))) ids.push_back(s.interface.id(i));
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const VertexId v = s.interface.local(i);
+    if (never_free(*s.mesh, v) || poor[v.value]) ids.push_back(s.interface.id(i));
+  }
   return ids;
 }
 
 std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted) {
-  std::vector<Proposal> proposals;
-  for (const SubdomainId neighbour : s.interface.neighbours()) {
-    proposals.push_back({mine, {}});
-    for (const GlobalId id : wanted)
-      if (s.interface.held_by(s.interface.find(id), neighbour)) proposals.back().wants.push_back(id);
+  const auto neighbours = s.interface.neighbours();
+  std::vector<Proposal> proposals(neighbours.size(), Proposal{mine, {}});
+  std::uint32_t i = 0;
+  for (const GlobalId id : wanted) {
+    while (s.interface.id(i) < id) ++i;
+    for (const Holder& h : s.interface.others(i))
+      proposals[static_cast<std::size_t>(std::lower_bound(neighbours.begin(), neighbours.end(), h.subdomain) -
+                                         neighbours.begin())]
+          .wants.push_back(id);
   }
   return proposals;
 }
@@ -313,18 +383,27 @@ std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const G
   }
   Choice choice(s, mine, proposals);
   const std::vector<Rank> rank = choice.choose(wanted, proposals, options);
-  s.departures = departures(s, choice, rank);
+  const std::vector<std::uint32_t> index = interface_index(s);
+  const std::vector<Departure> departures = find_departures(s, rank, choice.self(), index);
+  std::vector<std::uint32_t> place_of_tet(rank.size());
   std::vector<Packing> packing;
   std::vector<std::size_t> packing_of(choice.ranks(), 0);
   const auto neighbours = s.interface.neighbours();
-  for (const SubdomainId neighbour : neighbours) packing.emplace_back(s, neighbour);
+  packing.reserve(neighbours.size());
+  for (const SubdomainId neighbour : neighbours) packing.emplace_back(s, neighbour, index, place_of_tet);
   for (Rank r = 1; r < choice.ranks(); ++r)
     packing_of[r] = static_cast<std::size_t>(
         std::lower_bound(neighbours.begin(), neighbours.end(), choice.subdomain(r)) - neighbours.begin());
   for (std::uint32_t i = 0; i < rank.size(); ++i)
     if (rank[i] != choice.self() && s.mesh->alive(TetId(i))) packing[packing_of[rank[i]]].add(TetId(i));
   std::vector<Parcel> parcels;
-  for (Packing& p : packing) parcels.push_back(p.finish());
+  for (Packing& p : packing) parcels.push_back(p.finish(rank, departures, choice));
+  s.departures.clear();
+  for (const Departure& d : departures) {
+    s.departures.push_back({s.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
+    s.mesh->freeze(VertexId(d.vertex));
+  }
+  sort_unique(s.departures);
   remove_departed(s, rank, choice.self());
   return parcels;
 }

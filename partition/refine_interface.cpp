@@ -91,11 +91,33 @@ class Refinement {
   }
 
   bool may_split(VertexId a, VertexId b) const {
+    return !must_stay(a, b) && !nears_what_stays(a, b) && !nears_what_stays(b, a);
+  }
+
+  bool must_stay(VertexId a, VertexId b) const {
     const int both = mesh_.flags(a) & mesh_.flags(b);
-    if (both & (meshing::kOnCurved | meshing::kFixed)) return false;
-    if ((mesh_.flags(a) | mesh_.flags(b)) & kDelicate) return false;
+    if (both & (meshing::kOnCurved | meshing::kFixed)) return true;
+    if ((mesh_.flags(a) | mesh_.flags(b)) & kDelicate) return true;
     const meshing::CurveId curve = mesh_.curve(a, b);
-    return !curve.valid() || !surface_.curves()[curve.value].required;
+    return curve.valid() && surface_.curves()[curve.value].required;
+  }
+
+  /// Where a long side (a, c) of a face (a, c, d) must stay, splitting what leads from `a` to new vertices of
+  /// the face, and from c, would come nearer to that side without end. Whoever has such an edge has the face.
+  bool nears_what_stays(VertexId a, VertexId b) const {
+    constexpr double kClearlyShort = 0.75;  // beside such a side the splits do end, soon
+    const auto corners = corners_.find(b.value);
+    if (corners_.contains(a.value) || corners == corners_.end()) return false;
+    return std::any_of(corners->second.begin(), corners->second.end(), [&](VertexId c) {
+      return c != a && must_stay(a, c) &&
+             length_between(mesh_, a, c) > kClearlyShort * kernel_.limits.long_edge;
+    });
+  }
+
+  /// Of the side or face of the interface as it was at first that the vertex lies in.
+  std::vector<VertexId> corners_of(VertexId v) const {
+    const auto at = corners_.find(v.value);
+    return at == corners_.end() ? std::vector<VertexId>{v} : at->second;
   }
 
   meshing::VertexOnEdge place(const Edge& e) const {
@@ -110,8 +132,8 @@ class Refinement {
     return at;
   }
 
-  /// The tets around an edge: one of each set of joined ones (every set has two of the faces, at its ends), and how
-  /// the edge lies in the boundary, as far as they tell.
+  /// The tets around an edge: one of each set of joined ones (every set has two of the faces, at its ends),
+  /// and how the edge lies in the boundary, as far as they tell.
   struct Around {
     std::vector<TetId> fans;
     std::vector<TetId> tets;  ///< all of them
@@ -124,7 +146,8 @@ class Refinement {
     for (const TetFace face : faces) {
       if (std::find(seen.begin(), seen.end(), face) != seen.end()) continue;
       worker_.claims.claim_tet(face.tet());
-      if (gather_shell(mesh_, worker_.claims, face.tet(), e.a, e.b, worker_.shell) != meshing::Verdict::accepted)
+      if (gather_shell(mesh_, worker_.claims, face.tet(), e.a, e.b, worker_.shell) !=
+          meshing::Verdict::accepted)
         throw std::runtime_error("an interface edge has more tets around it than " +
                                  std::to_string(meshing::Shell::kMaxSize));
       worker_.claims.release();
@@ -166,6 +189,10 @@ class Refinement {
   void remember(VertexId m, const Edge& e) {
     const GlobalId id = GlobalId::derived_from(e.low, e.high);
     mesh_.set_label(m, id.value());
+    std::vector<VertexId> corners = corners_of(e.a);
+    for (const VertexId c : corners_of(e.b))
+      if (std::find(corners.begin(), corners.end(), c) == corners.end()) corners.push_back(c);
+    corners_.emplace(m.value, std::move(corners));
     std::vector<SubdomainId> common;
     const std::vector<SubdomainId>&x = holders(e.a), &y = holders(e.b);
     std::set_intersection(x.begin(), x.end(), y.begin(), y.end(), std::back_inserter(common));
@@ -176,7 +203,8 @@ class Refinement {
   const std::vector<SubdomainId>& holders(VertexId v) {
     const auto [at, is_new] = candidates_.try_emplace(v.value);
     if (is_new)
-      for (const Holder& h : s_.interface.others(s_.interface.find(s_.global_id(v)))) at->second.push_back(h.subdomain);
+      for (const Holder& h : s_.interface.others(s_.interface.find(s_.global_id(v))))
+        at->second.push_back(h.subdomain);
     return at->second;
   }
 
@@ -193,7 +221,8 @@ class Refinement {
     }
   }
 
-  /// The face (a, b, c) has become (a, m, c), where it was, and (m, b, c), of the tet across the new face (m, c, ..).
+  /// The face (a, b, c) has become (a, m, c), where it was, and (m, b, c), of the tet across the new face (m,
+  /// c, ..).
   void replace(TetFace face, const Edge& e, VertexId m) {
     // The old tet keeps shell.a = a; its face opposite a leads to the new tet.
     const TetId u = mesh_.neighbour(face.tet(), mesh_.local_index(face.tet(), e.a)).tet();
@@ -218,11 +247,13 @@ class Refinement {
       mesh_.freeze(v);
       for (const SubdomainId other : candidates_.at(v.value)) {
         const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
-        result[at].vertices.push_back({s_.global_id(v), mesh_.surface_hint(v), mesh_.kind(v), mesh_.flags(v)});
+        result[at].vertices.push_back(
+            {s_.global_id(v), mesh_.surface_hint(v), mesh_.kind(v), mesh_.flags(v)});
       }
     }
     for (InterfaceVertices& list : result)
-      std::sort(list.vertices.begin(), list.vertices.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+      std::sort(list.vertices.begin(), list.vertices.end(),
+                [](const auto& a, const auto& b) { return a.id < b.id; });
     return result;
   }
 
@@ -235,13 +266,15 @@ class Refinement {
   std::unordered_map<std::uint64_t, std::vector<TetFace>> faces_;  ///< edge -> interface faces that have it
   std::priority_queue<Edge, std::vector<Edge>, ShorterFirst> long_edges_;
   std::unordered_map<std::uint32_t, std::vector<SubdomainId>> candidates_;  ///< vertex -> who may have it too
+  std::unordered_map<std::uint32_t, std::vector<VertexId>> corners_;        ///< of created_: see corners_of
   std::vector<VertexId> created_;
 };
 
 }  // namespace
 
 bool is_delicate(const std::array<Point, 4>& p) {
-  // Halving edges some eight times leaves heights of a 256th; a point is off its edge by 1e-16 of its coordinates.
+  // Halving edges some eight times leaves heights of a 256th; a point is off its edge by 1e-16 of its
+  // coordinates.
   constexpr double kSafe = 1e-11;
   double size = 0, largest_area = 0;
   for (const Point& x : p)

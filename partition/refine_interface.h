@@ -39,7 +39,7 @@ struct InterfaceVertices {
 };
 
 /// Splits all long edges of the interface's faces, except required ones and those between vertices of curved
-/// boundary. Returns, for each of the interface's neighbours, the new vertices that it may have too. Throws
+/// boundary, and those inside a face that have no end as long as a side of it must stay. Returns, for each of the interface's neighbours, the new vertices that it may have too. Throws
 /// std::runtime_error should a split fail that must not.
 std::vector<InterfaceVertices> refine_interface(Subdomain& subdomain, const Geometry& geometry);
 

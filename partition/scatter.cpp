@@ -32,28 +32,33 @@ class Joining {
       if (const VertexId v = s.interface.local(i); v.valid() && mesh_.alive(v)) vertices_.emplace(s.interface.id(i), v);
   }
 
-  /// After all parcels have been added the faces are joined.
+  /// After all parcels have been added the faces between them and with the mesh are joined.
   void add(const Parcel& parcel) {
     std::vector<VertexId> local;
     for (const Parcel::Vertex& v : parcel.vertices) local.push_back(vertex(v));
-    std::uint32_t slot = mesh_.take_tet_slots(static_cast<std::uint32_t>(parcel.tets.size()));
-    for (const Parcel::Tet& t : parcel.tets) {
-      const TetId id(slot++);
+    const std::uint32_t first = mesh_.take_tet_slots(static_cast<std::uint32_t>(parcel.tets.size()));
+    for (std::uint32_t k = 0; k < parcel.tets.size(); ++k) {
+      const Parcel::Tet& t = parcel.tets[k];
+      const TetId id(first + k);
       for (int i = 0; i < 4; ++i) {
         const VertexId v = local[t.vertices[i]];
         mesh_.set_vertex(id, i, v);
-        mesh_.set_neighbour(id, i, TetFace());
+        const std::uint32_t n = t.neighbours[i];
+        mesh_.set_neighbour(id, i, n == meshing::kNoNeighbour ? TetFace() : TetFace(4 * first + n));
         mesh_.set_patch(id, i, t.patches[i]);
         mesh_.set_tet_of(v, id);
       }
       mesh_.set_ref(id, t.ref);
-      mesh_.mark(id, meshing::kFresh);
+      mesh_.set_quality(id, t.quality);
     }
     for (const Parcel::FeatureEdge& e : parcel.feature_edges)
       mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
   }
 
+  /// Every open face may be one that has its other side here now, unless a vertex of it was nobody else's.
   void join_faces() {
+    known_.assign(mesh_.vertex_slots(), 0);
+    for (const auto& [id, v] : vertices_) known_[v.value] = 1;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
       if (!mesh_.alive(TetId(i))) continue;
       for (int f = 0; f < 4; ++f)
@@ -61,11 +66,14 @@ class Joining {
     }
   }
 
+  const std::vector<VertexId>& arrived() const { return arrived_; }
+
  private:
   VertexId vertex(const Parcel::Vertex& v) {
     const auto [at, is_new] = vertices_.try_emplace(v.id);
     if (!is_new) return at->second;
     const VertexId x(mesh_.take_vertex_slots(1));
+    arrived_.push_back(x);
     mesh_.set_point(x, v.point);
     mesh_.set_metric(x, v.log_metric, meshing::exp_fast(v.log_metric));
     mesh_.set_label(x, v.id.value());
@@ -79,8 +87,10 @@ class Joining {
 
   void join(TetFace face) {
     FaceName name;
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3; ++i) {
       name[i] = mesh_.vertex(face.tet(), meshing::kTetFaces[face.face()][i]).value;
+      if (!known_[name[i]]) return;
+    }
     std::sort(name.begin(), name.end());
     const auto [at, is_new] = open_.try_emplace(name, face);
     if (is_new) return;
@@ -91,7 +101,9 @@ class Joining {
   Subdomain& s_;
   TetMesh& mesh_;
   std::unordered_map<GlobalId, VertexId> vertices_;
+  std::vector<VertexId> arrived_;
   std::unordered_map<FaceName, TetFace, FaceNameHash> open_;
+  std::vector<std::uint8_t> known_;  ///< vertices of the interface or of parcels
 };
 
 bool by_vertex(const Holder& a, const Holder& b) { return a.vertex < b.vertex; }
@@ -132,7 +144,8 @@ class NewHolders {
     };
     if (silent(s_.departures)) lines_.push_back({id, s_.id});
     for (const Holder& h : s_.interface.others(i)) {
-      const auto at = std::find_if(parcels.begin(), parcels.end(), [&](const Parcel& p) { return p.from == h.subdomain; });
+      const auto at = std::lower_bound(parcels.begin(), parcels.end(), h.subdomain,
+                                       [](const Parcel& p, SubdomainId other) { return p.from < other; });
       if (silent(at->now)) lines_.push_back(h);
     }
   }
@@ -170,46 +183,49 @@ std::vector<SubdomainId> notices_expected(std::span<const Holder> before) {
   return from;
 }
 
-/// Freezes the vertices of the new interface, thaws those of the old that it lacks; returns these.
-std::vector<VertexId> replace_interface(Subdomain& s, Interface interface) {
+/// Freezes the vertices of the new interface, which are among the frozen ones and those that have just arrived; thaws
+/// what was frozen and is none of them, and returns that.
+std::vector<VertexId> replace_interface(Subdomain& s, Interface interface, std::span<const VertexId> arrived) {
   std::vector<VertexId> thawed;
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
-    const VertexId v = s.interface.local(i);
-    if (!v.valid() || !s.mesh->alive(v)) continue;
-    s.mesh->thaw(v);
-    s.mesh->set_flags(v, s.mesh->flags(v) | kWasInterface);
-    if (interface.find(s.interface.id(i)) == Interface::kNone) thawed.push_back(v);
-  }
+  TetMesh& mesh = *s.mesh;
   s.interface = std::move(interface);
-  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
-    const VertexId v(i);
-    if (!s.mesh->alive(v)) continue;
+  const auto settle = [&](VertexId v) {
     const std::uint32_t at = s.interface.find(s.global_id(v));
-    if (at == Interface::kNone) continue;
-    s.interface.set_local(at, v);
-    s.mesh->freeze(v);
-  }
+    if (at != Interface::kNone) {
+      s.interface.set_local(at, v);
+      mesh.freeze(v);
+    } else if (mesh.frozen(v)) {
+      mesh.thaw(v);
+      mesh.set_flags(v, mesh.flags(v) | kWasInterface);
+      thawed.push_back(v);
+    }
+  };
+  for (const VertexId v : arrived) settle(v);
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.frozen(VertexId(i)) && mesh.alive(VertexId(i))) settle(VertexId(i));
   return thawed;
 }
 
-/// Tets around the given vertices, and `layers` more around what is fresh, become fresh.
+/// Tets around the given vertices, and `layers` more, become fresh.
 void freshen(TetMesh& mesh, std::span<const VertexId> vertices, int layers) {
   std::vector<std::uint8_t> near(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) near[v.value] = 1;
   for (int layer = 0; layer <= layers; ++layer) {
+    std::vector<TetId> reached;
     for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
       const TetId t(i);
-      if (!mesh.alive(t) || mesh.marks(t) & meshing::kFresh) continue;
+      if (!mesh.alive(t)) continue;
       const TetVertices v = mesh.vertices(t);
-      if (near[v[0].value] | near[v[1].value] | near[v[2].value] | near[v[3].value]) mesh.mark(t, meshing::kFresh);
+      if (near[v[0].value] | near[v[1].value] | near[v[2].value] | near[v[3].value]) reached.push_back(t);
     }
-    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-      if (mesh.alive(TetId(i)) && mesh.marks(TetId(i)) & meshing::kFresh)
-        for (const VertexId v : mesh.vertices(TetId(i))) near[v.value] = 1;
+    for (const TetId t : reached) {
+      mesh.mark(t, meshing::kFresh);
+      for (const VertexId v : mesh.vertices(t)) near[v.value] = 1;
+    }
   }
 }
 
-constexpr int kLayersAround = 2;
+constexpr int kLayersAround = 0;
 
 }  // namespace
 
@@ -244,10 +260,10 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
       if (h.subdomain != s.id) lines.push_back(h);
   });
   lines.insert(lines.end(), before.begin(), before.end());
-  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)));
+  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), joining.arrived());
   s.departures.clear();
   result.thawed = thawed.size();
-  if (result.received > 0 || result.thawed > 0) freshen(*s.mesh, thawed, kLayersAround);
+  if (result.thawed > 0) freshen(*s.mesh, thawed, kLayersAround);
   return result;
 }
 
@@ -261,7 +277,7 @@ std::uint64_t update_topology(Subdomain& s, std::span<const Notice> notices) {
     if (!std::binary_search(told.begin(), told.end(), line, by_vertex)) lines.push_back(line);
   for (const Holder& line : told)
     if (line.subdomain != s.id) lines.push_back(line);
-  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)));
+  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), {});
   if (!thawed.empty()) freshen(*s.mesh, thawed, kLayersAround);
   return thawed.size();
 }

@@ -53,9 +53,11 @@ struct Parcel {
     std::uint8_t flags;
   };
   struct Tet {
-    std::array<std::uint32_t, 4> vertices;  ///< in the parcel
+    std::array<std::uint32_t, 4> vertices;    ///< in the parcel
+    std::array<std::uint32_t, 4> neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
     std::array<meshing::PatchId, 4> patches;
     std::int32_t ref;
+    float quality;  ///< the kernel's cached one
   };
   struct FeatureEdge {
     std::array<std::uint32_t, 2> ends;  ///< in the parcel
@@ -67,7 +69,8 @@ struct Parcel {
   std::vector<FeatureEdge> feature_edges;
   std::vector<BackgroundPiece> pieces;  ///< of the background
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
-  /// receiver; left out where all of them stay with the sender.
+  /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody else had
+  /// any.
   std::vector<Holder> now;
   /// Who held a vertex of the parcel before, for vertices that the receiver did not hold.
   std::vector<Holder> before;
@@ -93,7 +96,8 @@ struct ShiftOptions {
   bool by_faces = false;  ///< layers grow through faces instead of points
 };
 
-/// The shared vertices that this subdomain wants to be freed, ascending.
+/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and those of
+/// poor tets.
 std::vector<GlobalId> wanted(const Subdomain& subdomain);
 
 /// One proposal for each of the interface's neighbours, in their order.
@@ -116,8 +120,8 @@ struct Scattered {
   std::vector<SubdomainId> expected;    ///< who sends a notice here, ascending
 };
 
-/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. What is new or was frozen, and
-/// two layers around, gets the mark kFresh.
+/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what was frozen,
+/// and two layers more, get the mark kFresh: all else has been adapted where it was.
 Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
 
 /// The notices of all that were expected. Returns how many vertices turned out to be no interface.

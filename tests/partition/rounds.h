@@ -1,130 +1,145 @@
-// The distributed method played by one thread: all subdomains at hand, messages delivered by hand, in order.
+// The distributed method played by one thread: all subdomains at hand, messages delivered by hand.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
+#include <random>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
+#include "meshing/tet_mesh_arrays.h"
 #include "partition/adapt_subdomain.h"
 #include "partition/shift.h"
 #include "tests/partition/cut.h"
 
 namespace weft::support {
 
+/// One for each subdomain; values repeat, so that ids have to decide now and then.
+inline std::vector<partition::Priority> random_priorities(std::size_t subdomains, std::mt19937& random) {
+  std::vector<partition::Priority> priorities;
+  for (std::uint32_t i = 0; i < subdomains; ++i) priorities.push_back({random() % subdomains, i});
+  return priorities;
+}
+
 class Rounds {
  public:
-  Rounds(Cut& cut, std::size_t capacity, double hausd, partition::ShiftOptions shift)
+  using SubdomainId = partition::SubdomainId;
+  template <class T>
+  using ForEach = std::vector<std::vector<T>>;  ///< [subdomain][...]
+
+  Rounds(const Cut& cut, double hausd, partition::ShiftOptions shift)
       : geometry_(cut.geometry), hausd_(hausd), shift_(shift) {
-    for (const auto& s : cut.starts) subdomains.emplace_back(s, capacity);
+    std::size_t tets = 0;
+    for (const auto& s : cut.starts) tets += s.tets.size();
+    for (const auto& s : cut.starts) subdomains_.emplace_back(s, 20 * tets + 200000);
+  }
+
+  std::vector<partition::Subdomain>& subdomains() { return subdomains_; }
+  const partition::Geometry& geometry() const { return geometry_; }
+  meshing::AdaptOptions& options() { return options_; }
+
+  void refine_interfaces() {
+    ForEach<partition::InterfaceVertices> created;
+    for (auto& s : subdomains_) created.push_back(partition::refine_interface(s, geometry_));
+    const ForEach<SubdomainId> neighbours = find_neighbours();
+    for (std::size_t i = 0; i < subdomains_.size(); ++i)
+      register_interface(subdomains_[i], arrived_at(i, created, neighbours));
   }
 
   void adapt(meshing::Extent extent) {
-    for (auto& s : subdomains) {
-      auto r = partition::adapt_subdomain(s, geometry_.surface, hausd_, extent, options);
-      counts += r.counts;
-    }
+    for (auto& s : subdomains_) adapt_subdomain(s, geometry_.surface, hausd_, extent, options_);
   }
 
-  void refine_interfaces() {
-    using namespace partition;
-    std::vector<std::vector<InterfaceVertices>> sent(subdomains.size()), theirs(subdomains.size());
-    for (std::size_t i = 0; i < subdomains.size(); ++i) sent[i] = refine_interface(subdomains[i], geometry_);
-    for (std::size_t i = 0; i < subdomains.size(); ++i)
-      for (const SubdomainId from : subdomains[i].interface.neighbours()) {
-        const auto back = subdomains[from].interface.neighbours();
-        const auto at = std::lower_bound(back.begin(), back.end(), static_cast<SubdomainId>(i)) - back.begin();
-        theirs[i].push_back(sent[from][at]);
-      }
-    for (std::size_t i = 0; i < subdomains.size(); ++i) register_interface(subdomains[i], theirs[i]);
+  ForEach<partition::GlobalId> wants() const {
+    ForEach<partition::GlobalId> ids;
+    for (const auto& s : subdomains_) ids.push_back(partition::wanted(s));
+    return ids;
   }
 
-  /// One shift without the adaptation; returns the number of tets that moved.
-  std::uint64_t shift(std::uint64_t round) {
-    using namespace partition;
-    const std::size_t n = subdomains.size();
-    std::vector<std::vector<GlobalId>> wants(n);
-    std::vector<Priority> priority(n);
-    std::vector<std::vector<Proposal>> proposals(n);
-    wanted_total = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      wants[i] = wanted(subdomains[i]);
-      wanted_total += wants[i].size();
-      priority[i] = {hash(i, round), static_cast<SubdomainId>(i)};
-      proposals[i] = propose(subdomains[i], priority[i], wants[i]);
-    }
-    std::vector<std::vector<SubdomainId>> neighbours(n);
-    for (std::size_t i = 0; i < n; ++i)
-      neighbours[i].assign(subdomains[i].interface.neighbours().begin(), subdomains[i].interface.neighbours().end());
-    const auto deliver = [&](auto& sent, std::size_t to) {
-      std::remove_reference_t<decltype(sent[0])> arrived;
-      for (const SubdomainId from : neighbours[to]) {
-        const auto& back = neighbours[from];
-        const auto at = std::lower_bound(back.begin(), back.end(), static_cast<SubdomainId>(to)) - back.begin();
-        arrived.push_back(std::move(sent[from][at]));
-      }
-      return arrived;
-    };
-    std::vector<std::vector<Proposal>> proposed(n);
-    for (std::size_t i = 0; i < n; ++i) proposed[i] = deliver(proposals, i);
-    std::vector<std::vector<Parcel>> parcels(n);
-    for (std::size_t i = 0; i < n; ++i)
-      parcels[i] = gather(subdomains[i], priority[i], wants[i], proposed[i], shift_);
-    std::vector<std::vector<Parcel>> arrived(n);
-    for (std::size_t i = 0; i < n; ++i) arrived[i] = deliver(parcels, i);
+  /// Proposals, gathering and scattering. update() must follow, with or without an adaptation between. Returns the
+  /// number of tets that moved.
+  std::uint64_t shift(const std::vector<partition::Priority>& priorities) {
+    const ForEach<partition::GlobalId> wants = this->wants();
+    const ForEach<SubdomainId> neighbours = find_neighbours();
+    ForEach<partition::Proposal> proposals;
+    for (std::size_t i = 0; i < subdomains_.size(); ++i)
+      proposals.push_back(propose(subdomains_[i], priorities[i], wants[i]));
+    ForEach<partition::Parcel> parcels;
+    for (std::size_t i = 0; i < subdomains_.size(); ++i)
+      parcels.push_back(gather(subdomains_[i], priorities[i], wants[i], arrived_at(i, proposals, neighbours), shift_));
     std::uint64_t moved = 0;
-    expected_.assign(n, {});
-    notices_.assign(n, {});
-    receivers = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      Scattered r = scatter(subdomains[i], arrived[i]);
+    expected_.clear();
+    notices_.assign(subdomains_.size(), {});
+    for (std::size_t i = 0; i < subdomains_.size(); ++i) {
+      auto arrived = arrived_at(i, parcels, neighbours);
+      partition::Scattered r = scatter(subdomains_[i], arrived);
       moved += r.received;
-      receivers += r.received > 0;
-      expected_[i] = r.expected;
-      for (auto& a : r.notices) notices_[a.to][static_cast<SubdomainId>(i)] = a.notice;
+      expected_.push_back(std::move(r.expected));
+      for (auto& [to, notice] : r.notices) notices_[to].emplace(static_cast<SubdomainId>(i), std::move(notice));
     }
     return moved;
   }
 
-  void update() {
-    for (std::size_t i = 0; i < subdomains.size(); ++i) {
-      std::vector<partition::Notice> mine;
-      std::vector<partition::SubdomainId> from;
-      for (auto& [f, n] : notices_[i]) {
-        from.push_back(f);
-        mine.push_back(n);
+  /// The notices. Returns the number of subdomains that did not get them from exactly those they expected.
+  int update() {
+    int misunderstandings = 0;
+    for (std::size_t i = 0; i < subdomains_.size(); ++i) {
+      std::vector<partition::Notice> notices;
+      std::vector<SubdomainId> from;
+      for (auto& [sender, notice] : notices_[i]) {
+        from.push_back(sender);
+        notices.push_back(std::move(notice));
       }
-      if (from != expected_[i]) misunderstandings++;
-      partition::update_topology(subdomains[i], mine);
+      misunderstandings += from != expected_[i];
+      update_topology(subdomains_[i], notices);
     }
+    return misunderstandings;
   }
 
-  std::vector<partition::MeshPiece> pieces() {
+  /// Of copies: what is looked at does not change.
+  std::vector<partition::MeshPiece> pieces() const {
     std::vector<partition::MeshPiece> all;
-    for (auto& s : subdomains) all.push_back(partition::make_piece(s, geometry_.surface, geometry_.patch_required));
+    for (const auto& s : subdomains_) {
+      partition::Subdomain copy;
+      copy.id = s.id;
+      copy.interface = s.interface;
+      copy.mesh = meshing::from_arrays(meshing::to_arrays(*s.mesh), s.mesh->vertex_slots() + 1,
+                                       s.mesh->tet_slots() + 1, meshing::Pages::small);
+      all.push_back(make_piece(copy, geometry_.surface, geometry_.patch_required));
+    }
     return all;
   }
 
-  static std::uint64_t hash(std::uint64_t i, std::uint64_t round) {
-    std::uint64_t x = (i + 1) * 0x9E3779B97F4A7C15ull ^ (round + 1) * 0xC2B2AE3D27D4EB4Full;
-    x ^= x >> 31;
-    x *= 0x7FB5D329728EA185ull;
-    x ^= x >> 27;
-    x *= 0x81DADEF4BC2DD44Dull;
-    return x ^ x >> 33;
+ private:
+  ForEach<SubdomainId> find_neighbours() const {
+    ForEach<SubdomainId> all;
+    for (const auto& s : subdomains_)
+      all.emplace_back(s.interface.neighbours().begin(), s.interface.neighbours().end());
+    return all;
   }
 
-  std::vector<partition::Subdomain> subdomains;
-  meshing::AdaptOptions options;
-  meshing::OperationCounts counts;
-  int misunderstandings = 0;
-  std::uint64_t wanted_total = 0, receivers = 0;
+  /// Of sent[from], one for each neighbour of `from`, those to `to`, in the order of its neighbours.
+  template <class T>
+  static std::vector<T> arrived_at(std::size_t to, ForEach<T>& sent, const ForEach<SubdomainId>& neighbours) {
+    std::vector<T> arrived;
+    for (const SubdomainId from : neighbours[to]) {
+      const auto& back = neighbours[from];
+      const auto at = std::lower_bound(back.begin(), back.end(), static_cast<SubdomainId>(to));
+      if (at == back.end() || *at != to) throw std::logic_error("neighbours do not agree that they are");
+      arrived.push_back(std::move(sent[from][static_cast<std::size_t>(at - back.begin())]));
+    }
+    return arrived;
+  }
 
- private:
   const partition::Geometry& geometry_;
   double hausd_;
   partition::ShiftOptions shift_;
-  std::vector<std::vector<partition::SubdomainId>> expected_;
-  std::vector<std::map<partition::SubdomainId, partition::Notice>> notices_;
+  meshing::AdaptOptions options_;
+  std::vector<partition::Subdomain> subdomains_;
+  ForEach<SubdomainId> expected_;                                        ///< senders of notices
+  std::vector<std::map<SubdomainId, partition::Notice>> notices_;  ///< that are under way, by addressee
 };
 
 }  // namespace weft::support
