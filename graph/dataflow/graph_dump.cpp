@@ -228,8 +228,7 @@ GraphDump executed_dump(GraphDescription description, const ExecutionLog& log, c
   dump.description = std::move(description);
   dump.counter_names = log.counter_names;
   InstanceTable instances(log, number_of);
-  TimePoint start = std::numeric_limits<TimePoint>::max();
-  for (const NodeRun& run : log.runs) start = std::min(start, run.begin);
+  const TimePoint start = start_of(log);
   add_runs(log, instances, start, dump);
   add_uses(log, instances, start, dump);
   dump.instances = instances.take();
@@ -237,6 +236,11 @@ GraphDump executed_dump(GraphDescription description, const ExecutionLog& log, c
   dump.network = network_of(dump);
   dump.critical_path = critical_path(dump);
   return dump;
+}
+
+TimePoint start_of(const ExecutionLog& log) {
+  if (log.runs.empty()) return 0;
+  return std::ranges::min(log.runs, {}, &NodeRun::begin).begin;
 }
 
 GraphDump filtered(const GraphDump& dump, const DumpFilter& filter) {

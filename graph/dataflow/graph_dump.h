@@ -95,6 +95,9 @@ GraphDump planned_dump(GraphDescription description, std::vector<DumpedInstance>
 /// after it and that no other use has. Clocks of ranks need agree only for the times that are shown.
 GraphDump executed_dump(GraphDescription description, const ExecutionLog& log, const NumberOf& number_of);
 
+/// When the first run of a log began: what the dump's times count from. 0 without runs.
+engine::TimePoint start_of(const ExecutionLog& log);
+
 /// What is left of a graph.
 struct DumpFilter {
   std::optional<std::uint64_t> round = {};

@@ -175,6 +175,51 @@ class Reports(SampleTest):
         self.assert_fails("report", "hollow.json", "-o", "page.html", says="hollow.json")
 
 
+class Runs(SampleTest):
+    """`weft adapt` in subdomains, which leaves all of it."""
+
+    def adapt(self, *words, expect=(0, 1)):
+        return self.weft("adapt", self.box(6), "--metric-fn", "polar-1", "--complexity", 1500, "-o", "out.meshb", "--quiet", *words, expect=expect)
+
+    def test_a_run_in_subdomains_leaves_profile_page_and_graph(self):
+        self.adapt("--subdomains", 6, "--threads", 2, "--report", "report", "--case", "cube-polar2-50000", "--graph", "graph.dot", "--trace", "trace.json")
+        self.assertEqual(sorted(p.name for p in (self.folder / "report").iterdir()), ["graph.json", "profile.json", "report.html", "report.json"])
+        profile = json.loads((self.folder / "report/profile.json").read_text())
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        graph = json.loads((self.folder / "report/graph.json").read_text())
+        jsonschema.validate(graph, schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual(sorted(i["number"] for i in graph["instances"]), list(range(6)))
+        self.assertEqual(graph["unmatched_uses"], 0)
+        self.assertLessEqual(graph["critical_path"]["length_ns"], graph["critical_path"]["wall_ns"])
+        self.assertLessEqual(profile["critical_path"]["wall"], profile["total"]["wall"])
+        for rank in profile["ranks"]:
+            self.assertAlmostEqual(sum(rank["seconds"].values()), rank["workers"] * rank["wall"], delta=0.01 * rank["workers"] * rank["wall"])
+        self.assertEqual({lane["name"] for lane in profile["timeline"]["lanes"]} - {"worker 0", "worker 1"}, set())
+        self.assertGreaterEqual(len(profile["published"]), 4)
+        self.assertGreater(profile["memory"][0]["bytes"][-1], 1e6)
+        self.assertEqual({layer["axis"] for layer in profile["mesh"]["layers"]}, {-1, 0, 1, 2})
+        self.assertIn("digraph", (self.folder / "graph.dot").read_text())
+        events = json.loads((self.folder / "trace.json").read_text())["traceEvents"]
+        handlers = {e["name"] for e in events if e["ph"] == "X"}
+        self.assertIn("subdomain::gather", handlers)
+
+    def test_a_run_of_the_whole_mesh_leaves_a_page_too(self):
+        self.adapt("--report", "report")
+        profile = json.loads((self.folder / "report/profile.json").read_text())
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        self.assertIsNone(profile["graph"])
+        self.assertGreater(profile["mesh"]["layers"][0]["facets"], 100)
+
+    def test_what_makes_no_sense_is_said(self):
+        self.box(2)
+        words = ["adapt", "box.meshb", "--metric-fn", "uniform:0.5", "-o", "out.meshb"]
+        self.assert_fails(*words, "--graph", "g.json", says=["--graph", "--subdomains"], code=64)
+        self.assert_fails(*words, "--trace", "t.json", says=["--trace", "--subdomains"], code=64)
+        self.assert_fails(*words, "--subdomains", 2, "--graph", "g.png", says="g.png", code=64)
+        self.assert_fails(*words, "--case", "cube-polar2-50000", says="--report", code=64)
+        self.assert_fails(*words, "--report", "r", "--case", "my case", says="my case", code=64)
+
+
 class Breakdown(SampleTest):
     def test_ten_lines_draw_the_papers_figure(self):
         profile = self.sample()

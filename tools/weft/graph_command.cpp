@@ -2,25 +2,26 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "graph/dataflow/graph_files.h"
+#include "graph/dataflow/graph_drawing.h"
 #include "graph/dataflow/graph_json.h"
 #include "meshing/error.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
-#include "tools/weft/graphviz.h"
+#include "tools/weft/graph_output.h"
 #include "tools/weft/json_file.h"
+#include "tools/weft/named_error.h"
 #include "tools/weft/outputs.h"
 
 namespace weft::tools {
 namespace {
 
 using graph::dataflow::Collapse;
+using graph::dataflow::drawing_of;
 using graph::dataflow::GraphDump;
 using Json = nlohmann::ordered_json;
 
@@ -33,28 +34,18 @@ constexpr const char* kFooter = R"(Examples:
 FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE` wrote. Without -o
 the graph is printed. The extension of the output names the format where --format does not. Rounds count from 0.)";
 
-enum class Format { dot, graphml, json, svg };
-
-const std::map<std::string, Format>& formats() {
-  static const std::map<std::string, Format> all = {
-      {"dot", Format::dot}, {"graphml", Format::graphml}, {"json", Format::json}, {"svg", Format::svg}};
-  return all;
-}
-
 struct GraphCommand {
   std::string file, output;
-  std::optional<Format> format;
+  std::optional<GraphFormat> format;
   graph::dataflow::DumpFilter filter;
   Collapse collapse = Collapse::none;
   bool plan = false;
 };
 
-Format format_of(const GraphCommand& command) {
+GraphFormat format_of(const GraphCommand& command) {
   if (command.format) return *command.format;
-  const std::string extension = std::filesystem::path(command.output).extension().string();
-  const auto known = formats().find(extension.empty() ? "" : extension.substr(1));
-  if (known != formats().end()) return known->second;
-  if (command.output.empty()) return Format::dot;
+  if (command.output.empty()) return GraphFormat::dot;
+  if (const auto named = graph_format(command.output)) return *named;
   throw CLI::ValidationError("--out", "'" + command.output + "' ends in no format: .dot, .graphml, .json or .svg");
 }
 
@@ -72,23 +63,8 @@ GraphDump read_dump(const std::string& path) {
   }
 }
 
-std::string written(const GraphCommand& command, const GraphDump& dump, Format format) {
-  if (format == Format::json) return graph::dataflow::json_of(dump).dump() + "\n";
-  const graph::dataflow::Drawing drawing = command.plan
-                                               ? drawing_of(dump.description)
-                                               : drawing_of(dump, command.collapse, dump.description.name);
-  if (format == Format::graphml) return graphml_of(drawing);
-  if (format == Format::dot) return dot_of(drawing);
-  constexpr std::size_t kReadable = 3000;
-  if (drawing.vertices.size() > kReadable)
-    throw meshing::InputError(command.file, "",
-                              fmt::format("has {} vertices, too many to draw: filter it or use --collapse",
-                                          drawing.vertices.size()));
-  return svg_of(dot_of(drawing));
-}
-
 int run_graph(const GraphCommand& command) {
-  const Format format = format_of(command);
+  const GraphFormat format = format_of(command);
   if (!command.output.empty()) check_writable(command.output);
   const GraphDump all = read_dump(command.file);
   const GraphDump dump = [&] {
@@ -98,7 +74,11 @@ int run_graph(const GraphCommand& command) {
       throw meshing::InputError(command.file, "", error.what());
     }
   }();
-  const std::string text = written(command, dump, format);
+  const std::string text = naming(command.file, [&] {
+    return command.plan && format != GraphFormat::json
+               ? drawing_text(drawing_of(dump.description), format)
+               : graph_text(dump, format, command.collapse);
+  });
   if (command.output.empty())
     fmt::print("{}", text);
   else
@@ -129,7 +109,7 @@ void add_graph_command(CLI::App& app, Action& action) {
   sub->add_option("FILE", command->file, "the dump")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the result; default: standard output (also -out)")->type_name("FILE");
   sub->add_option("--format", command->format, "dot, graphml, json or svg (needs Graphviz)")
-      ->transform(CLI::CheckedTransformer(formats()).description(""))
+      ->transform(CLI::CheckedTransformer(graph_formats()).description(""))
       ->type_name("FORMAT");
   add_filters(*sub, *command);
   sub->callback([command, &action] { action = [command] { return run_graph(*command); }; });

@@ -27,10 +27,7 @@ ExampleRun run_of(const SimulationRules& rules) {
   run.graph = graph::dataflow::executed_dump(run.simulated.graph, run.simulated.log, [&](engine::ObjectId o) {
     return weft::testing::subdomain_of_object(rules, o);
   });
-  const auto& runs = run.simulated.log.runs;
-  run.start = std::min_element(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
-                return a.begin < b.begin;
-              })->begin;
+  run.start = graph::dataflow::start_of(run.simulated.log);
   return run;
 }
 

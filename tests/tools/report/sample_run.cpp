@@ -1,7 +1,6 @@
 #include "tests/tools/report/sample_run.h"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 
 #include "meshing/adapt.h"
@@ -96,8 +95,7 @@ SampleRun sample_run(const SimulationRules& rules, std::uint32_t cells) {
   sample.simulated = simulate(rules);
   sample.graph = graph::dataflow::executed_dump(sample.simulated.graph, sample.simulated.log,
                                                 [&](engine::ObjectId o) { return subdomain_of_object(rules, o); });
-  sample.start = std::numeric_limits<engine::TimePoint>::max();
-  for (const auto& run : sample.simulated.log.runs) sample.start = std::min(sample.start, run.begin);
+  sample.start = graph::dataflow::start_of(sample.simulated.log);
   const Adapted mesh = adapted_box(cells);
   const nlohmann::ordered_json report = tools::json_of(account_of(mesh, rules, sample.simulated));
   meshing::Box box;
