@@ -7,8 +7,9 @@ packages=(
   libtbb-dev libcgal-dev libceres-dev libeigen3-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libcgns-dev libhdf5-dev
   pkg-config libcairo2-dev
+  libjs-chart.js libjs-three graphviz
   openmpi-bin libopenmpi-dev libmetis-dev
-  libgtest-dev libgmock-dev
+  libgtest-dev libgmock-dev chromium python3-jsonschema
 )
 
 if ! command -v dpkg-query >/dev/null; then

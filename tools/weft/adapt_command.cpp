@@ -8,9 +8,11 @@
 #include <thread>
 
 #include "engine/mpi_transport.h"
+#include "tools/report/published.h"
 #include "tools/weft/adapt_job.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/distributed_job.h"
+#include "tools/weft/graph_output.h"
 #include "tools/weft/option_checks.h"
 #include "tools/weft/summary.h"
 
@@ -51,6 +53,8 @@ int run(AdaptCommand& command) {
   if (command.quiet) command.progress = ProgressStyle::none;
   command.options.threads = command.threads > 0 ? command.threads : default_threads();
   if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
+  if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
+  if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");
   const AdaptOutcome outcome = run_adapt(command);
   if (!command.quiet) fmt::print("{}", summary_text(outcome.run));
   return outcome.code;
@@ -84,6 +88,30 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->group("Geometry");
 }
 
+void add_account(CLI::App& sub, AdaptCommand& command) {
+  constexpr const char* kGroup = "Account";
+  static const CLI::Validator graph_name(
+      [](const std::string& name) {
+        return graph_format(name) ? std::string() : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
+      },
+      "");
+  sub.add_option("--report", command.report, "folder for report.html, and for report.json and profile.json: everything measured")
+      ->type_name("DIR")
+      ->group(kGroup);
+  std::vector<std::string> cases;
+  for (const std::string_view name : report::published_cases()) cases.emplace_back(name);
+  sub.add_option("--case", command.case_name, fmt::format("compare with published figures: {}", fmt::join(cases, ", ")))
+      ->type_name("NAME")
+      ->check(CLI::IsMember(cases).description(""))
+      ->needs("--report")
+      ->group(kGroup);
+  sub.add_option("--graph", command.graph, "the executed task graph: .json, .dot, .graphml or .svg")
+      ->type_name("FILE")
+      ->check(graph_name)
+      ->group(kGroup);
+  sub.add_option("--trace", command.trace, "a timeline for ui.perfetto.dev, .json")->type_name("FILE")->group(kGroup);
+}
+
 void add_run(CLI::App& sub, AdaptCommand& command) {
   static const std::map<std::string, ProgressStyle> styles = {
       {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
@@ -91,9 +119,7 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""))
       ->group("Run");
-  sub.add_option("--report", command.report, "folder for report.json: all measures, counts and times")
-      ->type_name("DIR")
-      ->group("Run");
+  add_account(sub, command);
   sub.add_option("--progress", command.progress, "auto (a bar on a terminal, else lines), plain or none")
       ->transform(CLI::CheckedTransformer(styles).description(""))
       ->type_name("STYLE")

@@ -31,6 +31,7 @@
 #include "tools/weft/interrupt.h"
 #include "tools/weft/named_error.h"
 #include "tools/weft/report_json.h"
+#include "tools/weft/run_record.h"
 #include "tools/weft/slice_source.h"
 #include "tools/weft/subdomain_account.h"
 #include "tools/weft/summary.h"
@@ -64,9 +65,10 @@ class DistributedJob {
     options.threads = request.options.threads;
     options.balancer = engine::balancer_by_name(subdomains.balancer);
     options.local = &rank_;
-    options.trace.spans = false;
+    options.trace.spans = keeps_record();
     runtime_.emplace(transport, registry_, options);
     peers_.emplace(*runtime_);
+    if (keeps_record()) memory_.emplace(transport.rank().value);
   }
 
   /// Exit code; the account is complete on rank 0.
@@ -98,6 +100,8 @@ class DistributedJob {
   void check_outputs() {
     check_writable(run_.outputs.mesh);
     if (fs::path(run_.outputs.mesh).extension() != ".pvtu") check_writable(run_.outputs.solution);
+    for (const std::string& path : {request_.graph, request_.trace})
+      if (!path.empty()) check_writable(path);
     if (request_.report.empty()) return;
     make_folder(request_.report);
     check_writable(run_.report_path);
@@ -158,7 +162,9 @@ class DistributedJob {
     dataflow_exchange_.emplace(*runtime_);
     graph::dataflow::ExecutionLog log =
         gather_log(*dataflow_exchange_, graph::adaptation::execution_log(*runtime_));
+    const engine::TimePoint clock_offset = keeps_record() ? runtime_->timeline().clock_offset : 0;
     std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
+    if (keeps_record()) gather_runs(*dataflow_exchange_, log, clock_offset, rank_.plan, record_);
     std::vector<graph::adaptation::ShiftRecord> mine;
     for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
     std::vector<graph::adaptation::ShiftRecord> all;
@@ -176,7 +182,10 @@ class DistributedJob {
     run_.subdomains = account_;
   }
 
+  bool keeps_record() const { return !(request_.report.empty() && request_.graph.empty() && request_.trace.empty()); }
+
   void measure() {
+    if (!request_.report.empty()) gather_view(*dataflow_exchange_, *peers_, result_.pieces, record_);
     run_.after = partition::measure_pieces(*peers_, result_.pieces);
     account_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
     run_.output_counts = {run_.after.num_vertices, run_.after.num_tets, run_.after.num_triangles, 0};
@@ -221,15 +230,24 @@ class DistributedJob {
     run_.times.total = total_.lap();
     run_.peak_memory = peak_memory_bytes();
     int code = run_.missed.empty() ? kDone : kGoalNotMet;
-    if (first() && !run_.report_path.empty()) {
+    if (memory_) gather_machines(*dataflow_exchange_, memory_->stop(), record_);
+    if (first() && keeps_record()) {
       try {
-        write_text(run_.report_path, json_of(run_).dump(1) + "\n");
+        write_accounts();
       } catch (const meshing::InputError& error) {
         fmt::print(stderr, "weft: {}\n", error.what());
         code = kGoalNotMet;
       }
     }
     return code;
+  }
+
+  void write_accounts() {
+    if (!request_.graph.empty()) write_graph(request_.graph, record_.graph);
+    if (!request_.trace.empty()) write_trace(request_.trace, record_.timelines);
+    if (run_.report_path.empty()) return;
+    write_text(run_.report_path, json_of(run_).dump(1) + "\n");
+    write_record(run_, record_, request_.case_name);
   }
 
   const AdaptRequest& request_;
@@ -243,6 +261,8 @@ class DistributedJob {
   std::optional<graph::dataflow::RankExchange> dataflow_exchange_;
   DistributedResult result_;
   std::shared_ptr<SubdomainAccount> account_;
+  RunRecord record_;
+  std::optional<report::MemorySampler> memory_;
   meshing::MeshData whole_;        ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
   AdaptRun run_;

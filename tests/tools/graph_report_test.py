@@ -1,0 +1,237 @@
+"""`weft graph` and `weft report`, and the documents they read, as other programs see them."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree as xml
+
+import jsonschema
+from command import CommandTest
+
+WRITE_SAMPLE = os.environ["WEFT_WRITE_SAMPLE"]
+SOURCES = pathlib.Path(os.environ["WEFT_SOURCES"])
+GRAPHML = "{http://graphml.graphdrawing.org/xmlns}"
+
+
+def schema(path):
+    return json.loads((SOURCES / path).read_text())
+
+
+class SampleTest(CommandTest):
+    def sample(self, name=".", subdomains=9, rounds=3):
+        folder = self.folder / name
+        folder.mkdir(exist_ok=True)
+        subprocess.run([WRITE_SAMPLE, folder, str(subdomains), "3", "2", str(rounds), "7", "4"], check=True, timeout=60)
+        return json.loads((folder / "profile.json").read_text())
+
+    def graph(self, *words):
+        return self.weft("graph", "graph.json", *words).stdout
+
+
+class Schemas(SampleTest):
+    def test_documents_obey_their_schemas(self):
+        profile = self.sample()
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        for words in ([], ["--round", 1], ["--subdomain", 4], ["--critical-path"]):
+            jsonschema.validate(json.loads(self.graph("--format", "json", *words)), schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual(json.loads((self.folder / "graph.json").read_text()), json.loads(self.graph("--format", "json")))
+
+    def test_schemas_refuse_what_is_wrong(self):
+        profile = self.sample()
+        for document, path in ((profile, "tools/report/weft-profile-1.schema.json"), (profile["graph"], "graph/weft-graph-1.schema.json")):
+            for key in document:
+                broken = dict(document)
+                del broken[key]
+                with self.assertRaises(jsonschema.ValidationError, msg=key):
+                    jsonschema.validate(broken, schema(path))
+
+    def test_examples_in_the_readmes_obey_the_schemas(self):
+        for readme, path in (("graph/README.md", "graph/weft-graph-1.schema.json"), ("tools/report/README.md", "tools/report/weft-profile-1.schema.json")):
+            text = (SOURCES / readme).read_text()
+            example = text.split("```json\n", 1)[1].split("```", 1)[0]
+            jsonschema.validate(json.loads(example), schema(path))
+
+    def test_sums_are_consistent(self):
+        profile = self.sample(subdomains=17, rounds=4)
+        for rank in profile["ranks"]:
+            available = rank["workers"] * rank["wall"]
+            self.assertAlmostEqual(sum(rank["seconds"].values()), available, delta=0.01 * available)
+        for name in profile["operations"]:
+            self.assertAlmostEqual(sum(r["seconds"][name] for r in profile["ranks"]), profile["total"]["seconds"][name], places=9)
+        sent = sum(t["sent"]["bytes"] for t in profile["engine"]["traffic"].values())
+        self.assertEqual(sent, sum(profile["messages"]["bytes"]))
+        remote = [i for i, e in enumerate(profile["graph"]["graph"]["edges"]) if e["kind"] == "remote"]
+        uses = profile["graph"]["uses"]
+        self.assertEqual(sent, sum(b for e, b in zip(uses["edge"], uses["bytes"]) if e in remote))
+        self.assertLessEqual(profile["critical_path"]["seconds"], profile["critical_path"]["wall"])
+        parts = profile["critical_path"]["by_operation"]
+        self.assertAlmostEqual(sum(p["seconds"] for p in parts), profile["critical_path"]["seconds"], places=9)
+
+
+class Graphs(SampleTest):
+    def dot(self, text):
+        """What Graphviz makes of a graph, as JSON."""
+        done = subprocess.run(["dot", "-Tjson0"], input=text, capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotRegex(done.stderr, "(?i)error")
+        return json.loads(done.stdout)
+
+    def test_graphviz_takes_the_dot_files(self):
+        runs = self.sample()["graph"]["runs"]
+        whole = self.dot(self.graph())
+        boxes = [o for o in whole["objects"] if not o["name"].startswith("cluster")]
+        self.assertEqual(len(boxes), len(runs["node"]))
+        self.assertEqual(sum(o["name"].startswith("cluster") for o in whole["objects"]), 3)
+        self.assertEqual(sum(o["name"].startswith("round") for o in self.dot(self.graph("--collapse", "rounds"))["objects"]),
+                         len(set(zip(runs["round"], runs["node"]))))
+        self.assertEqual(sum(o["name"].startswith("instance") for o in self.dot(self.graph("--collapse", "subdomains"))["objects"]), 9)
+        self.assertEqual(len(self.dot(self.graph("--plan"))["objects"]), 9)
+
+    def test_filters_leave_what_they_say(self):
+        graph = self.sample()["graph"]
+        runs = graph["runs"]
+        left = json.loads(self.graph("--format", "json", "--round", 1, "--subdomain", 4))["runs"]
+        wanted = [i for i, r in enumerate(runs["round"]) if r == 1 and graph["instances"][runs["instance"][i]]["number"] == 4]
+        self.assertEqual(left["begin_ns"], [runs["begin_ns"][i] for i in wanted])
+        self.assertGreater(len(wanted), 0)
+        path = json.loads(self.graph("--format", "json", "--critical-path"))
+        self.assertEqual(len(path["runs"]["node"]), len(graph["critical_path"]["runs"]))
+
+    def test_graphml_is_xml_with_every_edge_between_nodes(self):
+        uses = self.sample()["graph"]["uses"]
+        root = xml.fromstring(self.graph("--format", "graphml"))
+        ids = {node.get("id") for node in root.iter(GRAPHML + "node")}
+        edges = list(root.iter(GRAPHML + "edge"))
+        self.assertGreaterEqual(len(edges), len(uses["to"]))
+        for edge in edges:
+            self.assertIn(edge.get("source"), ids)
+            self.assertIn(edge.get("target"), ids)
+
+    def test_svg_is_drawn_by_graphviz(self):
+        self.sample()
+        self.weft("graph", "profile.json", "--collapse", "rounds", "-o", "rounds.svg")
+        root = xml.fromstring((self.folder / "rounds.svg").read_text())
+        self.assertTrue(root.tag.endswith("svg"))
+        self.assertIn("adapt interior", "".join(root.itertext()))
+
+    def test_what_cannot_be_done_is_said(self):
+        self.sample()
+        self.assert_fails("graph", "graph.json", "--subdomain", 99, says=["graph.json", "no subdomain 99"])
+        self.write("other.json", '{"schema": "weft-report-1"}')
+        self.assert_fails("graph", "other.json", says=["other.json", "weft-report-1"])
+        self.write("broken.json", "{")
+        self.assert_fails("graph", "broken.json", says=["broken.json", "no JSON"])
+        self.assert_fails("graph", "missing.json", says="missing.json")
+        self.assert_fails("graph", "graph.json", "-o", "graph.xyz", says="graph.xyz", code=64)
+        self.assert_fails("graph", "graph.json", "-o", "no/folder/g.dot", says="no/folder/g.dot")
+
+
+class Reports(SampleTest):
+    def test_two_runs_are_compared(self):
+        self.sample("a", rounds=2), self.sample("b", rounds=5)
+        text = self.weft("report", "a/profile.json", "b/profile.json").stdout
+        self.assertIn("slower than A", text.splitlines()[0])
+        self.assertRegex(text, r"MII adaptation +[\d.]+ m?s +[\d.]+ m?s +\+")
+        self.assertRegex(text, r"rank 2 ")
+        self.assertRegex(text, r"quality, mean +0\.\d+ +0\.\d+")
+        back = self.weft("report", "b/profile.json", "a/profile.json").stdout
+        self.assertIn("faster than A", back.splitlines()[0])
+
+    def test_a_run_is_as_fast_as_itself(self):
+        self.sample("a")
+        text = self.weft("report", "a/profile.json", "a/profile.json").stdout
+        self.assertIn("as fast as", text.splitlines()[0])
+        self.assertNotIn("worse", text)
+
+    def test_report_json_of_any_run_can_be_compared(self):
+        self.box(3)
+        for name in ("a", "b"):
+            self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--report", name, "--quiet", expect=(0, 1))
+        text = self.weft("report", "a/report.json", "b/report.json", "-o", "page.html").stdout
+        self.assertIn("by step", text)
+        self.assertIn("<!DOCTYPE html>", (self.folder / "page.html").read_text())
+
+    def test_page_is_made_again(self):
+        self.sample()
+        self.weft("report", "profile.json", "-o", "again.html")
+        self.assertEqual((self.folder / "again.html").read_bytes(), (self.folder / "report.html").read_bytes())
+
+    def test_page_asks_for_nothing(self):
+        self.sample()
+        page = (self.folder / "report.html").read_text()
+        self.assertIn("default-src 'none'", page)
+        self.assertNotRegex(page, r"<(script|img|link)[^>]+(src|href)=\"http")
+
+    def test_what_cannot_be_done_is_said(self):
+        self.sample()
+        self.assert_fails("report", "profile.json", says="second run", code=64)
+        self.assert_fails("report", "graph.json", "-o", "page.html", says=["graph.json", "weft-profile-1"])
+        self.assert_fails("report", "profile.json", "graph.json", says=["graph.json", "neither a profile"])
+        self.write("hollow.json", '{"schema": "weft-profile-1"}')
+        self.assert_fails("report", "profile.json", "hollow.json", says="hollow.json")
+        self.assert_fails("report", "hollow.json", "-o", "page.html", says="hollow.json")
+
+
+class Runs(SampleTest):
+    """`weft adapt` in subdomains, which leaves all of it."""
+
+    def adapt(self, *words, expect=(0, 1)):
+        return self.weft("adapt", self.box(6), "--metric-fn", "polar-1", "--complexity", 1500, "-o", "out.meshb", "--quiet", *words, expect=expect)
+
+    def test_a_run_in_subdomains_leaves_profile_page_and_graph(self):
+        self.adapt("--subdomains", 6, "--threads", 2, "--report", "report", "--case", "cube-polar2-50000", "--graph", "graph.dot", "--trace", "trace.json")
+        self.assertEqual(sorted(p.name for p in (self.folder / "report").iterdir()), ["graph.json", "profile.json", "report.html", "report.json"])
+        profile = json.loads((self.folder / "report/profile.json").read_text())
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        graph = json.loads((self.folder / "report/graph.json").read_text())
+        jsonschema.validate(graph, schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual(sorted(i["number"] for i in graph["instances"]), list(range(6)))
+        self.assertEqual(graph["unmatched_uses"], 0)
+        self.assertLessEqual(graph["critical_path"]["length_ns"], graph["critical_path"]["wall_ns"])
+        self.assertLessEqual(profile["critical_path"]["wall"], profile["total"]["wall"])
+        for rank in profile["ranks"]:
+            self.assertAlmostEqual(sum(rank["seconds"].values()), rank["workers"] * rank["wall"], delta=0.01 * rank["workers"] * rank["wall"])
+        self.assertEqual({lane["name"] for lane in profile["timeline"]["lanes"]} - {"worker 0", "worker 1"}, set())
+        self.assertGreaterEqual(len(profile["published"]), 4)
+        self.assertGreater(profile["memory"][0]["bytes"][-1], 1e6)
+        self.assertEqual({layer["axis"] for layer in profile["mesh"]["layers"]}, {-1, 0, 1, 2})
+        self.assertIn("digraph", (self.folder / "graph.dot").read_text())
+        events = json.loads((self.folder / "trace.json").read_text())["traceEvents"]
+        handlers = {e["name"] for e in events if e["ph"] == "X"}
+        self.assertIn("subdomain::gather", handlers)
+
+    def test_a_run_of_the_whole_mesh_leaves_a_page_too(self):
+        self.adapt("--report", "report")
+        profile = json.loads((self.folder / "report/profile.json").read_text())
+        jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
+        self.assertIsNone(profile["graph"])
+        self.assertGreater(profile["mesh"]["layers"][0]["facets"], 100)
+
+    def test_what_makes_no_sense_is_said(self):
+        self.box(2)
+        words = ["adapt", "box.meshb", "--metric-fn", "uniform:0.5", "-o", "out.meshb"]
+        self.assert_fails(*words, "--graph", "g.json", says=["--graph", "--subdomains"], code=64)
+        self.assert_fails(*words, "--trace", "t.json", says=["--trace", "--subdomains"], code=64)
+        self.assert_fails(*words, "--subdomains", 2, "--graph", "g.png", says="g.png", code=64)
+        self.assert_fails(*words, "--case", "cube-polar2-50000", says="--report", code=64)
+        self.assert_fails(*words, "--report", "r", "--case", "my case", says="my case", code=64)
+
+
+class Breakdown(SampleTest):
+    def test_ten_lines_draw_the_papers_figure(self):
+        profile = self.sample()
+        script = SOURCES / "tools/report/breakdown.py"
+        done = subprocess.run([sys.executable, script, self.folder / "profile.json"], capture_output=True, text=True, check=True)
+        root = xml.fromstring(done.stdout)
+        titles = [title.text for title in root.iter("{http://www.w3.org/2000/svg}title")]
+        self.assertEqual(len(titles), (1 + len(profile["ranks"])) * len(profile["operations"]))
+        total = profile["total"]["seconds"]
+        share = 100 * total["MII adaptation"] / sum(total.values())
+        self.assertIn(f"all: MII adaptation {share:.1f} %", titles)
+
+
+if __name__ == "__main__":
+    unittest.main()

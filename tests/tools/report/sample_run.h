@@ -1,0 +1,22 @@
+// A whole run for the report's tests: the protocol is simulated, the mesh is a small one that has been adapted.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "graph/dataflow/graph_dump.h"
+#include "tests/support/simulated_run.h"
+#include "tools/weft/adapt_run.h"
+
+namespace weft::testing {
+
+struct SampleRun {
+  SimulatedRun simulated;
+  graph::dataflow::GraphDump graph;
+  engine::TimePoint start = 0;  ///< what the graph's times count from
+  nlohmann::ordered_json profile;
+};
+
+/// `cells`: of the box, along each axis.
+SampleRun sample_run(const SimulationRules& rules, std::uint32_t cells);
+
+}  // namespace weft::testing

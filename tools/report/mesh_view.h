@@ -1,0 +1,67 @@
+// What the report's 3-D view shows of a mesh: its surface and sections by planes, thinned out to a few megabytes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <vector>
+
+#include "meshing/box.h"
+#include "meshing/mesh_data.h"
+#include "meshing/metric.h"
+
+namespace weft::report {
+
+/// A triangle with what it may be coloured by.
+struct ViewFacet {
+  std::array<std::array<float, 3>, 3> corners;
+  std::uint32_t subdomain = 0;
+  float quality = 0;  ///< mean ratio of its tet
+  float length = 1;   ///< of its tet's edges in the metric, that which is farthest from 1 by ratio
+};
+
+/// The surface, or the section by one plane.
+struct ViewLayer {
+  int axis = -1;        ///< of the plane: 0 to 2; -1: the surface
+  double position = 0;  ///< of the plane
+  std::vector<ViewFacet> facets;
+  bool thinned = false;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(axis, position, facets, thinned);
+  }
+};
+
+struct MeshView {
+  std::vector<ViewLayer> layers;  ///< the surface, then sections by axis and position
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(layers);
+  }
+};
+
+struct MeshViewOptions {
+  int sections = 7;                       ///< planes across each axis, at equal distances
+  std::size_t surface_facets = 60'000;    ///< at most
+  std::size_t section_facets = 4'000;     ///< of each section, at most
+};
+
+/// `mesh` is whole, or a piece of a larger one of which only listed triangles are surface. `box`: of the whole mesh;
+/// `log_metrics`: one a vertex. Throws InputError (no file name) for a mesh that has indices out of range.
+MeshView mesh_view(const meshing::MeshData& mesh, std::span<const meshing::LogMetric> log_metrics,
+                   std::uint32_t subdomain, const meshing::Box& box, bool is_piece, const MeshViewOptions& options);
+
+/// Adds the facets of another part of the mesh, made with the same box and options.
+void append(MeshView& view, MeshView&& part);
+
+/// Joins vertices on grids, coarser and coarser, until no layer has more facets than the options allow; what remains of
+/// several facets has their worst quality and length.
+void thin_out(MeshView& view, const meshing::Box& box, const MeshViewOptions& options);
+
+/// As in the schema "weft-profile-1", "mesh": positions in 16 bits an axis, other values in 8 or 16.
+nlohmann::ordered_json json_of(const MeshView& view, const meshing::Box& box);
+
+}  // namespace weft::report

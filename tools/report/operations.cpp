@@ -1,0 +1,32 @@
+#include "tools/report/operations.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace weft::report {
+
+OperationIndex operation_of_node(std::string_view name) {
+  static constexpr std::pair<std::string_view, OperationIndex> kNodes[] = {
+      {"adapt interior", 0}, {"adapt shifted", 1}, {"refine interface", 2},   {"propose", 3},        {"wake", 3},
+      {"gather", 4},         {"scatter", 5},       {"register interface", 6}, {"update topology", 6}};
+  const auto found =
+      std::find_if(std::begin(kNodes), std::end(kNodes), [&](const auto& entry) { return entry.first == name; });
+  return found == std::end(kNodes) ? kMisc : found->second;
+}
+
+OperationSeconds seconds_of_rank(const engine::RankSummary& summary, const graph::dataflow::GraphDump& graph) {
+  OperationSeconds seconds{};
+  double in_nodes = 0;
+  for (const graph::dataflow::DumpedRun& run : graph.runs) {
+    if (run.rank != summary.rank) continue;
+    const double took = 1e-9 * static_cast<double>(run.end - run.begin);
+    seconds[operation_of_node(graph.description.nodes[run.node].name)] += took;
+    in_nodes += took;
+  }
+  seconds[kConversion] += summary.times.unpack;
+  seconds[kMisc] += std::max(0.0, summary.times.compute - in_nodes);
+  seconds[kIdle] += summary.times.idle;
+  return seconds;
+}
+
+}  // namespace weft::report

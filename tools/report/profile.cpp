@@ -1,0 +1,276 @@
+// One function for each member of the document.
+#include "tools/report/profile.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <tuple>
+
+#include "graph/dataflow/critical_path.h"
+#include "graph/dataflow/graph_json.h"
+#include "tools/report/lanes.h"
+#include "tools/report/operations.h"
+#include "tools/report/published.h"
+
+namespace weft::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using graph::dataflow::DumpedRun;
+using graph::dataflow::GraphDump;
+using graph::dataflow::Wait;
+
+double seconds(engine::TimePoint nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
+
+Json operations_json() {
+  Json names = Json::array();
+  for (const std::string_view name : kOperations) names.push_back(std::string(name));
+  return names;
+}
+
+Json by_operation(const OperationSeconds& values) {
+  Json json = Json::object();
+  for (std::size_t o = 0; o < kOperations.size(); ++o) json[std::string(kOperations[o])] = values[o];
+  return json;
+}
+
+struct RankTimes {
+  Json ranks = Json::array();
+  OperationSeconds sum{};
+};
+
+RankTimes rank_times(const engine::RunSummary& run, const GraphDump& graph) {
+  RankTimes times;
+  for (const engine::RankSummary& rank : run.ranks) {
+    const OperationSeconds mine = seconds_of_rank(rank, graph);
+    for (std::size_t o = 0; o < mine.size(); ++o) times.sum[o] += mine[o];
+    times.ranks.push_back({{"rank", rank.rank.value},
+                           {"workers", rank.workers},
+                           {"wall", rank.wall},
+                           {"seconds", by_operation(mine)},
+                           {"communication", rank.times.communication},
+                           {"packing", rank.times.pack},
+                           {"peak_memory", rank.peak_rss}});
+  }
+  return times;
+}
+
+/// Waits summed by pairs of something.
+class WaitSums {
+ public:
+  void add(std::uint64_t who, std::uint64_t for_whom, engine::TimePoint waited) {
+    auto& [sum, count] = sums_[{who, for_whom}];
+    sum += waited, ++count;
+  }
+  /// The longest ones first, at most `most`.
+  Json json(const char* who, std::size_t most) const {
+    std::vector<std::tuple<engine::TimePoint, std::uint64_t, std::uint64_t, std::uint64_t>> rows;
+    for (const auto& [pair, entry] : sums_) rows.emplace_back(-entry.first, pair.first, pair.second, entry.second);
+    std::sort(rows.begin(), rows.end());
+    rows.resize(std::min(rows.size(), most));
+    Json list = Json::array();
+    for (const auto& [waited, first, second, count] : rows)
+      list.push_back({{who, first}, {"for", second}, {"seconds", seconds(-waited)}, {"count", count}});
+    return list;
+  }
+
+ private:
+  std::map<std::pair<std::uint64_t, std::uint64_t>, std::pair<engine::TimePoint, std::uint64_t>> sums_;
+};
+
+Json waiting_json(const GraphDump& graph, const ProfileOptions& options) {
+  WaitSums ranks, subdomains;
+  for (const Wait& wait : graph::dataflow::waits_of(graph)) {
+    const DumpedRun &mine = graph.runs[wait.run], &theirs = graph.runs[wait.for_run];
+    ranks.add(static_cast<std::uint64_t>(mine.rank.value), static_cast<std::uint64_t>(theirs.rank.value), wait.waited);
+    subdomains.add(graph.instances[mine.instance].number, graph.instances[theirs.instance].number, wait.waited);
+  }
+  return {{"ranks", ranks.json("rank", std::size_t(-1))},
+          {"subdomains", subdomains.json("subdomain", options.most_waits)}};
+}
+
+Json critical_path_json(const GraphDump& graph) {
+  std::map<OperationIndex, std::pair<engine::TimePoint, std::uint64_t>> sums;
+  for (const auto& share : graph::dataflow::shares_of(graph)) {
+    auto& [worked, runs] = sums[operation_of_node(graph.description.nodes[share.node].name)];
+    worked += share.worked, runs += share.runs;
+  }
+  Json parts = Json::array();
+  for (const auto& [operation, sum] : sums) {
+    parts.push_back({{"operation", std::string(kOperations[operation])},
+                     {"seconds", seconds(sum.first)},
+                     {"runs", sum.second}});
+  }
+  const auto& path = graph.critical_path;
+  return {{"seconds", seconds(path.length)},
+          {"wall", seconds(path.wall)},
+          {"share_of_wall", path.wall > 0 ? seconds(path.length) / seconds(path.wall) : 0.0},
+          {"by_operation", parts}};
+}
+
+/// What the nodes have counted, by round: of each subdomain the last value, as several of its nodes may count the same.
+Json convergence_json(const GraphDump& graph) {
+  using Key = std::pair<graph::dataflow::InstanceIndex, std::size_t>;
+  std::map<std::uint64_t, std::map<Key, double>> last;
+  std::map<std::uint64_t, double> spent;
+  for (const DumpedRun& run : graph.runs) {
+    for (std::size_t c = 0; c < run.counters.size(); ++c)
+      if (run.counters[c] != 0) last[run.round][{run.instance, c}] = run.counters[c];
+    spent[run.round] += seconds(run.end - run.begin);
+  }
+  Json list = Json::array();
+  for (const auto& [round, time] : spent) {
+    std::vector<double> sums(graph.counter_names.size());
+    for (const auto& [key, value] : last[round]) sums[key.second] += value;
+    Json counters = Json::object();
+    for (std::size_t c = 0; c < sums.size(); ++c) counters[graph.counter_names[c]] = sums[c];
+    list.push_back({{"round", round}, {"seconds", time}, {"counters", counters}});
+  }
+  return list;
+}
+
+/// Leaves out the smallest uses beside the critical path where there are too many.
+GraphDump limited(const GraphDump& graph, const ProfileOptions& options) {
+  GraphDump left = graph;
+  if (left.uses.size() <= options.most_uses) return left;
+  std::vector<bool> keep(left.uses.size(), false);
+  std::vector<std::uint32_t> order(left.uses.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return left.uses[a].bytes > left.uses[b].bytes; });
+  for (std::size_t i = 0; i < options.most_uses; ++i) keep[order[i]] = true;
+  for (const auto& step : left.critical_path.steps)
+    if (step.arrived_by) keep[*step.arrived_by] = true;
+  std::vector<std::uint32_t> old_to_new(left.uses.size());
+  std::vector<graph::dataflow::DumpedUse> uses;
+  for (std::size_t u = 0; u < keep.size(); ++u) {
+    old_to_new[u] = static_cast<std::uint32_t>(uses.size());
+    if (keep[u]) uses.push_back(left.uses[u]);
+  }
+  left.uses = std::move(uses);
+  for (auto& step : left.critical_path.steps)
+    if (step.arrived_by) step.arrived_by = old_to_new[*step.arrived_by];
+  return left;
+}
+
+Json operation_of_nodes_json(const GraphDump& graph) {
+  Json list = Json::array();
+  for (const auto& node : graph.description.nodes) list.push_back(operation_of_node(node.name));
+  return list;
+}
+
+Json lanes_json(const Lanes& lanes) {
+  Json list = Json::array();
+  for (const Lane& lane : lanes.lanes) list.push_back({{"rank", lane.rank.value}, {"name", lane.name}});
+  return {{"lanes", list}, {"of_run", lanes.of_run}};
+}
+
+void put_graph(const ProfileInput& input, const ProfileOptions& options, Json& json) {
+  const GraphDump& graph = *input.graph;
+  json["waiting"] = waiting_json(graph, options);
+  json["critical_path"] = critical_path_json(graph);
+  json["convergence"] = convergence_json(graph);
+  if (graph.runs.size() > options.most_runs) return;
+  const GraphDump shown = limited(graph, options);
+  json["graph"] = graph::dataflow::json_of(shown);
+  json["uses_left_out"] = graph.uses.size() - shown.uses.size();
+  json["operation_of_node"] = operation_of_nodes_json(graph);
+  json["timeline"] = lanes_json(lanes_of(graph, input.timelines, input.start));
+}
+
+/// Without what the document has elsewhere or in fewer bytes.
+Json report_json(Json report) {
+  if (report.contains("subdomains") && report["subdomains"].is_object())
+    for (const char* key : {"engine", "by_rank"}) report["subdomains"].erase(key);
+  return report;
+}
+Json engine_json(const engine::RunSummary& run) {
+  Json json = engine::json_of(run);
+  for (Json& rank : json["per_rank"])
+    for (const char* key : {"peers", "methods", "worker_compute"}) rank.erase(key);
+  return json;
+}
+
+/// What was sent from rank to rank, by columns: 256 ranks have 65,536 pairs.
+Json messages_json(const engine::RunSummary& run) {
+  Json from = Json::array(), to = Json::array(), messages = Json::array(), bytes = Json::array();
+  for (const engine::RankSummary& rank : run.ranks) {
+    for (const engine::PeerSummary& peer : rank.peers) {
+      if (peer.volume.sent.messages == 0) continue;
+      from.push_back(rank.rank.value), to.push_back(peer.rank.value);
+      messages.push_back(peer.volume.sent.messages), bytes.push_back(peer.volume.sent.bytes);
+    }
+  }
+  return {{"from", from}, {"to", to}, {"messages", messages}, {"bytes", bytes}};
+}
+
+Json hardware_json(const std::vector<Hardware>& kinds) {
+  Json list = Json::array();
+  for (const Hardware& kind : kinds) {
+    list.push_back(
+        {{"ranks", kind.ranks}, {"processor", kind.processor}, {"cores", kind.cores}, {"memory", kind.memory}});
+  }
+  return list;
+}
+
+Json memory_json(const std::vector<MemorySamples>& all) {
+  Json list = Json::array();
+  for (const MemorySamples& samples : all)
+    list.push_back({{"rank", samples.rank}, {"seconds", samples.seconds}, {"bytes", samples.bytes}});
+  return list;
+}
+
+Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json published_json(const std::string& case_name) {
+  Json list = Json::array();
+  for (const PublishedRun& run : published_runs(case_name)) {
+    list.push_back({{"program", std::string(run.program)},
+                    {"cores", run.cores},
+                    {"seconds", optional_json(run.seconds)},
+                    {"quality_mean", optional_json(run.quality_mean)},
+                    {"quality_quantile_0.01", optional_json(run.quality_q01)},
+                    {"quality_min", optional_json(run.quality_min)},
+                    {"share_unit", optional_json(run.unit_edges)},
+                    {"source", std::string(run.source)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+Json profile_json(const ProfileInput& input, const ProfileOptions& options) {
+  Json json = {{"schema", "weft-profile-1"},
+               {"case", input.case_name.empty() ? Json() : Json(input.case_name)},
+               {"report", report_json(input.report)},
+               {"operations", operations_json()},
+               {"total", nullptr},
+               {"ranks", Json::array()},
+               {"engine", nullptr},
+               {"messages", nullptr},
+               {"waiting", nullptr},
+               {"critical_path", nullptr},
+               {"convergence", Json::array()},
+               {"graph", nullptr},
+               {"uses_left_out", 0},
+               {"operation_of_node", Json::array()},
+               {"timeline", nullptr},
+               {"memory", memory_json(input.memory)},
+               {"hardware", hardware_json(input.hardware)},
+               {"published", published_json(input.case_name)},
+               {"mesh", input.mesh.layers.empty() ? Json() : json_of(input.mesh, input.box)}};
+  const GraphDump none;
+  if (input.engine != nullptr) {
+    const engine::RunSummary& run = *input.engine;
+    RankTimes times = rank_times(run, input.graph != nullptr ? *input.graph : none);
+    json["ranks"] = std::move(times.ranks);
+    json["total"] = {{"workers", run.workers}, {"wall", run.wall}, {"seconds", by_operation(times.sum)}};
+    json["engine"] = engine_json(run);
+    json["messages"] = messages_json(run);
+  }
+  if (input.graph != nullptr && input.graph->executed()) put_graph(input, options, json);
+  return json;
+}
+
+}  // namespace weft::report

@@ -1,0 +1,140 @@
+#include "tools/weft/run_record.h"
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "engine/serialize.h"
+#include "graph/dataflow/graph_json.h"
+#include "partition/reduce.h"
+#include "tools/report/profile.h"
+#include "tools/report/report_page.h"
+#include "tools/weft/graph_output.h"
+#include "tools/weft/report_json.h"
+#include "tools/weft/subdomain_account.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using graph::dataflow::RankExchange;
+
+/// The values of all ranks at rank 0, in their order; none elsewhere.
+template <class T>
+std::vector<T> gather(RankExchange& exchange, T mine) {
+  std::vector<engine::Payload> to_each(static_cast<std::size_t>(exchange.runtime().ranks()));
+  engine::Packer packer(true);
+  packer(mine);
+  to_each[0] = packer.take();
+  std::vector<engine::Payload> arrived = exchange.exchange(std::move(to_each));
+  std::vector<T> all;
+  if (exchange.runtime().rank().value != 0) return all;
+  for (engine::Payload& payload : arrived) {
+    engine::Unpacker unpacker(std::move(payload));
+    unpacker(all.emplace_back());
+    unpacker.finish();
+  }
+  return all;
+}
+
+/// The box of all ranks' points, the same everywhere.
+meshing::Box common_box(partition::Peers& peers, const std::vector<partition::MeshPiece>& pieces) {
+  meshing::Box box;
+  for (const partition::MeshPiece& piece : pieces)
+    for (const meshing::Point& p : piece.mesh.points) box.include(p);
+  const std::vector<double> ends =
+      partition::max(peers, std::vector<double>{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  box.lo = {-ends[0], -ends[1], -ends[2]};
+  box.hi = {ends[3], ends[4], ends[5]};
+  return box;
+}
+
+}  // namespace
+
+graph::dataflow::GraphDump executed_graph(const graph::dataflow::ExecutionLog& log,
+                                          const graph::adaptation::AdaptationPlan& plan, int ranks) {
+  std::map<engine::ObjectId, std::uint64_t> subdomain_of;
+  for (partition::SubdomainId s = 0; s < plan.subdomains; ++s)
+    subdomain_of[graph::adaptation::object_of(plan, ranks, s).id] = s;
+  return graph::dataflow::executed_dump(
+      graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description(), log,
+      [&](engine::ObjectId object) { return subdomain_of.at(object); });
+}
+
+void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& log, engine::TimePoint clock_offset,
+                 const graph::adaptation::AdaptationPlan& plan, RunRecord& record) {
+  engine::Runtime& runtime = exchange.runtime();
+  record.timelines = runtime.gather_timelines();
+  const std::vector<engine::TimePoint> offsets = gather(exchange, clock_offset);
+  if (runtime.rank().value != 0) return;
+  for (engine::RankTimeline& timeline : record.timelines) timeline.clock_offset = offsets[timeline.rank.index()];
+  record.graph = executed_graph(log, plan, runtime.ranks());
+  record.start = graph::dataflow::start_of(log);
+}
+
+void gather_machines(RankExchange& exchange, report::MemorySamples memory, RunRecord& record) {
+  record.hardware = report::merge(gather(exchange, report::this_machine(exchange.runtime().rank().value)));
+  record.memory = gather(exchange, std::move(memory));
+}
+
+void gather_view(RankExchange& exchange, partition::Peers& peers, const std::vector<partition::MeshPiece>& pieces,
+                 RunRecord& record) {
+  const report::MeshViewOptions options;
+  record.box = common_box(peers, pieces);
+  report::MeshView mine;
+  for (const partition::MeshPiece& piece : pieces)
+    append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain, record.box, true, options));
+  thin_out(mine, record.box, options);
+  for (report::MeshView& part : gather(exchange, std::move(mine))) {
+    if (!part.layers.empty()) append(record.mesh, std::move(part));
+  }
+  thin_out(record.mesh, record.box, options);
+}
+
+RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics) {
+  const report::MeshViewOptions options;
+  RunRecord record;
+  for (const meshing::Point& p : mesh.points) record.box.include(p);
+  record.mesh = report::mesh_view(mesh, log_metrics, 0, record.box, false, options);
+  thin_out(record.mesh, record.box, options);
+  record.hardware = {report::this_machine(0)};
+  return record;
+}
+
+void write_record(const AdaptRun& run, const RunRecord& record, const std::string& case_name) {
+  const fs::path folder = fs::path(run.report_path).parent_path();
+  const nlohmann::ordered_json report = json_of(run);
+  const bool executed = record.graph.executed();
+  const nlohmann::ordered_json profile =
+      report::profile_json({.report = report,
+                            .case_name = case_name,
+                            .engine = run.subdomains ? &run.subdomains->engine : nullptr,
+                            .graph = executed ? &record.graph : nullptr,
+                            .timelines = record.timelines,
+                            .start = record.start,
+                            .hardware = record.hardware,
+                            .memory = record.memory,
+                            .mesh = record.mesh,
+                            .box = record.box});
+  write_text((folder / "profile.json").string(), profile.dump() + "\n");
+  write_text((folder / "report.html").string(), report::report_page(profile));
+  if (executed) write_graph((folder / "graph.json").string(), record.graph);
+}
+
+void write_graph(const std::string& path, const graph::dataflow::GraphDump& graph) {
+  using graph::dataflow::Collapse;
+  constexpr std::size_t kMostRuns = 500;
+  const GraphFormat format = graph_format(path).value_or(GraphFormat::json);
+  const bool drawn = format == GraphFormat::dot || format == GraphFormat::svg;
+  const bool many = graph.runs.size() > kMostRuns;
+  write_text(path, graph_text(graph, format, drawn && many ? Collapse::rounds : Collapse::none));
+}
+
+void write_trace(const std::string& path, const std::vector<engine::RankTimeline>& timelines) {
+  std::ostringstream text;
+  engine::write_chrome_trace(text, timelines);
+  write_text(path, text.str());
+}
+
+}  // namespace weft::tools
