@@ -20,8 +20,9 @@ struct Opening {
 /// The tets on one side of the facets around the point.
 struct Side {
   std::vector<std::uint32_t> tets;
-  std::vector<Tet4> fresh;  ///< with the point still as it was
-  Point place;
+  std::vector<Tet4> fresh;         ///< with the point still as it was
+  std::uint32_t into = kNothing;   ///< the vertex of the link that takes the point's place, if one does
+  Point place;                     ///< else where the copy goes
 };
 
 class Lift {
@@ -48,7 +49,7 @@ class Lift {
     if (!open_facets()) return false;
     find_sides();
     for (Side& side : sides_)
-      if (!make_side(side) || !find_place(side)) return false;
+      if (!make_side(side) || !find_best(side)) return false;
     commit();
     return true;
   }
@@ -75,14 +76,7 @@ class Lift {
   std::pair<std::uint32_t, std::uint32_t> ordered(const Face3& face, std::uint32_t facet) const {
     const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v_) - face.begin());
     const std::uint32_t x = face[(i + 1) % 3], y = face[(i + 2) % 3];
-    const auto& p = grid_.points;
-    const Vec normal = cross(p[x] - p[v_], p[y] - p[v_]);
-    return dot(normal, facet_normal(facet)) >= 0 ? std::pair{x, y} : std::pair{y, x};
-  }
-
-  Vec facet_normal(std::uint32_t facet) const {
-    const auto& [a, b, c] = r_.facets[facet];
-    return cross(grid_.points[b] - grid_.points[a], grid_.points[c] - grid_.points[a]);
+    return grid_.orient(v_, x, y, r_.above(facet)) >= 0 ? std::pair{x, y} : std::pair{y, x};
   }
 
   /// Chains the links into a path or a cycle; empty where they are neither.
@@ -100,25 +94,27 @@ class Lift {
     return path.size() == closed || path.size() == open ? path : std::vector<std::uint32_t>{};
   }
 
-  /// Area over squared edges of a triangle, negative when it turns against the facet.
-  double shape(const Opening& o, const Vec& normal, std::size_t i, std::size_t k, std::size_t j) const {
+  /// Area over squared edges of a triangle; 0 when it turns against the facet, whose positive side is that of
+  /// `above`.
+  double shape(const Opening& o, const Point& above, std::size_t i, std::size_t k, std::size_t j) const {
+    if (grid_.orient(o.polygon[i], o.polygon[k], o.polygon[j], above) <= 0) return 0;
     const Point &a = grid_.points[o.polygon[i]], &b = grid_.points[o.polygon[k]],
                 &c = grid_.points[o.polygon[j]];
-    return dot(cross(b - a, c - a), normal) / (norm2(b - a) + norm2(c - b) + norm2(a - c));
+    return std::max(norm(cross(b - a, c - a)) / (norm2(b - a) + norm2(c - b) + norm2(a - c)), 1e-300);
   }
 
   /// The triangulation whose worst triangle is best.
   bool triangulate(Opening& o) const {
     const std::size_t n = o.polygon.size();
-    const Vec normal = facet_normal(o.facet);
+    const Point above = r_.above(o.facet);
     std::vector<double> best(n * n, 1e300);
     std::vector<std::size_t> cut(n * n);
     for (std::size_t width = 2; width < n; ++width)
       for (std::size_t i = 0; i + width < n; ++i) {
         const std::size_t j = i + width;
-        best[i * n + j] = -1e300;
+        best[i * n + j] = 0;
         for (std::size_t k = i + 1; k < j; ++k) {
-          const double worst = std::min({best[i * n + k], best[k * n + j], shape(o, normal, i, k, j)});
+          const double worst = std::min({best[i * n + k], best[k * n + j], shape(o, above, i, k, j)});
           if (worst <= best[i * n + j]) continue;
           best[i * n + j] = worst;
           cut[i * n + j] = k;
@@ -145,7 +141,7 @@ class Lift {
     for (const std::uint32_t first : ball_) {
       if (seen[first]) continue;
       seen[first] = true;
-      sides_.push_back({{first}, {}, {}});
+      sides_.push_back({{first}, {}, kNothing, {}});
       auto& tets = sides_.back().tets;
       for (std::size_t i = 0; i < tets.size(); ++i) {
         const TetGrid::Tet tet = grid_.tets[tets[i]];
@@ -189,20 +185,59 @@ class Lift {
     return w[(i + 1) % 3] == y;
   }
 
+  /// A vertex of the link, where its worst tet is no worse than a copy's would be: copies under copies would
+  /// come ever nearer to the surface.
+  bool find_best(Side& side) {
+    const double merged = find_neighbour(side);
+    const double moved = find_place(side);
+    if (merged < moved) side.into = kNothing;
+    return std::max(merged, moved) > 0;
+  }
+
+  double find_neighbour(Side& side) const {
+    std::vector<std::uint32_t> link;
+    for (const std::uint32_t t : side.tets)
+      for (const std::uint32_t v : grid_.tets[t].v)
+        if (v != v_) link.push_back(v);
+    std::sort(link.begin(), link.end());
+    link.erase(std::unique(link.begin(), link.end()), link.end());
+    double best = 0;
+    for (const std::uint32_t w : link) {
+      const double shape = worst_from(side, w, best);
+      if (shape <= best) continue;
+      best = shape;
+      side.into = w;
+    }
+    return best;
+  }
+
+  /// The worst shape with w in the place of the point; 0 where it is not above `enough`.
+  double worst_from(const Side& side, std::uint32_t w, double enough) const {
+    double worst = 1;
+    for (Tet4 t : side.fresh) {
+      if (std::find(t.begin(), t.end(), w) != t.end()) continue;
+      std::replace(t.begin(), t.end(), v_, w);
+      worst = std::min(worst, grid_.shape(t));
+      if (worst <= enough) return 0;
+    }
+    return worst;
+  }
+
   /// Halves the way from points well inside to where the point is now, and takes the best place seen.
-  bool find_place(Side& side) {
+  double find_place(Side& side) {
+    const ExactPlace exactly = grid_.place(v_);
     const Point start = grid_.points[v_];
     double best = 0;
     for (const Vec& way : ways(side))
       for (double step = 1; step > 1e-9; step *= 0.5) {
-        grid_.points[v_] = start + step * way;
+        grid_.move(v_, start + step * way);
         const double q = worst_shape(side);
         if (q <= best) continue;
         best = q;
         side.place = grid_.points[v_];
       }
-    grid_.points[v_] = start;
-    return best > 0;
+    grid_.place_exactly(v_, exactly);
+    return best;
   }
 
   /// To the middle of the link, and along the mean of the facets' normals.
@@ -221,7 +256,7 @@ class Lift {
     for (std::size_t i = side.tets.size(); i < side.fresh.size(); ++i) {
       const Tet4& t = side.fresh[i];
       const Vec n = cross(grid_.points[t[1]] - grid_.points[t[0]], grid_.points[t[2]] - grid_.points[t[0]]);
-      normals += (1 / norm(n)) * n;
+      if (norm(n) > 0) normals += (1 / norm(n)) * n;
     }
     const double size = norm(normals);
     std::vector<Vec> result = {(1 / count) * middle};
@@ -242,8 +277,9 @@ class Lift {
     std::vector<Tet4> fresh;
     std::vector<FacetFace> facets;
     for (const Side& side : sides_) {
-      const std::uint32_t v = grid_.add_point(side.place);
+      const std::uint32_t v = side.into != kNothing ? side.into : grid_.add_point(side.place);
       for (Tet4 t : side.fresh) {
+        if (std::find(t.begin(), t.end(), v) != t.end()) continue;
         std::replace(t.begin(), t.end(), v_, v);
         fresh.push_back(t);
       }

@@ -27,6 +27,7 @@ class FacetRecovery {
 
   void recover() {
     front_.clear();
+    apex_ = r_.above(facet_);
     for (std::size_t i = 0; i < 3; ++i) add_border(i);
     while (!front_.empty()) {
       const auto [s, t] = front_.back();
@@ -96,9 +97,7 @@ class FacetRecovery {
   }
 
   bool stands_left(std::uint32_t s, std::uint32_t t, std::uint32_t v) const {
-    const auto& p = grid_.points;
-    const Vec normal = cross(p[corners()[1]] - p[corners()[0]], p[corners()[2]] - p[corners()[0]]);
-    return dot(cross(p[t] - p[s], p[v] - p[s]), normal) > 0;
+    return grid_.orient(s, t, v, apex_) > 0;
   }
 
   /// Whether face (s, t, v) of the tet is part of a facet already.
@@ -150,22 +149,13 @@ class FacetRecovery {
     if (r_.edge_at.contains(Recovery::key(b.below, b.above))) fail();
     grid_.shell(b.tet, b.below, b.above, shell_);
     const std::uint32_t v = grid_.add_point({});
-    const Point& p = grid_.points[b.below];
-    const Vec edge = grid_.points[b.above] - p;
-    grid_.points[v] = p + cut_place(b) * edge;
-    if (!insert_steiner(r_, shell_.tets, v) && !insert_steiner_near(r_, shell_.tets, v, norm(edge), true))
-      fail();
-    put_on_facet(v);
-    r_.steiner.push_back({v, kNothing, facet_});
-  }
-
-  /// Where on the edge the facet's plane cuts it, in (0, 1).
-  double cut_place(const Beyond& b) const {
     const auto& p = grid_.points;
     const auto& [x, y, z] = corners();
-    const double below = six_volume(p[x], p[y], p[z], p[b.below]);
-    const double above = six_volume(p[x], p[y], p[z], p[b.above]);
-    return std::clamp(below / (below - above), 0.0, 1.0);
+    grid_.place_exactly(v, place_on_facet({p[x], p[y], p[z]}, grid_.place(b.below), grid_.place(b.above)));
+    if (!insert_steiner(r_, shell_.tets, v)) fail();
+    relax_on_facet(r_, v);
+    put_on_facet(v);
+    r_.steiner.push_back({v, kNothing, facet_});
   }
 
   [[noreturn]] void fail() const {
@@ -178,6 +168,7 @@ class FacetRecovery {
   std::uint32_t facet_ = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> front_;
   std::vector<std::uint32_t> on_facet_;
+  Point apex_;  ///< above the facet, for orientations in its plane
   TetGrid::EdgeShell shell_;
 };
 

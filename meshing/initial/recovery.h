@@ -30,6 +30,9 @@ struct Recovery {
   std::vector<SteinerPoint> steiner;
   std::uint64_t flips = 0;
 
+  /// A point off the facet's plane, on the side from which it turns counter-clockwise.
+  Point above(std::uint32_t facet) const;
+
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
   }
@@ -47,11 +50,12 @@ void list_input_edges(Recovery& r);
 /// vertex would be lost.
 bool insert_steiner(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v);
 
-/// The same for a point that flat tets (of coplanar input points, say) leave no room: v is moved by up to
-/// 1e-4 of `scale`, as little as will do, and put into the one of `tets` that holds it, or (`split_all`) into
-/// all of them. Harmless, because Steiner points leave the surface in the end.
-bool insert_steiner_near(Recovery& r, std::span<const std::uint32_t> tets, std::uint32_t v, double scale,
-                         bool split_all);
+/// Moves the Steiner point v along its input edge, between two parameters, to where the worst tet of its ball
+/// is best.
+void relax_on_edge(Recovery& r, std::uint32_t v, double least, double most);
+
+/// The same within a facet that is not yet marked.
+void relax_on_facet(Recovery& r, std::uint32_t v);
 
 /// Makes every input edge a chain of grid edges: flips where they do, Steiner points on the edge elsewhere.
 /// Throws InputError naming the ends (1-based) where not even that is possible in doubles.

@@ -20,8 +20,32 @@ std::uint32_t TetGrid::add_point(const Point& p) {
   return static_cast<std::uint32_t>(points.size() - 1);
 }
 
+void TetGrid::place_exactly(std::uint32_t v, const ExactPlace& place) {
+  if (exact_.size() <= v) exact_.resize(v + 1, kNothing);
+  exact_[v] = static_cast<std::uint32_t>(places_.size());
+  places_.push_back(place);
+  points[v] = place.rounded();
+}
+
+void TetGrid::move(std::uint32_t v, const Point& p) {
+  if (is_exact(v)) exact_[v] = kNothing;
+  points[v] = p;
+}
+
+ExactPlace TetGrid::place(std::uint32_t v) const {
+  return is_exact(v) ? places_[exact_[v]] : ExactPlace::at(points[v]);
+}
+
 int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d))
+    return orientation(place(a), place(b), place(c), place(d));
   return orientation(points[a], points[b], points[c], points[d]);
+}
+
+int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Point& d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c))
+    return orientation(place(a), place(b), place(c), ExactPlace::at(d));
+  return orientation(points[a], points[b], points[c], d);
 }
 
 double TetGrid::shape(const Tet4& v) const {

@@ -1,0 +1,20 @@
+#include "meshing/initial/recovery.h"
+
+#include <algorithm>
+
+namespace weft::meshing {
+
+Point Recovery::above(std::uint32_t facet) const {
+  const auto& [a, b, c] = facets[facet];
+  const Point &p = grid.points[a], &q = grid.points[b], &r = grid.points[c];
+  const Vec normal = cross(q - p, r - p);
+  const double size = std::max(norm(q - p), norm(r - p)), length = norm(normal);
+  std::vector<Vec> ways = {{size, 0, 0}, {0, size, 0}, {0, 0, size}};
+  if (length > 0) ways.insert(ways.begin(), (size / length) * normal);
+  for (const double sign : {1.0, -1.0})
+    for (const Vec& way : ways)
+      if (grid.orient(a, b, c, p + sign * way) > 0) return p + sign * way;
+  return p;
+}
+
+}  // namespace weft::meshing
