@@ -215,8 +215,7 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   carve(r.grid, find_regions(r, outside), options);
   InitialGrid result;
   result.left_on_surface = lift_steiner_points(r);
-  settle_added_points(r, outside);
-  open_flat_tets(r);
+  improve_tets(r);
   Export(r, surface, result).run();
   return result;
 }

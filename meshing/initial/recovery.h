@@ -76,6 +76,9 @@ void settle_added_points(Recovery& r, std::uint32_t first);
 /// Adds points beside tets that two facets hold flat, and opens them.
 void open_flat_tets(Recovery& r);
 
+/// Gives the worst tets better neighbourhoods, with added points or without those that are.
+void improve_tets(Recovery& r);
+
 /// Exchanges the tets around edge (a, b) for tets on the triangulation of its ring of least cost, where that
 /// is below `limit`: `triangle_cost(r, s, t)` for each ring triangle and `diagonal_cost(r, s)` for each
 /// diagonal. Facet faces and input edges stay.

@@ -82,12 +82,12 @@ void StarCavity::include(std::uint32_t t) {
   cavity_.push_back(t);
 }
 
-void fill(TetGrid& grid, const Star& star, std::span<const FacetFace> facets) {
+std::span<const std::uint32_t> fill(TetGrid& grid, const Star& star, std::span<const FacetFace> facets) {
   std::vector<std::uint32_t> vertices;
   for (const std::uint32_t t : star.old)
     vertices.insert(vertices.end(), grid.tets[t].v.begin(), grid.tets[t].v.end());
   for (const std::uint32_t v : vertices) grid.vertex_tet[v] = kNothing;
-  grid.replace(star.old, star.fresh, facets);
+  return grid.replace(star.old, star.fresh, facets);
 }
 
 }  // namespace weft::meshing

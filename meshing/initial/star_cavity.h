@@ -53,7 +53,8 @@ class StarCavity {
   std::vector<Wall> walls_;
 };
 
-/// Exchanges the cavity for the star. `facets` marks faces of its tets.
-void fill(TetGrid& grid, const Star& star, std::span<const FacetFace> facets = {});
+/// Exchanges the cavity for the star. `facets` marks faces of its tets. Returns their numbers, valid until the
+/// next exchange.
+std::span<const std::uint32_t> fill(TetGrid& grid, const Star& star, std::span<const FacetFace> facets = {});
 
 }  // namespace weft::meshing
