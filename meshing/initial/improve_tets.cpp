@@ -48,9 +48,12 @@ class Improvement {
     list_nearby(poor.tet);
     for (const std::uint32_t v : nearby_) cavity_.improve(star, v);
     Point place;
-    for (const Point& p : places(poor.tet)) {
-      grid_.points[spare_] = p;
-      if (cavity_.improve(star, spare_)) place = p;
+    for (const std::size_t origins : {1u, 7u}) {
+      if (!star.fresh.empty()) break;
+      for (const Point& p : places(poor.tet, origins)) {
+        grid_.points[spare_] = p;
+        if (cavity_.improve(star, spare_)) place = p;
+      }
     }
     if (star.fresh.empty()) return;
     grid_.points[spare_] = place;
@@ -72,20 +75,21 @@ class Improvement {
     nearby_.erase(std::unique(nearby_.begin(), nearby_.end()), nearby_.end());
   }
 
-  /// From the middle of the tet and of its edges along the normals of its faces, near and far.
-  std::vector<Point> places(std::uint32_t tet) const {
+  /// From the middle of the tet (one origin), or its edges' too (seven), along the normals of its faces.
+  std::vector<Point> places(std::uint32_t tet, std::size_t origins) const {
     const Tet4& v = grid_.tets[tet].v;
     const auto& p = grid_.points;
     std::vector<Point> result, from = {0.25 * (p[v[0]] + p[v[1]] + p[v[2]] + p[v[3]])};
     for (const auto& e : kTetEdges) from.push_back(midpoint(p[v[e[0]]], p[v[e[1]]]));
+    from.resize(origins);
     for (const auto& f : kTetFaces) {
       const Vec u = p[v[f[1]]] - p[v[f[0]]], w = p[v[f[2]]] - p[v[f[0]]];
       const Vec normal = cross(u, w);
       if (norm(normal) == 0) continue;
       const double size = std::sqrt(std::max({norm2(u), norm2(w), norm2(u - w)})) / norm(normal);
-      for (const Point& start : from)
-        for (double step = 0.5; step > 1e-3; step *= 0.4)
-          for (const double sign : {1.0, -1.0}) result.push_back(start + (sign * step * size) * normal);
+      for (const Point& origin : from)
+        for (double step = 0.5; step > 1e-3; step *= 0.3)
+          for (const double sign : {1.0, -1.0}) result.push_back(origin + (sign * step * size) * normal);
     }
     return result;
   }

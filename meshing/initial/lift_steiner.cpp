@@ -259,8 +259,25 @@ class Lift {
   StarCavity cavity_;
 };
 
+std::uint32_t facet_at(const Recovery& r, const std::vector<std::uint32_t>& ball) {
+  for (const std::uint32_t t : ball)
+    for (const std::uint32_t facet : r.grid.tets[t].facet)
+      if (facet != kNothing) return facet;
+  return kNothing;
+}
+
 }  // namespace
 
 std::uint64_t lift_steiner_points(Recovery& r) { return Lift(r).run(); }
+
+void round_steiner_points(Recovery& r) {
+  std::vector<std::uint32_t> ball;
+  for (const SteinerPoint& s : r.steiner) {
+    r.grid.move(s.vertex, r.grid.points[s.vertex]);
+    r.grid.ball(s.vertex, ball);
+    for (const std::uint32_t t : ball)
+      if (!r.grid.positive(r.grid.tets[t].v)) throw_too_thin(facet_at(r, ball));
+  }
+}
 
 }  // namespace weft::meshing

@@ -1,10 +1,7 @@
 // Facets become grid faces by a front that grows from their edges; a grid edge in its way is swapped away or
 // split where the facet cuts it.
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "meshing/error.h"
 #include "meshing/initial/recovery.h"
 
 namespace weft::meshing {
@@ -158,10 +155,7 @@ class FacetRecovery {
     r_.steiner.push_back({v, kNothing, facet_});
   }
 
-  [[noreturn]] void fail() const {
-    throw InputError("", fmt::format("triangle {}", facet_ + 1),
-                     "cannot be made part of a mesh: the surface is too thin there for double precision");
-  }
+  [[noreturn]] void fail() const { throw_too_thin(facet_); }
 
   Recovery& r_;
   TetGrid& grid_;

@@ -1,8 +1,17 @@
 #include "meshing/initial/recovery.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "meshing/error.h"
+
 namespace weft::meshing {
+
+void throw_too_thin(std::uint32_t facet) {
+  throw InputError("", fmt::format("triangle {}", facet + 1),
+                   "cannot be made part of a mesh: the surface is too thin there for double precision");
+}
 
 Point Recovery::above(std::uint32_t facet) const {
   const auto& [a, b, c] = facets[facet];

@@ -38,6 +38,9 @@ struct Recovery {
   }
 };
 
+/// Throws InputError: the facet cannot be made part of a mesh.
+[[noreturn]] void throw_too_thin(std::uint32_t facet);
+
 /// Swaps away tets that are flat to rounding (of cospherical points in one plane): they leave Steiner points
 /// no room.
 void remove_slivers(Recovery& r);
@@ -66,15 +69,12 @@ void recover_edges(Recovery& r);
 void recover_facets(Recovery& r);
 
 /// Moves Steiner points off the surface into the tets beside it, one copy for each side, and closes the
-/// facets without them: the surface is then the input's, triangle by triangle. Those that rounding forbids to
-/// move stay; returns their number. Only tets that are in use may be in the grid.
+/// facets without them: the surface is then the input's, triangle by triangle. Those that find no
+/// room there stay; returns their number. Only tets that are in use may be in the grid.
 std::uint64_t lift_steiner_points(Recovery& r);
 
-/// Merges points from `first` on that lie inside and have poor tets into neighbours, or moves them.
-void settle_added_points(Recovery& r, std::uint32_t first);
-
-/// Adds points beside tets that two facets hold flat, and opens them.
-void open_flat_tets(Recovery& r);
+/// Puts those that are left at doubles. Throws InputError naming the triangle where that would turn a tet over.
+void round_steiner_points(Recovery& r);
 
 /// Gives the worst tets better neighbourhoods, with added points or without those that are.
 void improve_tets(Recovery& r);
