@@ -66,6 +66,33 @@ TEST(InitialGrid, OfBumpySurfaces) {
   }
 }
 
+TEST(InitialGrid, OfPrismsWithEndsOfNeedles) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const int teeth = 3 + static_cast<int>(random() % 40);
+    const MeshData surface = support::prism(support::gear_outline(teeth), random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGrid, OfTurnedPrismsWhoseEndsArePlanarUpToRounding) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    const int teeth = 3 + static_cast<int>(random() % 40);
+    const MeshData surface = support::turned(support::prism(support::gear_outline(teeth), random), random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGrid, OfBoxesInRandomNeedles) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    MeshData surface = support::prism(support::square_outline(2 + random() % 40, random), random);
+    if (seed % 2 == 0) surface = support::turned(surface, random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
 TEST(InitialGrid, TakesAShellInsideForAHoleOrAMaterial) {
   const MeshData surface = together(box_surface({-2, -2, -2}, {2, 2, 2}, 3), ball(0.4));
   EXPECT_NEAR(volume(grid_of(surface)), 64 - enclosed_volume(ball(0.4)), 1e-9);
