@@ -16,12 +16,14 @@ using PointOf = typename CGAL::Simple_cartesian<Number>::Point_3;
 
 template <class Number>
 Number value(const Parameter& p) {
-  return Number(p.high) + Number(p.low);
+  Number sum(p.terms[0]);
+  for (std::size_t i = 1; i < p.terms.size() && p.terms[i] != 0; ++i) sum += Number(p.terms[i]);
+  return sum;
 }
 
 template <class Number>
 PointOf<Number> evaluate(const ExactPlace& p) {
-  if (p.s.high == 0 && p.t.high == 0) return {Number(p.origin.x), Number(p.origin.y), Number(p.origin.z)};
+  if (p.s.terms[0] == 0 && p.t.terms[0] == 0) return {Number(p.origin.x), Number(p.origin.y), Number(p.origin.z)};
   const Number s = value<Number>(p.s), t = value<Number>(p.t);
   const auto coordinate = [&](double o, double u, double v) {
     return Number(o) + s * (Number(u) - Number(o)) + t * (Number(v) - Number(o));
@@ -36,9 +38,13 @@ Exact volume(const PointOf<Exact>& a, const PointOf<Exact>& b, const PointOf<Exa
   return CGAL::determinant(b - a, c - a, d - a);
 }
 
-Parameter quotient(const Exact& dividend, const Exact& divisor) {
-  const double by = CGAL::to_double(divisor), high = CGAL::to_double(dividend) / by;
-  return {high, CGAL::to_double(dividend - Exact(high) * divisor) / by};
+Parameter quotient(Exact dividend, const Exact& divisor) {
+  Parameter result;
+  for (double& term : result.terms) {
+    term = CGAL::to_double(dividend) / CGAL::to_double(divisor);
+    dividend -= Exact(term) * divisor;
+  }
+  return result;
 }
 
 }  // namespace

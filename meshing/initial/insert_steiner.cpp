@@ -12,7 +12,9 @@ class SteinerCavity {
   SteinerCavity(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v)
       : r_(r), grid_(r.grid), v_(v), cavity_(seed.begin(), seed.end()) {}
 
-  bool fill() {
+  /// `solid`: makes no slivers.
+  bool fill(bool solid) {
+    solid_ = solid;
     if (!grow() || !keeps_all()) return false;
     grid_.replace(cavity_, fresh_);
     return true;
@@ -36,7 +38,7 @@ class SteinerCavity {
           }
           const Face3 w = grid_.face(cavity_[i], f);
           fresh_.push_back({w[0], w[1], w[2], v_});
-          if (grid_.positive(fresh_.back())) continue;
+          if (grid_.positive(fresh_.back()) && !(solid_ && grid_.sliver(fresh_.back()))) continue;
           if (tet.n[f] == kNothing || tet.facet[f] != kNothing || cavity_.size() >= kMostTets) return false;
           cavity_.push_back(tet.n[f] >> 2);
           grown = true;
@@ -71,12 +73,13 @@ class SteinerCavity {
   std::uint32_t v_;
   std::vector<std::uint32_t> cavity_;
   std::vector<Tet4> fresh_;
+  bool solid_ = true;
 };
 
 }  // namespace
 
 bool insert_steiner(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v) {
-  return SteinerCavity(r, seed, v).fill();
+  return SteinerCavity(r, seed, v).fill(true) || SteinerCavity(r, seed, v).fill(false);
 }
 
 }  // namespace weft::meshing

@@ -158,13 +158,14 @@ class EdgeRecovery {
     const std::uint32_t p = apex(o.tet), q = apex(far);
     const Face3 w = grid_.face(o.tet, grid_.local_index(o.tet, p));
     std::array<Tet4, 3> fresh;
-    int crossed = 0;
+    int crossed = 0, slivers = -grid_.sliver(grid_.tets[o.tet].v) - grid_.sliver(grid_.tets[far].v);
     for (std::size_t i = 0; i < 3; ++i) {
       fresh[i] = {w[i], w[(i + 1) % 3], q, p};
       if (!grid_.positive(fresh[i])) return false;
+      slivers += grid_.sliver(fresh[i]);
       crossed += crosses(w[i], p, q);
     }
-    if (crossed > 0) return false;
+    if (crossed > 0 || slivers > 0) return false;
     const std::array<std::uint32_t, 2> old = {o.tet, far};
     grid_.replace(old, fresh);
     ++r_.flips;
@@ -175,10 +176,13 @@ class EdgeRecovery {
     if (u == s || u == t || v == s || v == t) return false;
     const std::uint32_t tet = grid_.tet_with_edge(u, v);
     grid_.shell(tet, u, v, shell_);
-    int now = 0;
+    int now = r_.sliver_cost(shell_.tets);
     for (const std::uint32_t w : shell_.ring) now += crosses(u, v, w);
     return remove_edge(
-        r_, u, v, now, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { return crosses(a, b, c); },
+        r_, u, v, now,
+        [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+          return r_.sliver_cost({a, b, c, v}) + r_.sliver_cost({b, a, c, u}) + crosses(a, b, c);
+        },
         [&](std::uint32_t a, std::uint32_t b) { return crosses(a, b, u) + crosses(a, b, v); });
   }
 
@@ -202,8 +206,8 @@ class EdgeRecovery {
     for (const auto& [x, obstacle] : choice) {
       grid_.place_exactly(v, meeting(e, *obstacle));
       if (!insert(*obstacle, v)) continue;
-      relax_on_edge(r_, v, s == r_.edges[e].a ? 0 : grid_.place(s).s.high,
-                    t == r_.edges[e].b ? 1 : grid_.place(t).s.high);
+      relax_on_edge(r_, v, s == r_.edges[e].a ? 0 : grid_.place(s).s.terms[0],
+                    t == r_.edges[e].b ? 1 : grid_.place(t).s.terms[0]);
       return v;
     }
     fail();

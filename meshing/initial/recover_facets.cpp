@@ -129,8 +129,12 @@ class FacetRecovery {
   }
 
   bool swap_away(const Beyond& b) {
+    grid_.shell(b.tet, b.below, b.above, shell_);
     return remove_edge(
-        r_, b.below, b.above, 1, [](std::uint32_t, std::uint32_t, std::uint32_t) { return 0; },
+        r_, b.below, b.above, r_.sliver_cost(shell_.tets) + 1,
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+          return r_.sliver_cost({x, y, z, b.above}) + r_.sliver_cost({y, x, z, b.below});
+        },
         [&](std::uint32_t u, std::uint32_t v) { return cuts(u, v); });
   }
 

@@ -26,4 +26,10 @@ Point Recovery::above(std::uint32_t facet) const {
   return p;
 }
 
+int Recovery::sliver_cost(std::span<const std::uint32_t> tets) const {
+  int cost = 0;
+  for (const std::uint32_t t : tets) cost += sliver_cost(grid.tets[t].v);
+  return cost;
+}
+
 }  // namespace weft::meshing

@@ -33,6 +33,12 @@ struct Recovery {
   /// A point off the facet's plane, on the side from which it turns counter-clockwise.
   Point above(std::uint32_t facet) const;
 
+  /// What a tet, or the slivers among some, count for in exchanges: more than any obstacle to recovery, because
+  /// slivers multiply.
+  int sliver_cost(const Tet4& v) const { return grid.sliver(v) ? kSliverCost : 0; }
+  int sliver_cost(std::span<const std::uint32_t> tets) const;
+  static constexpr int kSliverCost = 10000;
+
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
   }

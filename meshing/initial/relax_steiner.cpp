@@ -18,7 +18,7 @@ class Relaxation {
     const ExactPlace start = best_place_;
     for (const double end : {least, most})
       for (double step = 0.5; step > 1e-6; step *= 0.5)
-        offer(start, {start.s.high + step * (end - start.s.high)}, {});
+        offer(start, one_term(start.s.terms[0] + step * (end - start.s.terms[0])), {});
     grid_.place_exactly(v_, best_place_);
   }
 
@@ -26,12 +26,14 @@ class Relaxation {
     constexpr std::array<std::array<int, 2>, 6> ways = {{{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}};
     for (double step = 0.25; step > 1e-6; step *= 0.5) {
       const ExactPlace start = best_place_;
-      for (const auto& [s, t] : ways) offer(start, {start.s.high + s * step}, {start.t.high + t * step});
+      for (const auto& [s, t] : ways) offer(start, one_term(start.s.terms[0] + s * step), one_term(start.t.terms[0] + t * step));
     }
     grid_.place_exactly(v_, best_place_);
   }
 
  private:
+  static Parameter one_term(double x) { return {{x, 0, 0, 0}}; }
+
   void offer(const ExactPlace& start, Parameter s, Parameter t) {
     ExactPlace place = start;
     place.s = s;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "meshing/predicates.h"
 
@@ -54,6 +55,17 @@ double TetGrid::shape(const Tet4& v) const {
   for (const auto& e : kTetEdges) edges += norm2(points[v[e[0]]] - points[v[e[1]]]);
   const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
   return std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+}
+
+bool TetGrid::sliver(const Tet4& v) const {
+  double shortest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const auto& e : kTetEdges) shortest = std::min(shortest, norm2(points[v[e[0]]] - points[v[e[1]]]));
+  for (const auto& f : kTetFaces) {
+    const Point& a = points[v[f[0]]];
+    largest = std::max(largest, norm2(cross(points[v[f[1]]] - a, points[v[f[2]]] - a)));
+  }
+  const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+  return volume < 1e-9 * std::sqrt(largest * shortest);
 }
 
 int TetGrid::local_index(std::uint32_t t, std::uint32_t v) const {

@@ -54,6 +54,8 @@ class TetGrid {
   bool positive(const Tet4& v) const { return orient(v[0], v[1], v[2], v[3]) > 0; }
   /// Six times the volume over (sum of squared edges)^1.5; 0 for a tet that is not positive exactly.
   double shape(const Tet4& v) const;
+  /// Whether the tet is flatter than 1e-9 of its shortest edge.
+  bool sliver(const Tet4& v) const;
   /// Vertices of a face, its tet on their positive side.
   Face3 face(std::uint32_t t, int f) const {
     const Tet4& v = tets[t].v;

@@ -29,14 +29,14 @@ TEST_F(ExactPlaces, OnAnEdgeLieInEveryPlaneThroughIt) {
   }
 }
 
-TEST_F(ExactPlaces, OnAnEdgeMeetThePlaneToTwiceThePrecision) {
+TEST_F(ExactPlaces, OnAnEdgeMeetThePlaneToFourTimesThePrecision) {
   for (int i = 0; i < kTimes; ++i) {
     const Point a = point(), b = point(), x = point(), y = point(), z = point();
     const ExactPlace p = place_on_edge(a, b, {ExactPlace::at(x), ExactPlace::at(y), ExactPlace::at(z)});
     ExactPlace before = p, after = p;
-    const double step = 1e-29 * std::abs(p.s.high);
-    before.s.low -= step;
-    after.s.low += step;
+    const double step = 1e-58 * std::abs(p.s.terms[0]);
+    before.s.terms[3] -= step;
+    after.s.terms[3] += step;
     EXPECT_EQ(side(x, y, z, before) * side(x, y, z, after), -1);
   }
 }
