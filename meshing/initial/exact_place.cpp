@@ -23,7 +23,8 @@ Number value(const Parameter& p) {
 
 template <class Number>
 PointOf<Number> evaluate(const ExactPlace& p) {
-  if (p.s.terms[0] == 0 && p.t.terms[0] == 0) return {Number(p.origin.x), Number(p.origin.y), Number(p.origin.z)};
+  if (p.s.terms[0] == 0 && p.t.terms[0] == 0)
+    return {Number(p.origin.x), Number(p.origin.y), Number(p.origin.z)};
   const Number s = value<Number>(p.s), t = value<Number>(p.t);
   const auto coordinate = [&](double o, double u, double v) {
     return Number(o) + s * (Number(u) - Number(o)) + t * (Number(v) - Number(o));
@@ -74,7 +75,8 @@ ExactPlace place_on_edge(const Point& a, const Point& b, const std::array<ExactP
 }
 
 ExactPlace place_on_facet(const std::array<Point, 3>& triangle, const ExactPlace& p, const ExactPlace& q) {
-  const auto a = evaluate<Exact>(ExactPlace::at(triangle[0])), b = evaluate<Exact>(ExactPlace::at(triangle[1])),
+  const auto a = evaluate<Exact>(ExactPlace::at(triangle[0])),
+             b = evaluate<Exact>(ExactPlace::at(triangle[1])),
              c = evaluate<Exact>(ExactPlace::at(triangle[2])), from = evaluate<Exact>(p),
              to = evaluate<Exact>(q);
   const Exact of_a = volume(from, to, b, c), of_b = volume(from, to, c, a), of_c = volume(from, to, a, b);

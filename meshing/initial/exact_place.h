@@ -25,8 +25,8 @@ struct ExactPlace {
 /// Sign (-1, 0, 1) of det(b-a, c-a, d-a): by intervals where they decide, else by exact arithmetic.
 int orientation(const ExactPlace& a, const ExactPlace& b, const ExactPlace& c, const ExactPlace& d);
 
-/// Where the line from a to b meets the plane through the triangle: a + s (b - a), s correct to all its doubles.
-/// The line may not be parallel to the plane.
+/// Where the line from a to b meets the plane through the triangle: a + s (b - a), s correct to all its
+/// doubles. The line may not be parallel to the plane.
 ExactPlace place_on_edge(const Point& a, const Point& b, const std::array<ExactPlace, 3>& triangle);
 
 /// Where the line through p and q meets the triangle's plane, as a place in that plane, both parameters

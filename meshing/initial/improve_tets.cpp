@@ -88,7 +88,7 @@ class Improvement {
       if (norm(normal) == 0) continue;
       const double size = std::sqrt(std::max({norm2(u), norm2(w), norm2(u - w)})) / norm(normal);
       for (const Point& origin : from)
-        for (double step = 0.5; step > 1e-3; step *= 0.3)
+        for (double step = 0.5; step > 1e-3; step *= 0.5)
           for (const double sign : {1.0, -1.0}) result.push_back(origin + (sign * step * size) * normal);
     }
     return result;

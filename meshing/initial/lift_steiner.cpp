@@ -174,7 +174,8 @@ class Lift {
     for (const auto& [facet, above] : bounds)
       for (const Opening& o : openings_)
         if (o.facet == facet)
-          for (const auto& [a, b, c] : o.triangles) side.lids.push_back(above ? Face3{a, b, c} : Face3{b, a, c});
+          for (const auto& [a, b, c] : o.triangles)
+            side.lids.push_back(above ? Face3{a, b, c} : Face3{b, a, c});
     return true;
   }
 

@@ -33,8 +33,8 @@ struct Recovery {
   /// A point off the facet's plane, on the side from which it turns counter-clockwise.
   Point above(std::uint32_t facet) const;
 
-  /// What a tet, or the slivers among some, count for in exchanges: more than any obstacle to recovery, because
-  /// slivers multiply.
+  /// What a tet, or the slivers among some, count for in exchanges: more than any obstacle to recovery,
+  /// because slivers multiply.
   int sliver_cost(const Tet4& v) const { return grid.sliver(v) ? kSliverCost : 0; }
   int sliver_cost(std::span<const std::uint32_t> tets) const;
   static constexpr int kSliverCost = 10000;
@@ -79,7 +79,8 @@ void recover_facets(Recovery& r);
 /// room there stay; returns their number. Only tets that are in use may be in the grid.
 std::uint64_t lift_steiner_points(Recovery& r);
 
-/// Puts those that are left at doubles. Throws InputError naming the triangle where that would turn a tet over.
+/// Puts those that are left at doubles. Throws InputError naming the triangle where that would turn a tet
+/// over.
 void round_steiner_points(Recovery& r);
 
 /// Gives the worst tets better neighbourhoods, with added points or without those that are.

@@ -26,13 +26,15 @@ class Relaxation {
     constexpr std::array<std::array<int, 2>, 6> ways = {{{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}};
     for (double step = 0.25; step > 1e-6; step *= 0.5) {
       const ExactPlace start = best_place_;
-      for (const auto& [s, t] : ways) offer(start, one_term(start.s.terms[0] + s * step), one_term(start.t.terms[0] + t * step));
+      for (const auto& [s, t] : ways)
+        offer(start, one_term(start.s.terms[0] + s * step), one_term(start.t.terms[0] + t * step));
     }
     grid_.place_exactly(v_, best_place_);
   }
 
  private:
-  static Parameter one_term(double x) { return {{x, 0, 0, 0}}; }
+  /// Short numbers keep exact arithmetic fast.
+  static Parameter one_term(double x) { return {{static_cast<double>(static_cast<float>(x)), 0, 0, 0}}; }
 
   void offer(const ExactPlace& start, Parameter s, Parameter t) {
     ExactPlace place = start;
@@ -49,7 +51,7 @@ class Relaxation {
   double worst(double enough) const {
     double shape = 1;
     for (const std::uint32_t t : ball_) {
-      shape = std::min(shape, grid_.shape(grid_.tets[t].v));
+      shape = std::min(shape, grid_.shape_above(grid_.tets[t].v, enough));
       if (shape <= enough) return 0;
     }
     return shape;

@@ -39,7 +39,7 @@ bool StarCavity::take(std::uint32_t v, double limit) {
   ++stamp_;
   for (const auto& [a, b, c] : lids_) {
     if (a == v || b == v || c == v) continue;
-    walls_.push_back({{a, b, c, v}, kNothing, grid_.shape({a, b, c, v})});
+    walls_.push_back({{a, b, c, v}, kNothing, grid_.shape_above({a, b, c, v}, limit)});
     if (walls_.back().shape <= limit) return false;
   }
   for (const std::uint32_t t : seed_) include(t);
@@ -59,7 +59,7 @@ bool StarCavity::take_tet(std::uint32_t t, std::uint32_t v, double limit) {
     }
     if (holds(w, v) || (tet.facet[f] != kNothing && holds(w, vertex_))) continue;
     const Tet4 fresh = {w[0], w[1], w[2], v};
-    const double shape = grid_.shape(fresh);
+    const double shape = grid_.shape_above(fresh, limit);
     if (shape > limit)
       walls_.push_back({fresh, tet.n[f], shape});
     else if (!pass(t, f))

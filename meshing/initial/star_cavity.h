@@ -21,9 +21,9 @@ class StarCavity {
  public:
   explicit StarCavity(TetGrid& grid) : grid_(grid) {}
 
-  /// Where cavities start: the tets of a vertex that gives way, on one side of the facets it is on, if it is on
-  /// any; `lids` close them instead of the facets' faces at the vertex, seen from their positive sides. They do
-  /// not grow into `blocked`. The spans must live as long as the cavity is used.
+  /// Where cavities start: the tets of a vertex that gives way, on one side of the facets it is on, if it is
+  /// on any; `lids` close them instead of the facets' faces at the vertex, seen from their positive sides.
+  /// They do not grow into `blocked`. The spans must live as long as the cavity is used.
   void begin(std::uint32_t vertex, std::span<const std::uint32_t> tets, std::span<const Face3> lids,
              std::span<const std::uint32_t> blocked);
 
@@ -32,10 +32,10 @@ class StarCavity {
   bool improve(Star& star, std::uint32_t v);
 
  private:
-  static constexpr std::size_t kMostTets = 200;
+  static constexpr std::size_t kMostTets = 1000;
   struct Wall {
-    Tet4 tet;             ///< the face and the star's vertex
-    std::uint32_t beyond; ///< code of the neighbour's face
+    Tet4 tet;              ///< the face and the star's vertex
+    std::uint32_t beyond;  ///< code of the neighbour's face
     double shape;
   };
   bool take(std::uint32_t v, double limit);
@@ -53,8 +53,8 @@ class StarCavity {
   std::vector<Wall> walls_;
 };
 
-/// Exchanges the cavity for the star. `facets` marks faces of its tets. Returns their numbers, valid until the
-/// next exchange.
+/// Exchanges the cavity for the star. `facets` marks faces of its tets. Returns their numbers, valid until
+/// the next exchange.
 std::span<const std::uint32_t> fill(TetGrid& grid, const Star& star, std::span<const FacetFace> facets = {});
 
 }  // namespace weft::meshing

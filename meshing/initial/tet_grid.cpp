@@ -49,12 +49,15 @@ int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Poi
   return orientation(points[a], points[b], points[c], d);
 }
 
-double TetGrid::shape(const Tet4& v) const {
-  if (!positive(v)) return 0;
+double TetGrid::shape(const Tet4& v) const { return shape_above(v, 0); }
+
+double TetGrid::shape_above(const Tet4& v, double enough) const {
   double edges = 0;
   for (const auto& e : kTetEdges) edges += norm2(points[v[e[0]]] - points[v[e[1]]]);
   const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
-  return std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+  const double shape = std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+  if (enough > 0 && shape <= enough) return 0;
+  return positive(v) ? shape : 0;
 }
 
 bool TetGrid::sliver(const Tet4& v) const {

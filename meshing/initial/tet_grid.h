@@ -54,6 +54,8 @@ class TetGrid {
   bool positive(const Tet4& v) const { return orient(v[0], v[1], v[2], v[3]) > 0; }
   /// Six times the volume over (sum of squared edges)^1.5; 0 for a tet that is not positive exactly.
   double shape(const Tet4& v) const;
+  /// The same where it is above `enough`, else 0, without exact arithmetic unless that is needed to tell.
+  double shape_above(const Tet4& v, double enough) const;
   /// Whether the tet is flatter than 1e-9 of its shortest edge.
   bool sliver(const Tet4& v) const;
   /// Vertices of a face, its tet on their positive side.
@@ -96,7 +98,8 @@ class TetGrid {
 
   bool is_exact(std::uint32_t v) const { return v < exact_.size() && exact_[v] != kNothing; }
 
-  std::vector<std::uint32_t> exact_;  ///< of each point: its number in places_, kNothing or beyond for plain ones
+  std::vector<std::uint32_t>
+      exact_;  ///< of each point: its number in places_, kNothing or beyond for plain ones
   std::vector<ExactPlace> places_;
   std::vector<std::uint32_t> free_, slots_, around_;
   std::vector<Side> sides_;

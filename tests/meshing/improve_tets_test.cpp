@@ -23,8 +23,8 @@ Totals totals(const TetGrid& grid) {
     const Tet4& v = grid.tets[t].v;
     sum.volume += six_volume(grid.points[v[0]], grid.points[v[1]], grid.points[v[2]], grid.points[v[3]]);
     sum.worst = std::min(sum.worst, grid.shape(v));
-    sum.facets += static_cast<std::size_t>(
-        std::count_if(grid.tets[t].facet.begin(), grid.tets[t].facet.end(), [](auto f) { return f != kNothing; }));
+    sum.facets += static_cast<std::size_t>(std::count_if(grid.tets[t].facet.begin(), grid.tets[t].facet.end(),
+                                                         [](auto f) { return f != kNothing; }));
   }
   return sum;
 }
@@ -79,7 +79,8 @@ TEST(StarCavity, FillsTheSameSpace) {
     cavity.begin(kNothing, std::span(&t, 1), {}, {});
     Star star;
     star.worst = r.grid.shape(r.grid.tets[t].v);
-    for (const std::uint32_t v : Tet4(r.grid.tets[r.grid.tets[t].n[0] == kNothing ? t : r.grid.tets[t].n[0] >> 2].v))
+    for (const std::uint32_t v :
+         Tet4(r.grid.tets[r.grid.tets[t].n[0] == kNothing ? t : r.grid.tets[t].n[0] >> 2].v))
       cavity.improve(star, v);
     if (star.fresh.empty()) continue;
     fill(r.grid, star);

@@ -68,8 +68,8 @@ inline bool triangle_holds(const Point& a, const Point& b, const Point& c, const
   return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
-/// A triangulation of a simple polygon in the xy-plane, counter-clockwise, without more vertices: its ears cut
-/// in random order, so that needles cross the whole of it.
+/// A triangulation of a simple polygon in the xy-plane, counter-clockwise, without more vertices: its ears
+/// cut in random order, so that needles cross the whole of it.
 inline std::vector<std::array<std::uint32_t, 3>> random_ears(const std::vector<Point>& polygon,
                                                              std::mt19937& random) {
   std::vector<std::uint32_t> rest(polygon.size());

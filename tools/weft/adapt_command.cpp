@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <map>
 #include <memory>
-#include <thread>
 
 #include "tools/weft/adapt_job.h"
 #include "tools/weft/commands.h"
@@ -44,8 +42,6 @@ int run(AdaptCommand& command) {
   if (!command.quiet) fmt::print("{}", summary_text(outcome.run));
   return outcome.code;
 }
-
-int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_files(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("IN", command.input, "the mesh to adapt")->type_name("FILE")->required();
