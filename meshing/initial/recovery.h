@@ -55,8 +55,8 @@ void remove_slivers(Recovery& r);
 void list_input_edges(Recovery& r);
 
 /// Connects point v to a cavity around it that starts as `seed` (the tets of the face or edge that it is on)
-/// and grows beyond faces that v does not see. False, and nothing done, where a facet, an input edge or a
-/// vertex would be lost.
+/// and grows beyond faces that v does not see or, if that can be, sees too flatly. False, and nothing done,
+/// where a facet, an input edge or a vertex would be lost.
 bool insert_steiner(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v);
 
 /// Moves the Steiner point v along its input edge, between two parameters, to where the worst tet of its ball
@@ -67,7 +67,7 @@ void relax_on_edge(Recovery& r, std::uint32_t v, double least, double most);
 void relax_on_facet(Recovery& r, std::uint32_t v);
 
 /// Makes every input edge a chain of grid edges: flips where they do, Steiner points on the edge elsewhere.
-/// Throws InputError naming the ends (1-based) where not even that is possible in doubles.
+/// Throws InputError naming the ends (1-based) where not even that is possible.
 void recover_edges(Recovery& r);
 
 /// Makes every facet a set of grid faces and marks them: flips where they do, Steiner points where the facet
