@@ -23,7 +23,7 @@ class Improvement {
   }
 
  private:
-  static constexpr double kPoor = 0.01;  ///< of TetGrid::shape; a regular tet has 0.048
+  static constexpr double kPoor = 0.002;  ///< of TetGrid::shape; a regular tet has 0.048
   static constexpr std::size_t kMostPerTet = 10;
   struct Poor {
     double shape;
