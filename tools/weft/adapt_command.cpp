@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <map>
 #include <memory>
-#include <thread>
 
 #include "engine/mpi_transport.h"
 #include "tools/report/published.h"
