@@ -38,9 +38,7 @@ struct AdaptCommand : AdaptRequest {
 };
 
 /// Ranks share a machine: unless told otherwise each works with one thread.
-int default_threads() {
-  return engine::under_mpirun() ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int threads_of_rank() { return engine::under_mpirun() ? 1 : default_threads(); }
 
 int run(AdaptCommand& command) {
   if (!command.metric.given())
@@ -49,7 +47,7 @@ int run(AdaptCommand& command) {
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   if (command.quiet) command.progress = ProgressStyle::none;
-  command.options.threads = command.threads > 0 ? command.threads : default_threads();
+  command.options.threads = command.threads > 0 ? command.threads : threads_of_rank();
   if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
   if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
   if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");
