@@ -92,6 +92,21 @@ TEST(RefineInterface, AllSidesAgree) {
   EXPECT_GT(new_vertices, 10000u);
 }
 
+/// Equal lengths everywhere, and vertices numbered differently in every subdomain.
+TEST(RefineInterface, TiesAreBrokenAlike) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    Scene scene;
+    scene.mesh = unit_cube_of_fives(4);  // has faces whose sides are all equal
+    shuffle(scene.mesh, seed);
+    scene.log_metrics = uniform_metric(scene.mesh, 0.07);
+    cut_at_random(scene, 6, seed % 3, seed);
+    const Cut cut = scene.cut();
+    Rounds rounds = refined(scene, cut);
+    expect_sound(rounds, totals_of(scene.mesh));
+  }
+}
+
 TEST(RefineInterface, LeavesNoLongEdgeThatMayBeSplit) {
   const meshing::Limits limits;
   for_random_scenes(4, [&](const Scene& scene, const Cut& cut) {
