@@ -29,7 +29,7 @@ class Choice {
     for (const Proposal& p : proposals) order_.push_back(p.priority);
     std::sort(order_.begin(), order_.end());
     const auto place = [&](SubdomainId id) {
-      const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.subdomain == id; });
+      const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.id == id; });
       return static_cast<Rank>(at - order_.begin()) + 1;
     };
     self_ = place(s.id);
@@ -37,7 +37,7 @@ class Choice {
   }
 
   Rank self() const { return self_; }
-  SubdomainId subdomain(Rank r) const { return order_[r - 1].subdomain; }
+  SubdomainId subdomain(Rank r) const { return order_[r - 1].id; }
   std::size_t ranks() const { return order_.size() + 1; }
 
   /// The ranks of the tets' new subdomains, by slot (dead ones too).

@@ -12,22 +12,15 @@
 // round frees all of the interface but for the tets where three subdomains meet, instead of that of a third of them.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "partition/colouring.h"
 #include "partition/subdomain.h"
 
 namespace weft::partition {
-
-/// Total order of subdomains in one round: the higher receives.
-struct Priority {
-  std::uint64_t value = 0;
-  SubdomainId subdomain = 0;
-  friend auto operator<=>(const Priority&, const Priority&) = default;
-};
 
 /// What one subdomain tells a neighbour first.
 struct Proposal {

@@ -257,6 +257,27 @@ TEST(Termination, IsNeverTooEarlyAndAlwaysComes) {
   }
 }
 
+constexpr TimePoint kSecond = 1'000'000'000;
+
+TEST(Termination, WorkThatLastsIsNoLostMessage) {
+  Termination alone(Rank(0), 1, [](Rank, const WaveMessage&) {});
+  constexpr TimePoint kLong = 1000 * kSecond;
+  TimePoint time = kLong;
+  for (; !alone.ended(); ++time) alone.step(WaveCount{7, 7}, time);
+  EXPECT_EQ(alone.futile_for(), 0);
+}
+
+TEST(Termination, TellsForHowLongMessagesHaveBeenMissing) {
+  Termination alone(Rank(0), 1, [](Rank, const WaveMessage&) {});
+  alone.step(WaveCount{7, 6}, 1000 * kSecond);
+  EXPECT_EQ(alone.futile_for(), 0);
+  alone.step(WaveCount{7, 6}, 1003 * kSecond);
+  EXPECT_EQ(alone.futile_for(), 3 * kSecond);
+  alone.step(WaveCount{8, 7}, 1004 * kSecond);
+  EXPECT_EQ(alone.futile_for(), 0);
+  EXPECT_FALSE(alone.ended());
+}
+
 // --- Registry
 
 struct Plain {

@@ -61,7 +61,7 @@ void expect_winners_are_respected(const std::map<TetName, SubdomainId>& before,
     for (const GlobalId v : tet)
       if (const auto at = winners.find(v); at != winners.end() && (!first || *first < at->second))
         first = &at->second;
-    if (first || layers == 0) wrong += now->second != (first ? first->subdomain : old_place);
+    if (first || layers == 0) wrong += now->second != (first ? first->id : old_place);
   }
   EXPECT_EQ(lost, 0u);
   EXPECT_EQ(wrong, 0u);
@@ -73,7 +73,7 @@ void expect_moves_are_near(const std::map<TetName, SubdomainId>& before,
                            const std::map<TetName, SubdomainId>& after,
                            const std::map<GlobalId, Priority>& winners, int layers) {
   std::map<std::pair<GlobalId, SubdomainId>, int> reached;  // vertex and who comes near -> layer
-  for (const auto& [id, winner] : winners) reached[{id, winner.subdomain}] = 0;
+  for (const auto& [id, winner] : winners) reached[{id, winner.id}] = 0;
   std::map<SubdomainId, std::vector<const TetName*>> moved;
   for (const auto& [tet, place] : after)
     if (before.at(tet) != place) moved[place].push_back(&tet);
