@@ -57,7 +57,8 @@ int run_report(const ReportCommand& command) {
   const report::Comparison comparison = naming_json(
       command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
   fmt::print("{}", report::comparison_text(comparison));
-  if (!command.output.empty()) write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
+  if (!command.output.empty())
+    write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
   return kDone;
 }
 
