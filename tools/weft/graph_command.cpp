@@ -31,8 +31,9 @@ constexpr const char* kFooter = R"(Examples:
   weft graph run/graph.json --round 2 --subdomain 17 --format graphml > part.graphml
   weft graph run/graph.json --plan -o plan.svg
 
-FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE` wrote. Without -o
-the graph is printed. The extension of the output names the format where --format does not. Rounds count from 0.)";
+FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE`
+wrote as .json. Without -o the graph is printed. The extension of the output names the format where
+--format does not. Rounds count from 0.)";
 
 struct GraphCommand {
   std::string file, output;

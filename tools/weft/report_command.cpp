@@ -24,8 +24,9 @@ constexpr const char* kFooter = R"(Examples:
   weft report before/profile.json after/profile.json
   weft report before/profile.json after/profile.json -o compared.html
 
-One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what got slower,
-by operation and rank, and how the meshes differ; with -o as a page too. report.json can be compared as well.)";
+One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what
+got slower, by operation and rank, and how the meshes differ; with -o as a page too. report.json can be
+compared as well.)";
 
 /// call(); what it has against a document is said with the file's name.
 template <class Call>
