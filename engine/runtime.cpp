@@ -152,7 +152,6 @@ class Runtime::Implementation final : private BalanceActions {
   TimePoint next_heartbeat_ = 0;
   TimePoint next_peer_check_ = 0;
   TimePoint turn_ = 0;        ///< when the current turn looked at what is due
-  TimePoint progressed_ = 0;  ///< when a wave last saw other counts than the one before
   TimePoint last_heard_ = 0;  ///< from the rank before this one; 0: not in this run
   TimePoint awake_since_ = 0;
 
@@ -198,7 +197,7 @@ void Runtime::Implementation::begin() {
   waits_.clear();
   waits_missing_ = 0;
   last_heard_ = 0;
-  progressed_ = next_heartbeat_ = next_peer_check_ = awake_since_ = now();
+  next_heartbeat_ = next_peer_check_ = awake_since_ = now();
 }
 
 void Runtime::Implementation::loop() {
@@ -302,8 +301,7 @@ void Runtime::Implementation::detect_end() {
     if (!count) return;
     termination_->step(count, turn_);
   }
-  if (termination_->futile_waves() == 0) progressed_ = turn_;
-  if (turn_ - progressed_ > kPatienceWithNetwork) {
+  if (termination_->futile_for() > kPatienceWithNetwork) {
     const WaveCount& sums = termination_->last_sums();
     fail_here(text("the network has lost messages: ", sums.sent, " were sent, ", sums.received, " received"));
   }

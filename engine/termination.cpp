@@ -75,7 +75,8 @@ void Termination::step(const std::optional<WaveCount>& count, TimePoint time) {
 void Termination::finish_wave(TimePoint time) {
   const bool ended = has_previous_ && sums_.sent == previous_.received;
   const bool same = has_previous_ && sums_.sent == previous_.sent && sums_.received == previous_.received;
-  futile_waves_ = same ? futile_waves_ + 1 : 0;
+  if (!same) same_since_ = time;
+  futile_for_ = ended ? 0 : time - same_since_;
   previous_ = sums_;
   has_previous_ = true;
   if (ended) return end(sums_);

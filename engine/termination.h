@@ -57,9 +57,10 @@ class Termination {
   /// Set when the run has ended: the sums over all ranks at rank 0, elsewhere only `waiting`.
   const std::optional<WaveCount>& ended() const { return ended_; }
 
-  /// Waves that rank 0 has seen come back without any rank having worked since, though not all that was sent
-  /// has been received. Large numbers mean that the network has lost something.
-  int futile_waves() const { return futile_waves_; }
+  /// For how long (nanoseconds) the waves that came back to rank 0 have told it the same, though not all that was sent
+  /// has been received. Long means that the network has lost something. Time without waves, while ranks work, does not
+  /// count: a wave before and one after it must agree.
+  TimePoint futile_for() const { return futile_for_; }
   const WaveCount& last_sums() const { return previous_; }
 
  private:
@@ -78,7 +79,8 @@ class Termination {
   WaveCount sums_;           ///< of the children that have
   WaveCount previous_;       ///< rank 0: of the last complete wave
   bool has_previous_ = false;
-  int futile_waves_ = 0;
+  TimePoint same_since_ = 0;  ///< when the first of the last equal waves came back
+  TimePoint futile_for_ = 0;
   TimePoint backoff_ = 0;
   std::optional<TimePoint> next_wave_;
   std::optional<WaveCount> ended_;

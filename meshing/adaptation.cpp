@@ -79,7 +79,10 @@ class Adaptation {
   }
 
   void start() {
-    judge_by(MetricMean::arithmetic);
+    if (extent_ == Extent::fresh)
+      judge_fresh();
+    else
+      judge_by(MetricMean::arithmetic);
     mark_what_is_wrong();
     if (share_long_ > kCoarse) resolve_curved_boundary();
     if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
@@ -170,6 +173,15 @@ class Adaptation {
       if (improve_pass(crew_, kPoor) == 0) return;
       smooth_poor(crew_, kPoor);
     }
+  }
+
+  /// Where most of the mesh was judged before only the fresh tets are, and the poor ones, which the last improvement
+  /// has judged by another mean.
+  void judge_fresh() {
+    mesh_.set_metric_mean(MetricMean::arithmetic);
+    for_all_tets([&](TetId t) {
+      if (mesh_.marks(t) & kFresh || mesh_.quality(t) < kPoor + 0.1) cache_quality(t);
+    });
   }
 
   /// Switches the judges' mean and brings all cached qualities up to date.

@@ -1,4 +1,4 @@
-// The only place that names CGAL's kernel.
+// CGAL's kernel of exact predicates.
 #include "meshing/predicates.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -10,6 +10,7 @@ void copy_tets(const TetMesh& mesh, TetMeshArrays& a) {
   a.neighbours.resize(n);
   a.patches.resize(n);
   a.tet_refs.resize(n);
+  a.qualities.resize(n);
   a.tet_marks.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const TetId t(i);
@@ -19,6 +20,7 @@ void copy_tets(const TetMesh& mesh, TetMeshArrays& a) {
       a.patches[i][f] = mesh.patch(t, f).value;
     }
     a.tet_refs[i] = mesh.ref(t);
+    a.qualities[i] = mesh.quality(t);
     a.tet_marks[i] = mesh.marks(t);
   }
 }
@@ -77,6 +79,7 @@ std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_
       mesh->set_patch(t, f, PatchId(a.patches[i][f]));
     }
     mesh->set_ref(t, a.tet_refs[i]);
+    mesh->set_quality(t, a.qualities[i]);
     mesh->mark(t, a.tet_marks[i]);
   }
   for (const TetMesh::FeatureEdge& e : a.features) mesh->set_curve(e.a, e.b, e.curve);

@@ -16,6 +16,7 @@ struct TetMeshArrays {
   std::vector<std::array<std::uint32_t, 4>> tets, neighbours;  ///< TetFace codes
   std::vector<std::array<std::uint32_t, 4>> patches;           ///< PatchId values
   std::vector<std::int32_t> tet_refs;
+  std::vector<float> qualities;  ///< cached
   std::vector<std::uint8_t> tet_marks;
   std::vector<Point> points;
   std::vector<LogMetric> log_metrics;
@@ -28,14 +29,14 @@ struct TetMeshArrays {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(tets, neighbours, patches, tet_refs, tet_marks, points, log_metrics, labels, vertex_refs,
+    archive(tets, neighbours, patches, tet_refs, qualities, tet_marks, points, log_metrics, labels, vertex_refs,
             vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
   }
 };
 
 TetMeshArrays to_arrays(const TetMesh& mesh);
 
-/// Cached qualities are not set.
+/// Room for as many entities as the capacities say.
 std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& arrays, std::size_t vertex_capacity,
                                      std::size_t tet_capacity, Pages pages);
 

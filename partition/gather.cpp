@@ -349,8 +349,9 @@ std::vector<std::uint8_t> at_poor_tets(const TetMesh& mesh) {
 
 }  // namespace
 
-std::vector<GlobalId> wanted(const Subdomain& s) {
-  const std::vector<std::uint8_t> poor = at_poor_tets(*s.mesh);
+std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
+  std::vector<std::uint8_t> poor(s.mesh->vertex_slots(), 0);
+  if (round < kRoundsForQuality) poor = at_poor_tets(*s.mesh);
   std::vector<GlobalId> ids;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
     const VertexId v = s.interface.local(i);

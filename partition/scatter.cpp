@@ -225,7 +225,7 @@ void freshen(TetMesh& mesh, std::span<const VertexId> vertices, int layers) {
   }
 }
 
-constexpr int kLayersAround = 0;
+constexpr int kLayersAround = 1;
 
 }  // namespace
 

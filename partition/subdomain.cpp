@@ -41,6 +41,7 @@ void fill_tets(const SubdomainStart& s, meshing::TetMesh& mesh) {
       mesh.set_background_hint(v, i);  // the background's tets are these, in the same order
     }
     mesh.set_ref(t, s.tet_refs[i]);
+    mesh.set_quality(t, 1);  // not judged yet
   }
   for (const auto& b : s.boundary_faces) mesh.set_patch(TetId(b.tet), static_cast<int>(b.face), b.patch);
   for (const auto& e : s.feature_edges) mesh.set_curve(VertexId(e.ends[0]), VertexId(e.ends[1]), e.curve);

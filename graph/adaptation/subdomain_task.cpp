@@ -35,8 +35,9 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
 
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
-  SubdomainId first = subdomain;
-  while (first > 0 && partition::home_rank(first - 1, plan.subdomains, ranks) == home) --first;
+  const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
+  const auto first = static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
+                                              static_cast<std::uint64_t>(ranks));  // whose home that is
   return {engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first)}};
 }
 
@@ -109,7 +110,7 @@ void SubdomainTask::propose(NodeContext& context) {
   const std::uint64_t round = context.round();
   wants_.clear();
   const bool interrupted = rank.interrupt && rank.interrupt->load(std::memory_order_relaxed);
-  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_);
+  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, round);
   const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
   rests_ = round >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0;
   if (rests_) return;

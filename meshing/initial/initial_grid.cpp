@@ -201,6 +201,17 @@ class Export {
   std::vector<std::int32_t> ref_;
 };
 
+/// Steiner points that found no way off the surface may find one when the tets beside them are better.
+void improve_grid(Recovery& r, InitialGrid& result) {
+  constexpr int kMostRounds = 3;
+  for (int round = 0; round < kMostRounds; ++round) {
+    result.left_on_surface = lift_steiner_points(r);
+    improve_tets(r);
+    if (result.left_on_surface == 0) return;
+  }
+  round_steiner_points(r);
+}
+
 }  // namespace
 
 InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& options) {
@@ -214,9 +225,7 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   const auto outside = static_cast<std::uint32_t>(surface.mesh.points.size());
   carve(r.grid, find_regions(r, outside), options);
   InitialGrid result;
-  result.left_on_surface = lift_steiner_points(r);
-  settle_added_points(r, outside);
-  open_flat_tets(r);
+  improve_grid(r, result);
   Export(r, surface, result).run();
   return result;
 }

@@ -12,7 +12,9 @@ class SteinerCavity {
   SteinerCavity(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v)
       : r_(r), grid_(r.grid), v_(v), cavity_(seed.begin(), seed.end()) {}
 
-  bool fill() {
+  /// `solid`: makes no slivers.
+  bool fill(bool solid) {
+    solid_ = solid;
     if (!grow() || !keeps_all()) return false;
     grid_.replace(cavity_, fresh_);
     return true;
@@ -36,7 +38,7 @@ class SteinerCavity {
           }
           const Face3 w = grid_.face(cavity_[i], f);
           fresh_.push_back({w[0], w[1], w[2], v_});
-          if (grid_.positive(fresh_.back())) continue;
+          if (grid_.positive(fresh_.back()) && !(solid_ && grid_.sliver(fresh_.back()))) continue;
           if (tet.n[f] == kNothing || tet.facet[f] != kNothing || cavity_.size() >= kMostTets) return false;
           cavity_.push_back(tet.n[f] >> 2);
           grown = true;
@@ -71,35 +73,13 @@ class SteinerCavity {
   std::uint32_t v_;
   std::vector<std::uint32_t> cavity_;
   std::vector<Tet4> fresh_;
+  bool solid_ = true;
 };
-
-bool holds(const TetGrid& grid, std::uint32_t t, std::uint32_t v) {
-  for (int f = 0; f < 4; ++f) {
-    const Face3 w = grid.face(t, f);
-    if (grid.orient(w[0], w[1], w[2], v) < 0) return false;
-  }
-  return true;
-}
 
 }  // namespace
 
-bool insert_steiner_near(Recovery& r, std::span<const std::uint32_t> tets, std::uint32_t v, double scale,
-                         bool split_all) {
-  const Point p = r.grid.points[v];
-  for (double shift = 1e-13; shift < 1e-3; shift *= 10)
-    for (int i = 0; i < 27; ++i) {
-      const Vec way = {i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
-      r.grid.points[v] = p + (shift * scale) * way;
-      if (split_all && insert_steiner(r, tets, v)) return true;
-      if (split_all) continue;
-      for (const std::uint32_t t : tets)
-        if (holds(r.grid, t, v) && insert_steiner(r, std::span(&t, 1), v)) return true;
-    }
-  return false;
-}
-
 bool insert_steiner(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v) {
-  return SteinerCavity(r, seed, v).fill();
+  return SteinerCavity(r, seed, v).fill(true) || SteinerCavity(r, seed, v).fill(false);
 }
 
 }  // namespace weft::meshing

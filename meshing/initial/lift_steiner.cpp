@@ -5,7 +5,7 @@
 #include <map>
 
 #include "meshing/initial/recovery.h"
-#include "meshing/predicates.h"
+#include "meshing/initial/star_cavity.h"
 
 namespace weft::meshing {
 namespace {
@@ -17,16 +17,17 @@ struct Opening {
   std::vector<Face3> triangles;
 };
 
-/// The tets on one side of the facets around the point.
+/// The tets on one side of the facets around the point, and what is to fill their place.
 struct Side {
   std::vector<std::uint32_t> tets;
-  std::vector<Tet4> fresh;  ///< with the point still as it was
-  Point place;
+  std::vector<Face3> lids;  ///< triangles of the openings, seen from this side
+  Star star;
+  Point place;  ///< of the copy, if the star is around one
 };
 
 class Lift {
  public:
-  explicit Lift(Recovery& r) : r_(r), grid_(r.grid) {}
+  explicit Lift(Recovery& r) : r_(r), grid_(r.grid), cavity_(r.grid) {}
 
   /// Points on edges first: then no three vertices of what opens around the others are on one line. Rounding
   /// may forbid a move until neighbours have gone.
@@ -47,8 +48,11 @@ class Lift {
     grid_.ball(v, ball_);
     if (!open_facets()) return false;
     find_sides();
-    for (Side& side : sides_)
-      if (!make_side(side) || !find_place(side)) return false;
+    std::vector<std::uint32_t> blocked = ball_;
+    for (Side& side : sides_) {
+      if (!find_lids(side) || !find_star(side, blocked)) return false;
+      blocked.insert(blocked.end(), side.star.old.begin(), side.star.old.end());
+    }
     commit();
     return true;
   }
@@ -75,14 +79,7 @@ class Lift {
   std::pair<std::uint32_t, std::uint32_t> ordered(const Face3& face, std::uint32_t facet) const {
     const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v_) - face.begin());
     const std::uint32_t x = face[(i + 1) % 3], y = face[(i + 2) % 3];
-    const auto& p = grid_.points;
-    const Vec normal = cross(p[x] - p[v_], p[y] - p[v_]);
-    return dot(normal, facet_normal(facet)) >= 0 ? std::pair{x, y} : std::pair{y, x};
-  }
-
-  Vec facet_normal(std::uint32_t facet) const {
-    const auto& [a, b, c] = r_.facets[facet];
-    return cross(grid_.points[b] - grid_.points[a], grid_.points[c] - grid_.points[a]);
+    return grid_.orient(v_, x, y, r_.above(facet)) >= 0 ? std::pair{x, y} : std::pair{y, x};
   }
 
   /// Chains the links into a path or a cycle; empty where they are neither.
@@ -100,25 +97,27 @@ class Lift {
     return path.size() == closed || path.size() == open ? path : std::vector<std::uint32_t>{};
   }
 
-  /// Area over squared edges of a triangle, negative when it turns against the facet.
-  double shape(const Opening& o, const Vec& normal, std::size_t i, std::size_t k, std::size_t j) const {
+  /// Area over squared edges of a triangle; 0 when it turns against the facet, whose positive side is that of
+  /// `above`.
+  double shape(const Opening& o, const Point& above, std::size_t i, std::size_t k, std::size_t j) const {
+    if (grid_.orient(o.polygon[i], o.polygon[k], o.polygon[j], above) <= 0) return 0;
     const Point &a = grid_.points[o.polygon[i]], &b = grid_.points[o.polygon[k]],
                 &c = grid_.points[o.polygon[j]];
-    return dot(cross(b - a, c - a), normal) / (norm2(b - a) + norm2(c - b) + norm2(a - c));
+    return std::max(norm(cross(b - a, c - a)) / (norm2(b - a) + norm2(c - b) + norm2(a - c)), 1e-300);
   }
 
   /// The triangulation whose worst triangle is best.
   bool triangulate(Opening& o) const {
     const std::size_t n = o.polygon.size();
-    const Vec normal = facet_normal(o.facet);
+    const Point above = r_.above(o.facet);
     std::vector<double> best(n * n, 1e300);
     std::vector<std::size_t> cut(n * n);
     for (std::size_t width = 2; width < n; ++width)
       for (std::size_t i = 0; i + width < n; ++i) {
         const std::size_t j = i + width;
-        best[i * n + j] = -1e300;
+        best[i * n + j] = 0;
         for (std::size_t k = i + 1; k < j; ++k) {
-          const double worst = std::min({best[i * n + k], best[k * n + j], shape(o, normal, i, k, j)});
+          const double worst = std::min({best[i * n + k], best[k * n + j], shape(o, above, i, k, j)});
           if (worst <= best[i * n + j]) continue;
           best[i * n + j] = worst;
           cut[i * n + j] = k;
@@ -145,7 +144,7 @@ class Lift {
     for (const std::uint32_t first : ball_) {
       if (seen[first]) continue;
       seen[first] = true;
-      sides_.push_back({{first}, {}, {}});
+      sides_.push_back({{first}, {}, {}, {}});
       auto& tets = sides_.back().tets;
       for (std::size_t i = 0; i < tets.size(); ++i) {
         const TetGrid::Tet tet = grid_.tets[tets[i]];
@@ -159,12 +158,10 @@ class Lift {
     }
   }
 
-  /// The side's own tets and one on each triangle of the facets that bound it.
-  bool make_side(Side& side) {
-    side.fresh.clear();
+  /// The triangles of the facets that bound the side; false where both sides of one do: nothing to separate.
+  bool find_lids(Side& side) {
     std::map<std::uint32_t, bool> bounds;  // facet -> whether the side is on its positive side
-    for (const std::uint32_t t : side.tets) {
-      side.fresh.push_back(grid_.tets[t].v);
+    for (const std::uint32_t t : side.tets)
       for (int f = 0; f < 4; ++f) {
         const std::uint32_t facet = grid_.tets[t].facet[f];
         if (facet == kNothing || grid_.tets[t].v[f] == v_) continue;
@@ -172,14 +169,13 @@ class Lift {
         const auto [x, y] = ordered(w, facet);
         const bool above = face_turns(w, x, y);
         const auto [at, is_new] = bounds.try_emplace(facet, above);
-        if (!is_new && at->second != above) return false;  // both sides of one facet: nothing to separate
+        if (!is_new && at->second != above) return false;
       }
-    }
     for (const auto& [facet, above] : bounds)
       for (const Opening& o : openings_)
         if (o.facet == facet)
           for (const auto& [a, b, c] : o.triangles)
-            side.fresh.push_back(above ? Tet4{a, b, c, v_} : Tet4{b, a, c, v_});
+            side.lids.push_back(above ? Face3{a, b, c} : Face3{b, a, c});
     return true;
   }
 
@@ -189,69 +185,70 @@ class Lift {
     return w[(i + 1) % 3] == y;
   }
 
-  /// Halves the way from points well inside to where the point is now, and takes the best place seen.
-  bool find_place(Side& side) {
+  /// Around a vertex of the link or a copy of the point, whichever makes better tets: copies alone would come
+  /// ever nearer to the surface, one under the other.
+  bool find_star(Side& side, std::span<const std::uint32_t> blocked) {
+    cavity_.begin(v_, side.tets, side.lids, blocked);
+    const std::vector<std::uint32_t> link = link_of(side);
+    for (const std::uint32_t w : link) cavity_.improve(side.star, w);
+    const ExactPlace exactly = grid_.place(v_);
     const Point start = grid_.points[v_];
-    double best = 0;
-    for (const Vec& way : ways(side))
+    for (const Vec& way : ways(side, link))
       for (double step = 1; step > 1e-9; step *= 0.5) {
-        grid_.points[v_] = start + step * way;
-        const double q = worst_shape(side);
-        if (q <= best) continue;
-        best = q;
-        side.place = grid_.points[v_];
+        grid_.move(v_, start + step * way);
+        if (cavity_.improve(side.star, v_)) side.place = grid_.points[v_];
       }
-    grid_.points[v_] = start;
-    return best > 0;
+    grid_.place_exactly(v_, exactly);
+    return side.star.worst > 0;
   }
 
-  /// To the middle of the link, and along the mean of the facets' normals.
-  std::vector<Vec> ways(const Side& side) const {
-    const Point& p = grid_.points[v_];
+  std::vector<std::uint32_t> link_of(const Side& side) const {
+    std::vector<std::uint32_t> link;
+    for (const std::uint32_t t : side.tets)
+      for (const std::uint32_t v : grid_.tets[t].v)
+        if (v != v_) link.push_back(v);
+    std::sort(link.begin(), link.end());
+    link.erase(std::unique(link.begin(), link.end()), link.end());
+    return link;
+  }
+
+  /// To the middle of the link, along the mean of the facets' normals, and between.
+  std::vector<Vec> ways(const Side& side, const std::vector<std::uint32_t>& link) const {
+    const double share = 1 / double(link.size());
     Vec middle, normals;
-    double count = 0, length = 0;
-    for (const Tet4& t : side.fresh)
-      for (int i = 0; i < 4; ++i) {
-        if (t[i] == v_) continue;
-        const Vec d = grid_.points[t[i]] - p;
-        middle += d;
-        length += norm(d);
-        ++count;
-      }
-    for (std::size_t i = side.tets.size(); i < side.fresh.size(); ++i) {
-      const Tet4& t = side.fresh[i];
-      const Vec n = cross(grid_.points[t[1]] - grid_.points[t[0]], grid_.points[t[2]] - grid_.points[t[0]]);
-      normals += (1 / norm(n)) * n;
+    double length = 0;
+    for (const std::uint32_t w : link) {
+      const Vec d = grid_.points[w] - grid_.points[v_];
+      middle += share * d;
+      length += share * norm(d);
     }
-    const double size = norm(normals);
-    std::vector<Vec> result = {(1 / count) * middle};
-    if (size > 0) result.push_back((length / count / size) * normals);
-    if (size > 0) result.push_back(0.5 * (result[0] + result[1]));
+    for (const auto& [a, b, c] : side.lids) {
+      const Vec n = cross(grid_.points[b] - grid_.points[a], grid_.points[c] - grid_.points[a]);
+      if (norm(n) > 0) normals += (1 / norm(n)) * n;
+    }
+    std::vector<Vec> result = {middle};
+    if (norm(normals) > 0) result.push_back((length / norm(normals)) * normals);
+    if (norm(normals) > 0) result.push_back(0.5 * (result[0] + result[1]));
     return result;
   }
 
-  double worst_shape(const Side& side) const {
-    double worst = 1;
-    for (const Tet4& t : side.fresh)
-      if (worst > 0) worst = std::min(worst, grid_.shape(t));
-    return worst;
-  }
-
-  /// Every side gets a new vertex: faces that end at the old one are no part of the new tets.
+  /// Every side is filled: faces that end at the point are no part of the new tets.
   void commit() {
-    std::vector<Tet4> fresh;
     std::vector<FacetFace> facets;
-    for (const Side& side : sides_) {
-      const std::uint32_t v = grid_.add_point(side.place);
-      for (Tet4 t : side.fresh) {
-        std::replace(t.begin(), t.end(), v_, v);
-        fresh.push_back(t);
-      }
-    }
     for (const Opening& o : openings_)
       for (const Face3& t : o.triangles) facets.push_back({t, o.facet});
-    grid_.replace(ball_, fresh, facets);
-    grid_.vertex_tet[v_] = kNothing;
+    Star all;
+    for (Side& side : sides_) {
+      if (holds(side.star, v_)) replace_vertex(side.star, grid_.add_point(side.place));
+      all.old.insert(all.old.end(), side.star.old.begin(), side.star.old.end());
+      all.fresh.insert(all.fresh.end(), side.star.fresh.begin(), side.star.fresh.end());
+    }
+    fill(grid_, all, facets);
+  }
+
+  static bool holds(const Star& star, std::uint32_t v) { return star.fresh.front()[3] == v; }
+  static void replace_vertex(Star& star, std::uint32_t v) {
+    for (Tet4& t : star.fresh) t[3] = v;
   }
 
   Recovery& r_;
@@ -260,10 +257,28 @@ class Lift {
   std::vector<std::uint32_t> ball_;
   std::vector<Opening> openings_;
   std::vector<Side> sides_;
+  StarCavity cavity_;
 };
+
+std::uint32_t facet_at(const Recovery& r, const std::vector<std::uint32_t>& ball) {
+  for (const std::uint32_t t : ball)
+    for (const std::uint32_t facet : r.grid.tets[t].facet)
+      if (facet != kNothing) return facet;
+  return kNothing;
+}
 
 }  // namespace
 
 std::uint64_t lift_steiner_points(Recovery& r) { return Lift(r).run(); }
+
+void round_steiner_points(Recovery& r) {
+  std::vector<std::uint32_t> ball;
+  for (const SteinerPoint& s : r.steiner) {
+    r.grid.move(s.vertex, r.grid.points[s.vertex]);
+    r.grid.ball(s.vertex, ball);
+    for (const std::uint32_t t : ball)
+      if (!r.grid.positive(r.grid.tets[t].v)) throw_too_thin(facet_at(r, ball));
+  }
+}
 
 }  // namespace weft::meshing

@@ -158,13 +158,14 @@ class EdgeRecovery {
     const std::uint32_t p = apex(o.tet), q = apex(far);
     const Face3 w = grid_.face(o.tet, grid_.local_index(o.tet, p));
     std::array<Tet4, 3> fresh;
-    int crossed = 0;
+    int crossed = 0, slivers = -grid_.sliver(grid_.tets[o.tet].v) - grid_.sliver(grid_.tets[far].v);
     for (std::size_t i = 0; i < 3; ++i) {
       fresh[i] = {w[i], w[(i + 1) % 3], q, p};
       if (!grid_.positive(fresh[i])) return false;
+      slivers += grid_.sliver(fresh[i]);
       crossed += crosses(w[i], p, q);
     }
-    if (crossed > 0) return false;
+    if (crossed > 0 || slivers > 0) return false;
     const std::array<std::uint32_t, 2> old = {o.tet, far};
     grid_.replace(old, fresh);
     ++r_.flips;
@@ -175,10 +176,13 @@ class EdgeRecovery {
     if (u == s || u == t || v == s || v == t) return false;
     const std::uint32_t tet = grid_.tet_with_edge(u, v);
     grid_.shell(tet, u, v, shell_);
-    int now = 0;
+    int now = r_.sliver_cost(shell_.tets);
     for (const std::uint32_t w : shell_.ring) now += crosses(u, v, w);
     return remove_edge(
-        r_, u, v, now, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { return crosses(a, b, c); },
+        r_, u, v, now,
+        [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+          return r_.sliver_cost({a, b, c, v}) + r_.sliver_cost({b, a, c, u}) + crosses(a, b, c);
+        },
         [&](std::uint32_t a, std::uint32_t b) { return crosses(a, b, u) + crosses(a, b, v); });
   }
 
@@ -195,34 +199,40 @@ class EdgeRecovery {
   std::uint32_t add_steiner(std::uint32_t e, std::uint32_t s, std::uint32_t t) {
     trace(s, t);
     std::vector<std::pair<double, const Obstacle*>> choice;
-    for (const Obstacle& o : obstacles_) choice.emplace_back(place(o), &o);
-    std::sort(choice.begin(), choice.end(),
-              [](const auto& a, const auto& b) { return std::abs(a.first - 0.5) < std::abs(b.first - 0.5); });
+    for (const Obstacle& o : obstacles_) choice.emplace_back(std::abs(place(o) - 0.5), &o);
+    std::sort(choice.begin(), choice.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     const std::uint32_t v = grid_.add_point({});
     r_.steiner.push_back({v, e, kNothing});
-    for (const bool exactly : {true, false})
-      for (const auto& [x, obstacle] : choice) {
-        const Point& p = grid_.points[s];
-        grid_.points[v] = p + x * (grid_.points[t] - p);
-        if (exactly ? insert(*obstacle, v) : insert_near(*obstacle, v)) return v;
-      }
+    for (const auto& [x, obstacle] : choice) {
+      grid_.place_exactly(v, meeting(e, *obstacle));
+      if (!insert(*obstacle, v)) continue;
+      relax_on_edge(r_, v, s == r_.edges[e].a ? 0 : grid_.place(s).s.terms[0],
+                    t == r_.edges[e].b ? 1 : grid_.place(t).s.terms[0]);
+      return v;
+    }
     fail();
   }
 
-  /// Where on the way the obstacle is, in (0, 1).
+  /// About where on the way the obstacle is, in (0, 1).
   double place(const Obstacle& o) const {
     const auto& p = grid_.points;
-    // For an edge any third point off the plane that it and the way are in makes a face.
-    if (o.z == kNothing) return place_on_edge(p[o.x], p[o.y]);
-    const double ds = six_volume(p[o.x], p[o.y], p[o.z], p[s_]);
-    const double dt = six_volume(p[o.x], p[o.y], p[o.z], p[t_]);
-    return std::clamp(ds / (ds - dt), 0.0, 1.0);
+    const std::uint32_t z = third(o);
+    const double ds = six_volume(p[o.x], p[o.y], p[z], p[s_]), dt = six_volume(p[o.x], p[o.y], p[z], p[t_]);
+    return ds == dt ? 0.5 : std::clamp(ds / (ds - dt), 0.0, 1.0);
   }
 
-  double place_on_edge(const Point& x, const Point& y) const {
-    const Vec way = grid_.points[t_] - grid_.points[s_], edge = y - x, gap = x - grid_.points[s_];
-    const Vec normal = cross(way, edge);
-    return std::clamp(dot(cross(gap, edge), normal) / norm2(normal), 0.0, 1.0);
+  /// A vertex that makes a face of the obstacle, off the plane that an edge and the way are in.
+  std::uint32_t third(const Obstacle& o) const {
+    if (o.z != kNothing) return o.z;
+    for (const std::uint32_t v : grid_.tets[o.tet].v)
+      if (v != o.x && v != o.y && grid_.orient(o.x, o.y, v, s_) != 0) return v;
+    return kNothing;
+  }
+
+  /// Where the input edge meets the obstacle.
+  ExactPlace meeting(std::uint32_t e, const Obstacle& o) const {
+    return place_on_edge(grid_.points[r_.edges[e].a], grid_.points[r_.edges[e].b],
+                         {grid_.place(o.x), grid_.place(o.y), grid_.place(third(o))});
   }
 
   bool insert(const Obstacle& o, std::uint32_t v) {
@@ -237,11 +247,6 @@ class EdgeRecovery {
       if (insert_steiner(r_, shell_.tets, v)) return true;
     }
     return false;
-  }
-
-  bool insert_near(const Obstacle& o, std::uint32_t v) {
-    grid_.shell(o.tet, o.x, o.y, shell_);
-    return insert_steiner_near(r_, shell_.tets, v, norm(grid_.points[t_] - grid_.points[s_]), false);
   }
 
   [[noreturn]] void throw_touching(std::uint32_t v) const {

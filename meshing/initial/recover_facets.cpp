@@ -1,10 +1,7 @@
 // Facets become grid faces by a front that grows from their edges; a grid edge in its way is swapped away or
 // split where the facet cuts it.
-#include <fmt/format.h>
-
 #include <algorithm>
 
-#include "meshing/error.h"
 #include "meshing/initial/recovery.h"
 
 namespace weft::meshing {
@@ -27,6 +24,7 @@ class FacetRecovery {
 
   void recover() {
     front_.clear();
+    apex_ = r_.above(facet_);
     for (std::size_t i = 0; i < 3; ++i) add_border(i);
     while (!front_.empty()) {
       const auto [s, t] = front_.back();
@@ -96,9 +94,7 @@ class FacetRecovery {
   }
 
   bool stands_left(std::uint32_t s, std::uint32_t t, std::uint32_t v) const {
-    const auto& p = grid_.points;
-    const Vec normal = cross(p[corners()[1]] - p[corners()[0]], p[corners()[2]] - p[corners()[0]]);
-    return dot(cross(p[t] - p[s], p[v] - p[s]), normal) > 0;
+    return grid_.orient(s, t, v, apex_) > 0;
   }
 
   /// Whether face (s, t, v) of the tet is part of a facet already.
@@ -133,8 +129,12 @@ class FacetRecovery {
   }
 
   bool swap_away(const Beyond& b) {
+    grid_.shell(b.tet, b.below, b.above, shell_);
     return remove_edge(
-        r_, b.below, b.above, 1, [](std::uint32_t, std::uint32_t, std::uint32_t) { return 0; },
+        r_, b.below, b.above, r_.sliver_cost(shell_.tets) + 1,
+        [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+          return r_.sliver_cost({x, y, z, b.above}) + r_.sliver_cost({y, x, z, b.below});
+        },
         [&](std::uint32_t u, std::uint32_t v) { return cuts(u, v); });
   }
 
@@ -150,34 +150,23 @@ class FacetRecovery {
     if (r_.edge_at.contains(Recovery::key(b.below, b.above))) fail();
     grid_.shell(b.tet, b.below, b.above, shell_);
     const std::uint32_t v = grid_.add_point({});
-    const Point& p = grid_.points[b.below];
-    const Vec edge = grid_.points[b.above] - p;
-    grid_.points[v] = p + cut_place(b) * edge;
-    if (!insert_steiner(r_, shell_.tets, v) && !insert_steiner_near(r_, shell_.tets, v, norm(edge), true))
-      fail();
+    const auto& p = grid_.points;
+    const auto& [x, y, z] = corners();
+    grid_.place_exactly(v, place_on_facet({p[x], p[y], p[z]}, grid_.place(b.below), grid_.place(b.above)));
+    if (!insert_steiner(r_, shell_.tets, v)) fail();
+    relax_on_facet(r_, v);
     put_on_facet(v);
     r_.steiner.push_back({v, kNothing, facet_});
   }
 
-  /// Where on the edge the facet's plane cuts it, in (0, 1).
-  double cut_place(const Beyond& b) const {
-    const auto& p = grid_.points;
-    const auto& [x, y, z] = corners();
-    const double below = six_volume(p[x], p[y], p[z], p[b.below]);
-    const double above = six_volume(p[x], p[y], p[z], p[b.above]);
-    return std::clamp(below / (below - above), 0.0, 1.0);
-  }
-
-  [[noreturn]] void fail() const {
-    throw InputError("", fmt::format("triangle {}", facet_ + 1),
-                     "cannot be made part of a mesh: the surface is too thin there for double precision");
-  }
+  [[noreturn]] void fail() const { throw_too_thin(facet_); }
 
   Recovery& r_;
   TetGrid& grid_;
   std::uint32_t facet_ = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> front_;
   std::vector<std::uint32_t> on_facet_;
+  Point apex_;  ///< above the facet, for orientations in its plane
   TetGrid::EdgeShell shell_;
 };
 

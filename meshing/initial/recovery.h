@@ -30,10 +30,22 @@ struct Recovery {
   std::vector<SteinerPoint> steiner;
   std::uint64_t flips = 0;
 
+  /// A point off the facet's plane, on the side from which it turns counter-clockwise.
+  Point above(std::uint32_t facet) const;
+
+  /// What a tet, or the slivers among some, count for in exchanges: more than any obstacle to recovery,
+  /// because slivers multiply.
+  int sliver_cost(const Tet4& v) const { return grid.sliver(v) ? kSliverCost : 0; }
+  int sliver_cost(std::span<const std::uint32_t> tets) const;
+  static constexpr int kSliverCost = 10000;
+
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
   }
 };
+
+/// Throws InputError: the facet cannot be made part of a mesh.
+[[noreturn]] void throw_too_thin(std::uint32_t facet);
 
 /// Swaps away tets that are flat to rounding (of cospherical points in one plane): they leave Steiner points
 /// no room.
@@ -43,18 +55,19 @@ void remove_slivers(Recovery& r);
 void list_input_edges(Recovery& r);
 
 /// Connects point v to a cavity around it that starts as `seed` (the tets of the face or edge that it is on)
-/// and grows beyond faces that v does not see. False, and nothing done, where a facet, an input edge or a
-/// vertex would be lost.
+/// and grows beyond faces that v does not see or, if that can be, sees too flatly. False, and nothing done,
+/// where a facet, an input edge or a vertex would be lost.
 bool insert_steiner(Recovery& r, std::span<const std::uint32_t> seed, std::uint32_t v);
 
-/// The same for a point that flat tets (of coplanar input points, say) leave no room: v is moved by up to
-/// 1e-4 of `scale`, as little as will do, and put into the one of `tets` that holds it, or (`split_all`) into
-/// all of them. Harmless, because Steiner points leave the surface in the end.
-bool insert_steiner_near(Recovery& r, std::span<const std::uint32_t> tets, std::uint32_t v, double scale,
-                         bool split_all);
+/// Moves the Steiner point v along its input edge, between two parameters, to where the worst tet of its ball
+/// is best.
+void relax_on_edge(Recovery& r, std::uint32_t v, double least, double most);
+
+/// The same within a facet that is not yet marked.
+void relax_on_facet(Recovery& r, std::uint32_t v);
 
 /// Makes every input edge a chain of grid edges: flips where they do, Steiner points on the edge elsewhere.
-/// Throws InputError naming the ends (1-based) where not even that is possible in doubles.
+/// Throws InputError naming the ends (1-based) where not even that is possible.
 void recover_edges(Recovery& r);
 
 /// Makes every facet a set of grid faces and marks them: flips where they do, Steiner points where the facet
@@ -62,15 +75,16 @@ void recover_edges(Recovery& r);
 void recover_facets(Recovery& r);
 
 /// Moves Steiner points off the surface into the tets beside it, one copy for each side, and closes the
-/// facets without them: the surface is then the input's, triangle by triangle. Those that rounding forbids to
-/// move stay; returns their number. Only tets that are in use may be in the grid.
+/// facets without them: the surface is then the input's, triangle by triangle. Those that find no
+/// room there stay; returns their number. Only tets that are in use may be in the grid.
 std::uint64_t lift_steiner_points(Recovery& r);
 
-/// Merges points from `first` on that lie inside and have poor tets into neighbours, or moves them.
-void settle_added_points(Recovery& r, std::uint32_t first);
+/// Puts those that are left at doubles. Throws InputError naming the triangle where that would turn a tet
+/// over.
+void round_steiner_points(Recovery& r);
 
-/// Adds points beside tets that two facets hold flat, and opens them.
-void open_flat_tets(Recovery& r);
+/// Gives the worst tets better neighbourhoods, with added points or without those that are.
+void improve_tets(Recovery& r);
 
 /// Exchanges the tets around edge (a, b) for tets on the triangulation of its ring of least cost, where that
 /// is below `limit`: `triangle_cost(r, s, t)` for each ring triangle and `diagonal_cost(r, s)` for each

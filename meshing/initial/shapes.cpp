@@ -1,4 +1,4 @@
-// Divides icosahedron faces and cylinder rings; lists the triangles of the delta wing.
+// Divides icosahedron faces and cylinder rings; lists and halves the triangles of the delta wing.
 #include "meshing/initial/shapes.h"
 
 #include <fmt/format.h>
@@ -143,6 +143,51 @@ void add_disk(MeshData& m, const CylinderOptions& o, const std::vector<std::uint
   add_annulus(m, outer, {add_point(m, center)}, up, ref);
 }
 
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The longest edge of a triangle and its length; equal ones are told apart by their vertices.
+std::pair<double, Edge> longest_edge(const MeshData& m, const Triangle& t) {
+  std::pair<double, Edge> longest;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+    longest = std::max(longest, {norm(m.points[b] - m.points[a]), Edge{a, b}});
+  }
+  return longest;
+}
+
+/// Triangle i becomes its half at the edge's second end; the other half is added.
+void halve(MeshData& m, std::uint32_t i, const Edge& edge, std::uint32_t middle) {
+  Triangle other = m.triangles[i];
+  std::replace(m.triangles[i].begin(), m.triangles[i].end(), edge.first, middle);
+  std::replace(other.begin(), other.end(), edge.second, middle);
+  add_triangle(m, other[0], other[1], other[2], m.triangle_refs[i]);
+}
+
+/// Halves every edge that is longer than `size` and the longest of all its triangles that have a reference up
+/// to `last_ref`; false when there is none.
+bool halve_long_edges(MeshData& m, double size, std::int32_t last_ref) {
+  std::map<Edge, std::vector<std::uint32_t>> triangles_of;
+  for (std::uint32_t i = 0; i < m.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      triangles_of[std::minmax(m.triangles[i][k], m.triangles[i][(k + 1) % 3])].push_back(i);
+  std::vector<bool> halved(m.triangles.size());
+  bool any = false;
+  for (const auto& [edge, at] : triangles_of) {
+    const double length = norm(m.points[edge.second] - m.points[edge.first]);
+    const auto counts = [&](std::uint32_t i) { return m.triangle_refs[i] <= last_ref; };
+    const auto refuses = [&](std::uint32_t i) {
+      return halved[i] || (counts(i) && longest_edge(m, m.triangles[i]).second != edge);
+    };
+    if (length <= size || std::none_of(at.begin(), at.end(), counts) ||
+        std::any_of(at.begin(), at.end(), refuses))
+      continue;
+    const std::uint32_t middle = add_point(m, midpoint(m.points[edge.first], m.points[edge.second]));
+    for (const std::uint32_t i : at) halve(m, i, edge, middle), halved[i] = true;
+    any = true;
+  }
+  return any;
+}
+
 }  // namespace
 
 MeshData ball_surface(const BallOptions& options) {
@@ -172,7 +217,7 @@ MeshData cylinder_surface(const CylinderOptions& o) {
   return m;
 }
 
-MeshData delta_wing_surface() {
+MeshData delta_wing_surface(const DeltaWingOptions& options) {
   constexpr double t = -0.0244161374866962433, a = 0.157828390598297119, slope = 0.267949223518371582;
   constexpr double x = 6.36942720413208008, y = 5.30785608291625977;
   MeshData m;
@@ -197,6 +242,10 @@ MeshData delta_wing_surface() {
        {9, 6, 8, 9},   {9, 6, 9, 7},   {10, 10, 11, 13}, {10, 10, 13, 12}, {7, 6, 3, 0},   {7, 6, 0, 10},
        {7, 10, 0, 1},  {7, 10, 1, 11}, {7, 11, 1, 7},    {7, 1, 2, 7},     {7, 7, 2, 3},   {7, 7, 3, 6}}};
   for (const auto& [ref, p, q, r] : triangles) add_triangle(m, p, q, r, static_cast<std::int32_t>(ref));
+  constexpr std::int32_t last_of_wing = 4;
+  if (options.size > 0) parts(1, options.size, 1);
+  while (options.size > 0 && halve_long_edges(m, options.size, last_of_wing)) {
+  }
   return m;
 }
 

@@ -21,8 +21,11 @@ struct CylinderOptions {
 /// An upright cylinder. References: 1 side, 2 lower end, 3 upper end; the end circles are ridges.
 MeshData cylinder_surface(const CylinderOptions& options);
 
-/// UGAWG's delta wing in its far-field box, of the fewest triangles there are. References: 1 top, 2 bottom, 3
-/// bevel, 4 back face, 5 x min, 6 x max, 7 symmetry plane y = 0, 8 y max, 9 z min, 10 z max.
-MeshData delta_wing_surface();
+struct DeltaWingOptions {
+  double size = 0;  ///< longest edge on the wing; 0: as few triangles as there can be
+};
+/// UGAWG's delta wing in its far-field box. References: 1 top, 2 bottom, 3 bevel, 4 back face, 5 x min, 6 x
+/// max, 7 symmetry plane y = 0, 8 y max, 9 z min, 10 z max. Throws InputError as ball_surface() does.
+MeshData delta_wing_surface(const DeltaWingOptions& options = {});
 
 }  // namespace weft::meshing

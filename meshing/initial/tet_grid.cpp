@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "meshing/predicates.h"
 
@@ -20,16 +21,54 @@ std::uint32_t TetGrid::add_point(const Point& p) {
   return static_cast<std::uint32_t>(points.size() - 1);
 }
 
+void TetGrid::place_exactly(std::uint32_t v, const ExactPlace& place) {
+  if (exact_.size() <= v) exact_.resize(v + 1, kNothing);
+  exact_[v] = static_cast<std::uint32_t>(places_.size());
+  places_.push_back(place);
+  points[v] = place.rounded();
+}
+
+void TetGrid::move(std::uint32_t v, const Point& p) {
+  if (is_exact(v)) exact_[v] = kNothing;
+  points[v] = p;
+}
+
+ExactPlace TetGrid::place(std::uint32_t v) const {
+  return is_exact(v) ? places_[exact_[v]] : ExactPlace::at(points[v]);
+}
+
 int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d))
+    return orientation(place(a), place(b), place(c), place(d));
   return orientation(points[a], points[b], points[c], points[d]);
 }
 
-double TetGrid::shape(const Tet4& v) const {
-  if (!positive(v)) return 0;
+int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Point& d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c))
+    return orientation(place(a), place(b), place(c), ExactPlace::at(d));
+  return orientation(points[a], points[b], points[c], d);
+}
+
+double TetGrid::shape(const Tet4& v) const { return shape_above(v, 0); }
+
+double TetGrid::shape_above(const Tet4& v, double enough) const {
   double edges = 0;
   for (const auto& e : kTetEdges) edges += norm2(points[v[e[0]]] - points[v[e[1]]]);
   const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
-  return std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+  const double shape = std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+  if (enough > 0 && shape <= enough) return 0;
+  return positive(v) ? shape : 0;
+}
+
+bool TetGrid::sliver(const Tet4& v) const {
+  double shortest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const auto& e : kTetEdges) shortest = std::min(shortest, norm2(points[v[e[0]]] - points[v[e[1]]]));
+  for (const auto& f : kTetFaces) {
+    const Point& a = points[v[f[0]]];
+    largest = std::max(largest, norm2(cross(points[v[f[1]]] - a, points[v[f[2]]] - a)));
+  }
+  const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+  return volume < 1e-9 * std::sqrt(largest * shortest);
 }
 
 int TetGrid::local_index(std::uint32_t t, std::uint32_t v) const {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/initial/exact_place.h"
 #include "meshing/point.h"
 #include "meshing/tet_tables.h"
 
@@ -42,11 +43,21 @@ class TetGrid {
   std::vector<std::uint32_t> vertex_tet;  ///< of each point: one tet that holds it, kNothing without
 
   std::uint32_t add_point(const Point& p);
+  /// Puts point v where doubles cannot: `points` has it rounded, orient() takes it exactly. move() ends that.
+  void place_exactly(std::uint32_t v, const ExactPlace& place);
+  void move(std::uint32_t v, const Point& p);
+  /// Where v is, exactly.
+  ExactPlace place(std::uint32_t v) const;
   bool alive(std::uint32_t t) const { return tets[t].v[0] != tets[t].v[1]; }
   int orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const;
+  int orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Point& d) const;
   bool positive(const Tet4& v) const { return orient(v[0], v[1], v[2], v[3]) > 0; }
   /// Six times the volume over (sum of squared edges)^1.5; 0 for a tet that is not positive exactly.
   double shape(const Tet4& v) const;
+  /// The same where it is above `enough`, else 0, without exact arithmetic unless that is needed to tell.
+  double shape_above(const Tet4& v, double enough) const;
+  /// Whether the tet is flatter than 1e-9 of its shortest edge.
+  bool sliver(const Tet4& v) const;
   /// Vertices of a face, its tet on their positive side.
   Face3 face(std::uint32_t t, int f) const {
     const Tet4& v = tets[t].v;
@@ -85,6 +96,11 @@ class TetGrid {
   bool mark(std::uint32_t t) { return marks_[t] != stamp_ && (marks_[t] = stamp_, true); }
   bool marked(std::uint32_t t) const { return marks_[t] == stamp_; }
 
+  bool is_exact(std::uint32_t v) const { return v < exact_.size() && exact_[v] != kNothing; }
+
+  std::vector<std::uint32_t>
+      exact_;  ///< of each point: its number in places_, kNothing or beyond for plain ones
+  std::vector<ExactPlace> places_;
   std::vector<std::uint32_t> free_, slots_, around_;
   std::vector<Side> sides_;
   std::vector<std::uint32_t> marks_;

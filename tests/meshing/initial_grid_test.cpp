@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <random>
 #include <set>
 
 #include "meshing/check_mesh.h"
 #include "meshing/initial/shapes.h"
+#include "meshing/io/mesh_file.h"
 #include "tests/meshing/initial_support.h"
 
 namespace weft::meshing {
@@ -63,6 +66,53 @@ TEST(InitialGrid, OfBumpySurfaces) {
     MeshData surface = ball(0.25);
     for (Point& p : surface.points) p = at(random) * p;
     EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGrid, OfPrismsWithEndsOfNeedles) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    std::mt19937 random(seed);
+    const int teeth = 3 + static_cast<int>(random() % 30);
+    const MeshData surface = support::prism(support::gear_outline(teeth), random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGrid, OfTurnedPrismsWhoseEndsArePlanarUpToRounding) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 random(seed);
+    const int teeth = 3 + static_cast<int>(random() % 12);
+    const MeshData surface = support::turned(support::prism(support::gear_outline(teeth), random), random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGrid, OfBoxesInRandomNeedles) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 random(seed);
+    MeshData surface = support::prism(support::square_outline(2 + random() % 10, random), random);
+    if (seed % 2 == 0) surface = support::turned(surface, random);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(surface), 1e-9) << seed;
+  }
+}
+
+TEST(InitialGridCases, OfTheDeltaWingsSurfaceWithItsBoundaryLayers) {
+  const char* given = std::getenv("WEFT_CASES");
+  const auto start = std::filesystem::path(given ? given : WEFT_CASES) / "delta-wing" / "start.meshb";
+  if (!std::filesystem::exists(start)) GTEST_SKIP() << "NOT TESTED: no " << start << " (set WEFT_CASES)";
+  const MeshData surface = read_mesh(start.string());
+  EXPECT_NEAR(volume(grid_of(surface)), std::abs(enclosed_volume(surface)), 1e-6);
+}
+
+TEST(InitialGrid, OfTheDeltaWingWithSizes) {
+  for (const double size : {0.3, 0.1}) {
+    const MeshData surface = delta_wing_surface({size});
+    for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3 && surface.triangle_refs[i] <= 4; ++k)
+        EXPECT_LE(
+            norm(surface.points[surface.triangles[i][k]] - surface.points[surface.triangles[i][(k + 1) % 3]]),
+            size);
+    EXPECT_NEAR(volume(grid_of(surface)), enclosed_volume(delta_wing_surface()), 1e-9);
   }
 }
 

@@ -44,7 +44,8 @@ class Whole {
   std::unique_ptr<Background> background;
 };
 
-Point random_point_in(const std::array<std::uint32_t, 4>& tet, const std::vector<Point>& points, std::mt19937& random) {
+Point random_point_in(const std::array<std::uint32_t, 4>& tet, const std::vector<Point>& points,
+                      std::mt19937& random) {
   std::exponential_distribution<double> weight(1);
   std::array<double, 4> w;
   double sum = 0;
@@ -55,7 +56,8 @@ Point random_point_in(const std::array<std::uint32_t, 4>& tet, const std::vector
 }
 
 void expect_same(const LogMetric& a, const LogMetric& b) {
-  for (const auto member : {&LogMetric::xx, &LogMetric::xy, &LogMetric::yy, &LogMetric::xz, &LogMetric::yz, &LogMetric::zz})
+  for (const auto member :
+       {&LogMetric::xx, &LogMetric::xy, &LogMetric::yy, &LogMetric::xz, &LogMetric::yz, &LogMetric::zz})
     EXPECT_NEAR(a.*member, b.*member, 1e-9);
 }
 
@@ -71,12 +73,14 @@ void expect_answers(const BackgroundStore& store, const Whole& whole, unsigned s
     const auto place = store.background().locate(p, static_cast<std::uint32_t>(random() % mesh.tets.size()));
     EXPECT_EQ(place.distance2, 0);
     LogMetric there;
-    for (int k = 0; k < 4; ++k) there = there + place.at[k] * store.background().log_metric(mesh.tets[place.tet][k]);
+    for (int k = 0; k < 4; ++k)
+      there = there + place.at[k] * store.background().log_metric(mesh.tets[place.tet][k]);
     expect_same(there, expected);
   }
 }
 
-std::vector<SubdomainId> parts(const meshing::MeshData& mesh, std::uint32_t count, unsigned way, unsigned seed) {
+std::vector<SubdomainId> parts(const meshing::MeshData& mesh, std::uint32_t count, unsigned way,
+                               unsigned seed) {
   Scene scene;
   scene.mesh = mesh;
   cut_at_random(scene, count, way, seed);
@@ -127,7 +131,8 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
     BackgroundStore joined;
     for (std::size_t i = 0; i < all.size();) {
       const std::size_t end = std::min(all.size(), i + 1 + random() % 4);
-      Pieces some(all.begin() + static_cast<std::ptrdiff_t>(i), all.begin() + static_cast<std::ptrdiff_t>(end));
+      Pieces some(all.begin() + static_cast<std::ptrdiff_t>(i),
+                  all.begin() + static_cast<std::ptrdiff_t>(end));
       some.push_back(all[random() % end]);  // is here already, or comes twice
       joined.add(some);
       i = end;

@@ -82,8 +82,7 @@ class Cutting {
 
   /// Its number in the subdomain.
   std::uint32_t add_vertex(partition::SubdomainStart& s, std::uint32_t v) {
-    const auto [at, is_new] =
-        local_[s.subdomain].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
+    const auto [at, is_new] = local_[s.subdomain].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
     if (!is_new) return at->second;
     const meshing::TetMesh& whole = *imported_.mesh;
     s.points.push_back(mesh_.points[v]);
@@ -120,7 +119,8 @@ class Cutting {
   std::vector<std::set<partition::SubdomainId>> holders_;
   std::vector<bool> delicate_;
   std::vector<partition::SubdomainStart> starts_;
-  std::vector<std::map<std::uint32_t, std::uint32_t>> local_;  ///< of each subdomain: number in the input -> its own
+  std::vector<std::map<std::uint32_t, std::uint32_t>>
+      local_;  ///< of each subdomain: number in the input -> its own
 };
 
 }  // namespace weft::support

@@ -94,9 +94,11 @@ TEST(Interface, PlacesAreUnknownUntilSet) {
 }
 
 TEST(SortUnique, SortsByVertexThenSubdomain) {
-  std::vector<Holder> lines{{GlobalId(1, 0), 3}, {GlobalId(0, 9), 5}, {GlobalId(1, 0), 2}, {GlobalId(0, 9), 5}};
+  std::vector<Holder> lines{
+      {GlobalId(1, 0), 3}, {GlobalId(0, 9), 5}, {GlobalId(1, 0), 2}, {GlobalId(0, 9), 5}};
   sort_unique(lines);
-  EXPECT_THAT(lines, ElementsAre(Holder{GlobalId(0, 9), 5}, Holder{GlobalId(1, 0), 2}, Holder{GlobalId(1, 0), 3}));
+  EXPECT_THAT(lines,
+              ElementsAre(Holder{GlobalId(0, 9), 5}, Holder{GlobalId(1, 0), 2}, Holder{GlobalId(1, 0), 3}));
 }
 
 TEST(GlobalIds, DerivedNamesAreApartFromCountedOnes) {

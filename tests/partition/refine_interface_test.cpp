@@ -23,7 +23,9 @@ using meshing::VertexId;
 using EdgeName = std::pair<GlobalId, GlobalId>;
 using Edges = std::map<EdgeName, std::pair<VertexId, VertexId>>;
 
-EdgeName name_of(const Subdomain& s, VertexId a, VertexId b) { return std::minmax(s.global_id(a), s.global_id(b)); }
+EdgeName name_of(const Subdomain& s, VertexId a, VertexId b) {
+  return std::minmax(s.global_id(a), s.global_id(b));
+}
 
 /// The edges of the faces beyond which others have their tets.
 Edges interface_edges(const Subdomain& s, const Geometry& geometry) {
@@ -51,7 +53,8 @@ bool must_stay(const Subdomain& s, const Geometry& geometry, VertexId a, VertexI
          (curve.valid() && geometry.surface.curves()[curve.value].required);
 }
 
-/// From a vertex whose long edges may have to stay to a new one: the one kind of long edge that may be left besides.
+/// From a vertex whose long edges may have to stay to a new one: the one kind of long edge that may be left
+/// besides.
 bool may_near_what_stays(const Subdomain& s, VertexId a, VertexId b) {
   constexpr int kKept = meshing::kOnCurved | meshing::kFixed;
   const auto leads = [&](VertexId from, VertexId to) {
@@ -89,6 +92,21 @@ TEST(RefineInterface, AllSidesAgree) {
   EXPECT_GT(new_vertices, 10000u);
 }
 
+/// Equal lengths everywhere, and vertices numbered differently in every subdomain.
+TEST(RefineInterface, TiesAreBrokenAlike) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    Scene scene;
+    scene.mesh = unit_cube_of_fives(4);  // has faces whose sides are all equal
+    shuffle(scene.mesh, seed);
+    scene.log_metrics = uniform_metric(scene.mesh, 0.07);
+    cut_at_random(scene, 6, seed % 3, seed);
+    const Cut cut = scene.cut();
+    Rounds rounds = refined(scene, cut);
+    expect_sound(rounds, totals_of(scene.mesh));
+  }
+}
+
 TEST(RefineInterface, LeavesNoLongEdgeThatMayBeSplit) {
   const meshing::Limits limits;
   for_random_scenes(4, [&](const Scene& scene, const Cut& cut) {
@@ -116,7 +134,8 @@ TEST(RefineInterface, SplitsNoEdgeThatMustStay) {
     rounds.refine_interfaces();
     for (const Subdomain& s : rounds.subdomains()) {
       const Edges now = interface_edges(s, cut.geometry);
-      for (const EdgeName& name : kept[s.id]) EXPECT_TRUE(now.contains(name)) << name.first << ' ' << name.second;
+      for (const EdgeName& name : kept[s.id])
+        EXPECT_TRUE(now.contains(name)) << name.first << ' ' << name.second;
     }
   });
 }

@@ -54,12 +54,12 @@ class Rounds {
 
   ForEach<partition::GlobalId> wants() const {
     ForEach<partition::GlobalId> ids;
-    for (const auto& s : subdomains_) ids.push_back(partition::wanted(s));
+    for (const auto& s : subdomains_) ids.push_back(partition::wanted(s, round_));
     return ids;
   }
 
-  /// Proposals, gathering and scattering. update() must follow, with or without an adaptation between. Returns the
-  /// number of tets that moved.
+  /// Proposals, gathering and scattering. update() must follow, with or without an adaptation between.
+  /// Returns the number of tets that moved.
   std::uint64_t shift(const std::vector<partition::Priority>& priorities) {
     const ForEach<partition::GlobalId> wants = this->wants();
     const ForEach<SubdomainId> neighbours = find_neighbours();
@@ -68,7 +68,8 @@ class Rounds {
       proposals.push_back(propose(subdomains_[i], priorities[i], wants[i]));
     ForEach<partition::Parcel> parcels;
     for (std::size_t i = 0; i < subdomains_.size(); ++i)
-      parcels.push_back(gather(subdomains_[i], priorities[i], wants[i], arrived_at(i, proposals, neighbours), shift_));
+      parcels.push_back(
+          gather(subdomains_[i], priorities[i], wants[i], arrived_at(i, proposals, neighbours), shift_));
     std::uint64_t moved = 0;
     expected_.clear();
     notices_.assign(subdomains_.size(), {});
@@ -77,7 +78,8 @@ class Rounds {
       partition::Scattered r = scatter(subdomains_[i], arrived);
       moved += r.received;
       expected_.push_back(std::move(r.expected));
-      for (auto& [to, notice] : r.notices) notices_[to].emplace(static_cast<SubdomainId>(i), std::move(notice));
+      for (auto& [to, notice] : r.notices)
+        notices_[to].emplace(static_cast<SubdomainId>(i), std::move(notice));
     }
     return moved;
   }
@@ -95,6 +97,7 @@ class Rounds {
       misunderstandings += from != expected_[i];
       update_topology(subdomains_[i], notices);
     }
+    ++round_;
     return misunderstandings;
   }
 
@@ -138,7 +141,8 @@ class Rounds {
   partition::ShiftOptions shift_;
   meshing::AdaptOptions options_;
   std::vector<partition::Subdomain> subdomains_;
-  ForEach<SubdomainId> expected_;                                        ///< senders of notices
+  ForEach<SubdomainId> expected_;                                  ///< senders of notices
+  std::uint64_t round_ = 0;
   std::vector<std::map<SubdomainId, partition::Notice>> notices_;  ///< that are under way, by addressee
 };
 

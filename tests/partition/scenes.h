@@ -1,4 +1,5 @@
-// Small bodies of all kinds with a metric, and ways to cut them: what the steps of the distributed method are tried on.
+// Small bodies of all kinds with a metric, and ways to cut them: what the steps of the distributed method are
+// tried on.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +47,8 @@ inline MeshData two_bodies(std::uint32_t cells) {
   return mesh_of(std::move(points), std::move(tets));
 }
 
-/// Cells of a grid, like those of a chessboard and some more: bodies that touch themselves at edges and vertices.
+/// Cells of a grid, like those of a chessboard and some more: bodies that touch themselves at edges and
+/// vertices.
 inline MeshData touching_cells(std::uint32_t cells, unsigned seed) {
   const MeshData grid = unit_cube(cells);
   std::mt19937 random(seed);

@@ -21,7 +21,8 @@ namespace weft::support {
 using TetName = std::array<partition::GlobalId, 4>;
 
 /// Which subdomain has each tet.
-inline std::map<TetName, partition::SubdomainId> tets_of(const std::vector<partition::Subdomain>& subdomains) {
+inline std::map<TetName, partition::SubdomainId> tets_of(
+    const std::vector<partition::Subdomain>& subdomains) {
   std::map<TetName, partition::SubdomainId> tets;
   for (const auto& s : subdomains)
     for (std::uint32_t i = 0; i < s.mesh->tet_slots(); ++i) {

@@ -1,4 +1,5 @@
-// Shifts on random bodies cut at random: with nothing adapted between, so that every tet can be followed; and with.
+// Shifts on random bodies cut at random: with nothing adapted between, so that every tet can be followed; and
+// with.
 #include "partition/shift.h"
 
 #include <gmock/gmock.h>
@@ -31,7 +32,8 @@ std::uint64_t count(const Rounds::ForEach<GlobalId>& wants) {
 }
 
 /// The holder of highest priority of each wanted vertex.
-std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains, const Rounds::ForEach<GlobalId>& wants,
+std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains,
+                                        const Rounds::ForEach<GlobalId>& wants,
                                         const std::vector<Priority>& priorities) {
   std::map<GlobalId, Priority> winners;
   for (const auto& list : wants)
@@ -42,8 +44,10 @@ std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains, cons
   return winners;
 }
 
-/// Tets at wanted vertices have gone to the highest of these vertices' winners; without layers no others have moved.
-void expect_winners_are_respected(const std::map<TetName, SubdomainId>& before, const std::map<TetName, SubdomainId>& after,
+/// Tets at wanted vertices have gone to the highest of these vertices' winners; without layers no others have
+/// moved.
+void expect_winners_are_respected(const std::map<TetName, SubdomainId>& before,
+                                  const std::map<TetName, SubdomainId>& after,
                                   const std::map<GlobalId, Priority>& winners, int layers) {
   ASSERT_EQ(before.size(), after.size());
   std::size_t lost = 0, wrong = 0;
@@ -55,15 +59,18 @@ void expect_winners_are_respected(const std::map<TetName, SubdomainId>& before, 
     }
     const Priority* first = nullptr;
     for (const GlobalId v : tet)
-      if (const auto at = winners.find(v); at != winners.end() && (!first || *first < at->second)) first = &at->second;
+      if (const auto at = winners.find(v); at != winners.end() && (!first || *first < at->second))
+        first = &at->second;
     if (first || layers == 0) wrong += now->second != (first ? first->subdomain : old_place);
   }
   EXPECT_EQ(lost, 0u);
   EXPECT_EQ(wrong, 0u);
 }
 
-/// A tet that has moved is at most so many layers of points away from a wanted vertex that its new subdomain has won.
-void expect_moves_are_near(const std::map<TetName, SubdomainId>& before, const std::map<TetName, SubdomainId>& after,
+/// A tet that has moved is at most so many layers of points away from a wanted vertex that its new subdomain
+/// has won.
+void expect_moves_are_near(const std::map<TetName, SubdomainId>& before,
+                           const std::map<TetName, SubdomainId>& after,
                            const std::map<GlobalId, Priority>& winners, int layers) {
   std::map<std::pair<GlobalId, SubdomainId>, int> reached;  // vertex and who comes near -> layer
   for (const auto& [id, winner] : winners) reached[{id, winner.subdomain}] = 0;
@@ -81,7 +88,9 @@ void expect_moves_are_near(const std::map<TetName, SubdomainId>& before, const s
           for (const GlobalId v : tet) reached.try_emplace({v, receiver}, layer + 1);
       }
     for (const TetName* tet : tets)
-      EXPECT_TRUE(std::all_of(tet->begin(), tet->end(), [&](GlobalId v) { return reached.contains({v, receiver}); }));
+      EXPECT_TRUE(std::all_of(tet->begin(), tet->end(), [&](GlobalId v) {
+        return reached.contains({v, receiver});
+      }));
   }
 }
 
@@ -105,7 +114,8 @@ void shift_until_free(const Scene& scene, const ShiftOptions& options, unsigned 
     const auto after = tets_of(rounds.subdomains());
     EXPECT_GT(moved, 0u);
     expect_winners_are_respected(before, after, winners, options.layers);
-    if (!options.by_faces && options.layers < 4) expect_moves_are_near(before, after, winners, options.layers);
+    if (!options.by_faces && options.layers < 4)
+      expect_moves_are_near(before, after, winners, options.layers);
     mark_as_free(rounds.subdomains());
     EXPECT_EQ(rounds.update(), 0);
     expect_sound(rounds, totals);
@@ -121,8 +131,8 @@ TEST(Shift, LosesNothingAndFreesEverything) {
   for (unsigned seed = 0; seed < 48; ++seed) {
     const Scene scene = random_scene(seed, 1);
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
-    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " + std::to_string(options.layers) +
-                 (options.by_faces ? " by faces" : " by points"));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " +
+                 std::to_string(options.layers) + (options.by_faces ? " by faces" : " by points"));
     EXPECT_NO_THROW(shift_until_free(scene, options, seed));
     if (HasFailure()) return;
   }
@@ -151,7 +161,7 @@ TEST(Shift, ProposesToEachNeighbourWhatItShares) {
   const Cut cut = scene.cut();
   Rounds rounds(cut, scene.hausd(), {});
   for (const Subdomain& s : rounds.subdomains()) {
-    const std::vector<GlobalId> wants = wanted(s);
+    const std::vector<GlobalId> wants = wanted(s, 0);
     EXPECT_EQ(wants.size(), s.interface.size());  // nothing has been free
     EXPECT_TRUE(std::is_sorted(wants.begin(), wants.end()));
     const Priority mine{7, s.id};
@@ -173,7 +183,8 @@ TEST(Shift, EqualPrioritiesAreOrderedBySubdomain) {
 }
 
 /// Where everything is that an adaptation must leave alone.
-std::map<std::pair<SubdomainId, GlobalId>, std::array<double, 9>> frozen_places(const std::vector<Subdomain>& subdomains) {
+std::map<std::pair<SubdomainId, GlobalId>, std::array<double, 9>> frozen_places(
+    const std::vector<Subdomain>& subdomains) {
   std::map<std::pair<SubdomainId, GlobalId>, std::array<double, 9>> places;
   for (const Subdomain& s : subdomains)
     for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
@@ -230,8 +241,9 @@ TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
     const Scene scene = random_scene(seed, 1.5);
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
     const bool refine = seed % 3 != 2;
-    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " + std::to_string(options.layers) +
-                 (options.by_faces ? " by faces" : " by points") + (refine ? ", refined" : ""));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + ", layers " +
+                 std::to_string(options.layers) + (options.by_faces ? " by faces" : " by points") +
+                 (refine ? ", refined" : ""));
     EXPECT_NO_THROW(adapt_until_free(scene, options, refine, seed));
     if (HasFailure()) return;
   }

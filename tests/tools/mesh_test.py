@@ -1,5 +1,6 @@
 """`weft mesh`: from surfaces and of simple bodies, as a user meets it."""
 
+import re
 import unittest
 
 from command import CommandTest
@@ -39,6 +40,18 @@ class Mesh(CommandTest):
         self.verified("ball", "--size", "0.4")
         self.verified("cylinder", "--size", "0.4", "--height", "1")
         self.verified("delta-wing")
+
+    def test_delta_wing_sizes(self):
+        self.verified("delta-wing")
+        coarse = (self.folder / "out.meshb").stat().st_size
+        self.verified("delta-wing", "--size", "0.1", "--far-size", "2", "--growth", "1.5")
+        self.assertGreater((self.folder / "out.meshb").stat().st_size, 2 * coarse)
+        self.assert_fails("mesh", "delta-wing", "--size", "1e-9", "-o", "x.meshb", "--quiet", says="too small")
+
+    def test_metric_beside(self):
+        self.verified("ball", "--size", "0.3")
+        measures = self.weft("stat", "out.meshb", "--metric", "out.solb").stdout
+        self.assertGreater(float(re.search(r"unit +([0-9.]+) %", measures).group(1)), 80)
 
     def test_background(self):
         self.write("cube.obj", cube_obj())

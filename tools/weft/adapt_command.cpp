@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <map>
 #include <memory>
-#include <thread>
 
 #include "engine/mpi_transport.h"
 #include "tools/report/published.h"
@@ -41,9 +39,7 @@ struct AdaptCommand : AdaptRequest {
 };
 
 /// Ranks share a machine: unless told otherwise each works with one thread.
-int default_threads() {
-  return engine::under_mpirun() ? 1 : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int threads_of_rank() { return engine::under_mpirun() ? 1 : default_threads(); }
 
 int run(AdaptCommand& command) {
   if (!command.metric.given())
@@ -52,7 +48,7 @@ int run(AdaptCommand& command) {
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   if (command.quiet) command.progress = ProgressStyle::none;
-  command.options.threads = command.threads > 0 ? command.threads : default_threads();
+  command.options.threads = command.threads > 0 ? command.threads : threads_of_rank();
   if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
   if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
   if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");

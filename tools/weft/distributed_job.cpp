@@ -5,11 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "engine/launch.h"
@@ -112,10 +114,11 @@ class DistributedJob {
                          input.slice.boundary.edges.size()};
     run_.times.read = watch_.lap();
     if (input.whole && first()) run_.before = meshing::measure(*input.whole, input.whole_metric);
-    if (request_.fields.given() && first()) {
+    partition::agree_on(*peers_, [&] {
+      if (!request_.fields.given() || !first()) return;
       fields_ = read_fields(request_.fields, input.whole->points.size(), request_.input);
       whole_ = std::move(*input.whole);
-    }
+    });
     input.whole.reset();
     run_.times.measure = watch_.lap();
     return input;
@@ -124,6 +127,8 @@ class DistributedJob {
   std::uint32_t number_of_subdomains() const {
     constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
     if (subdomains_.subdomains > 0) return subdomains_.subdomains;
+    const std::array<std::uint32_t, 3> slabs = partition::parse_partitioner(subdomains_.partitioner).slabs;
+    if (slabs[0] > 0) return slabs[0] * slabs[1] * slabs[2];
     return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * request_.options.threads);
   }
 
@@ -263,6 +268,13 @@ class DistributedJob {
   AdaptRun run_;
 };
 
+int refuse(const engine::Transport& transport, const std::exception& error) {
+  if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
+  return kNoMesh;
+}
+
+/// What all ranks throw alike ends here. Other exceptions may be those of one rank alone, for which the others would
+/// wait: launch() takes them down.
 int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet,
                 engine::Transport& transport) {
   try {
@@ -270,11 +282,10 @@ int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains,
     const int code = job.run();
     if (job.first() && !quiet) fmt::print("{}", summary_text(job.account()));
     return code;
-  } catch (const engine::RunFailure&) {
-    throw;  // has been reported, and the network may be broken
-  } catch (const std::exception& error) {  // all ranks throw the same
-    if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
-    return kNoMesh;
+  } catch (const meshing::InputError& error) {
+    return refuse(transport, error);
+  } catch (const std::invalid_argument& error) {
+    return refuse(transport, error);
   }
 }
 

@@ -76,11 +76,14 @@ int run_surface(const SurfaceCommand& command) {
   return make_volume(command.input, surface, names, command.volume);
 }
 
-void add_sizes(CLI::App& sub, VolumeRequest& volume) {
-  sub.add_option("--growth", volume.fill.growth, "from edge to edge, away from the surface; default 1.3")
+CLI::Option* add_growth(CLI::App& sub, double& growth) {
+  return sub.add_option("--growth", growth, "from edge to edge, away from the surface; default 1.3")
       ->type_name("G")
-      ->check(CLI::Range(1.0, 100.0).description(""))
-      ->group("Sizes");
+      ->check(CLI::Range(1.0, 100.0).description(""));
+}
+
+void add_sizes(CLI::App& sub, VolumeRequest& volume) {
+  add_growth(sub, volume.fill.growth)->group("Sizes");
   sub.add_option("--size", volume.fill.size, "largest size; default: none")
       ->type_name("H")
       ->check(positive_number())
@@ -189,12 +192,23 @@ void add_bodies(CLI::App& mesh, Action& action) {
         add_length(sub, "--size", o.size, "of the edges; default 0.1");
       },
       [](const meshing::CylinderOptions& o, VolumeRequest&) { return meshing::cylinder_surface(o); });
-  struct Wing {};
+  struct Wing {
+    meshing::DeltaWingOptions surface;
+    double growth = 1.3, far_size = 0;
+  };
   add_body<Wing>(
-      mesh, action, "delta-wing", "UGAWG's delta wing in its far-field box, coarse", [](CLI::App&, Wing&) {},
-      [](const Wing&, VolumeRequest& volume) {
+      mesh, action, "delta-wing", "UGAWG's delta wing in its far-field box",
+      [](CLI::App& sub, Wing& o) {
+        add_length(sub, "--size", o.surface.size,
+                   "of the edges on the wing; default: as coarse as it can be");
+        add_length(sub, "--far-size", o.far_size, "largest size; default: none");
+        add_growth(sub, o.growth);
+      },
+      [](const Wing& o, VolumeRequest& volume) {
         volume.fill.remesh_surface = true;
-        return meshing::delta_wing_surface();
+        volume.fill.growth = o.growth;
+        volume.fill.size = o.far_size;
+        return meshing::delta_wing_surface(o.surface);
       });
 }
 

@@ -1,11 +1,13 @@
 // The checks: each returns what is wrong, or nothing.
 #include "tools/weft/option_checks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "meshing/io/mesh_file.h"
 
@@ -73,5 +75,7 @@ CLI::Validator solution_name() {
     return extension == ".solb" || extension == ".sol" ? "" : "'" + text + "' must end in .solb or .sol";
   });
 }
+
+int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace weft::tools

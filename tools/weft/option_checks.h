@@ -1,4 +1,5 @@
-// Checks of option values beyond the parser's own, which accept NaN and infinity.
+// Checks of option values beyond the parser's own, which accept NaN and infinity; defaults that commands
+// share.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,5 +20,8 @@ CLI::Validator mesh_output_name();
 CLI::Validator volume_output_name();
 /// The name of a solution file.
 CLI::Validator solution_name();
+
+/// The cores of this machine.
+int default_threads();
 
 }  // namespace weft::tools

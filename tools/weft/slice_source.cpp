@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "meshing/error.h"
 #include "meshing/io/gmf_slice.h"
@@ -135,15 +136,18 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   return slice;
 }
 
+/// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has read it.
 SliceInput read_whole(Peers& peers, const AdaptRequest& request) {
   SliceInput input;
+  MetricRequest metric = request.metric;
+  if (only_scaled(request)) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     if (!request.background.empty() && request.background != request.input)
       throw InputError(request.background, "", "a background of its own is not possible in subdomains");
     input.whole = meshing::read_mesh(request.input);
     if (input.whole->tets.empty()) throw InputError(request.input, "", "has no tetrahedra");
-    MadeMetric made = make_metric(request.metric, *input.whole, request.input);
+    MadeMetric made = make_metric(metric, *input.whole, request.input);
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });
@@ -151,6 +155,8 @@ SliceInput read_whole(Peers& peers, const AdaptRequest& request) {
     input.warnings.push_back(
         "rank 0 has read the whole mesh: only GMF files whose metric is merely scaled are read in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
+  if (input.whole && input.target_complexity > 0)
+    scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
   return input;
 }
 

@@ -57,6 +57,7 @@ class VolumeJob {
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       static_cast<std::size_t>(request_.fill.adapt.threads));
     check_writable(request_.output);
+    check_writable(output_paths(request_.output).solution);
     make_grid();
     fill();
     progress_.update("writing", 1, result_.mesh.tets.size());
@@ -106,8 +107,8 @@ class VolumeJob {
   }
 
   void write() {
-    const meshing::SolutionData no_fields;
-    meshing::write_mesh_contents(request_.output, meshing::MeshView(result_.mesh, no_fields, names_));
+    write_mesh_with_solution(output_paths(request_.output), result_.mesh,
+                             meshing::solution_from_metric(result_.log_metrics), {}, names_);
   }
 
   void print_summary() const {
@@ -143,7 +144,8 @@ void add_volume_output(CLI::App& command, VolumeRequest& request) {
   command.add_option("-o,-x,--out", request.output, "the mesh (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name());
-  command.add_option("--threads", request.fill.adapt.threads, "threads; default 1")
+  request.fill.adapt.threads = default_threads();
+  command.add_option("--threads", request.fill.adapt.threads, "threads; default: the cores of this machine")
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""));
   command.add_option("--progress", request.progress, "auto (a bar on a terminal, else lines), plain or none")

@@ -1,0 +1,315 @@
+// The whole distributed method on all numbers of ranks: the same bytes everywhere, and sound whatever
+// happens.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "engine/loopback_transport.h"
+#include "graph/adaptation/distributed_adaptation.h"
+#include "meshing/check_mesh.h"
+#include "partition/check_pieces.h"
+#include "tests/partition/scenes.h"
+#include "tests/partition/slices.h"
+#include "tests/support/ranks.h"
+
+namespace weft::graph::adaptation {
+namespace {
+
+using namespace weft::support;
+using engine::Registry;
+using engine::Runtime;
+using engine::Transport;
+using partition::MeshPiece;
+using partition::SubdomainId;
+using ::testing::ElementsAre;
+using weft::testing::kSlowness;
+using weft::testing::on_ranks;
+
+class AdaptationOnRanks : public weft::testing::OnRanks {};
+INSTANTIATE_TEST_SUITE_P(Ranks, AdaptationOnRanks, ::testing::ValuesIn(weft::testing::rank_counts()),
+                         [](const auto& ranks) { return std::to_string(ranks.param); });
+
+struct Setting {
+  std::uint32_t subdomains = 5;
+  std::string partitioner = "bisection";
+  int threads = 1;
+  engine::BalancerFactory balancer = engine::work_stealing();
+  std::chrono::microseconds delay{0};
+  std::atomic<bool>* interrupt = nullptr;
+};
+
+MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
+  shuffle(mesh, seed);
+  meshing::LogMetricField log_metrics = wanted_sizes(mesh, size, seed);
+  return {std::move(mesh), std::move(log_metrics)};
+}
+
+partition::ExpectedTotals totals_of(const MeshData& mesh) {
+  const meshing::CheckReport report = check_mesh(mesh);
+  return {report.volume, report.area_by_ref};
+}
+
+/// What one rank has after a run.
+struct RankOutcome {
+  Runtime& runtime;
+  EnginePeers& peers;
+  DistributedResult& result;
+};
+
+void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& setting,
+                   const std::function<void(RankOutcome)>& look) {
+  const auto late = setting.delay.count() > 0 ? weft::testing::delayed(network, setting.delay, 5) : nullptr;
+  Registry registry;
+  register_adaptation(registry);
+  RankData rank;
+  Runtime runtime(late ? *late : network, registry,
+                  {.threads = setting.threads, .balancer = setting.balancer, .local = &rank});
+  EnginePeers peers(runtime);
+  DistributedOptions options;
+  options.decomposition.num_subdomains = setting.subdomains;
+  options.decomposition.partitioner = partition::parse_partitioner(setting.partitioner, setting.subdomains);
+  options.shift = {2, false};
+  options.hausd = 0.002;
+  options.threads = setting.threads;
+  options.interrupt = setting.interrupt;
+  DistributedResult result =
+      adapt_distributed(runtime, peers, rank, slice_of(whole, peers.rank(), peers.ranks()), options);
+  look({runtime, peers, result});
+}
+
+template <class T>
+void append(partition::Bytes& bytes, const std::vector<T>& values) {
+  static_assert(std::has_unique_object_representations_v<T> || std::is_same_v<T, meshing::Point> ||
+                std::is_same_v<T, meshing::LogMetric>);  // no padding
+  const std::uint64_t size = values.size();
+  const auto begin = bytes.size();
+  bytes.resize(begin + sizeof(size) + size * sizeof(T));
+  std::memcpy(bytes.data() + begin, &size, sizeof(size));
+  if (size > 0) std::memcpy(bytes.data() + begin + sizeof(size), values.data(), size * sizeof(T));
+}
+
+partition::Bytes bytes_of(const MeshPiece& p) {
+  partition::Bytes bytes;
+  const MeshData& m = p.mesh;
+  append(bytes, m.points), append(bytes, m.point_refs), append(bytes, m.tets), append(bytes, m.tet_refs);
+  append(bytes, m.triangles), append(bytes, m.triangle_refs), append(bytes, m.edges),
+      append(bytes, m.edge_refs);
+  append(bytes, m.corners), append(bytes, m.required_points), append(bytes, m.ridges);
+  append(bytes, m.required_edges), append(bytes, m.required_triangles);
+  append(bytes, p.log_metrics), append(bytes, p.ids), append(bytes, p.shared);
+  return bytes;
+}
+
+using PieceBytes = std::map<SubdomainId, partition::Bytes>;
+
+/// All ranks: the pieces of all of them on rank 0.
+PieceBytes gather_bytes(partition::Peers& peers, const std::vector<MeshPiece>& mine) {
+  PieceBytes all;
+  std::uint64_t most = 0;
+  for (const auto& n : partition::share(peers, std::vector<std::uint64_t>{mine.size()}))
+    most = std::max(most, n[0]);
+  for (std::uint64_t i = 0; i < most; ++i) {
+    std::vector<partition::Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
+    if (i < mine.size()) {
+      append(to_each[0], std::vector<SubdomainId>{mine[i].subdomain});
+      const partition::Bytes piece = bytes_of(mine[i]);
+      to_each[0].insert(to_each[0].end(), piece.begin(), piece.end());
+    }
+    for (const partition::Bytes& arrived : peers.exchange(std::move(to_each))) {
+      if (arrived.empty()) continue;
+      SubdomainId id;
+      std::memcpy(&id, arrived.data() + sizeof(std::uint64_t), sizeof(id));
+      EXPECT_TRUE(all.emplace(id, arrived).second) << "two pieces of subdomain " << id;
+    }
+  }
+  return all;
+}
+
+/// The same on one rank of its own, whatever the test runs on.
+PieceBytes on_one_rank(const MetricMesh& whole, const Setting& setting) {
+  engine::LoopbackNetwork network(1);
+  PieceBytes pieces;
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting,
+                [&](RankOutcome rank) { pieces = gather_bytes(rank.peers, rank.result.pieces); });
+  return pieces;
+}
+
+/// Every invariant of the result, on all ranks.
+void expect_sound(RankOutcome rank, const MetricMesh& whole, const Setting& setting) {
+  const auto report = check_pieces(rank.peers, rank.result.pieces, totals_of(whole.mesh));
+  EXPECT_THAT(report.problems, ElementsAre());
+  std::uint64_t pieces = 0;
+  for (const auto& n : partition::share(rank.peers, std::vector<std::uint64_t>{rank.result.pieces.size()}))
+    pieces += n[0];
+  EXPECT_EQ(pieces, setting.subdomains);
+  ASSERT_EQ(rank.result.was_interface.size(), rank.result.pieces.size());
+  ASSERT_EQ(rank.result.shifts.size(), rank.result.pieces.size());
+  for (std::size_t p = 0; p < rank.result.pieces.size(); ++p) {
+    EXPECT_EQ(rank.result.was_interface[p].size(), rank.result.pieces[p].mesh.points.size());
+    for (const auto& shared : rank.result.pieces[p].shared)
+      EXPECT_TRUE(rank.result.was_interface[p][shared.vertex]);
+  }
+}
+
+void expect_same_as_on_one_rank(int ranks, const MetricMesh& whole, const Setting& setting) {
+  const PieceBytes expected = on_one_rank(whole, setting);
+  EXPECT_EQ(expected.size(), setting.subdomains);
+  on_ranks(ranks, [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      expect_sound(rank, whole, setting);
+      const PieceBytes all = gather_bytes(rank.peers, rank.result.pieces);
+      EXPECT_TRUE(rank.peers.rank() > 0 || all == expected);
+    });
+  });
+}
+
+TEST_P(AdaptationOnRanks, ThePiecesDoNotDependOnRanksAndBalancer) {
+  const MetricMesh whole = metric_mesh(layered_box(3, 2, 3), 0.3);
+  for (const auto& balancer : {engine::work_stealing(), engine::no_balancing(), engine::rotate()}) {
+    Setting setting;
+    setting.balancer = balancer;
+    expect_same_as_on_one_rank(GetParam(), whole, setting);
+  }
+}
+
+TEST_P(AdaptationOnRanks, NorOnTheNetwork) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  Setting setting;
+  setting.subdomains = 12;
+  setting.partitioner = "pqr:3x2x2";
+  setting.balancer = engine::rotate();
+  setting.delay = std::chrono::microseconds(700);
+  expect_same_as_on_one_rank(GetParam(), whole, setting);
+}
+
+TEST_P(AdaptationOnRanks, AnyNumberOfSubdomains) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.3);
+  for (const std::uint32_t subdomains : {1u, 2u, 16u, 200u, 500u}) {  // there are 384 tets
+    if (kSlowness > 1 && subdomains > 100) continue;
+    SCOPED_TRACE(subdomains);
+    Setting setting;
+    setting.subdomains = subdomains;
+    expect_same_as_on_one_rank(GetParam(), whole, setting);
+  }
+}
+
+TEST_P(AdaptationOnRanks, MoreSubdomainsThanTets) {
+  const MetricMesh whole = metric_mesh(two_tets(), 0.4);
+  Setting setting;
+  setting.subdomains = 9;
+  expect_same_as_on_one_rank(GetParam(), whole, setting);
+}
+
+TEST_P(AdaptationOnRanks, SubdomainsMayFallApart) {
+  const MetricMesh whole = metric_mesh(two_bodies(3), 0.3);
+  for (const char* partitioner : {"graph", "pqr:1x1x4"}) {
+    SCOPED_TRACE(partitioner);
+    Setting setting;
+    setting.subdomains = 4;
+    setting.partitioner = partitioner;
+    expect_same_as_on_one_rank(GetParam(), whole, setting);
+  }
+}
+
+TEST_P(AdaptationOnRanks, SeveralThreadsARank) {
+  const MetricMesh whole = metric_mesh(layered_box(3, 2, 3), 0.25);
+  for (const std::uint32_t subdomains : {1u, 7u}) {
+    Setting setting;
+    setting.threads = 2;
+    setting.subdomains = subdomains;
+    on_ranks(GetParam(), [&](Transport& network) {
+      adapt_on_rank(network, whole, setting, [&](RankOutcome rank) { expect_sound(rank, whole, setting); });
+    });
+  }
+}
+
+TEST_P(AdaptationOnRanks, TheLoopCallsNothingCollective) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.3);
+  Setting setting;
+  setting.subdomains = 8;
+  on_ranks(GetParam(), [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      for (const engine::RankSummary& summary : rank.runtime.gather_summaries())
+        EXPECT_EQ(summary.collective_calls, 0) << "on rank " << summary.rank.value;
+    });
+  });
+}
+
+/// Raises a flag after so many handlers of a rank; else leaves all objects where they are.
+class Interrupter final : public engine::Balancer {
+ public:
+  Interrupter(std::atomic<bool>& flag, std::size_t after) : flag_(flag), left_(after) {}
+  void step(engine::BalanceActions&, engine::TimePoint) override {}
+  void told(engine::Rank, const engine::BalanceMessage&, engine::BalanceActions&) override {}
+  void finished(const std::vector<engine::ObjectId>& ids, engine::BalanceActions&) override {
+    left_ -= std::min(left_, ids.size());
+    if (left_ == 0) flag_ = true;
+  }
+  bool wants_finished() const override { return true; }
+
+ private:
+  std::atomic<bool>& flag_;
+  std::size_t left_;
+};
+
+TEST_P(AdaptationOnRanks, AnInterruptLeavesAConformingMesh) {
+  const MetricMesh whole = metric_mesh(layered_box(3, 2, 3), 0.25);
+  for (const std::size_t after : {0u, 10u, 60u, 100u}) {
+    SCOPED_TRACE(after);
+    std::atomic<bool> flag{after == 0};
+    Setting setting;
+    setting.subdomains = 10;
+    setting.interrupt = &flag;
+    setting.balancer = [&](engine::Rank, int) { return std::make_unique<Interrupter>(flag, after); };
+    on_ranks(GetParam(), [&](Transport& network) {
+      adapt_on_rank(network, whole, setting, [&](RankOutcome rank) { expect_sound(rank, whole, setting); });
+    });
+  }
+}
+
+TEST_P(AdaptationOnRanks, ABallStaysABall) {
+  MetricMesh whole{ball(2, 3), {}};
+  whole.log_metrics = wanted_sizes(whole.mesh, 0.25, 2);
+  Setting setting;
+  setting.subdomains = 6;
+  on_ranks(GetParam(), [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      const auto report = check_pieces(rank.peers, rank.result.pieces);
+      EXPECT_THAT(report.problems, ElementsAre());
+      EXPECT_NEAR(report.volume, 4 * std::numbers::pi / 3, 0.1);
+    });
+  });
+}
+
+/// All of the interface has been free in the end, and the records of the shifts add up.
+TEST_P(AdaptationOnRanks, ShiftsUntilNothingIsWanted) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  Setting setting;
+  setting.subdomains = 6;
+  on_ranks(GetParam(), [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      std::vector<ShiftRecord> mine;
+      for (const auto& shifts : rank.result.shifts) mine.insert(mine.end(), shifts.begin(), shifts.end());
+      std::map<std::uint64_t, ShiftRecord> rounds;
+      for (const auto& part : partition::share(rank.peers, mine))
+        for (const ShiftRecord& r : part) {
+          ShiftRecord& sum = rounds[r.round];
+          sum.wanted += r.wanted, sum.sent += r.sent, sum.received += r.received, sum.thawed += r.thawed;
+        }
+      ASSERT_GE(rounds.size(), 2u);
+      EXPECT_LT(rounds.size(), 8u);  // it ended by itself
+      for (const auto& [round, sum] : rounds) EXPECT_EQ(sum.sent, sum.received) << "round " << round;
+      EXPECT_GT(rounds.at(0).wanted, 0u);
+      EXPECT_GT(rounds.at(0).thawed, 0u);
+      EXPECT_EQ(rounds.rbegin()->second.wanted, 0u);
+    });
+  });
+}
+
+}  // namespace
+}  // namespace weft::graph::adaptation

@@ -1,0 +1,134 @@
+// A subdomain that has travelled is the one that left: whatever is done with it afterwards gives the same
+// bits.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/serialize.h"
+#include "partition/adapt_subdomain.h"
+#include "partition/shift.h"
+#include "partition/subdomain.h"
+#include "tests/partition/rounds.h"
+#include "tests/partition/scenes.h"
+
+namespace weft::graph::adaptation {
+namespace {
+
+using namespace weft::support;
+using partition::BackgroundStore;
+using partition::Subdomain;
+
+Subdomain travelled(Subdomain& s) {
+  engine::Packer packer;
+  packer(s);
+  engine::Unpacker unpacker(packer.take());
+  Subdomain arrived;
+  unpacker(arrived);
+  unpacker.finish();
+  return arrived;
+}
+
+bool same_bits(const meshing::Point& a, const meshing::Point& b) {
+  return std::memcmp(&a, &b, sizeof(a)) == 0;
+}
+
+void expect_same_background(const BackgroundStore& a, const BackgroundStore& b) {
+  const MeshData &x = a.background().mesh(), &y = b.background().mesh();
+  ASSERT_EQ(x.tets, y.tets);
+  EXPECT_TRUE(std::ranges::equal(x.points, y.points, same_bits));
+  EXPECT_EQ(a.background().adjacency().neighbours, b.background().adjacency().neighbours);
+  for (std::uint32_t t = 0; t < x.tets.size(); t += 17) {
+    EXPECT_EQ(a.name_of(t).piece, b.name_of(t).piece);
+    EXPECT_EQ(a.name_of(t).tet, b.name_of(t).tet);
+    const meshing::Point p = centre_of(x, x.tets[t]);
+    EXPECT_EQ(a.background().at(p, t).log_metric, b.background().at(p, t).log_metric);
+  }
+}
+
+void expect_same_mesh(const Subdomain& a, const Subdomain& b) {
+  const meshing::TetMeshArrays x = to_arrays(*a.mesh), y = to_arrays(*b.mesh);
+  EXPECT_EQ(x.tets, y.tets);
+  EXPECT_EQ(x.neighbours, y.neighbours);
+  EXPECT_EQ(x.patches, y.patches);
+  EXPECT_EQ(x.tet_refs, y.tet_refs);
+  EXPECT_EQ(x.tet_marks, y.tet_marks);
+  EXPECT_TRUE(std::ranges::equal(x.points, y.points, same_bits));
+  EXPECT_EQ(x.log_metrics, y.log_metrics);
+  EXPECT_EQ(x.labels, y.labels);
+  EXPECT_EQ(x.vertex_tets, y.vertex_tets);
+  EXPECT_EQ(x.background_hints, y.background_hints);
+  EXPECT_EQ(x.surface_hints, y.surface_hints);
+  EXPECT_EQ(x.kinds, y.kinds);
+  EXPECT_EQ(x.flags, y.flags);
+  EXPECT_EQ(x.vertex_marks, y.vertex_marks);
+}
+
+void expect_same(const Subdomain& a, const Subdomain& b) {
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.tet_capacity, b.tet_capacity);
+  EXPECT_EQ(a.next_local, b.next_local);
+  EXPECT_EQ(a.departures, b.departures);
+  EXPECT_TRUE(std::ranges::equal(a.interface.lines(), b.interface.lines()));
+  ASSERT_EQ(a.interface.size(), b.interface.size());
+  for (std::uint32_t i = 0; i < a.interface.size(); ++i)
+    EXPECT_EQ(a.interface.local(i), b.interface.local(i));
+  expect_same_mesh(a, b);
+  expect_same_background(a.background, b.background);
+}
+
+TEST(SubdomainSerialize, EveryStepGivesTheSameAfterAJourney) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const Scene scene = random_scene(seed, 1.5);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name);
+    const Cut cut = scene.cut();
+    Rounds stays(cut, scene.hausd(), {2, false}), travels(cut, scene.hausd(), {2, false});
+    const auto travel = [&] {
+      for (Subdomain& s : travels.subdomains()) s = travelled(s);
+      for (std::size_t i = 0; i < scene.subdomains; ++i)
+        expect_same(stays.subdomains()[i], travels.subdomains()[i]);
+      return !HasFailure();
+    };
+    const auto both = [&](auto step) { step(stays), step(travels); };
+    ASSERT_TRUE(travel());
+    both([](Rounds& r) { r.refine_interfaces(); });
+    ASSERT_TRUE(travel());
+    both([](Rounds& r) { r.adapt(meshing::Extent::everything); });
+    ASSERT_TRUE(travel());
+    for (unsigned round = 0; round < 3; ++round) {
+      std::mt19937 random(round);
+      const auto priorities = random_priorities(scene.subdomains, random);
+      both([&](Rounds& r) { r.shift(priorities); });
+      ASSERT_TRUE(travel());
+      both([](Rounds& r) { r.adapt(meshing::Extent::fresh); });
+      ASSERT_TRUE(travel());
+      both([](Rounds& r) { EXPECT_EQ(r.update(), 0); });
+      ASSERT_TRUE(travel());
+    }
+  }
+}
+
+TEST(SubdomainSerialize, APieceOfTheBackgroundArrivesWhole) {
+  Scene scene = random_scene(0, 1);
+  scene.part.assign(scene.mesh.tets.size(), 0);
+  scene.subdomains = 1;
+  const Cut cut = scene.cut();
+  const Subdomain s(cut.starts[0], 10000);
+  BackgroundStore joined;
+  std::vector<std::shared_ptr<const partition::BackgroundPiece>> arrived;
+  for (const auto& piece : s.background.all_pieces()) {
+    engine::Packer packer;
+    partition::BackgroundPiece copy = *piece;
+    packer(copy);
+    engine::Unpacker unpacker(packer.take());
+    partition::BackgroundPiece other;
+    unpacker(other);
+    unpacker.finish();
+    arrived.push_back(std::make_shared<const partition::BackgroundPiece>(std::move(other)));
+  }
+  joined.add(arrived);
+  expect_same_background(s.background, joined);
+}
+
+}  // namespace
+}  // namespace weft::graph::adaptation

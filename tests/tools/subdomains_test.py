@@ -1,0 +1,178 @@
+"""`weft adapt --subdomains`, by itself and under mpirun: the same results, reports, errors that all ranks learn of."""
+
+import json
+import os
+import subprocess
+import unittest
+
+from command import WEFT, CommandTest
+
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+SECONDS = 200  # far above what anything here takes
+
+SUBDOMAIN_KEYS = {
+    "subdomains", "partitioner", "ranks", "layers", "decomposition_seconds", "adaptation_seconds", "seconds_by_operation",
+    "share_beside_adaptation", "shifts", "by_rank", "former_interface", "engine",
+}
+OPERATIONS = {
+    "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
+    "topology update", "conversion", "misc", "idle", "communication",
+}
+
+
+class Subdomains(CommandTest):
+    def run_on(self, ranks, *words, expect=0):
+        """`weft adapt` on so many ranks of mpirun, or (0) without it; returns what it printed."""
+        launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
+        done = subprocess.run([*launcher, str(WEFT), "adapt", *map(str, words)], cwd=self.folder, capture_output=True,
+                              text=True, timeout=SECONDS)
+        self.assertEqual(done.returncode, expect, f"{ranks} ranks: {words}\n{done.stdout}{done.stderr}")
+        return done
+
+    def bytes_of(self, *names):
+        return [(self.folder / name).read_bytes() for name in names]
+
+    def assert_same_on_all(self, *words, outputs=("out.meshb", "out.solb"), ranks=(2, 3), expect=0):
+        """The same bytes without mpirun and on so many ranks; returns the last run."""
+        words = (*words, "-o", outputs[0], "--threads", 1, "--quiet")
+        self.run_on(0, *words, expect=expect)
+        expected = self.bytes_of(*outputs)
+        for n in ranks:
+            for name in outputs:
+                (self.folder / name).unlink()
+            self.run_on(n, *words, expect=expect)
+            self.assertEqual(self.bytes_of(*outputs), expected, f"on {n} ranks")
+
+    def assert_all_ranks_fail(self, *words, says, code=2, ranks=2):
+        """All end with `code`; one line says why, once; nothing is left behind."""
+        before = self.files()
+        done = self.run_on(ranks, *words, "--quiet", expect=code)
+        lines = [line for line in done.stderr.splitlines() if line.startswith(("weft", "error"))]
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertIn(says, lines[0])
+        self.assertEqual(self.files(), before)
+
+
+class Results(Subdomains):
+    def test_same_bytes_on_any_number_of_ranks(self):
+        self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_same_bytes_with_a_metric_that_is_scaled(self):
+        self.weft("metric", self.box(4), "--metric-fn", "polar-2", "-o", "m.solb")
+        self.assert_same_on_all("box.meshb", "--metric", "m.solb", "--complexity", 300, "--subdomains", 5, expect=1)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_same_bytes_with_a_metric_that_rank_0_has_to_grade(self):
+        self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.2", "--hmax", "0.18", "--hgrad", "1.5",
+                                "--subdomains", 4, ranks=(2,))
+
+    def test_partitioners(self):
+        self.box(4)
+        for partitioner in ("graph", "pqr:3x1x1", "pqr:3x1x1:principal", "bisection"):
+            self.run_on(0, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 3, "--partitioner", partitioner, "-o",
+                        "out.meshb", "--quiet")
+            self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_as_many_subdomains_as_the_partitioner_says(self):
+        self.box(4)
+        done = self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", "pqr:3x1x1", "-o", "out.meshb")
+        self.assertIn("3 subdomains by pqr:3x1x1 on 2 ranks", done.stdout)
+
+    def test_all_options(self):
+        self.box(4)
+        for words in (["--shifts", 0], ["--shifts", 1, "--layers", 0], ["--layers-by", "faces"], ["--balancer", "none"],
+                      ["--balancer", "diffusion"], ["--no-interface-refinement"]):
+            self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 4, *words, "-o", "out.meshb", "--quiet")
+            self.weft("verify", "out.meshb", "--against", "box.meshb")
+
+    def test_curved_boundary_and_a_boundary_coarser_than_wanted(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", 0.5)
+        self.run_on(2, "ball.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 4, "-o", "out.meshb", "--quiet")
+        self.weft("verify", "out.meshb")
+
+    def test_formats_that_one_rank_writes(self):
+        self.box(3)
+        for name in ("a.vtu", "b.mesh", "c.msh"):
+            self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", name, "--quiet")
+            self.weft("verify", name, "--against", "box.meshb")
+
+    def test_pieces(self):
+        self.box(3)
+        self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", "a.pvtu", "--quiet")
+        self.assertIn("a.pvtu", self.files())
+        self.weft("verify", "a.pvtu", "--against", "box.meshb")
+
+    def test_carries_fields(self):
+        self.weft("metric", self.box(3), "--metric-fn", "uniform:0.3", "-o", "field.solb")
+        self.assert_same_on_all("box.meshb", "--metric-fn", "uniform:0.25", "--field", "field.solb", "--subdomains", 4,
+                                outputs=("out.meshb", "out.solb", "out-fields.solb"), ranks=(2,))
+
+    def test_report(self):
+        self.box(4)
+        self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 5, "-o", "out.meshb", "--report", "r",
+                    "--quiet")
+        report = json.loads((self.folder / "r/report.json").read_text())["subdomains"]
+        self.assertEqual(set(report), SUBDOMAIN_KEYS)
+        self.assertEqual((report["subdomains"], report["ranks"], report["layers"]), (5, 2, 3))
+        self.assertEqual(report["engine"]["collective_calls"], 0)
+        self.assertEqual(set(report["seconds_by_operation"]), OPERATIONS)
+        self.assertEqual([rank["rank"] for rank in report["by_rank"]], [0, 1])
+        for rank in report["by_rank"]:
+            self.assertEqual(set(rank["seconds_by_operation"]), OPERATIONS)
+        self.check_shifts(report["shifts"])
+        self.assertGreater(report["former_interface"]["tets"], 0)
+
+    def check_shifts(self, shifts):
+        self.assertGreater(len(shifts), 0)
+        for number, shift in enumerate(shifts, 1):
+            self.assertEqual(set(shift), {"shift", "vertices_wanted", "tets_moved", "receivers", "vertices_freed"})
+            self.assertEqual(shift["shift"], number)
+        self.assertGreater(shifts[0]["tets_moved"], 0)
+
+
+class Failures(Subdomains):
+    def test_options_that_make_no_sense(self):
+        self.box(2)
+        adapt = ("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--subdomains", 4)
+        for words, says in ((["--partitioner", "nonsense"], "nonsense"), (["--partitioner", "pqr:3x1x1"], "makes 3"),
+                            (["--partitioner", "pqr:2x2"], "pqr:2x2"), (["--shifts", "x"], "--shifts"),
+                            (["--shifts", "-1"], "--shifts"), (["--layers", "-1"], "--layers"),
+                            (["--layers-by", "edges"], "--layers-by"), (["--balancer", "rotate"], "--balancer")):
+            self.assert_fails(*adapt, *words, says=says, code=64)
+
+    def test_damaged_input(self):
+        whole = (self.folder / self.box(4)).read_bytes()
+        (self.folder / "cut.meshb").write_bytes(whole[:3000])
+        self.assert_all_ranks_fail("cut.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", says="cut.meshb: ")
+        (self.folder / "late.meshb").write_bytes(whole[:-100])
+        self.assert_all_ranks_fail("late.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", says="late.meshb: ")
+
+    def test_an_inverted_tet(self):
+        self.weft("convert", self.box(3), "box.mesh")
+        lines = (self.folder / "box.mesh").read_text().splitlines()
+        at = lines.index("Tetrahedra") + 80
+        a, b, c, d, ref = lines[at].split()
+        lines[at] = " ".join((b, a, c, d, ref))
+        self.write("bad.mesh", "\n".join(lines) + "\n")
+        self.assert_all_ranks_fail("bad.mesh", "--metric-fn", "uniform:0.3", "-o", "out.meshb", says="is inverted", ranks=3)
+
+    def test_files_that_are_missing_or_of_another_mesh(self):
+        self.weft("metric", self.box(3, "other.meshb"), "--metric-fn", "uniform:0.3", "-o", "other.solb")
+        self.box(2)
+        constant = ("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb")
+        self.assert_all_ranks_fail("none.meshb", *constant[1:], says="none.meshb")
+        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="of another mesh")
+        self.assert_all_ranks_fail("box.meshb", "--metric", "none.solb", "-o", "out.meshb", says="none.solb")
+        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="of another mesh")
+        self.assert_all_ranks_fail(*constant, "--field", "none.solb", says="none.solb")
+
+    def test_outputs_that_cannot_be_written(self):
+        self.box(2)
+        self.assert_all_ranks_fail("box.meshb", "--metric-fn", "uniform:0.3", "-o", "none/out.meshb", says="none/out.meshb")
+        self.assert_all_ranks_fail("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--report", "box.meshb/r",
+                                   says="box.meshb/r")
+
+
+if __name__ == "__main__":
+    unittest.main()
