@@ -41,8 +41,16 @@ for size in 1 0.3; do
 done
 "$weft" verify "$previous" --against tests/data/delta-wing-coarse.meshb
 
+say "The same layer in 8 subdomains, with an account of what was done when"
+status=0
+"$weft" adapt "$out/cube-4000.meshb" --metric-fn polar-2 --complexity 16000 --subdomains 8 -o "$out/parts.meshb" \
+  --report "$out/parts-report" || status=$?
+((status <= 1)) || exit "$status"
+"$weft" graph "$out/parts-report/graph.json" --collapse rounds -o "$out/parts-graph.svg"
+
 for mesh in cube-50000 wing-0.3; do
   "$weft" convert "$out/$mesh.meshb" "$out/$mesh.vtu" --sol "$out/$mesh.solb" >/dev/null
 done
-say "Results in $out: meshes (.meshb), their metrics (.solb), reports (*-report/report.json); for ParaView:"
+say "Results in $out: meshes (.meshb), their metrics (.solb), reports (*-report/report.html, report.json), the task graph
+(parts-graph.svg); for ParaView:"
 ls -1 "$out"/*.vtu

@@ -57,7 +57,8 @@ std::vector<RunIndex> sorted(const GraphDump& dump, const Order& order) {
     for (const std::uint32_t use : order.sent[run]) done_with(dump.uses[use].to);
   }
   if (ready.size() != dump.runs.size())
-    throw std::invalid_argument("runs of the graph " + dump.description.name + " wait for each other in a circle");
+    throw std::invalid_argument("runs of the graph " + dump.description.name +
+                                " wait for each other in a circle");
   return ready;
 }
 
@@ -100,8 +101,8 @@ class ChainFinder {
   }
 
  private:
-  /// `left`: when the chain leaves the previous run. What lies before a run is never longer than the time that has
-  /// passed: where clocks say otherwise, they are wrong by the difference.
+  /// `left`: when the chain leaves the previous run. What lies before a run is never longer than the time
+  /// that has passed: where clocks say otherwise, they are wrong by the difference.
   void offer(RunIndex run, RunIndex previous, std::uint32_t use, TimePoint left) {
     const TimePoint begin = dump_.runs[run].begin;
     const TimePoint before = ends_[previous].before;
@@ -117,9 +118,7 @@ class ChainFinder {
 
 }  // namespace
 
-CriticalPath critical_path(const GraphDump& dump) {
-  return ChainFinder(dump, Order(dump)).longest();
-}
+CriticalPath critical_path(const GraphDump& dump) { return ChainFinder(dump, Order(dump)).longest(); }
 
 std::vector<PathShare> shares_of(const GraphDump& dump) {
   std::map<NodeIndex, PathShare> shares;

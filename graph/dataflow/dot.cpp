@@ -9,7 +9,8 @@
 namespace weft::graph::dataflow {
 namespace {
 
-/// Light enough for black text; neighbours in the list differ for the colour-blind too (Okabe and Ito, 2008, lightened).
+/// Light enough for black text; neighbours in the list differ for the colour-blind too (Okabe and Ito, 2008,
+/// lightened).
 constexpr std::array<const char*, 10> kFills = {"#b7dcf5", "#f8d999", "#9adbc6", "#f6f0a4", "#9fc6e0",
                                                 "#f0b48c", "#e6bfd5", "#d5d5d5", "#c4e39b", "#d9c3a5"};
 constexpr const char* kCritical = "#d7191c";
@@ -60,7 +61,9 @@ std::string edge_line(const Drawing& drawing, const DrawnEdge& edge) {
 std::string dot_of(const Drawing& drawing) {
   std::string text = "digraph " + quoted(drawing.name) + " {\n";
   text += "  graph [rankdir=LR, fontname=\"Helvetica\", fontsize=12, nodesep=0.25, ranksep=0.6];\n";
-  text += "  node [shape=box, style=\"rounded,filled\", fillcolor=\"#ffffff\", fontname=\"Helvetica\", fontsize=11];\n";
+  text +=
+      "  node [shape=box, style=\"rounded,filled\", fillcolor=\"#ffffff\", fontname=\"Helvetica\", "
+      "fontsize=11];\n";
   text += "  edge [fontname=\"Helvetica\", fontsize=9, color=\"#555555\"];\n";
   std::vector<std::string> inside(drawing.clusters.size());
   for (const DrawnVertex& vertex : drawing.vertices) {

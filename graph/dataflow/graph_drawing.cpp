@@ -92,7 +92,8 @@ DrawnVertex vertex_of_run(const GraphDump& dump, RunIndex r, const std::string& 
   const std::uint64_t number = dump.instances[run.instance].number;
   DrawnVertex vertex;
   vertex.id = "run " + std::to_string(r);
-  vertex.label = {node.name, instance_word + " " + std::to_string(number) + ", round " + std::to_string(run.round),
+  vertex.label = {node.name,
+                  instance_word + " " + std::to_string(number) + ", round " + std::to_string(run.round),
                   seconds_text(run.end - run.begin)};
   vertex.node = run.node;
   vertex.attributes = {{"node", node.name},
@@ -127,11 +128,20 @@ Drawing runs_drawing(const GraphDump& dump, const std::string& instance_word) {
     const DumpedUse& use = dump.uses[u];
     const EdgeDescription& edge = dump.description.edges[use.edge];
     const bool remote = edge.kind == EdgeKind::remote;
-    drawing.edges.push_back({use.from, use.to, drawn(edge.kind), remote ? bytes_text(use.bytes) : "", critical_use[u],
-                             {{"edge", edge.name}, {"time", seconds(use.time)}, {"bytes", integer(use.bytes)}}});
+    drawing.edges.push_back(
+        {use.from,
+         use.to,
+         drawn(edge.kind),
+         remote ? bytes_text(use.bytes) : "",
+         critical_use[u],
+         {{"edge", edge.name}, {"time", seconds(use.time)}, {"bytes", integer(use.bytes)}}});
   }
   for (const auto& [from, to] : order_steps(dump.critical_path)) {
-    drawing.edges.push_back({from, to, DrawnEdgeKind::order, "", true,
+    drawing.edges.push_back({from,
+                             to,
+                             DrawnEdgeKind::order,
+                             "",
+                             true,
                              {{"edge", std::string("next in the instance")},
                               {"time", seconds(dump.runs[from].end)},
                               {"bytes", std::int64_t{0}}}});
@@ -181,8 +191,13 @@ void add_grouped_edges(const GraphDump& dump, const std::vector<std::size_t>& gr
     const auto& [from, to, index] = key;
     const EdgeDescription& edge = dump.description.edges[index];
     const bool remote = edge.kind == EdgeKind::remote;
-    drawing.edges.push_back({from, to, drawn(edge.kind), remote ? bytes_text(sum.bytes) : "", sum.critical,
-                             {{"edge", edge.name}, {"values", integer(sum.values)}, {"bytes", integer(sum.bytes)}}});
+    drawing.edges.push_back(
+        {from,
+         to,
+         drawn(edge.kind),
+         remote ? bytes_text(sum.bytes) : "",
+         sum.critical,
+         {{"edge", edge.name}, {"values", integer(sum.values)}, {"bytes", integer(sum.bytes)}}});
   }
 }
 
@@ -226,7 +241,8 @@ std::map<InstanceIndex, std::size_t> add_instances(const GraphDump& dump, const 
   if (!dump.executed() && dump.network.empty())
     for (InstanceIndex i = 0; i < dump.instances.size(); ++i) groups[i];
   const std::vector<bool> critical = on_critical_path(dump);
-  for (RunIndex r = 0; r < dump.runs.size(); ++r) groups[dump.runs[r].instance].add(dump.runs[r], critical[r]);
+  for (RunIndex r = 0; r < dump.runs.size(); ++r)
+    groups[dump.runs[r].instance].add(dump.runs[r], critical[r]);
   std::set<std::int32_t> ranks;
   for (const auto& [i, group] : groups) ranks.insert(dump.instances[i].rank.value);
   const Clusters<std::int32_t> clusters(ranks, "rank", drawing);
@@ -239,7 +255,8 @@ std::map<InstanceIndex, std::size_t> add_instances(const GraphDump& dump, const 
     vertex.id = "instance " + std::to_string(i);
     vertex.label = {instance_word + " " + std::to_string(instance.number)};
     vertex.cluster = clusters[instance.rank.value];
-    vertex.attributes = {{instance_word, integer(instance.number)}, {"rank", std::int64_t{instance.rank.value}}};
+    vertex.attributes = {{instance_word, integer(instance.number)},
+                         {"rank", std::int64_t{instance.rank.value}}};
     if (dump.executed()) group.describe(vertex);
     drawing.vertices.push_back(std::move(vertex));
     spent.push_back(group.spent);
@@ -259,8 +276,11 @@ Drawing instances_drawing(const GraphDump& dump, const std::string& instance_wor
   }
   for (const NetworkLink& link : dump.network) {
     const EdgeDescription& edge = dump.description.edges[link.edge];
-    drawing.edges.push_back({vertex_of.at(link.from), vertex_of.at(link.to), DrawnEdgeKind::remote,
-                             dump.description.nodes[edge.to].name, false,
+    drawing.edges.push_back({vertex_of.at(link.from),
+                             vertex_of.at(link.to),
+                             DrawnEdgeKind::remote,
+                             dump.description.nodes[edge.to].name,
+                             false,
                              {{"edge", edge.name}, {"value_type", edge.value_type}}});
   }
   return drawing;
@@ -282,7 +302,11 @@ void add_blueprint(const GraphDescription& description, const std::string& prefi
   for (const EdgeDescription& edge : description.edges) {
     if (edge.kind == EdgeKind::remote && !prefix.empty()) continue;  // the network shows them
     const bool next = edge.kind == EdgeKind::local && edge.step == RoundStep::next;
-    drawing.edges.push_back({first + edge.from, first + edge.to, drawn(edge.kind), next ? "next round" : "", false,
+    drawing.edges.push_back({first + edge.from,
+                             first + edge.to,
+                             drawn(edge.kind),
+                             next ? "next round" : "",
+                             false,
                              {{"edge", edge.name}, {"value_type", edge.value_type}}});
   }
 }
@@ -307,8 +331,12 @@ Drawing planned_drawing(const GraphDump& dump, const std::string& instance_word)
   }
   for (const NetworkLink& link : dump.network) {
     const EdgeDescription& edge = dump.description.edges[link.edge];
-    drawing.edges.push_back({first.at(link.from) + edge.from, first.at(link.to) + edge.to, DrawnEdgeKind::remote, "",
-                             false, {{"edge", edge.name}, {"value_type", edge.value_type}}});
+    drawing.edges.push_back({first.at(link.from) + edge.from,
+                             first.at(link.to) + edge.to,
+                             DrawnEdgeKind::remote,
+                             "",
+                             false,
+                             {{"edge", edge.name}, {"value_type", edge.value_type}}});
   }
   return drawing;
 }
@@ -317,17 +345,22 @@ Drawing planned_drawing(const GraphDump& dump, const std::string& instance_word)
 
 const char* name_of(DrawnEdgeKind kind) {
   switch (kind) {
-    case DrawnEdgeKind::local: return "local";
-    case DrawnEdgeKind::remote: return "remote";
-    case DrawnEdgeKind::wake: return "wake";
-    case DrawnEdgeKind::order: return "order";
+    case DrawnEdgeKind::local:
+      return "local";
+    case DrawnEdgeKind::remote:
+      return "remote";
+    case DrawnEdgeKind::wake:
+      return "wake";
+    case DrawnEdgeKind::order:
+      return "order";
   }
   return "";
 }
 
 Drawing drawing_of(const GraphDump& dump, Collapse collapse, const std::string& instance_word) {
   if (collapse == Collapse::instances) return instances_drawing(dump, instance_word);
-  if (collapse == Collapse::rounds) return dump.executed() ? rounds_drawing(dump) : drawing_of(dump.description);
+  if (collapse == Collapse::rounds)
+    return dump.executed() ? rounds_drawing(dump) : drawing_of(dump.description);
   return dump.executed() ? runs_drawing(dump, instance_word) : planned_drawing(dump, instance_word);
 }
 

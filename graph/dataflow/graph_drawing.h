@@ -16,13 +16,13 @@ namespace weft::graph::dataflow {
 using Attribute = std::pair<std::string, std::variant<std::int64_t, double, std::string>>;
 
 struct DrawnVertex {
-  std::string id;                           ///< unique in the drawing
-  std::vector<std::string> label;           ///< lines
-  std::optional<std::uint32_t> node;        ///< NodeIndex, for the colour; none: the vertex stands for several
-  std::optional<std::size_t> cluster;       ///< index in Drawing::clusters
+  std::string id;                      ///< unique in the drawing
+  std::vector<std::string> label;      ///< lines
+  std::optional<std::uint32_t> node;   ///< NodeIndex, for the colour; none: the vertex stands for several
+  std::optional<std::size_t> cluster;  ///< index in Drawing::clusters
   bool critical = false;
-  double weight = 0;                        ///< 0 to 1: share of the most seconds of any vertex
-  std::vector<Attribute> attributes;        ///< the same names for all vertices of a drawing
+  double weight = 0;                  ///< 0 to 1: share of the most seconds of any vertex
+  std::vector<Attribute> attributes;  ///< the same names for all vertices of a drawing
 };
 
 enum class DrawnEdgeKind : std::uint8_t { local, remote, wake, order };  ///< order: follows in the instance

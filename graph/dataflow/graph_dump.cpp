@@ -275,7 +275,8 @@ std::vector<NetworkLink> network_of(const GraphDump& dump) {
   for (const DumpedUse& use : dump.uses) {
     if (dump.description.edges[use.edge].kind != EdgeKind::remote) continue;
     const InstanceIndex from = dump.runs[use.from].instance, to = dump.runs[use.to].instance;
-    NetworkLink& link = links.try_emplace({from, to, use.edge}, NetworkLink{from, to, use.edge, 0, 0}).first->second;
+    NetworkLink& link =
+        links.try_emplace({from, to, use.edge}, NetworkLink{from, to, use.edge, 0, 0}).first->second;
     ++link.values;
     link.bytes += use.bytes;
   }

@@ -63,8 +63,8 @@ struct CriticalPath {
   engine::TimePoint wall = 0;    ///< nanoseconds from the first begin to the last end
   struct Step {
     RunIndex run = 0;
-    engine::TimePoint worked = 0;              ///< of the run, what the chain had to wait for
-    std::optional<std::uint32_t> arrived_by;   ///< index in GraphDump::uses; none: it followed in its instance
+    engine::TimePoint worked = 0;             ///< of the run, what the chain had to wait for
+    std::optional<std::uint32_t> arrived_by;  ///< index in GraphDump::uses; none: it followed in its instance
   };
   std::vector<Step> steps;  ///< in the order of time
 };

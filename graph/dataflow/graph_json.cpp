@@ -40,9 +40,8 @@ Json description_json(const GraphDescription& description) {
 Json instances_json(const std::vector<DumpedInstance>& instances) {
   Json list = Json::array();
   for (const DumpedInstance& i : instances) {
-    list.push_back({{"number", i.number},
-                    {"object", {i.object.home.value, i.object.number}},
-                    {"rank", i.rank.value}});
+    list.push_back(
+        {{"number", i.number}, {"object", {i.object.home.value, i.object.number}}, {"rank", i.rank.value}});
   }
   return list;
 }
@@ -58,8 +57,8 @@ Json network_json(const std::vector<NetworkLink>& links) {
 Json runs_json(const std::vector<DumpedRun>& runs, const std::vector<std::string>& names) {
   Json counters = Json::object();
   for (std::size_t c = 0; c < names.size(); ++c) {
-    counters[names[c]] =
-        column(runs, [&](const DumpedRun& r) { return c < r.counters.size() ? Json(r.counters[c]) : Json(0); });
+    counters[names[c]] = column(
+        runs, [&](const DumpedRun& r) { return c < r.counters.size() ? Json(r.counters[c]) : Json(0); });
   }
   return {{"node", column(runs, [](const DumpedRun& r) { return r.node; })},
           {"instance", column(runs, [](const DumpedRun& r) { return r.instance; })},
@@ -93,7 +92,8 @@ Json path_json(const GraphDump& dump) {
           {"by_node", by_node},
           {"runs", column(path.steps, [](const Step& s) { return s.run; })},
           {"worked_ns", column(path.steps, [](const Step& s) { return s.worked; })},
-          {"uses", column(path.steps, [](const Step& s) { return s.arrived_by ? Json(*s.arrived_by) : Json(); })}};
+          {"uses",
+           column(path.steps, [](const Step& s) { return s.arrived_by ? Json(*s.arrived_by) : Json(); })}};
 }
 
 // --- Reading
@@ -114,7 +114,8 @@ class Member {
   std::vector<Member> items() const {
     if (!json_.is_array()) refuse(name_ + " is no list");
     std::vector<Member> all;
-    for (std::size_t i = 0; i < json_.size(); ++i) all.emplace_back(json_[i], name_ + "[" + std::to_string(i) + "]");
+    for (std::size_t i = 0; i < json_.size(); ++i)
+      all.emplace_back(json_[i], name_ + "[" + std::to_string(i) + "]");
     return all;
   }
   std::string string() const {
@@ -193,11 +194,10 @@ GraphDescription description_from(const Member& json) {
   }
   const std::size_t nodes = description.nodes.size();
   for (const Member& edge : json["edges"].items()) {
-    description.edges.push_back({edge["name"].string(),
-                                 kind_named(edge["kind"], {EdgeKind::local, EdgeKind::remote, EdgeKind::wake}),
-                                 edge["from"].index(nodes), edge["to"].index(nodes),
-                                 edge["next_round"].boolean() ? RoundStep::next : RoundStep::same,
-                                 edge["value_type"].string()});
+    description.edges.push_back(
+        {edge["name"].string(), kind_named(edge["kind"], {EdgeKind::local, EdgeKind::remote, EdgeKind::wake}),
+         edge["from"].index(nodes), edge["to"].index(nodes),
+         edge["next_round"].boolean() ? RoundStep::next : RoundStep::same, edge["value_type"].string()});
   }
   return description;
 }
@@ -207,7 +207,8 @@ std::vector<DumpedInstance> instances_from(const Member& json) {
   for (const Member& instance : json.items()) {
     const std::vector<Member> object = instance["object"].items();
     if (object.size() != 2) refuse(instance.name() + ".object is no pair");
-    instances.push_back({instance["number"].natural(), {object[0].rank(), object[1].natural<std::uint32_t>()},
+    instances.push_back({instance["number"].natural(),
+                         {object[0].rank(), object[1].natural<std::uint32_t>()},
                          instance["rank"].rank()});
   }
   return instances;
@@ -248,7 +249,8 @@ void read_counters(const Member& json, GraphDump& dump) {
 
 void read_runs(const Member& json, GraphDump& dump) {
   const std::size_t size = json["node"].size();
-  const auto node = json["node"].column<std::uint32_t>(size), instance = json["instance"].column<std::uint32_t>(size);
+  const auto node = json["node"].column<std::uint32_t>(size),
+             instance = json["instance"].column<std::uint32_t>(size);
   const auto round = json["round"].column<std::uint64_t>(size);
   const auto rank = json["rank"].column<std::int32_t>(size);
   const auto begin = json["begin_ns"].column<std::int64_t>(size);
@@ -257,9 +259,16 @@ void read_runs(const Member& json, GraphDump& dump) {
   check_below(node, dump.description.nodes.size(), json["node"]);
   check_below(instance, dump.instances.size(), json["instance"]);
   for (std::size_t i = 0; i < size; ++i) {
-    if (duration[i] > std::numeric_limits<std::int64_t>::max() - begin[i]) refuse("runs.duration_ns is too large");
-    dump.runs.push_back({node[i], instance[i], round[i], engine::Rank(rank[i]), begin[i], begin[i] + duration[i],
-                         bytes[i], {}});
+    if (duration[i] > std::numeric_limits<std::int64_t>::max() - begin[i])
+      refuse("runs.duration_ns is too large");
+    dump.runs.push_back({node[i],
+                         instance[i],
+                         round[i],
+                         engine::Rank(rank[i]),
+                         begin[i],
+                         begin[i] + duration[i],
+                         bytes[i],
+                         {}});
   }
   read_counters(json["counters"], dump);
 }

@@ -55,16 +55,18 @@ class Keys {
 std::vector<Attribute> all_of(const Drawing& drawing, const DrawnVertex& vertex) {
   std::string label;
   for (const std::string& line : vertex.label) label += (label.empty() ? "" : "\n") + line;
-  std::vector<Attribute> all = {{"label", label},
-                                {"cluster", vertex.cluster ? drawing.clusters[*vertex.cluster] : std::string()},
-                                {"critical", std::int64_t{vertex.critical}}};
+  std::vector<Attribute> all = {
+      {"label", label},
+      {"cluster", vertex.cluster ? drawing.clusters[*vertex.cluster] : std::string()},
+      {"critical", std::int64_t{vertex.critical}}};
   all.insert(all.end(), vertex.attributes.begin(), vertex.attributes.end());
   return all;
 }
 
 std::vector<Attribute> all_of(const DrawnEdge& edge) {
-  std::vector<Attribute> all = {
-      {"label", edge.label}, {"edge_kind", std::string(name_of(edge.kind))}, {"critical", std::int64_t{edge.critical}}};
+  std::vector<Attribute> all = {{"label", edge.label},
+                                {"edge_kind", std::string(name_of(edge.kind))},
+                                {"critical", std::int64_t{edge.critical}}};
   all.insert(all.end(), edge.attributes.begin(), edge.attributes.end());
   return all;
 }

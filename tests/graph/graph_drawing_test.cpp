@@ -23,7 +23,9 @@ GraphDump dump_of(const weft::testing::SimulationRules& rules) {
   });
 }
 
-GraphDump sample() { return dump_of({.subdomains = 9, .ranks = 3, .rounds = 3, .migration = true, .seed = 3}); }
+GraphDump sample() {
+  return dump_of({.subdomains = 9, .ranks = 3, .rounds = 3, .migration = true, .seed = 3});
+}
 
 double attribute(const std::vector<Attribute>& attributes, const std::string& name) {
   for (const auto& [key, value] : attributes) {
@@ -45,7 +47,8 @@ TEST(GraphDrawing, ShowsEachRunInTheClusterOfItsRank) {
     EXPECT_TRUE(ids.insert(vertex.id).second);
     EXPECT_EQ(drawing.clusters[*vertex.cluster], "rank " + std::to_string(dump.runs[r].rank.value));
     EXPECT_EQ(attribute(vertex.attributes, "round"), static_cast<double>(dump.runs[r].round));
-    EXPECT_EQ(attribute(vertex.attributes, "seconds"), 1e-9 * static_cast<double>(dump.runs[r].end - dump.runs[r].begin));
+    EXPECT_EQ(attribute(vertex.attributes, "seconds"),
+              1e-9 * static_cast<double>(dump.runs[r].end - dump.runs[r].begin));
   }
 }
 
@@ -94,7 +97,9 @@ TEST(GraphDrawing, ShowsAPlannedGraphByNodesOrByInstances) {
   const Drawing by_instances = drawing_of(plan, Collapse::instances, "subdomain");
   EXPECT_EQ(by_instances.vertices.size(), 3u);
   EXPECT_EQ(by_instances.edges.size(), plan.network.size());
-  EXPECT_EQ(drawing_of(planned_dump(dump.description, dump.instances, {}), Collapse::instances, "subdomain").vertices.size(), 9u);
+  EXPECT_EQ(drawing_of(planned_dump(dump.description, dump.instances, {}), Collapse::instances, "subdomain")
+                .vertices.size(),
+            9u);
 }
 
 GraphDump strange_names() {

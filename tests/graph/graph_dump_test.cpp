@@ -34,8 +34,13 @@ std::vector<SimulationRules> random_rules() {
   std::vector<SimulationRules> all;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const auto s = static_cast<std::uint32_t>(seed);
-    all.push_back({.subdomains = 2 + 3 * s, .ranks = 1 + s % 4, .workers = 1 + s % 3, .rounds = 1 + s % 4,
-                   .migration = s % 2 == 0, .largest_skew = 0, .seed = seed});
+    all.push_back({.subdomains = 2 + 3 * s,
+                   .ranks = 1 + s % 4,
+                   .workers = 1 + s % 3,
+                   .rounds = 1 + s % 4,
+                   .migration = s % 2 == 0,
+                   .largest_skew = 0,
+                   .seed = seed});
   }
   return all;
 }
@@ -121,8 +126,8 @@ TEST(GraphDump, CountsUsesWhoseRunsAreMissing) {
   std::erase_if(run.log.runs, [&](const NodeRun& r) {
     return r.node == lost.node && r.instance == lost.instance && r.round == lost.round;
   });
-  const GraphDump dump =
-      executed_dump(run.graph, run.log, [&](engine::ObjectId o) { return weft::testing::subdomain_of_object(rules, o); });
+  const GraphDump dump = executed_dump(
+      run.graph, run.log, [&](engine::ObjectId o) { return weft::testing::subdomain_of_object(rules, o); });
   EXPECT_GT(dump.unmatched_uses, 0u);
   EXPECT_EQ(dump.uses.size() + dump.unmatched_uses, run.log.uses.size());
 }
@@ -178,7 +183,8 @@ TEST(CriticalPath, RefusesRunsThatWaitForEachOther) {
   GraphDump dump = dump_of({.subdomains = 4, .rounds = 1});
   const DumpedUse first = dump.uses.front();
   dump.uses.insert(dump.uses.begin(), {first.edge, first.to, first.from, dump.runs[first.to].begin, 1});
-  std::stable_sort(dump.uses.begin(), dump.uses.end(), [](const auto& a, const auto& b) { return a.to < b.to; });
+  std::stable_sort(dump.uses.begin(), dump.uses.end(),
+                   [](const auto& a, const auto& b) { return a.to < b.to; });
   EXPECT_THROW(critical_path(dump), std::invalid_argument);
 }
 
@@ -200,8 +206,7 @@ TEST(Waits, LieBetweenTheRunBeforeAndTheLastValue) {
       waited[dump.runs[wait.run].instance] += wait.waited;
       ++found;
     }
-    for (const auto& [instance, time] : waited)
-      EXPECT_LE(time + worked[instance], dump.critical_path.wall);
+    for (const auto& [instance, time] : waited) EXPECT_LE(time + worked[instance], dump.critical_path.wall);
   }
   EXPECT_GT(found, 0u);
 }
@@ -311,13 +316,15 @@ TEST(GraphDump, OfARunOfTheEngineIsWhole) {
       engine::Runtime runtime(transport, registry,
                               {.balancer = moving ? engine::rotate() : engine::no_balancing()});
       weft::testing::GameRules rules{.players = 9, .ranks = kRanks, .rounds = 6};
-      runtime.run([&](engine::Context& context) { weft::testing::start_game(Recording::on, context, rules); });
+      runtime.run(
+          [&](engine::Context& context) { weft::testing::start_game(Recording::on, context, rules); });
       const std::lock_guard lock(mutex);
       together.append(log_of<Player>(runtime));
     });
-    const GraphDump dump = executed_dump(blueprint_of<Player>().description(), together, [](engine::ObjectId o) {
-      return std::uint64_t{o.number} * kRanks + static_cast<std::uint64_t>(o.home.value);
-    });
+    const GraphDump dump =
+        executed_dump(blueprint_of<Player>().description(), together, [](engine::ObjectId o) {
+          return std::uint64_t{o.number} * kRanks + static_cast<std::uint64_t>(o.home.value);
+        });
     EXPECT_EQ(dump.unmatched_uses, 0u);
     EXPECT_EQ(dump.uses.size(), together.uses.size());
     EXPECT_LE(dump.critical_path.length, dump.critical_path.wall);

@@ -21,8 +21,8 @@ using graph::dataflow::NodeIndex;
 constexpr std::int64_t kMicrosecond = 1000;
 
 NodeIndex node_named(const GraphDescription& graph, const std::string& name) {
-  const auto found =
-      std::find_if(graph.nodes.begin(), graph.nodes.end(), [&](const auto& node) { return node.name == name; });
+  const auto found = std::find_if(graph.nodes.begin(), graph.nodes.end(),
+                                  [&](const auto& node) { return node.name == name; });
   return static_cast<NodeIndex>(found - graph.nodes.begin());
 }
 
@@ -64,7 +64,8 @@ class Simulation {
   void node(NodeIndex index, std::uint64_t round, std::int64_t seconds);
   void pass(NodeIndex from, NodeIndex to, std::uint64_t round);
   void send_to_neighbours(NodeIndex from, NodeIndex to, std::uint64_t round, std::uint64_t bytes);
-  void arrive(std::uint32_t subdomain, NodeIndex event, std::uint64_t round, std::int64_t time, std::uint64_t bytes);
+  void arrive(std::uint32_t subdomain, NodeIndex event, std::uint64_t round, std::int64_t time,
+              std::uint64_t bytes);
   void propose_or_end(NodeIndex before, std::uint64_t round);
   void join_neighbours();
   void finish(SimulatedRun& run);
@@ -77,12 +78,12 @@ class Simulation {
   std::priority_queue<Handler, std::vector<Handler>, std::greater<>> ready_;
   std::uint64_t handlers_ = 0;
   std::map<std::tuple<std::uint32_t, NodeIndex, std::uint64_t>, Arrivals> arrived_;
-  std::vector<std::int64_t> free_at_;           ///< of subdomains
-  std::vector<std::uint32_t> rank_of_;          ///< of subdomains
-  std::vector<double> size_;                    ///< of subdomains
+  std::vector<std::int64_t> free_at_;   ///< of subdomains
+  std::vector<std::uint32_t> rank_of_;  ///< of subdomains
+  std::vector<double> size_;            ///< of subdomains
   std::vector<std::vector<std::int64_t>> workers_free_at_;
   std::vector<std::int64_t> skew_;
-  std::vector<std::vector<engine::Span>> spans_;  ///< by rank * workers + worker
+  std::vector<std::vector<engine::Span>> spans_;      ///< by rank * workers + worker
   std::vector<std::vector<engine::Volume>> volumes_;  ///< by rank and peer
   std::vector<engine::Volume> traffic_;
   // The handler that runs.
@@ -101,8 +102,9 @@ Simulation::Simulation(const SimulationRules& rules)
       traffic_(rules.ranks) {
   const GraphDescription& g = run_.graph =
       graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description();
-  name_ = {node_named(g, "refine interface"), node_named(g, "register interface"), node_named(g, "adapt interior"),
-           node_named(g, "propose"),          node_named(g, "gather"),             node_named(g, "scatter"),
+  name_ = {node_named(g, "refine interface"), node_named(g, "register interface"),
+           node_named(g, "adapt interior"),   node_named(g, "propose"),
+           node_named(g, "gather"),           node_named(g, "scatter"),
            node_named(g, "adapt shifted"),    node_named(g, "update topology")};
   for (std::uint32_t s = 0; s < rules.subdomains; ++s) {
     rank_of_.push_back(static_cast<std::uint32_t>(std::uint64_t{s} * rules.ranks / rules.subdomains));
@@ -157,7 +159,8 @@ void Simulation::pass(NodeIndex from, NodeIndex to, std::uint64_t round) {
 void Simulation::send_to_neighbours(NodeIndex from, NodeIndex to, std::uint64_t round, std::uint64_t bytes) {
   for (const std::uint32_t other : run_.neighbours[subdomain_]) {
     const std::int64_t time = draw(node_begin_, now_);
-    const std::uint64_t size = bytes / 2 + static_cast<std::uint64_t>(draw(0, static_cast<std::int64_t>(bytes)));
+    const std::uint64_t size =
+        bytes / 2 + static_cast<std::uint64_t>(draw(0, static_cast<std::int64_t>(bytes)));
     run_.log.uses.push_back({edge_between(run_.graph, from, to), object_of_subdomain(rules_, subdomain_),
                              object_of_subdomain(rules_, other), round, size,
                              Rank(static_cast<std::int32_t>(rank_)), time + skew_[rank_]});
@@ -187,7 +190,8 @@ void Simulation::propose_or_end(NodeIndex before, std::uint64_t round) {
 
 void Simulation::handle(const Handler& handler) {
   subdomain_ = handler.subdomain;
-  if (rules_.migration && draw(0, 3) == 0) rank_of_[subdomain_] = static_cast<std::uint32_t>(draw(0, rules_.ranks - 1));
+  if (rules_.migration && draw(0, 3) == 0)
+    rank_of_[subdomain_] = static_cast<std::uint32_t>(draw(0, rules_.ranks - 1));
   rank_ = rank_of_[subdomain_];
   auto& workers = workers_free_at_[rank_];
   const auto worker = std::min_element(workers.begin(), workers.end());
@@ -196,7 +200,10 @@ void Simulation::handle(const Handler& handler) {
   const auto work = [&](double milliseconds) {
     return static_cast<std::int64_t>(1e6 * milliseconds * size_[subdomain_] * (0.7 + 6e-4 * draw(0, 1000)));
   };
-  node(handler.node, handler.round, work(handler.node == name_.refine ? 25 : handler.node == name_.gather ? 8 : 4));
+  node(handler.node, handler.round,
+       work(handler.node == name_.refine   ? 25
+            : handler.node == name_.gather ? 8
+                                           : 4));
   if (handler.node == name_.refine) {
     send_to_neighbours(name_.refine, name_.registered, handler.round, 30'000);
     arrive(subdomain_, name_.registered, handler.round, now_, 0);
@@ -223,7 +230,8 @@ void Simulation::handle(const Handler& handler) {
 }
 
 SimulatedRun Simulation::run() {
-  for (std::uint32_t s = 0; s < rules_.subdomains; ++s) schedule(s, name_.refine, 0, draw(0, 1000) * kMicrosecond);
+  for (std::uint32_t s = 0; s < rules_.subdomains; ++s)
+    schedule(s, name_.refine, 0, draw(0, 1000) * kMicrosecond);
   while (!ready_.empty()) {
     const Handler next = ready_.top();
     ready_.pop();

@@ -1,5 +1,5 @@
-// A run of the subdomains' graph without meshes or ranks: a discrete simulation of the protocol on workers, with random
-// durations, from which logs, timelines and summaries are made as the engine makes them.
+// A run of the subdomains' graph without meshes or ranks: a discrete simulation of the protocol on workers,
+// with random durations, from which logs, timelines and summaries are made as the engine makes them.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct SimulationRules {
   std::uint32_t ranks = 2;
   std::uint32_t workers = 2;  ///< of each rank
   std::uint32_t rounds = 3;
-  bool migration = false;           ///< subdomains change ranks between handlers
-  std::int64_t largest_skew = 0;    ///< nanoseconds by which ranks' clocks are off, in both directions
+  bool migration = false;         ///< subdomains change ranks between handlers
+  std::int64_t largest_skew = 0;  ///< nanoseconds by which ranks' clocks are off, in both directions
   std::uint64_t seed = 1;
 };
 

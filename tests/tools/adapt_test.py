@@ -126,7 +126,7 @@ class Report(CommandTest):
         self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--report", "new/report",
                   "--threads", 1)
         path = self.folder / "new/report/report.json"
-        self.assertEqual([file.name for file in path.parent.iterdir()], ["report.json"])
+        self.assertEqual(sorted(file.name for file in path.parent.iterdir()), ["profile.json", "report.html", "report.json"])
         report = json.loads(path.read_text())
         self.assertEqual(set(report), REPORT_KEYS)
         self.assertEqual(report["schema"], "weft-report-1")

@@ -36,7 +36,9 @@ Document document(const std::string& name, const Json& json) {
   return {name, json};
 }
 
-std::string plural(std::uint64_t n, const char* word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
+std::string plural(std::uint64_t n, const char* word) {
+  return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s");
+}
 
 ComparedRun about(const Document& run) {
   const Json& report = run.report();
@@ -100,7 +102,8 @@ std::vector<ComparedMeasure> measures_of(const Json& a, const Json& b) {
       {"edges long", "/after/edge_length/share_long", Kind::share, -1},
       {"edges short", "/after/edge_length/share_short", Kind::share, -1},
       {"former interface, quality mean", "/subdomains/former_interface/quality/mean", Kind::number, 1},
-      {"former interface, quality 1 %", "/subdomains/former_interface/quality/quantile_0.01", Kind::number, 1},
+      {"former interface, quality 1 %", "/subdomains/former_interface/quality/quantile_0.01", Kind::number,
+       1},
       {"peak memory, bytes", "/peak_memory_bytes", Kind::count, -1}};
   std::vector<ComparedMeasure> rows;
   for (const Row& row : kRows) {
@@ -114,7 +117,8 @@ std::vector<std::string> remarks_on(const Document& a, const Document& b) {
   std::vector<std::string> remarks;
   const auto tets = [](const Document& d) { return d.report().at("output").at("tets").get<double>(); };
   if (std::abs(tets(b) - tets(a)) > kNoise * std::max(tets(a), tets(b)))
-    remarks.push_back(fmt::format("The results are of different sizes: {:.0f} and {:.0f} tets.", tets(a), tets(b)));
+    remarks.push_back(
+        fmt::format("The results are of different sizes: {:.0f} and {:.0f} tets.", tets(a), tets(b)));
   if (a.report().at("input") != b.report().at("input")) remarks.push_back("The inputs are different meshes.");
   for (const Document* run : {&a, &b})
     if (!run->report().at("goal_met").get<bool>()) remarks.push_back(run->name + " did not meet its goal.");
@@ -126,7 +130,9 @@ std::string seconds_text(double seconds) {
                                                  : fmt::format("{:.3g} s", seconds);
 }
 
-std::string signed_text(double seconds) { return fmt::format("{}{}", seconds > 0 ? "+" : "", seconds_text(seconds)); }
+std::string signed_text(double seconds) {
+  return fmt::format("{}{}", seconds > 0 ? "+" : "", seconds_text(seconds));
+}
 
 std::string change_text(double a, double b) {
   return a > 0 ? fmt::format("{:+.1f} %", 100 * (b / a - 1)) : std::string("-");
@@ -139,8 +145,8 @@ std::string seconds_table(const std::string& title, std::vector<ComparedSeconds>
   });
   std::string text = fmt::format("\n{:<32}{:>12}{:>12}{:>14}{:>10}\n", title, "A", "B", "difference", "");
   for (const ComparedSeconds& row : rows) {
-    text += fmt::format("  {:<30}{:>12}{:>12}{:>14}{:>10}\n", row.name, seconds_text(row.a), seconds_text(row.b),
-                        signed_text(row.b - row.a), change_text(row.a, row.b));
+    text += fmt::format("  {:<30}{:>12}{:>12}{:>14}{:>10}\n", row.name, seconds_text(row.a),
+                        seconds_text(row.b), signed_text(row.b - row.a), change_text(row.a, row.b));
   }
   return text;
 }
@@ -148,9 +154,12 @@ std::string seconds_table(const std::string& title, std::vector<ComparedSeconds>
 std::string measure_text(const ComparedMeasure& measure, const std::optional<double>& value) {
   if (!value) return "-";
   switch (measure.kind) {
-    case ComparedMeasure::Kind::count: return fmt::format("{:.0f}", *value);
-    case ComparedMeasure::Kind::share: return fmt::format("{:.2f} %", 100 * *value);
-    case ComparedMeasure::Kind::number: return fmt::format("{:.4g}", *value);
+    case ComparedMeasure::Kind::count:
+      return fmt::format("{:.0f}", *value);
+    case ComparedMeasure::Kind::share:
+      return fmt::format("{:.2f} %", 100 * *value);
+    case ComparedMeasure::Kind::number:
+      return fmt::format("{:.4g}", *value);
   }
   return "";
 }
@@ -160,7 +169,9 @@ std::string judgement(const ComparedMeasure& measure) {
   return (*measure.b - *measure.a) * measure.better > 0 ? "better" : "worse";
 }
 
-Json json_of(const ComparedRun& run) { return {{"name", run.name}, {"about", run.about}, {"seconds", run.seconds}}; }
+Json json_of(const ComparedRun& run) {
+  return {{"name", run.name}, {"about", run.about}, {"seconds", run.seconds}};
+}
 
 Json json_of(const std::vector<ComparedSeconds>& rows) {
   Json list = Json::array();
@@ -176,8 +187,9 @@ std::string Comparison::verdict() const {
   const double change = a.seconds > 0 ? b.seconds / a.seconds - 1 : 0;
   if (std::abs(change) < kNoise)
     return fmt::format("B is as fast as A: {} and {}.", seconds_text(b.seconds), seconds_text(a.seconds));
-  std::string text = fmt::format("B is {:.0f} % {} than A: {} instead of {}", 100 * std::abs(change),
-                                 change > 0 ? "slower" : "faster", seconds_text(b.seconds), seconds_text(a.seconds));
+  std::string text =
+      fmt::format("B is {:.0f} % {} than A: {} instead of {}", 100 * std::abs(change),
+                  change > 0 ? "slower" : "faster", seconds_text(b.seconds), seconds_text(a.seconds));
   const auto most = std::max_element(operations.begin(), operations.end(), [&](const auto& x, const auto& y) {
     return (x.b - x.a) * change < (y.b - y.a) * change;
   });
@@ -206,8 +218,8 @@ Comparison compare(const std::string& name_a, const Json& a, const std::string& 
 std::string comparison_text(const Comparison& comparison) {
   std::string text = comparison.verdict() + "\n";
   for (const std::string& remark : comparison.remarks) text += remark + "\n";
-  text += fmt::format("  A: {} ({})\n  B: {} ({})\n", comparison.a.name, comparison.a.about, comparison.b.name,
-                      comparison.b.about);
+  text += fmt::format("  A: {} ({})\n  B: {} ({})\n", comparison.a.name, comparison.a.about,
+                      comparison.b.name, comparison.b.about);
   text += seconds_table("by operation", comparison.operations) + seconds_table("by step", comparison.steps) +
           seconds_table("by rank, without idle", comparison.ranks);
   text += fmt::format("\n{:<32}{:>14}{:>14}\n", "mesh", "A", "B");

@@ -24,9 +24,9 @@ struct ComparedMeasure {
 };
 
 struct ComparedRun {
-  std::string name;   ///< what the user calls it: its file
-  std::string about;  ///< "4 ranks, 8 workers, 128 subdomains"
-  double seconds = 0; ///< of the adaptation
+  std::string name;    ///< what the user calls it: its file
+  std::string about;   ///< "4 ranks, 8 workers, 128 subdomains"
+  double seconds = 0;  ///< of the adaptation
 };
 
 struct Comparison {
@@ -41,7 +41,8 @@ struct Comparison {
   std::string verdict() const;
 };
 
-/// Documents of schema "weft-profile-1" or "weft-report-1". Throws std::invalid_argument, naming the run, for others.
+/// Documents of schema "weft-profile-1" or "weft-report-1". Throws std::invalid_argument, naming the run, for
+/// others.
 Comparison compare(const std::string& name_a, const nlohmann::ordered_json& a, const std::string& name_b,
                    const nlohmann::ordered_json& b);
 

@@ -41,7 +41,8 @@ std::vector<Hardware> merge(const std::vector<Hardware>& of_ranks) {
   std::vector<Hardware> kinds;
   for (const Hardware& mine : of_ranks) {
     const auto same = std::find_if(kinds.begin(), kinds.end(), [&](const Hardware& kind) {
-      return std::tie(kind.processor, kind.cores, kind.memory) == std::tie(mine.processor, mine.cores, mine.memory);
+      return std::tie(kind.processor, kind.cores, kind.memory) ==
+             std::tie(mine.processor, mine.cores, mine.memory);
     });
     if (same == kinds.end())
       kinds.push_back(mine);

@@ -10,9 +10,9 @@ namespace weft::report {
 /// One machine and the ranks on it. The machine's name is left out on purpose: reports are passed on.
 struct Hardware {
   std::vector<int> ranks;
-  std::string processor;      ///< as the system calls it; empty: unknown
-  int cores = 0;              ///< that this process may use
-  std::uint64_t memory = 0;   ///< bytes; 0: unknown
+  std::string processor;     ///< as the system calls it; empty: unknown
+  int cores = 0;             ///< that this process may use
+  std::uint64_t memory = 0;  ///< bytes; 0: unknown
 
   template <class Archive>
   void serialize(Archive& archive) {

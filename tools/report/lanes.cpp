@@ -74,8 +74,9 @@ class Rows {
 void sort_by_rank(Lanes& lanes) {
   std::vector<std::uint32_t> order(lanes.lanes.size()), old_to_new(lanes.lanes.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return lanes.lanes[a].rank < lanes.lanes[b].rank; });
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return lanes.lanes[a].rank < lanes.lanes[b].rank;
+  });
   std::vector<Lane> sorted;
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     old_to_new[order[i]] = i;

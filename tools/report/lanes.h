@@ -21,9 +21,9 @@ struct Lanes {
   std::vector<std::uint32_t> of_run;  ///< index in `lanes`, by RunIndex
 };
 
-/// `timelines`: of all ranks, with spans; `start`: the time on rank 0's clock that the graph's times count from. Where
-/// spans are missing, runs are laid into as few rows of their rank as hold them, and those are called "row 0"...: who
-/// ran them is not known then.
+/// `timelines`: of all ranks, with spans; `start`: the time on rank 0's clock that the graph's times count
+/// from. Where spans are missing, runs are laid into as few rows of their rank as hold them, and those are
+/// called "row 0"...: who ran them is not known then.
 Lanes lanes_of(const graph::dataflow::GraphDump& graph, std::span<const engine::RankTimeline> timelines,
                engine::TimePoint start);
 

@@ -45,7 +45,8 @@ MemorySamples MemorySampler::stop() {
 void MemorySampler::sample() {
   const std::uint64_t bytes = resident_bytes();
   if (bytes == 0) return;
-  samples_.seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+  samples_.seconds.push_back(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
   samples_.bytes.push_back(bytes);
   if (samples_.bytes.size() < kMostSamples) return;
   keep_every_second(samples_.seconds);

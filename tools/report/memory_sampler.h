@@ -10,8 +10,8 @@
 
 namespace weft::report {
 
-/// Samples from its construction until stop(). When there are 1,000 samples every second one goes and the interval
-/// doubles, so any run leaves 500 to 1,000. Costs a few microseconds a sample.
+/// Samples from its construction until stop(). When there are 1,000 samples every second one goes and the
+/// interval doubles, so any run leaves 500 to 1,000. Costs a few microseconds a sample.
 class MemorySampler {
  public:
   explicit MemorySampler(int rank, std::chrono::milliseconds interval = std::chrono::milliseconds(20));

@@ -23,7 +23,8 @@ using Corner = std::array<float, 3>;
 /// Values of tets, worked out where they are asked for.
 class TetValues {
  public:
-  TetValues(const MeshData& mesh, std::span<const LogMetric> log_metrics) : mesh_(mesh), log_metrics_(log_metrics) {}
+  TetValues(const MeshData& mesh, std::span<const LogMetric> log_metrics)
+      : mesh_(mesh), log_metrics_(log_metrics) {}
 
   void fill(std::uint32_t tet, ViewFacet& facet) const {
     if (tet >= mesh_.tets.size()) return;
@@ -53,7 +54,8 @@ Corner corner_of(const Point& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-ViewLayer surface_layer(const MeshData& mesh, const TetValues& values, std::uint32_t subdomain, bool is_piece) {
+ViewLayer surface_layer(const MeshData& mesh, const TetValues& values, std::uint32_t subdomain,
+                        bool is_piece) {
   ViewLayer layer;
   for (const picture::ShownFace& face : picture::Surface(mesh).faces()) {
     if (is_piece && !face.ref) continue;  // a face that another piece has too
@@ -114,7 +116,8 @@ std::vector<ViewFacet> joined(const std::vector<ViewFacet>& facets, const Box& b
   std::map<std::array<std::uint32_t, 3>, std::size_t> known;
   std::vector<ViewFacet> left;
   for (const ViewFacet& facet : facets) {
-    std::array<std::uint32_t, 3> v = {vertex(facet.corners[0]), vertex(facet.corners[1]), vertex(facet.corners[2])};
+    std::array<std::uint32_t, 3> v = {vertex(facet.corners[0]), vertex(facet.corners[1]),
+                                      vertex(facet.corners[2])};
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
     std::array<std::uint32_t, 3> key = v;
     std::ranges::sort(key);
@@ -152,7 +155,9 @@ std::uint8_t length_code(float length) {
   return static_cast<std::uint8_t>(std::lround(255 * (std::clamp(std::log2(length), -4.0F, 4.0F) + 4) / 8));
 }
 
-bool is_unit(float length) { return length >= 1 / std::numbers::sqrt2_v<float> && length <= std::numbers::sqrt2_v<float>; }
+bool is_unit(float length) {
+  return length >= 1 / std::numbers::sqrt2_v<float> && length <= std::numbers::sqrt2_v<float>;
+}
 
 /// Vertices that facets share are written once.
 nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
@@ -164,7 +169,8 @@ nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
     for (const Corner& corner : facet.corners) {
       std::array<std::uint16_t, 3> at;
       for (int a = 0; a < 3; ++a)
-        at[static_cast<std::size_t>(a)] = sixteen_bits(corner[static_cast<std::size_t>(a)], box.lo[a], box.hi[a]);
+        at[static_cast<std::size_t>(a)] =
+            sixteen_bits(corner[static_cast<std::size_t>(a)], box.lo[a], box.hi[a]);
       const auto [found, is_new] = number.try_emplace(at, static_cast<std::uint32_t>(number.size()));
       if (is_new) positions.insert(positions.end(), at.begin(), at.end());
       corners.push_back(found->second);

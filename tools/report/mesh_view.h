@@ -1,4 +1,5 @@
-// What the report's 3-D view shows of a mesh: its surface and sections by planes, thinned out to a few megabytes.
+// What the report's 3-D view shows of a mesh: its surface and sections by planes, thinned out to a few
+// megabytes.
 #pragma once
 
 #include <array>
@@ -44,21 +45,23 @@ struct MeshView {
 };
 
 struct MeshViewOptions {
-  int sections = 7;                       ///< planes across each axis, at equal distances
-  std::size_t surface_facets = 60'000;    ///< at most
-  std::size_t section_facets = 4'000;     ///< of each section, at most
+  int sections = 7;                     ///< planes across each axis, at equal distances
+  std::size_t surface_facets = 60'000;  ///< at most
+  std::size_t section_facets = 4'000;   ///< of each section, at most
 };
 
-/// `mesh` is whole, or a piece of a larger one of which only listed triangles are surface. `box`: of the whole mesh;
-/// `log_metrics`: one a vertex. Throws InputError (no file name) for a mesh that has indices out of range.
+/// `mesh` is whole, or a piece of a larger one of which only listed triangles are surface. `box`: of the
+/// whole mesh; `log_metrics`: one a vertex. Throws InputError (no file name) for a mesh that has indices out
+/// of range.
 MeshView mesh_view(const meshing::MeshData& mesh, std::span<const meshing::LogMetric> log_metrics,
-                   std::uint32_t subdomain, const meshing::Box& box, bool is_piece, const MeshViewOptions& options);
+                   std::uint32_t subdomain, const meshing::Box& box, bool is_piece,
+                   const MeshViewOptions& options);
 
 /// Adds the facets of another part of the mesh, made with the same box and options.
 void append(MeshView& view, MeshView&& part);
 
-/// Joins vertices on grids, coarser and coarser, until no layer has more facets than the options allow; what remains of
-/// several facets has their worst quality and length.
+/// Joins vertices on grids, coarser and coarser, until no layer has more facets than the options allow; what
+/// remains of several facets has their worst quality and length.
 void thin_out(MeshView& view, const meshing::Box& box, const MeshViewOptions& options);
 
 /// As in the schema "weft-profile-1", "mesh": positions in 16 bits an axis, other values in 8 or 16.

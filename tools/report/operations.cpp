@@ -7,14 +7,16 @@ namespace weft::report {
 
 OperationIndex operation_of_node(std::string_view name) {
   static constexpr std::pair<std::string_view, OperationIndex> kNodes[] = {
-      {"adapt interior", 0}, {"adapt shifted", 1}, {"refine interface", 2},   {"propose", 3},        {"wake", 3},
-      {"gather", 4},         {"scatter", 5},       {"register interface", 6}, {"update topology", 6}};
-  const auto found =
-      std::find_if(std::begin(kNodes), std::end(kNodes), [&](const auto& entry) { return entry.first == name; });
+      {"adapt interior", 0}, {"adapt shifted", 1}, {"refine interface", 2}, {"propose", 3},
+      {"wake", 3},           {"gather", 4},        {"scatter", 5},          {"register interface", 6},
+      {"update topology", 6}};
+  const auto found = std::find_if(std::begin(kNodes), std::end(kNodes),
+                                  [&](const auto& entry) { return entry.first == name; });
   return found == std::end(kNodes) ? kMisc : found->second;
 }
 
-OperationSeconds seconds_of_rank(const engine::RankSummary& summary, const graph::dataflow::GraphDump& graph) {
+OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
+                                 const graph::dataflow::GraphDump& graph) {
   OperationSeconds seconds{};
   double in_nodes = 0;
   for (const graph::dataflow::DumpedRun& run : graph.runs) {

@@ -1,5 +1,5 @@
-// What the workers of a run spend their time on, as the report calls it: the paper's operations, and those that it does
-// not have.
+// What the workers of a run spend their time on, as the report calls it: the paper's operations, and those
+// that it does not have.
 #pragma once
 
 #include <array>
@@ -14,9 +14,16 @@
 namespace weft::report {
 
 /// In the order in which they are stacked.
-inline constexpr std::array<std::string_view, 10> kOperations = {
-    "interior adaptation", "MII adaptation",  "interface refinement", "colouring and quality check", "gather",
-    "scatter",             "topology update", "conversion",           "misc",                        "idle"};
+inline constexpr std::array<std::string_view, 10> kOperations = {"interior adaptation",
+                                                                 "MII adaptation",
+                                                                 "interface refinement",
+                                                                 "colouring and quality check",
+                                                                 "gather",
+                                                                 "scatter",
+                                                                 "topology update",
+                                                                 "conversion",
+                                                                 "misc",
+                                                                 "idle"};
 using OperationIndex = std::size_t;
 inline constexpr OperationIndex kConversion = 7, kMisc = 8, kIdle = 9;
 
@@ -26,8 +33,9 @@ using OperationSeconds = std::array<double, kOperations.size()>;
 /// What a node of the subdomains' graph does; misc for a name that is not known.
 OperationIndex operation_of_node(std::string_view name);
 
-/// The seconds of one rank's workers: they add up to workers * wall, but for the rounding. Nodes from the graph,
-/// conversion and idle from the engine, misc what handlers did beside nodes. Without runs all that handlers did is misc.
+/// The seconds of one rank's workers: they add up to workers * wall, but for the rounding. Nodes from the
+/// graph, conversion and idle from the engine, misc what handlers did beside nodes. Without runs all that
+/// handlers did is misc.
 OperationSeconds seconds_of_rank(const engine::RankSummary& summary, const graph::dataflow::GraphDump& graph);
 
 }  // namespace weft::report

@@ -66,7 +66,8 @@ class WaitSums {
   /// The longest ones first, at most `most`.
   Json json(const char* who, std::size_t most) const {
     std::vector<std::tuple<engine::TimePoint, std::uint64_t, std::uint64_t, std::uint64_t>> rows;
-    for (const auto& [pair, entry] : sums_) rows.emplace_back(-entry.first, pair.first, pair.second, entry.second);
+    for (const auto& [pair, entry] : sums_)
+      rows.emplace_back(-entry.first, pair.first, pair.second, entry.second);
     std::sort(rows.begin(), rows.end());
     rows.resize(std::min(rows.size(), most));
     Json list = Json::array();
@@ -83,8 +84,10 @@ Json waiting_json(const GraphDump& graph, const ProfileOptions& options) {
   WaitSums ranks, subdomains;
   for (const Wait& wait : graph::dataflow::waits_of(graph)) {
     const DumpedRun &mine = graph.runs[wait.run], &theirs = graph.runs[wait.for_run];
-    ranks.add(static_cast<std::uint64_t>(mine.rank.value), static_cast<std::uint64_t>(theirs.rank.value), wait.waited);
-    subdomains.add(graph.instances[mine.instance].number, graph.instances[theirs.instance].number, wait.waited);
+    ranks.add(static_cast<std::uint64_t>(mine.rank.value), static_cast<std::uint64_t>(theirs.rank.value),
+              wait.waited);
+    subdomains.add(graph.instances[mine.instance].number, graph.instances[theirs.instance].number,
+                   wait.waited);
   }
   return {{"ranks", ranks.json("rank", std::size_t(-1))},
           {"subdomains", subdomains.json("subdomain", options.most_waits)}};
@@ -109,7 +112,8 @@ Json critical_path_json(const GraphDump& graph) {
           {"by_operation", parts}};
 }
 
-/// What the nodes have counted, by round: of each subdomain the last value, as several of its nodes may count the same.
+/// What the nodes have counted, by round: of each subdomain the last value, as several of its nodes may count
+/// the same.
 Json convergence_json(const GraphDump& graph) {
   using Key = std::pair<graph::dataflow::InstanceIndex, std::size_t>;
   std::map<std::uint64_t, std::map<Key, double>> last;
@@ -208,8 +212,10 @@ Json messages_json(const engine::RunSummary& run) {
 Json hardware_json(const std::vector<Hardware>& kinds) {
   Json list = Json::array();
   for (const Hardware& kind : kinds) {
-    list.push_back(
-        {{"ranks", kind.ranks}, {"processor", kind.processor}, {"cores", kind.cores}, {"memory", kind.memory}});
+    list.push_back({{"ranks", kind.ranks},
+                    {"processor", kind.processor},
+                    {"cores", kind.cores},
+                    {"memory", kind.memory}});
   }
   return list;
 }

@@ -1,5 +1,5 @@
-// Everything that the report shows, as one JSON document of schema "weft-profile-1": see tools/report/README.md and
-// tools/report/weft-profile-1.schema.json.
+// Everything that the report shows, as one JSON document of schema "weft-profile-1": see
+// tools/report/README.md and tools/report/weft-profile-1.schema.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -40,7 +40,7 @@ struct ProfileInput {
   const engine::RunSummary* engine = nullptr;         ///< of the adaptation
   const graph::dataflow::GraphDump* graph = nullptr;  ///< executed
   std::vector<engine::RankTimeline> timelines = {};   ///< of all ranks
-  engine::TimePoint start = 0;                        ///< what the graph's times count from, on rank 0's clock
+  engine::TimePoint start = 0;  ///< what the graph's times count from, on rank 0's clock
   std::vector<Hardware> hardware = {};
   std::vector<MemorySamples> memory = {};
   MeshView mesh = {};

@@ -8,8 +8,10 @@ namespace {
 
 constexpr std::string_view kUgawg =
     "Unstructured Grid Adaptation Working Group, parallel-adapt-results (Xeon 6148); minima are bin edges";
-constexpr std::string_view kUgawgFeflo = "Unstructured Grid Adaptation Working Group, parallel-adapt-results; minima are bin edges";
-constexpr std::string_view kBeside = "measured by weft's authors on a 2-core virtual machine, same start mesh";
+constexpr std::string_view kUgawgFeflo =
+    "Unstructured Grid Adaptation Working Group, parallel-adapt-results; minima are bin edges";
+constexpr std::string_view kBeside =
+    "measured by weft's authors on a 2-core virtual machine, same start mesh";
 
 constexpr std::nullopt_t kUnknown = std::nullopt;
 

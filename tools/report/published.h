@@ -17,7 +17,8 @@ struct PublishedRun {
   std::string_view source;
 };
 
-/// The names of the cases that there are figures for: "cube-polar2-50000", "cube-polar2-500000", "delta-wing-500000".
+/// The names of the cases that there are figures for: "cube-polar2-50000", "cube-polar2-500000",
+/// "delta-wing-500000".
 std::vector<std::string_view> published_cases();
 
 /// The runs on a case; none for a name that is not known.

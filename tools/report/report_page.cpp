@@ -42,9 +42,10 @@ std::string report_page(const nlohmann::ordered_json& profile) {
   if (!profile.is_object() || profile.value("schema", "") != "weft-profile-1")
     throw std::invalid_argument("no weft-profile-1 document");
   std::string scripts = script(asset("chart.min.js"));
-  if (!profile.at("mesh").is_null()) scripts += script(asset("three.min.js")) + script(asset("OrbitControls.js"));
-  for (const char* name : {"base.js", "summary.js", "times.js", "timeline.js", "communication.js", "quality.js",
-                           "convergence.js", "graph.js", "mesh.js", "details.js", "main.js"})
+  if (!profile.at("mesh").is_null())
+    scripts += script(asset("three.min.js")) + script(asset("OrbitControls.js"));
+  for (const char* name : {"base.js", "summary.js", "times.js", "timeline.js", "communication.js",
+                           "quality.js", "convergence.js", "graph.js", "mesh.js", "details.js", "main.js"})
     scripts += script(asset(name));
   return filled_in("report.html", in_script(profile), scripts);
 }

@@ -29,7 +29,8 @@ Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the f
 input, or of --background; --sol a solution whose interpolation error is to be least. The metric is scaled
 so that it has the --complexity once it is limited (--hmin, --hmax, --aspect) and graded (--hgrad); expect
 about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with the valid mesh reached so far
-and exit code 1.)";
+and exit code 1.
+Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand : AdaptRequest {
   SubdomainRequest subdomains;
@@ -91,12 +92,12 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
         return graph_format(name) ? std::string() : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
       },
       "");
-  sub.add_option("--report", command.report, "folder for report.html, and for report.json and profile.json: everything measured")
+  sub.add_option("--report", command.report, "folder for report.html and, for programs, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
   std::vector<std::string> cases;
   for (const std::string_view name : report::published_cases()) cases.emplace_back(name);
-  sub.add_option("--case", command.case_name, fmt::format("compare with published figures: {}", fmt::join(cases, ", ")))
+  sub.add_option("--case", command.case_name, "also show published figures of this case; see below")
       ->type_name("NAME")
       ->check(CLI::IsMember(cases).description(""))
       ->needs("--report")

@@ -199,7 +199,7 @@ class AdaptJob {
   int write_report() const {
     try {
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
-      write_record(run_, record_of(mesh_, log_metrics_), request_.case_name);
+      if (request_.page) write_record(run_, record_of(mesh_, log_metrics_), request_.case_name);
       return kDone;
     } catch (const InputError& error) {
       fmt::print(stderr, "weft: {}\n", error.what());

@@ -15,7 +15,8 @@ namespace weft::tools {
 struct AdaptRequest {
   std::string input, output;
   std::string background;  ///< the mesh that the metric belongs to; empty: the input
-  std::string report;      ///< folder for report.json, profile.json and report.html; empty: none
+  std::string report;      ///< folder for report.json; empty: none
+  bool page = true;        ///< profile.json and report.html beside it
   std::string case_name;   ///< tools/report/published.h; empty: none
   std::string graph;       ///< file for the executed graph; empty: none. Of runs in subdomains only, as `trace`
   std::string trace;       ///< file for Perfetto; empty: none

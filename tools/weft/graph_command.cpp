@@ -31,8 +31,9 @@ constexpr const char* kFooter = R"(Examples:
   weft graph run/graph.json --round 2 --subdomain 17 --format graphml > part.graphml
   weft graph run/graph.json --plan -o plan.svg
 
-FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE` wrote. Without -o
-the graph is printed. The extension of the output names the format where --format does not. Rounds count from 0.)";
+FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE`
+wrote as .json. Without -o the graph is printed. The extension of the output names the format where
+--format does not. Rounds count from 0.)";
 
 struct GraphCommand {
   std::string file, output;
@@ -46,7 +47,8 @@ GraphFormat format_of(const GraphCommand& command) {
   if (command.format) return *command.format;
   if (command.output.empty()) return GraphFormat::dot;
   if (const auto named = graph_format(command.output)) return *named;
-  throw CLI::ValidationError("--out", "'" + command.output + "' ends in no format: .dot, .graphml, .json or .svg");
+  throw CLI::ValidationError("--out",
+                             "'" + command.output + "' ends in no format: .dot, .graphml, .json or .svg");
 }
 
 GraphDump read_dump(const std::string& path) {
@@ -75,9 +77,8 @@ int run_graph(const GraphCommand& command) {
     }
   }();
   const std::string text = naming(command.file, [&] {
-    return command.plan && format != GraphFormat::json
-               ? drawing_text(drawing_of(dump.description), format)
-               : graph_text(dump, format, command.collapse);
+    return command.plan && format != GraphFormat::json ? drawing_text(drawing_of(dump.description), format)
+                                                       : graph_text(dump, format, command.collapse);
   });
   if (command.output.empty())
     fmt::print("{}", text);
@@ -91,9 +92,12 @@ void add_filters(CLI::App& sub, GraphCommand& command) {
   static const std::map<std::string, Collapse> collapses = {
       {"none", Collapse::none}, {"rounds", Collapse::rounds}, {"subdomains", Collapse::instances}};
   sub.add_option("--round", command.filter.round, "only runs of this round")->type_name("N")->group(kGroup);
-  sub.add_option("--subdomain", command.filter.instance, "only runs of this subdomain")->type_name("N")->group(kGroup);
+  sub.add_option("--subdomain", command.filter.instance, "only runs of this subdomain")
+      ->type_name("N")
+      ->group(kGroup);
   sub.add_flag("--critical-path", command.filter.critical_path_only, "only the critical path")->group(kGroup);
-  sub.add_option("--collapse", command.collapse, "one vertex for each run (none), node and round (rounds) or subdomain")
+  sub.add_option("--collapse", command.collapse,
+                 "one vertex for each run (none), node and round (rounds) or subdomain")
       ->transform(CLI::CheckedTransformer(collapses).description(""))
       ->type_name("BY")
       ->group(kGroup);
@@ -107,7 +111,8 @@ void add_graph_command(CLI::App& app, Action& action) {
   sub->footer(kFooter);
   auto command = std::make_shared<GraphCommand>();
   sub->add_option("FILE", command->file, "the dump")->type_name("FILE")->required();
-  sub->add_option("-o,-x,--out", command->output, "the result; default: standard output (also -out)")->type_name("FILE");
+  sub->add_option("-o,-x,--out", command->output, "the result; default: standard output (also -out)")
+      ->type_name("FILE");
   sub->add_option("--format", command->format, "dot, graphml, json or svg (needs Graphviz)")
       ->transform(CLI::CheckedTransformer(graph_formats()).description(""))
       ->type_name("FORMAT");

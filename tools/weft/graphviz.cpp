@@ -49,7 +49,8 @@ std::string svg_of(const std::string& dot) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "graph.dot", std::ios::binary) << dot;
   const std::atomic<bool> never = false;
-  const ShellResult result = run_shell("exec dot -Tsvg -o graph.svg graph.dot", folder.path(), folder.path() / "log", never);
+  const ShellResult result =
+      run_shell("exec dot -Tsvg -o graph.svg graph.dot", folder.path(), folder.path() / "log", never);
   if (result.status == 127) throw InputError("", "", "SVG needs Graphviz's `dot`, which is not installed");
   if (result.status != 0) throw InputError("", "", "Graphviz failed: " + text_in(folder.path() / "log"));
   return text_in(folder.path() / "graph.svg");

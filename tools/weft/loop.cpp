@@ -147,6 +147,7 @@ class Loop {
     request.input = last.mesh.string();
     request.output = now.mesh.string();
     request.report = now.folder.string();
+    request.page = false;
     request.metric.solutions = request.fields.files = {last.solution.string()};
     request.metric.complexity = config_.complexities[cycle - 1];
     request.progress = ProgressStyle::none;

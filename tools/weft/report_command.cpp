@@ -24,8 +24,9 @@ constexpr const char* kFooter = R"(Examples:
   weft report before/profile.json after/profile.json
   weft report before/profile.json after/profile.json -o compared.html
 
-One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what got slower,
-by operation and rank, and how the meshes differ; with -o as a page too. report.json can be compared as well.)";
+One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what
+got slower, by operation and rank, and how the meshes differ; with -o as a page too. report.json can be
+compared as well.)";
 
 /// call(); what it has against a document is said with the file's name.
 template <class Call>
@@ -57,7 +58,8 @@ int run_report(const ReportCommand& command) {
   const report::Comparison comparison = naming_json(
       command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
   fmt::print("{}", report::comparison_text(comparison));
-  if (!command.output.empty()) write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
+  if (!command.output.empty())
+    write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
   return kDone;
 }
 

@@ -43,8 +43,8 @@ meshing::Box common_box(partition::Peers& peers, const std::vector<partition::Me
   meshing::Box box;
   for (const partition::MeshPiece& piece : pieces)
     for (const meshing::Point& p : piece.mesh.points) box.include(p);
-  const std::vector<double> ends =
-      partition::max(peers, std::vector<double>{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  const std::vector<double> ends = partition::max(
+      peers, std::vector<double>{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
   box.lo = {-ends[0], -ends[1], -ends[2]};
   box.hi = {ends[3], ends[4], ends[5]};
   return box;
@@ -62,13 +62,15 @@ graph::dataflow::GraphDump executed_graph(const graph::dataflow::ExecutionLog& l
       [&](engine::ObjectId object) { return subdomain_of.at(object); });
 }
 
-void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& log, engine::TimePoint clock_offset,
-                 const graph::adaptation::AdaptationPlan& plan, RunRecord& record) {
+void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& log,
+                 engine::TimePoint clock_offset, const graph::adaptation::AdaptationPlan& plan,
+                 RunRecord& record) {
   engine::Runtime& runtime = exchange.runtime();
   record.timelines = runtime.gather_timelines();
   const std::vector<engine::TimePoint> offsets = gather(exchange, clock_offset);
   if (runtime.rank().value != 0) return;
-  for (engine::RankTimeline& timeline : record.timelines) timeline.clock_offset = offsets[timeline.rank.index()];
+  for (engine::RankTimeline& timeline : record.timelines)
+    timeline.clock_offset = offsets[timeline.rank.index()];
   record.graph = executed_graph(log, plan, runtime.ranks());
   record.start = graph::dataflow::start_of(log);
 }
@@ -78,13 +80,14 @@ void gather_machines(RankExchange& exchange, report::MemorySamples memory, RunRe
   record.memory = gather(exchange, std::move(memory));
 }
 
-void gather_view(RankExchange& exchange, partition::Peers& peers, const std::vector<partition::MeshPiece>& pieces,
-                 RunRecord& record) {
+void gather_view(RankExchange& exchange, partition::Peers& peers,
+                 const std::vector<partition::MeshPiece>& pieces, RunRecord& record) {
   const report::MeshViewOptions options;
   record.box = common_box(peers, pieces);
   report::MeshView mine;
   for (const partition::MeshPiece& piece : pieces)
-    append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain, record.box, true, options));
+    append(mine,
+           report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain, record.box, true, options));
   thin_out(mine, record.box, options);
   for (report::MeshView& part : gather(exchange, std::move(mine))) {
     if (!part.layers.empty()) append(record.mesh, std::move(part));

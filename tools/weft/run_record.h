@@ -34,13 +34,16 @@ struct RunRecord {
   meshing::Box box;
 };
 
-/// The graph and the timelines, on one clock. `log`: of all ranks, on rank 0; `clock_offset`: this rank's when the log was
-/// gathered (a later comparison of the clocks differs by microseconds, more than many runs take). All ranks must call it.
+/// The graph and the timelines, on one clock. `log`: of all ranks, on rank 0; `clock_offset`: this rank's
+/// when the log was gathered (a later comparison of the clocks differs by microseconds, more than many runs
+/// take). All ranks must call it.
 void gather_runs(graph::dataflow::RankExchange& exchange, const graph::dataflow::ExecutionLog& log,
-                 engine::TimePoint clock_offset, const graph::adaptation::AdaptationPlan& plan, RunRecord& record);
+                 engine::TimePoint clock_offset, const graph::adaptation::AdaptationPlan& plan,
+                 RunRecord& record);
 
 /// What ranks know of hardware and memory, gathered. All ranks must call it.
-void gather_machines(graph::dataflow::RankExchange& exchange, report::MemorySamples memory, RunRecord& record);
+void gather_machines(graph::dataflow::RankExchange& exchange, report::MemorySamples memory,
+                     RunRecord& record);
 
 /// The view of all pieces. All ranks must call it.
 void gather_view(graph::dataflow::RankExchange& exchange, partition::Peers& peers,
@@ -49,8 +52,8 @@ void gather_view(graph::dataflow::RankExchange& exchange, partition::Peers& peer
 /// The view of a whole mesh, and the machine.
 RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics);
 
-/// profile.json and report.html in the folder of run.report_path, graph.json too where there is a graph. Throws
-/// InputError.
+/// profile.json and report.html in the folder of run.report_path, graph.json too where there is a graph.
+/// Throws InputError.
 void write_record(const AdaptRun& run, const RunRecord& record, const std::string& case_name);
 
 /// For --graph: the format is that of the extension. Drawings of more than 500 runs are collapsed by rounds.

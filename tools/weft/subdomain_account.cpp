@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "tools/report/operations.h"
 #include "tools/weft/text.h"
 
 namespace weft::tools {
@@ -14,24 +15,16 @@ namespace {
 using graph::adaptation::ShiftRecord;
 using graph::adaptation::SubdomainTask;
 
-/// Node of the graph -> operation of the report.
-const std::vector<std::pair<std::string, std::string>>& operations_of_nodes() {
-  static const std::vector<std::pair<std::string, std::string>> names = {
-      {"adapt interior", "interior adaptation"}, {"adapt shifted", "MII adaptation"},
-      {"refine interface", "interface refinement"}, {"propose", "colouring and quality check"},
-      {"wake", "colouring and quality check"},   {"gather", "gather"},
-      {"scatter", "scatter"},                    {"register interface", "topology update"},
-      {"update topology", "topology update"}};
+/// The report's operations, and what the communication thread does.
+std::vector<std::string> operation_names() {
+  std::vector<std::string> names(report::kOperations.begin(), report::kOperations.end());
+  names.push_back("communication");
   return names;
 }
 
-constexpr const char* kOrder[] = {"interior adaptation", "MII adaptation", "interface refinement",
-                                  "colouring and quality check", "gather", "scatter", "topology update",
-                                  "conversion", "misc", "idle", "communication"};
-
 std::vector<OperationTime> in_order(const std::map<std::string, double>& seconds) {
   std::vector<OperationTime> result;
-  for (const char* name : kOrder) {
+  for (const std::string& name : operation_names()) {
     const auto at = seconds.find(name);
     result.push_back({name, at == seconds.end() ? 0 : at->second});
   }
@@ -46,10 +39,8 @@ std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& lo
   for (const graph::dataflow::NodeRun& run : log.runs) {
     if (run.rank != summary.rank) continue;
     const double took = static_cast<double>(run.end - run.begin) * 1e-9;
-    const auto& names = operations_of_nodes();
-    const auto at = std::find_if(names.begin(), names.end(),
-                                 [&](const auto& n) { return n.first == graph.nodes[run.node].name; });
-    seconds[at->second] += took;
+    const report::OperationIndex operation = report::operation_of_node(graph.nodes[run.node].name);
+    seconds[std::string(report::kOperations[operation])] += took;
     in_nodes += took;
   }
   seconds["conversion"] = summary.times.unpack + summary.times.pack;

@@ -14,7 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const Json& sample() {
-  static const Json profile = weft::testing::sample_run({.subdomains = 8, .ranks = 2, .workers = 2, .rounds = 2}, 4).profile;
+  static const Json profile =
+      weft::testing::sample_run({.subdomains = 8, .ranks = 2, .workers = 2, .rounds = 2}, 4).profile;
   return profile;
 }
 
@@ -35,9 +36,11 @@ TEST(Compare, FindsTheOperationThatGotSlower) {
   EXPECT_NEAR(row(comparison.operations, "gather").b - row(comparison.operations, "gather").a, 5, 1e-9);
   EXPECT_NEAR(row(comparison.ranks, "rank 1").b - row(comparison.ranks, "rank 1").a, 5, 1e-9);
   EXPECT_NEAR(row(comparison.ranks, "rank 0").b - row(comparison.ranks, "rank 0").a, 0, 1e-9);
-  EXPECT_THAT(comparison.verdict(), ::testing::AllOf(::testing::HasSubstr("slower"), ::testing::HasSubstr("most of it is gather")));
+  EXPECT_THAT(comparison.verdict(),
+              ::testing::AllOf(::testing::HasSubstr("slower"), ::testing::HasSubstr("most of it is gather")));
   const Comparison back = compare("b", slower, "a", sample());
-  EXPECT_THAT(back.verdict(), ::testing::AllOf(::testing::HasSubstr("faster"), ::testing::HasSubstr("most of it is gather")));
+  EXPECT_THAT(back.verdict(),
+              ::testing::AllOf(::testing::HasSubstr("faster"), ::testing::HasSubstr("most of it is gather")));
   const std::string text = comparison_text(comparison);
   EXPECT_LT(text.find("gather"), text.find("scatter"));  // the largest difference first
 }

@@ -47,7 +47,8 @@ void expect_rows(const GraphDump& graph, const Lanes& lanes) {
 
 TEST(Lanes, AreTheWorkersThatRanTheNodes) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const SimulationRules rules{.subdomains = 13, .ranks = 3, .workers = 2, .rounds = 3, .migration = seed % 2 == 0, .seed = seed};
+    const SimulationRules rules{
+        .subdomains = 13, .ranks = 3, .workers = 2, .rounds = 3, .migration = seed % 2 == 0, .seed = seed};
     const ExampleRun run = run_of(rules);
     const Lanes lanes = lanes_of(run.graph, run.simulated.timelines, run.start);
     expect_rows(run.graph, lanes);
@@ -76,9 +77,7 @@ TEST(Lanes, AreAsFewRowsAsHoldAllRunsWhereNothingIsKnownOfWorkers) {
   EXPECT_EQ(lanes.lanes.front().name, "row 0");
 }
 
-TEST(Lanes, OfNothingAreNone) {
-  EXPECT_TRUE(lanes_of({}, {}, 0).lanes.empty());
-}
+TEST(Lanes, OfNothingAreNone) { EXPECT_TRUE(lanes_of({}, {}, 0).lanes.empty()); }
 
 }  // namespace
 }  // namespace weft::report

@@ -1,5 +1,5 @@
-// The view shows the surface and sections that the mesh has, from whole meshes and from pieces, and thinned out loses
-// nothing bad.
+// The view shows the surface and sections that the mesh has, from whole meshes and from pieces, and thinned
+// out loses nothing bad.
 #include "tools/report/mesh_view.h"
 
 #include <gtest/gtest.h>
@@ -93,8 +93,11 @@ MeshData part_of(const MeshData& mesh, const Mine& mine) {
     if (!mine(t)) continue;
     part.tets.push_back(mesh.tets[t]), part.tet_refs.push_back(1);
     for (const auto& triangle : mesh.triangles) {
-      const auto has = [&](std::uint32_t v) { return std::ranges::find(mesh.tets[t], v) != mesh.tets[t].end(); };
-      if (std::ranges::all_of(triangle, has)) part.triangles.push_back(triangle), part.triangle_refs.push_back(1);
+      const auto has = [&](std::uint32_t v) {
+        return std::ranges::find(mesh.tets[t], v) != mesh.tets[t].end();
+      };
+      if (std::ranges::all_of(triangle, has))
+        part.triangles.push_back(triangle), part.triangle_refs.push_back(1);
     }
   }
   return part;
@@ -136,8 +139,8 @@ TEST(MeshView, IsThinnedOutToItsLimits) {
   for (std::size_t l = 1; l < view.layers.size(); ++l) EXPECT_LE(view.layers[l].facets.size(), 100u);
 }
 
-/// Every facet that stays has at most the quality of the best that it can stand for, and a mesh with nothing but facets
-/// that do not conform keeps only such.
+/// Every facet that stays has at most the quality of the best that it can stand for, and a mesh with nothing
+/// but facets that do not conform keeps only such.
 TEST(MeshView, StaysRedWhereItIsThinnedOut) {
   Shaken s = shaken_box(10, 4);
   s.metric = meshing::sample(meshing::AnalyticMetric("uniform:0.01"), s.mesh);

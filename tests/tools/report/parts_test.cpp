@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <random>
+#include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "tools/report/assets.h"
 #include "tools/report/base64.h"
 #include "tools/report/hardware.h"
+#include "tools/report/memory_sampler.h"
 #include "tools/report/published.h"
 
 namespace weft::report {
@@ -31,7 +33,8 @@ TEST(Hardware, OfThisMachineHasCoresAndMemory) {
 }
 
 TEST(Hardware, IsToldOnceForRanksThatHaveTheSame) {
-  const std::vector<Hardware> kinds = merge({{{0}, "A", 4, 8}, {{1}, "B", 4, 8}, {{2}, "A", 4, 8}, {{3}, "A", 2, 8}});
+  const std::vector<Hardware> kinds =
+      merge({{{0}, "A", 4, 8}, {{1}, "B", 4, 8}, {{2}, "A", 4, 8}, {{3}, "A", 2, 8}});
   ASSERT_EQ(kinds.size(), 3u);
   EXPECT_THAT(kinds[0].ranks, ::testing::ElementsAre(0, 2));
   EXPECT_THAT(kinds[1].ranks, ::testing::ElementsAre(1));
@@ -56,6 +59,26 @@ TEST(Published, FiguresAreOfNamedCasesAndHaveSources) {
       EXPECT_LT(*run.quality_q01, *run.quality_mean);
     }
   }
+}
+
+TEST(MemorySampler, SeesMemoryThatIsTaken) {
+  MemorySampler sampler(2, std::chrono::milliseconds(1));
+  constexpr std::size_t kTaken = 80'000'000;
+  const std::vector<char> taken(kTaken, 1);
+  const MemorySamples samples = sampler.stop();
+  EXPECT_EQ(samples.rank, 2);
+  ASSERT_GE(samples.bytes.size(), 2u);
+  EXPECT_EQ(samples.seconds.size(), samples.bytes.size());
+  EXPECT_TRUE(std::is_sorted(samples.seconds.begin(), samples.seconds.end()));
+  EXPECT_GE(samples.bytes.back(), kTaken);
+  EXPECT_EQ(sampler.stop().bytes, samples.bytes);
+}
+
+TEST(MemorySampler, KeepsAThousandSamplesAtMost) {
+  MemorySampler sampler(0, std::chrono::milliseconds(0));
+  const std::uint64_t calls = 3000;
+  for (std::uint64_t i = 0; i < calls; ++i) resident_bytes();  // takes as long as so many samples
+  EXPECT_LE(sampler.stop().bytes.size(), 1000u);
 }
 
 TEST(Assets, AreThereByName) {

@@ -21,7 +21,8 @@ using weft::testing::sample_run;
 using weft::testing::SampleRun;
 
 const SampleRun& sample() {
-  static const SampleRun run = sample_run({.subdomains = 14, .ranks = 3, .workers = 2, .rounds = 3, .seed = 4}, 4);
+  static const SampleRun run =
+      sample_run({.subdomains = 14, .ranks = 3, .workers = 2, .rounds = 3, .seed = 4}, 4);
   return run;
 }
 
@@ -76,7 +77,8 @@ TEST(Profile, LeavesOutTheSmallestUsesButNoneOfTheCriticalPath) {
   }
   std::uint64_t largest = 0;
   for (const auto& use : sample().graph.uses) largest = std::max(largest, use.bytes);
-  EXPECT_TRUE(std::any_of(shown.uses.begin(), shown.uses.end(), [&](const auto& u) { return u.bytes == largest; }));
+  EXPECT_TRUE(
+      std::any_of(shown.uses.begin(), shown.uses.end(), [&](const auto& u) { return u.bytes == largest; }));
   EXPECT_EQ(profile["waiting"]["subdomains"].size(), 5u);
 }
 
@@ -91,9 +93,11 @@ TEST(Profile, LeavesOutAGraphOfTooManyRunsButKeepsItsSums) {
 
 TEST(Profile, SumsWaitsByRankAndBySubdomainAlike) {
   double of_ranks = 0, of_subdomains = 0, all = 0;
-  for (const auto& wait : graph::dataflow::waits_of(sample().graph)) all += 1e-9 * static_cast<double>(wait.waited);
+  for (const auto& wait : graph::dataflow::waits_of(sample().graph))
+    all += 1e-9 * static_cast<double>(wait.waited);
   for (const Json& wait : sample().profile["waiting"]["ranks"]) of_ranks += wait["seconds"].get<double>();
-  for (const Json& wait : sample().profile["waiting"]["subdomains"]) of_subdomains += wait["seconds"].get<double>();
+  for (const Json& wait : sample().profile["waiting"]["subdomains"])
+    of_subdomains += wait["seconds"].get<double>();
   EXPECT_GT(all, 0);
   EXPECT_NEAR(of_ranks, all, 1e-9);
   EXPECT_NEAR(of_subdomains, all, 1e-9);
@@ -103,7 +107,8 @@ TEST(Profile, CountsWhatASubdomainCountsTwiceInARoundOnce) {
   double tets = 0;
   std::set<std::uint64_t> seen;
   for (auto run = sample().graph.runs.rbegin(); run != sample().graph.runs.rend(); ++run)
-    if (run->round == 0 && !run->counters.empty() && run->counters[0] > 0 && seen.insert(run->instance).second)
+    if (run->round == 0 && !run->counters.empty() && run->counters[0] > 0 &&
+        seen.insert(run->instance).second)
       tets += run->counters[0];
   EXPECT_EQ(seen.size(), 14u);
   EXPECT_NEAR(sample().profile["convergence"][0]["counters"]["tets"].get<double>(), tets, 1e-6 * tets);
@@ -111,7 +116,8 @@ TEST(Profile, CountsWhatASubdomainCountsTwiceInARoundOnce) {
 
 TEST(Profile, OfAPlainRunHasNothingThatWasNotRecorded) {
   const Json profile = profile_json({.report = sample().profile["report"]});
-  for (const char* name : {"total", "engine", "waiting", "critical_path", "graph", "timeline", "mesh", "case"})
+  for (const char* name :
+       {"total", "engine", "waiting", "critical_path", "graph", "timeline", "mesh", "case"})
     EXPECT_TRUE(profile[name].is_null()) << name;
   for (const char* name : {"ranks", "convergence", "memory", "hardware", "published"})
     EXPECT_TRUE(profile[name].empty()) << name;

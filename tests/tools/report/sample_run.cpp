@@ -31,8 +31,9 @@ Adapted adapted_box(std::uint32_t cells) {
 
 tools::AdaptRun account_of(const Adapted& mesh, const SimulationRules& rules, const SimulatedRun& simulated) {
   tools::AdaptRun run;
-  run.arguments = {"adapt", "box.meshb", "--metric-fn", "polar-1", "--subdomains", std::to_string(rules.subdomains), "-o",
-                   "layer.meshb"};
+  run.arguments = {"adapt",   "box.meshb",    "--metric-fn",
+                   "polar-1", "--subdomains", std::to_string(rules.subdomains),
+                   "-o",      "layer.meshb"};
   run.input_counts = tools::count(mesh.before);
   run.output_counts = tools::count(mesh.after.mesh);
   run.before = meshing::measure(mesh.before, mesh.before_metric);
@@ -78,12 +79,13 @@ meshing::MeshData slab(const meshing::MeshData& mesh, double from, double to) {
   return part;
 }
 
-report::MeshView view_of(const meshing::AdaptResult& result, const meshing::Box& box, std::uint32_t subdomains) {
+report::MeshView view_of(const meshing::AdaptResult& result, const meshing::Box& box,
+                         std::uint32_t subdomains) {
   report::MeshView view;
   const report::MeshViewOptions options;
   for (std::uint32_t s = 0; s < subdomains; ++s)
-    append(view, report::mesh_view(slab(result.mesh, 1.0 * s / subdomains, (s + 1.0) / subdomains), result.log_metrics, s,
-                                   box, true, options));
+    append(view, report::mesh_view(slab(result.mesh, 1.0 * s / subdomains, (s + 1.0) / subdomains),
+                                   result.log_metrics, s, box, true, options));
   thin_out(view, box, options);
   return view;
 }
@@ -93,8 +95,9 @@ report::MeshView view_of(const meshing::AdaptResult& result, const meshing::Box&
 SampleRun sample_run(const SimulationRules& rules, std::uint32_t cells) {
   SampleRun sample;
   sample.simulated = simulate(rules);
-  sample.graph = graph::dataflow::executed_dump(sample.simulated.graph, sample.simulated.log,
-                                                [&](engine::ObjectId o) { return subdomain_of_object(rules, o); });
+  sample.graph =
+      graph::dataflow::executed_dump(sample.simulated.graph, sample.simulated.log,
+                                     [&](engine::ObjectId o) { return subdomain_of_object(rules, o); });
   sample.start = graph::dataflow::start_of(sample.simulated.log);
   const Adapted mesh = adapted_box(cells);
   const nlohmann::ordered_json report = tools::json_of(account_of(mesh, rules, sample.simulated));

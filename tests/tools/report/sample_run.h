@@ -1,4 +1,5 @@
-// A whole run for the report's tests: the protocol is simulated, the mesh is a small one that has been adapted.
+// A whole run for the report's tests: the protocol is simulated, the mesh is a small one that has been
+// adapted.
 #pragma once
 
 #include <nlohmann/json.hpp>

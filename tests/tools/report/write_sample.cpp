@@ -1,5 +1,5 @@
-// write_sample FOLDER SUBDOMAINS RANKS WORKERS ROUNDS SEED CELLS: profile.json, graph.json and report.html of a simulated
-// run, for the tests that look at the page and the dumps from outside.
+// write_sample FOLDER SUBDOMAINS RANKS WORKERS ROUNDS SEED CELLS: profile.json, graph.json and report.html of
+// a simulated run, for the tests that look at the page and the dumps from outside.
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -16,9 +16,12 @@ int main(int argc, char** argv) {
   }
   const auto number = [&](int i) { return static_cast<std::uint32_t>(std::stoul(argv[i])); };
   const std::string folder = argv[1];
-  const auto sample = weft::testing::sample_run(
-      {.subdomains = number(2), .ranks = number(3), .workers = number(4), .rounds = number(5), .seed = number(6)},
-      number(7));
+  const auto sample = weft::testing::sample_run({.subdomains = number(2),
+                                                 .ranks = number(3),
+                                                 .workers = number(4),
+                                                 .rounds = number(5),
+                                                 .seed = number(6)},
+                                                number(7));
   std::ofstream(folder + "/profile.json") << sample.profile.dump() << '\n';
   std::ofstream(folder + "/graph.json") << weft::graph::dataflow::json_of(sample.graph).dump() << '\n';
   std::ofstream(folder + "/report.html") << weft::report::report_page(sample.profile);
