@@ -32,8 +32,8 @@ class Context {
   Rank rank() const;
   int ranks() const;
 
-  /// What the program has given this rank: RuntimeOptions::local. Objects reach by it what all of a rank share and
-  /// what does not move with them.
+  /// What the program has given this rank: RuntimeOptions::local. Objects reach by it what all of a rank
+  /// share and what does not move with them.
   template <class T>
   const T& local() const {
     return *static_cast<const T*>(local_data());

@@ -104,7 +104,9 @@ class Runtime::Implementation final : private BalanceActions {
   double move_seconds() const override {
     constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
     const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
-    return packing.count == 0 ? 0 : kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
+    return packing.count == 0
+               ? 0
+               : kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
   }
   void move(ObjectId id, Rank to) override { scheduler_.move(id, to); }
   void tell(Rank to, const BalanceMessage& message) override {

@@ -48,7 +48,8 @@ struct RuntimeOptions {
   ExchangeOptions exchange = {};
   TraceOptions trace = {};
 
-  /// What the program gives all handlers of this rank to read (Context::local()); it must outlive the runtime.
+  /// What the program gives all handlers of this rank to read (Context::local()); it must outlive the
+  /// runtime.
   const void* local = nullptr;
 
   /// A rank whose process is on another node counts as dead after this silence; on the same node it is

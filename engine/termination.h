@@ -57,9 +57,9 @@ class Termination {
   /// Set when the run has ended: the sums over all ranks at rank 0, elsewhere only `waiting`.
   const std::optional<WaveCount>& ended() const { return ended_; }
 
-  /// For how long (nanoseconds) the waves that came back to rank 0 have told it the same, though not all that was sent
-  /// has been received. Long means that the network has lost something. Time without waves, while ranks work, does not
-  /// count: a wave before and one after it must agree.
+  /// For how long (nanoseconds) the waves that came back to rank 0 have told it the same, though not all that
+  /// was sent has been received. Long means that the network has lost something. Time without waves, while
+  /// ranks work, does not count: a wave before and one after it must agree.
   TimePoint futile_for() const { return futile_for_; }
   const WaveCount& last_sums() const { return previous_; }
 

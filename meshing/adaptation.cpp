@@ -45,7 +45,8 @@ class Adaptation {
   void run() {
     stage("collapse", 0, 0.02, [&] { start(); });
     stage("create points", 0.02, 0.4, [&] { create_points(); });
-    // Points are created right up to frozen vertices. At first, polishing waits until the tets around them are all here.
+    // Points are created right up to frozen vertices. At first, polishing waits until the tets around them
+    // are all here.
     mesh_.set_frozen_are_untouchable(extent_ == Extent::everything);
     stage("reconnect and smooth", 0.4, 0.95, [&] { reconnect_and_smooth(); });
     stage("improve", 0.95, 1, [&] { improve_quality(); });
@@ -175,8 +176,8 @@ class Adaptation {
     }
   }
 
-  /// Where most of the mesh was judged before only the fresh tets are, and the poor ones, which the last improvement
-  /// has judged by another mean.
+  /// Where most of the mesh was judged before only the fresh tets are, and the poor ones, which the last
+  /// improvement has judged by another mean.
   void judge_fresh() {
     mesh_.set_metric_mean(MetricMean::arithmetic);
     for_all_tets([&](TetId t) {
@@ -232,7 +233,8 @@ class Adaptation {
     std::uint64_t with_long = 0;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
       with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
-    share_long_ = static_cast<double>(with_long) / static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+    share_long_ =
+        static_cast<double>(with_long) / static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
   }
 
   void mark_wherever_wrong() {

@@ -12,6 +12,7 @@ namespace {
 Verdict judge_classification(const Worker& w, const EdgeClass& edge, VertexId removed) {
   const VertexKind kind = w.mesh.kind(removed);
   if (w.mesh.fixed(removed)) return Verdict::required;
+  if (w.mesh.frozen(removed)) return Verdict::frozen;
   if (kind == VertexKind::interior) return Verdict::accepted;
   if (kind == VertexKind::corner || kind != edge.kind) return Verdict::breaks_classification;
   if (edge.curve.valid() && w.kernel.surface.curves()[edge.curve.value].required) return Verdict::required;

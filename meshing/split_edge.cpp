@@ -152,7 +152,8 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
 
 }  // namespace
 
-VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans, const VertexOnEdge& at) {
+VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans,
+                       const VertexOnEdge& at) {
   EdgeClass on;
   on.kind = at.kind;
   on.curve = at.curve;

@@ -7,8 +7,8 @@
 
 namespace weft::meshing {
 
-/// Share of the way from a to b at which both halves of an edge are equally long, when it has length `la` in the metric
-/// of a, `lb` in that of b, and sizes vary geometrically along it.
+/// Share of the way from a to b at which both halves of an edge are equally long, when it has length `la` in
+/// the metric of a, `lb` in that of b, and sizes vary geometrically along it.
 double metric_middle(double la, double lb);
 
 /// What a split may not do.
@@ -32,9 +32,10 @@ struct VertexOnEdge {
   std::uint32_t background_hint = 0, surface_hint = 0;
 };
 
-/// Splits edge (a, b) at `at`, unasked: `fans` holds one tet of each set of tets that are joined around the edge in
-/// this mesh (several when others have the tets between them). Everything must be free to be claimed. Returns the new
-/// vertex, or an invalid one and no change when a tet would not be positive.
-VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans, const VertexOnEdge& at);
+/// Splits edge (a, b) at `at`, unasked: `fans` holds one tet of each set of tets that are joined around the
+/// edge in this mesh (several when others have the tets between them). Everything must be free to be claimed.
+/// Returns the new vertex, or an invalid one and no change when a tet would not be positive.
+VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans,
+                       const VertexOnEdge& at);
 
 }  // namespace weft::meshing

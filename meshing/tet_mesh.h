@@ -55,14 +55,20 @@ enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
 
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
 /// the output. The highest bit is left to the caller.
-enum VertexFlag : std::uint8_t { kFixed = 1, kListedRequired = 2, kListedCorner = 4, kOnCurved = 8, kFrozen = 16 };
+enum VertexFlag : std::uint8_t {
+  kFixed = 1,
+  kListedRequired = 2,
+  kListedCorner = 4,
+  kOnCurved = 8,
+  kFrozen = 16
+};
 
 class TetMesh {
  public:
   static constexpr std::uint32_t kFree = 0;  ///< claim word of a vertex nobody holds
 
-  /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of which each
-  /// array takes at least one. Throws std::bad_alloc.
+  /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of
+  /// which each array takes at least one. Throws std::bad_alloc.
   TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages = Pages::huge);
 
   // --- sizes: slots, dead ones included ---
@@ -149,7 +155,8 @@ class TetMesh {
   void set_background_hint(VertexId v, std::uint32_t h) { background_hints_[v.value] = h; }
   std::uint32_t surface_hint(VertexId v) const { return surface_hints_[v.value]; }
   void set_surface_hint(VertexId v, std::uint32_t h) { surface_hints_[v.value] = h; }
-  /// A name that the caller gives the vertex and the kernel only carries along; 0 for one that the kernel creates.
+  /// A name that the caller gives the vertex and the kernel only carries along; 0 for one that the kernel
+  /// creates.
   std::uint64_t label(VertexId v) const { return labels_[v.value]; }
   void set_label(VertexId v, std::uint64_t label) { labels_[v.value] = label; }
   std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
@@ -165,9 +172,9 @@ class TetMesh {
   // --- claims: see speculation.h, the only user ---
   std::uint32_t& claim_word(VertexId v) { return claims_[v.value]; }
 
-  /// A frozen vertex may have tets that are not in this mesh. It is neither moved nor removed, and no face without
-  /// neighbour whose three vertices are frozen, nor an edge of one, changes; all else around it may. Not while
-  /// operators run.
+  /// A frozen vertex may have tets that are not in this mesh. It is neither moved nor removed, and no face
+  /// without neighbour whose three vertices are frozen, nor an edge of one, changes; all else around it may.
+  /// Not while operators run.
   void freeze(VertexId v) { flags_[v.value] |= kFrozen; }
   void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
   bool frozen(VertexId v) const { return flags_[v.value] & kFrozen; }

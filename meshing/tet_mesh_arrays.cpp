@@ -53,8 +53,8 @@ TetMeshArrays to_arrays(const TetMesh& mesh) {
   return a;
 }
 
-std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_capacity, std::size_t tet_capacity,
-                                     Pages pages) {
+std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_capacity,
+                                     std::size_t tet_capacity, Pages pages) {
   auto mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity, pages);
   mesh->take_vertex_slots(static_cast<std::uint32_t>(a.points.size()));
   mesh->take_tet_slots(static_cast<std::uint32_t>(a.tets.size()));

@@ -10,8 +10,8 @@
 
 namespace weft::meshing {
 
-/// Everything but capacities and what can be computed again: one entry a slot, dead ones too, so that what is done with
-/// the mesh afterwards does not depend on whether it has travelled.
+/// Everything but capacities and what can be computed again: one entry a slot, dead ones too, so that what is
+/// done with the mesh afterwards does not depend on whether it has travelled.
 struct TetMeshArrays {
   std::vector<std::array<std::uint32_t, 4>> tets, neighbours;  ///< TetFace codes
   std::vector<std::array<std::uint32_t, 4>> patches;           ///< PatchId values
@@ -29,8 +29,8 @@ struct TetMeshArrays {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(tets, neighbours, patches, tet_refs, qualities, tet_marks, points, log_metrics, labels, vertex_refs,
-            vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
+    archive(tets, neighbours, patches, tet_refs, qualities, tet_marks, points, log_metrics, labels,
+            vertex_refs, vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
   }
 };
 

@@ -8,8 +8,9 @@
 
 namespace weft::partition {
 
-/// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`; nothing is
-/// done where nothing is). `hausd` as in AdaptOptions, not 0. New vertices have their ids afterwards.
+/// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
+/// nothing is done where nothing is). `hausd` as in AdaptOptions, not 0. New vertices have their ids
+/// afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface, double hausd,
                                      meshing::Extent extent, const meshing::AdaptOptions& options);
 

@@ -45,13 +45,14 @@ std::shared_ptr<const BackgroundPiece> cut_piece(std::uint64_t id, std::span<con
 }  // namespace
 
 BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
-                                 std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
+                                 std::span<const meshing::LogMetric> log_metrics,
+                                 std::span<const GlobalId> ids,
                                  std::span<const std::array<std::uint32_t, 4>> tets) {
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece) {
     const std::uint64_t id = std::uint64_t{subdomain} << 32 | pieces.size();
-    pieces.push_back(
-        cut_piece(id, points, log_metrics, ids, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
+    pieces.push_back(cut_piece(id, points, log_metrics, ids,
+                               tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
   }
   add(pieces);
 }
@@ -89,8 +90,8 @@ void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency)
 }
 
 /// Joins an open face of a piece with its other side, or remembers it until that comes.
-void BackgroundStore::join_face(const BackgroundPiece& piece, std::uint32_t tet, int face, Adjacency& adjacency,
-                                std::uint32_t first) {
+void BackgroundStore::join_face(const BackgroundPiece& piece, std::uint32_t tet, int face,
+                                Adjacency& adjacency, std::uint32_t first) {
   Face name;
   for (int i = 0; i < 3; ++i) name[i] = piece.ids[piece.tets[tet][meshing::kTetFaces[face][i]]];
   std::sort(name.begin(), name.end());

@@ -1,4 +1,5 @@
-// The background of one subdomain: the pieces of the input mesh that its tets cover, and more of them as tets arrive.
+// The background of one subdomain: the pieces of the input mesh that its tets cover, and more of them as tets
+// arrive.
 #pragma once
 
 #include <array>
@@ -14,15 +15,16 @@
 
 namespace weft::partition {
 
-/// Some hundreds of tets of the input with their metric, cut out once and never changed: the unit in which the
-/// background travels with the tets that cover it. Plain arrays.
+/// Some hundreds of tets of the input with their metric, cut out once and never changed: the unit in which
+/// the background travels with the tets that cover it. Plain arrays.
 struct BackgroundPiece {
   std::uint64_t id = 0;
   std::vector<meshing::Point> points;
   std::vector<meshing::LogMetric> log_metrics;
   std::vector<GlobalId> ids;  ///< of the points: by them pieces are joined again
   std::vector<std::array<std::uint32_t, 4>> tets;
-  std::vector<std::array<std::uint32_t, 4>> neighbours;  ///< as meshing::Adjacency; kNoNeighbour at the piece's border
+  std::vector<std::array<std::uint32_t, 4>>
+      neighbours;  ///< as meshing::Adjacency; kNoNeighbour at the piece's border
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -36,13 +38,14 @@ struct BackgroundTet {
   std::uint32_t tet = 0;
 };
 
-/// Joined pieces, which answer as one meshing::Background. Tets keep their numbers (the hints of vertices) when
-/// pieces are added.
+/// Joined pieces, which answer as one meshing::Background. Tets keep their numbers (the hints of vertices)
+/// when pieces are added.
 class BackgroundStore {
  public:
   BackgroundStore() = default;
 
-  /// Cuts the start of a subdomain into pieces. `tets` must be in an order in which neighbours are near each other.
+  /// Cuts the start of a subdomain into pieces. `tets` must be in an order in which neighbours are near each
+  /// other.
   BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                   std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
                   std::span<const std::array<std::uint32_t, 4>> tets);
@@ -63,7 +66,8 @@ class BackgroundStore {
   using Face = std::array<GlobalId, 3>;
   struct FaceHash {
     std::size_t operator()(const Face& f) const noexcept {
-      return std::hash<GlobalId>{}(f[0]) * 31 + std::hash<GlobalId>{}(f[1]) * 17 + std::hash<GlobalId>{}(f[2]);
+      return std::hash<GlobalId>{}(f[0]) * 31 + std::hash<GlobalId>{}(f[1]) * 17 +
+             std::hash<GlobalId>{}(f[2]);
     }
   };
 
@@ -72,9 +76,10 @@ class BackgroundStore {
                  std::uint32_t first);
 
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;
-  std::vector<std::uint32_t> begins_;                         ///< piece -> its first tet
-  std::unordered_map<std::uint64_t, std::uint32_t> place_;    ///< id of a piece -> its first tet
-  std::unordered_map<Face, std::uint32_t, FaceHash> border_;  ///< faces with nothing on the other side yet -> code
+  std::vector<std::uint32_t> begins_;                       ///< piece -> its first tet
+  std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
+  std::unordered_map<Face, std::uint32_t, FaceHash>
+      border_;  ///< faces with nothing on the other side yet -> code
   // Held by pointer: the background refers to them, and the store may move.
   std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
   std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =

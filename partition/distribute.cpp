@@ -16,8 +16,8 @@
 #include "partition/point_records.h"
 #include "partition/ranges.h"
 #include "partition/reduce.h"
-#include "partition/slice_checks.h"
 #include "partition/refine_interface.h"
+#include "partition/slice_checks.h"
 #include "partition/start_builder.h"
 #include "partition/whole_boundary.h"
 
@@ -92,7 +92,8 @@ double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& 
   const double complexity = ordered_sum(peers, measures.complexities);
   if (target <= 0 || !(complexity > 0)) return complexity;
   const double factor = target / complexity;
-  const meshing::LogMetric shift = (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
+  const meshing::LogMetric shift =
+      (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
   for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
   for (double& c : measures.complexities) c *= factor;
   return target;
@@ -119,7 +120,8 @@ std::shared_ptr<Geometry> build_geometry(const WholeBoundary& boundary, double r
   return std::make_shared<Geometry>(Geometry{std::move(surface), std::move(required), std::move(inner)});
 }
 
-/// Inner patches have two tets at every triangle. Patches are cut at features, so they are all inner or all outer.
+/// Inner patches have two tets at every triangle. Patches are cut at features, so they are all inner or all
+/// outer.
 void find_inner_patches(Peers& peers, const WholeBoundary& boundary, std::span<const SubdomainStart> starts,
                         Geometry& geometry) {
   std::vector<std::int64_t> faces(geometry.patch_inner.size(), 0), triangles(faces.size(), 0);
@@ -151,7 +153,8 @@ void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
 }
 
 void check_options(const DecompositionOptions& options) {
-  constexpr std::uint32_t kMost = (1u << (63 - GlobalId::kLocalBits)) - 2;  // the highest bit is that of derived names
+  constexpr std::uint32_t kMost =
+      (1u << (63 - GlobalId::kLocalBits)) - 2;  // the highest bit is that of derived names
   if (options.num_subdomains == 0 || options.num_subdomains > kMost)
     throw std::invalid_argument(
         fmt::format("the number of subdomains is {}, not one of 1..{}", options.num_subdomains, kMost));

@@ -24,16 +24,19 @@ constexpr Rank kNobody = 0;
 /// Chooses for each tet the subdomain that it goes to.
 class Choice {
  public:
-  Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals) : s_(s), mesh_(*s.mesh) {
+  Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals)
+      : s_(s), mesh_(*s.mesh) {
     order_.push_back(mine);
     for (const Proposal& p : proposals) order_.push_back(p.priority);
     std::sort(order_.begin(), order_.end());
     const auto place = [&](SubdomainId id) {
-      const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.id == id; });
+      const auto at =
+          std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.id == id; });
       return static_cast<Rank>(at - order_.begin()) + 1;
     };
     self_ = place(s.id);
-    for (const SubdomainId neighbour : s.interface.neighbours()) rank_of_neighbour_.push_back(place(neighbour));
+    for (const SubdomainId neighbour : s.interface.neighbours())
+      rank_of_neighbour_.push_back(place(neighbour));
   }
 
   Rank self() const { return self_; }
@@ -139,8 +142,9 @@ struct Departure {
   friend auto operator<=>(const Departure&, const Departure&) = default;
 };
 
-/// Where the tets around each vertex go, for vertices of the interface around which not all stay and for those that
-/// become vertices of it. A vertex that leaves with all its tets for one other concerns nobody else.
+/// Where the tets around each vertex go, for vertices of the interface around which not all stay and for
+/// those that become vertices of it. A vertex that leaves with all its tets for one other concerns nobody
+/// else.
 std::vector<Departure> find_departures(const Subdomain& s, const std::vector<Rank>& rank, Rank self,
                                        const std::vector<std::uint32_t>& interface_index) {
   const TetMesh& mesh = *s.mesh;
@@ -196,7 +200,8 @@ class Packing {
     add_background(v);
   }
 
-  Parcel finish(const std::vector<Rank>& rank, const std::vector<Departure>& departures, const Choice& choice) {
+  Parcel finish(const std::vector<Rank>& rank, const std::vector<Departure>& departures,
+                const Choice& choice) {
     for (std::size_t i = 0; i < tets_.size(); ++i)
       for (int f = 0; f < 4; ++f) {
         const TetFace n = mesh_.neighbour(tets_[i], f);
@@ -247,13 +252,15 @@ class Packing {
   void add_background(const TetVertices& v) {
     std::array<std::uint64_t, 4> piece;
     for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_[v[i].value]].background.piece;
-    const auto differs = std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
+    const auto differs =
+        std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
     if (differs == piece.end()) return;
     const std::uint64_t other = *differs;
     meshing::Point centre;
     for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
     look_up(centre, v[0]);
-    if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4) return;
+    if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4)
+      return;
     for (const auto& e : meshing::kTetEdges)
       if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
   }

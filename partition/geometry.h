@@ -7,8 +7,8 @@
 
 namespace weft::partition {
 
-/// Immutable; shared by the subdomains of a rank. Patches and curves are global objects, and a surface is small beside
-/// its volume.
+/// Immutable; shared by the subdomains of a rank. Patches and curves are global objects, and a surface is
+/// small beside its volume.
 struct Geometry {
   meshing::Surface surface;
   std::vector<bool> patch_required;  ///< patches made of required triangles

@@ -12,9 +12,9 @@ namespace weft::partition {
 /// Number of a subdomain, 0 to N - 1, the same everywhere.
 using SubdomainId = std::uint32_t;
 
-/// A vertex's name for life, wherever its copies are (the paper's pair of subdomain and local number). Those of
-/// the input carry their number in it; new vertices count on from there in the subdomain that creates them.
-/// Identity is by this name only, never by coordinates. Plain data.
+/// A vertex's name for life, wherever its copies are (the paper's pair of subdomain and local number). Those
+/// of the input carry their number in it; new vertices count on from there in the subdomain that creates
+/// them. Identity is by this name only, never by coordinates. Plain data.
 class GlobalId {
  public:
   static constexpr int kLocalBits = 40;

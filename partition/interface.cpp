@@ -31,7 +31,8 @@ std::uint32_t Interface::find(GlobalId id) const {
 }
 
 bool Interface::held_by(std::uint32_t i, SubdomainId other) const {
-  return std::any_of(others(i).begin(), others(i).end(), [&](const Holder& h) { return h.subdomain == other; });
+  return std::any_of(others(i).begin(), others(i).end(),
+                     [&](const Holder& h) { return h.subdomain == other; });
 }
 
 }  // namespace weft::partition

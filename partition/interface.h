@@ -20,8 +20,8 @@ struct Holder {
 /// Sorts the lines and drops repeated ones.
 void sort_unique(std::vector<Holder>& lines);
 
-/// The interface of one subdomain: a table of vertices sorted by id, each with the other subdomains that hold it,
-/// ascending.
+/// The interface of one subdomain: a table of vertices sorted by id, each with the other subdomains that hold
+/// it, ascending.
 class Interface {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;

@@ -1,10 +1,11 @@
-// Refinement of the interface without communication: all holders of an interface edge split it at the same point,
-// because the decision rests on nothing but what all of them hold.
+// Refinement of the interface without communication: all holders of an interface edge split it at the same
+// point, because the decision rests on nothing but what all of them hold.
 //
-// Longest edge first (in the metric; ties by global ids), until none is long. Two subdomains that share a face see the
-// same edges of it appear in the same order, whatever happens elsewhere: the longest edge of the face is split before
-// all others of it, and splits in other faces do not change them. Metrics at new vertices are interpolated along the
-// edge, which is what the background has there: interface faces are faces of the background's tets.
+// Longest edge first (in the metric; ties by global ids), until none is long. Two subdomains that share a
+// face see the same edges of it appear in the same order, whatever happens elsewhere: the longest edge of the
+// face is split before all others of it, and splits in other faces do not change them. Metrics at new
+// vertices are interpolated along the edge, which is what the background has there: interface faces are faces
+// of the background's tets.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,8 @@
 
 namespace weft::partition {
 
-/// A caller's flag beside kHasBeenFree: edges at this vertex must not be split unasked, since rounding might invert
-/// tets around it in one of the subdomains that hold it. All holders of a vertex have the same.
+/// A caller's flag beside kHasBeenFree: edges at this vertex must not be split unasked, since rounding might
+/// invert tets around it in one of the subdomains that hold it. All holders of a vertex have the same.
 inline constexpr std::uint8_t kDelicate = 0x40;
 
 /// Could a tet with such points be inverted by the rounding of a few points on its edges?
@@ -39,12 +40,13 @@ struct InterfaceVertices {
 };
 
 /// Splits all long edges of the interface's faces, except required ones and those between vertices of curved
-/// boundary, and those inside a face that have no end as long as a side of it must stay. Returns, for each of the interface's neighbours, the new vertices that it may have too. Throws
-/// std::runtime_error should a split fail that must not.
+/// boundary, and those inside a face that have no end as long as a side of it must stay. Returns, for each of
+/// the interface's neighbours, the new vertices that it may have too. Throws std::runtime_error should a
+/// split fail that must not.
 std::vector<InterfaceVertices> refine_interface(Subdomain& subdomain, const Geometry& geometry);
 
-/// Which of the new vertices the neighbours have too, in the order of the neighbours: with this the interface is
-/// right again.
+/// Which of the new vertices the neighbours have too, in the order of the neighbours: with this the interface
+/// is right again.
 void register_interface(Subdomain& subdomain, std::span<const InterfaceVertices> theirs);
 
 }  // namespace weft::partition

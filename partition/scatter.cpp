@@ -29,7 +29,8 @@ class Joining {
  public:
   explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh) {
     for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-      if (const VertexId v = s.interface.local(i); v.valid() && mesh_.alive(v)) vertices_.emplace(s.interface.id(i), v);
+      if (const VertexId v = s.interface.local(i); v.valid() && mesh_.alive(v))
+        vertices_.emplace(s.interface.id(i), v);
   }
 
   /// After all parcels have been added the faces between them and with the mesh are joined.
@@ -119,7 +120,8 @@ void for_each_vertex(std::span<const Holder> lines, F f) {
   }
 }
 
-/// All holders, this subdomain included, of the vertices of the old interface and of those that tets have left.
+/// All holders, this subdomain included, of the vertices of the old interface and of those that tets have
+/// left.
 class NewHolders {
  public:
   NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s) {
@@ -154,8 +156,8 @@ class NewHolders {
   std::vector<Holder> lines_;
 };
 
-/// For vertices that this subdomain is the lowest to have held: those who hold them now and did not are told of all
-/// holders.
+/// For vertices that this subdomain is the lowest to have held: those who hold them now and did not are told
+/// of all holders.
 std::vector<Scattered::Addressed> write_notices(const Subdomain& s, const NewHolders& now) {
   std::vector<std::pair<SubdomainId, Holder>> lines;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
@@ -177,15 +179,17 @@ std::vector<Scattered::Addressed> write_notices(const Subdomain& s, const NewHol
 /// Who will tell this subdomain about vertices that it did not hold and several others did.
 std::vector<SubdomainId> notices_expected(std::span<const Holder> before) {
   std::vector<SubdomainId> from;
-  for_each_vertex(before, [&](GlobalId, std::span<const Holder> holders) { from.push_back(holders.front().subdomain); });
+  for_each_vertex(
+      before, [&](GlobalId, std::span<const Holder> holders) { from.push_back(holders.front().subdomain); });
   std::sort(from.begin(), from.end());
   from.erase(std::unique(from.begin(), from.end()), from.end());
   return from;
 }
 
-/// Freezes the vertices of the new interface, which are among the frozen ones and those that have just arrived; thaws
-/// what was frozen and is none of them, and returns that.
-std::vector<VertexId> replace_interface(Subdomain& s, Interface interface, std::span<const VertexId> arrived) {
+/// Freezes the vertices of the new interface, which are among the frozen ones and those that have just
+/// arrived; thaws what was frozen and is none of them, and returns that.
+std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
+                                        std::span<const VertexId> arrived) {
   std::vector<VertexId> thawed;
   TetMesh& mesh = *s.mesh;
   s.interface = std::move(interface);
@@ -236,7 +240,8 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (Parcel& p : parcels)
     for (BackgroundPiece& piece : p.pieces)
-      if (!s.background.has(piece.id)) pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+      if (!s.background.has(piece.id))
+        pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
   if (!pieces.empty()) s.background.add(pieces);
   Joining joining(s);
   for (const Parcel& p : parcels) {
@@ -255,7 +260,8 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   // Vertices of which the last word is not known yet keep those who held them before, and stay frozen.
   std::vector<Holder> lines;
   for_each_vertex(now.lines(), [&](GlobalId, std::span<const Holder> holders) {
-    if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; })) return;
+    if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; }))
+      return;
     for (const Holder& h : holders)
       if (h.subdomain != s.id) lines.push_back(h);
   });

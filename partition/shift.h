@@ -1,15 +1,17 @@
-// The interface shift as messages between neighbours: proposals, parcels of tets, notices of who holds what. Plain
-// functions on one subdomain; who calls them when, and how the messages travel, is not known here.
+// The interface shift as messages between neighbours: proposals, parcels of tets, notices of who holds what.
+// Plain functions on one subdomain; who calls them when, and how the messages travel, is not known here.
 //
-//   propose()  every subdomain tells its neighbours its priority and which shared vertices it wants to be freed
-//   gather()   the holder of highest priority receives all tets around such a vertex and some layers more;
+//   propose()  every subdomain tells its neighbours its priority and which shared vertices it wants to be
+//   freed gather()   the holder of highest priority receives all tets around such a vertex and some layers
+//   more;
 //              each tet goes to one subdomain
 //   scatter()  what arrived is joined by global ids; the interface is where the tets of others begin now
 //   update_topology()  those who have come to hold a vertex learn of all others who do
 //
-// For each interface vertex the holder of the highest priority receives. A subdomain above all its neighbours receives
-// everything, as in Luby's algorithm; but the others, which would be idle, also receive from those below them. So one
-// round frees all of the interface but for the tets where three subdomains meet, instead of that of a third of them.
+// For each interface vertex the holder of the highest priority receives. A subdomain above all its neighbours
+// receives everything, as in Luby's algorithm; but the others, which would be idle, also receive from those
+// below them. So one round frees all of the interface but for the tets where three subdomains meet, instead
+// of that of a third of them.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +35,8 @@ struct Proposal {
   }
 };
 
-/// Tets on their way, with all that belongs to them, and what the receiver must know of the sender's departures.
+/// Tets on their way, with all that belongs to them, and what the receiver must know of the sender's
+/// departures.
 struct Parcel {
   struct Vertex {
     GlobalId id;
@@ -46,8 +49,9 @@ struct Parcel {
     std::uint8_t flags;
   };
   struct Tet {
-    std::array<std::uint32_t, 4> vertices;    ///< in the parcel
-    std::array<std::uint32_t, 4> neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
+    std::array<std::uint32_t, 4> vertices;  ///< in the parcel
+    std::array<std::uint32_t, 4>
+        neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
     std::array<meshing::PatchId, 4> patches;
     std::int32_t ref;
     float quality;  ///< the kernel's cached one
@@ -62,8 +66,8 @@ struct Parcel {
   std::vector<FeatureEdge> feature_edges;
   std::vector<BackgroundPiece> pieces;  ///< of the background
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
-  /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody else had
-  /// any.
+  /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody
+  /// else had any.
   std::vector<Holder> now;
   /// Who held a vertex of the parcel before, for vertices that the receiver did not hold.
   std::vector<Holder> before;
@@ -85,21 +89,22 @@ struct Notice {
 };
 
 struct ShiftOptions {
-  int layers = 5;       ///< of tets, point-connected, handed over beyond those at the interface
+  int layers = 5;         ///< of tets, point-connected, handed over beyond those at the interface
   bool by_faces = false;  ///< layers grow through faces instead of points
 };
 
-/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and those of
-/// poor tets.
-/// The latter only in the first kRoundsForQuality rounds: there are tets that no shift can mend.
+/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and
+/// those of poor tets. The latter only in the first kRoundsForQuality rounds: there are tets that no shift
+/// can mend.
 inline constexpr std::uint64_t kRoundsForQuality = 4;
 std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 
 /// One proposal for each of the interface's neighbours, in their order.
-std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted);
+std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine,
+                              std::span<const GlobalId> wanted);
 
-/// Takes the tets that go away out of the mesh. `proposals` are those of the neighbours, in their order; so are the
-/// parcels, many of them empty.
+/// Takes the tets that go away out of the mesh. `proposals` are those of the neighbours, in their order; so
+/// are the parcels, many of them empty.
 std::vector<Parcel> gather(Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted,
                            std::span<const Proposal> proposals, const ShiftOptions& options);
 
@@ -111,12 +116,12 @@ struct Scattered {
     SubdomainId to;
     Notice notice;
   };
-  std::vector<Addressed> notices;       ///< by addressee, ascending
-  std::vector<SubdomainId> expected;    ///< who sends a notice here, ascending
+  std::vector<Addressed> notices;     ///< by addressee, ascending
+  std::vector<SubdomainId> expected;  ///< who sends a notice here, ascending
 };
 
-/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what was frozen,
-/// and two layers more, get the mark kFresh: all else has been adapted where it was.
+/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what
+/// was frozen, and two layers more, get the mark kFresh: all else has been adapted where it was.
 Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
 
 /// The notices of all that were expected. Returns how many vertices turned out to be no interface.

@@ -102,7 +102,8 @@ MeshPiece make_piece(Subdomain& s, const meshing::Surface& surface, const std::v
   meshing::export_mesh(*s.mesh, surface, patch_required, piece.mesh, piece.log_metrics);
   for (std::uint32_t i = 0; i < piece.mesh.points.size(); ++i) piece.ids.push_back(s.global_id(VertexId(i)));
   for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-    for (const Holder& h : s.interface.others(i)) piece.shared.push_back({s.interface.local(i).value, h.subdomain});
+    for (const Holder& h : s.interface.others(i))
+      piece.shared.push_back({s.interface.local(i).value, h.subdomain});
   std::sort(piece.shared.begin(), piece.shared.end());
   return piece;
 }

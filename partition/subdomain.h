@@ -1,4 +1,5 @@
-// One subdomain: a mesh of its own, the background that it covers, and the interface that it shares with others.
+// One subdomain: a mesh of its own, the background that it covers, and the interface that it shares with
+// others.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +16,16 @@
 
 namespace weft::partition {
 
-/// A vertex flag (meshing::VertexFlag leaves the upper bits to callers): some adaptation could change all around
-/// the vertex.
+/// A vertex flag (meshing::VertexFlag leaves the upper bits to callers): some adaptation could change all
+/// around the vertex.
 inline constexpr std::uint8_t kHasBeenFree = 0x80;
 
 /// Another one: the vertex has been one of the interface.
 inline constexpr std::uint8_t kWasInterface = 0x20;
 
-/// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The steps
-/// are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's label; those of
-/// the interface are frozen.
+/// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The
+/// steps are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's
+/// label; those of the interface are frozen.
 struct Subdomain {
   Subdomain() = default;
   /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
@@ -36,7 +37,8 @@ struct Subdomain {
   std::unique_ptr<meshing::TetMesh> mesh;
   BackgroundStore background;
   Interface interface;
-  /// Where the tets around vertices of the old interface have gone from here: between gathering and scattering.
+  /// Where the tets around vertices of the old interface have gone from here: between gathering and
+  /// scattering.
   std::vector<Holder> departures;
 
   GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
@@ -51,12 +53,13 @@ struct Subdomain {
 /// New vertices get their ids, in the order of their places.
 void name_new_vertices(Subdomain& subdomain);
 
-/// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all left have
-/// no place (until scattering has found who holds them now).
+/// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all
+/// left have no place (until scattering has found who holds them now).
 void locate_interface(Subdomain& subdomain);
 
 /// The subdomain as plain arrays. Numbers change: holes are closed.
-MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface, const std::vector<bool>& patch_required);
+MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface,
+                     const std::vector<bool>& patch_required);
 
 }  // namespace weft::partition
 

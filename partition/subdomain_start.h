@@ -1,4 +1,5 @@
-// What one subdomain starts from: a part of the input mesh as plain arrays, and what it must know of the rest.
+// What one subdomain starts from: a part of the input mesh as plain arrays, and what it must know of the
+// rest.
 #pragma once
 
 #include <array>
@@ -20,16 +21,16 @@ struct SubdomainStart {
   std::vector<meshing::Point> points;
   std::vector<std::int32_t> point_refs;
   std::vector<meshing::LogMetric> log_metrics;  ///< of the target: scaled, limited and graded already
-  std::vector<GlobalId> ids;                    ///< (lowest subdomain that holds the vertex, number in the input)
-  std::vector<meshing::VertexKind> kinds;       ///< by the whole surface
-  std::vector<std::uint8_t> flags;              ///< meshing::VertexFlag
-  std::vector<std::uint32_t> surface_hints;     ///< meshing::Surface::vertex_hint
+  std::vector<GlobalId> ids;               ///< (lowest subdomain that holds the vertex, number in the input)
+  std::vector<meshing::VertexKind> kinds;  ///< by the whole surface
+  std::vector<std::uint8_t> flags;         ///< meshing::VertexFlag
+  std::vector<std::uint32_t> surface_hints;  ///< meshing::Surface::vertex_hint
 
   std::vector<std::array<std::uint32_t, 4>> tets;
   std::vector<std::int32_t> tet_refs;
 
-  /// A tet's face on the boundary or on a material interface; of one between two tets of this subdomain both are
-  /// listed.
+  /// A tet's face on the boundary or on a material interface; of one between two tets of this subdomain both
+  /// are listed.
   struct BoundaryFace {
     std::uint32_t tet;
     std::uint32_t face;

@@ -1,7 +1,6 @@
 // Moves the tets and finds the holders of their vertices.
 #include "partition/tet_records.h"
 
-
 #include "partition/reduce.h"
 
 namespace weft::partition {

@@ -43,8 +43,9 @@ struct InputHolder {
 
 /// Who holds the vertices of this rank's subdomains.
 struct Holders {
-  std::vector<InputHolder> shared;  ///< all holders, on whatever rank, of each vertex that has several; sorted
-  std::uint64_t used = 0;      ///< vertices of the whole mesh that any tet has
+  std::vector<InputHolder>
+      shared;              ///< all holders, on whatever rank, of each vertex that has several; sorted
+  std::uint64_t used = 0;  ///< vertices of the whole mesh that any tet has
 
   /// Those of one vertex; empty where one subdomain alone has it.
   std::span<const InputHolder> of(std::uint32_t vertex) const;

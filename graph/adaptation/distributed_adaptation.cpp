@@ -32,7 +32,8 @@ double predicted_tets(const SubdomainStart& s) {
 /// Address space for what a subdomain may grow to: in the worst case it receives nearly everything.
 std::size_t tet_capacity(double complexity, std::uint64_t input_tets) {
   constexpr double kMost = (1u << 30) - 1;
-  return static_cast<std::size_t>(std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
+  return static_cast<std::size_t>(
+      std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
 }
 
 void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts, std::size_t capacity,
@@ -42,7 +43,8 @@ void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& star
     const auto ref = dataflow::create<SubdomainTask>(
         context, SubdomainTask(Subdomain(start, capacity), predicted), recording);
     if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
-      throw std::logic_error("subdomain " + std::to_string(start.subdomain) + " is not the object that others expect");
+      throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
+                             " is not the object that others expect");
     start = {};
     dataflow::start<&SubdomainTask::refine_interface>(context, ref);
   }
@@ -54,7 +56,8 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
     result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required));
     std::vector<std::uint8_t> was(result.pieces.back().ids.size());
     for (std::uint32_t v = 0; v < was.size(); ++v)
-      was[v] = s.mesh->frozen(meshing::VertexId(v)) || s.mesh->flags(meshing::VertexId(v)) & partition::kWasInterface;
+      was[v] = s.mesh->frozen(meshing::VertexId(v)) ||
+               s.mesh->flags(meshing::VertexId(v)) & partition::kWasInterface;
     result.was_interface.push_back(std::move(was));
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();
@@ -102,6 +105,8 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   return result;
 }
 
-dataflow::ExecutionLog execution_log(engine::Runtime& runtime) { return dataflow::log_of<SubdomainTask>(runtime); }
+dataflow::ExecutionLog execution_log(engine::Runtime& runtime) {
+  return dataflow::log_of<SubdomainTask>(runtime);
+}
 
 }  // namespace weft::graph::adaptation

@@ -38,9 +38,9 @@ struct DistributedResult {
 /// On all ranks, before the runtime starts.
 void register_adaptation(engine::Registry& registry);
 
-/// Decomposes the mesh, adapts all subdomains and their interfaces, and leaves every rank what it has then. All ranks
-/// call it, with one runtime whose RuntimeOptions::local is `rank` (which this fills) and which has no objects but
-/// those of `peers`. Throws what distribute() throws, and engine::RunFailure, on all ranks.
+/// Decomposes the mesh, adapts all subdomains and their interfaces, and leaves every rank what it has then.
+/// All ranks call it, with one runtime whose RuntimeOptions::local is `rank` (which this fills) and which has
+/// no objects but those of `peers`. Throws what distribute() throws, and engine::RunFailure, on all ranks.
 DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers, RankData& rank,
                                     partition::MeshSlice&& slice, const DistributedOptions& options);
 

@@ -20,7 +20,8 @@ constexpr double kShareShifted = 0.3;
 
 /// A draw for each subdomain and round that all agree on: who receives changes from round to round.
 std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
-  return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0), partition::GlobalId(0, round + 1))
+  return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0),
+                                           partition::GlobalId(0, round + 1))
       .value();
 }
 
@@ -85,7 +86,8 @@ void SubdomainTask::refine_interface(NodeContext& context) {
   if (rank.plan.refine_interface) created = partition::refine_interface(subdomain_, *rank.geometry);
   for (std::size_t i = 0; i < to.size(); ++i)
     context.send<&SubdomainTask::register_interface>(to[i], context.round(), std::move(created[i]));
-  context.expect<&SubdomainTask::register_interface>(context.round(), to, Seconds{kSecondsPerTet * predicted_tets_});
+  context.expect<&SubdomainTask::register_interface>(context.round(), to,
+                                                     Seconds{kSecondsPerTet * predicted_tets_});
 }
 
 void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
@@ -98,13 +100,15 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent) {
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.interrupt = rank.interrupt;
-  counts_ += partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options).counts;
+  counts_ +=
+      partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options).counts;
   context.count("tets", static_cast<double>(subdomain_.live_tets()));
 }
 
 void SubdomainTask::adapt_interior(NodeContext& context) { adapt(context, meshing::Extent::everything); }
 
-/// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it rests.
+/// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it
+/// rests.
 void SubdomainTask::propose(NodeContext& context) {
   const RankData& rank = rank_data(context);
   const std::uint64_t round = context.round();
@@ -130,7 +134,8 @@ std::optional<engine::Nothing> SubdomainTask::wake(NodeContext&, std::uint64_t r
   return engine::Nothing{};
 }
 
-void SubdomainTask::gather(NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Proposal>> arrivals) {
+void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
+                           std::vector<Arrival<partition::Proposal>> arrivals) {
   const std::vector<partition::Proposal> proposals = values_of(arrivals);
   neighbourhood_wants_ = !wants_.empty();
   for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
@@ -150,12 +155,14 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round, std::vecto
   context.count("tets sent", static_cast<double>(record.sent));
 }
 
-void SubdomainTask::scatter(NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Parcel>> arrivals) {
+void SubdomainTask::scatter(NodeContext& context, std::uint64_t round,
+                            std::vector<Arrival<partition::Parcel>> arrivals) {
   std::vector<partition::Parcel> parcels = values_of(arrivals);
   partition::Scattered result = partition::scatter(subdomain_, parcels);
   const AdaptationPlan& plan = rank_data(context).plan;
   for (auto& [to, notice] : result.notices)
-    context.send<&SubdomainTask::update_topology>(object_of(plan, context.ranks(), to), round, std::move(notice));
+    context.send<&SubdomainTask::update_topology>(object_of(plan, context.ranks(), to), round,
+                                                  std::move(notice));
   std::vector<Ref> from;
   for (const SubdomainId s : result.expected) from.push_back(object_of(plan, context.ranks(), s));
   context.expect<&SubdomainTask::update_topology>(round, from);
@@ -166,7 +173,8 @@ void SubdomainTask::scatter(NodeContext& context, std::uint64_t round, std::vect
 
 void SubdomainTask::adapt_shifted(NodeContext& context) { adapt(context, meshing::Extent::fresh); }
 
-void SubdomainTask::update_topology(NodeContext& context, std::uint64_t, std::vector<Arrival<partition::Notice>> arrivals) {
+void SubdomainTask::update_topology(NodeContext& context, std::uint64_t,
+                                    std::vector<Arrival<partition::Notice>> arrivals) {
   context.count("vertices thawed",
                 static_cast<double>(partition::update_topology(subdomain_, values_of(arrivals))));
 }

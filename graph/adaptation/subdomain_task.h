@@ -1,13 +1,14 @@
-// What a subdomain does: the task graph of the distributed method (the paper's figure of the algorithm), one instance
-// a subdomain, which lives on whatever rank the balancer has put it.
+// What a subdomain does: the task graph of the distributed method (the paper's figure of the algorithm), one
+// instance a subdomain, which lives on whatever rank the balancer has put it.
 //
-//   refine interface =>> register interface -> adapt interior -> propose =>> gather =>> scatter -> adapt shifted
+//   refine interface =>> register interface -> adapt interior -> propose =>> gather =>> scatter -> adapt
+//   shifted
 //                                                                  ^                       =>>
 //                                                                  +---- next round ---- update topology
 //
-// -> stays in the subdomain, =>> goes to its neighbours. A subdomain goes on as soon as its own neighbours' values are
-// there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a proposal for a later
-// round wakes it. The run has ended when all rest.
+// -> stays in the subdomain, =>> goes to its neighbours. A subdomain goes on as soon as its own neighbours'
+// values are there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a
+// proposal for a later round wakes it. The run has ended when all rest.
 #pragma once
 
 #include <atomic>
@@ -30,9 +31,9 @@ struct AdaptationPlan {
   std::uint32_t most_shifts = 8;
   partition::ShiftOptions shift;
   bool refine_interface = true;
-  double hausd = 0;               ///< meshing::AdaptOptions, not 0
-  double expected_complexity = 0; ///< of the whole result
-  int threads_of_subdomain = 1;   ///< that one adaptation may use
+  double hausd = 0;                ///< meshing::AdaptOptions, not 0
+  double expected_complexity = 0;  ///< of the whole result
+  int threads_of_subdomain = 1;    ///< that one adaptation may use
 };
 
 /// What all subdomains of a rank read (engine::RuntimeOptions::local).
@@ -67,7 +68,8 @@ class SubdomainTask {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_, counts_);
+    archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
+            counts_);
   }
 
   // The nodes.
@@ -98,7 +100,8 @@ class SubdomainTask {
   partition::Priority priority_;            ///< of this round
   bool neighbourhood_wants_ = true;         ///< somebody wanted something in the last round
   bool rests_ = false;
-  std::uint64_t woken_for_ = kNever;  ///< a round that a neighbour has proposed while this one was in the last
+  std::uint64_t woken_for_ =
+      kNever;  ///< a round that a neighbour has proposed while this one was in the last
   std::vector<ShiftRecord> shifts_;
   meshing::OperationCounts counts_;
 };

@@ -265,6 +265,7 @@ TEST(KernelProperty, WhereEverythingIsFrozenNothingHappens) {
   MeshData mesh = support::unit_cube(3);
   KernelRig rig(mesh, 0.1);
   for (const VertexId v : rig.live_vertices()) rig.mesh.freeze(v);
+  rig.mesh.set_frozen_are_untouchable(true);
   Shaker shaker(rig.worker, 1);
   shaker.shake(2000);
   for (std::size_t op = 0; op < static_cast<std::size_t>(Operator::count_); ++op)

@@ -104,6 +104,7 @@ TEST(Shell, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   other.release();
   EXPECT_EQ(gather(), Verdict::accepted);
   rig.mesh.freeze(VertexId(5));
+  rig.mesh.set_frozen_are_untouchable(true);
   EXPECT_EQ(gather(), Verdict::frozen);
 }
 
@@ -147,6 +148,7 @@ TEST(Ball, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   rig.worker.claims.release();
   other.release();
   rig.mesh.freeze(VertexId(6));
+  rig.mesh.set_frozen_are_untouchable(true);
   EXPECT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), ball), Verdict::frozen);
   rig.worker.claims.release();
   EXPECT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(6), ball), Verdict::frozen);

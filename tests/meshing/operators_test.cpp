@@ -254,6 +254,7 @@ TEST(SplitEdge, RefusesWhatIsTooLarge) {
 TEST(SplitEdge, RefusesAFrozenRing) {
   KernelRig rig(ring_of(5, 1), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
   expect_refused(rig, Verdict::frozen, [&] { return split(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -409,6 +410,7 @@ TEST(CollapseEdge, RefusesFrozenNeighboursAndThoseThatOthersHold) {
   EXPECT_EQ(collapse(rig, VertexId(0), VertexId(1)), Verdict::conflict);
   other.release();
   rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
   expect_refused(rig, Verdict::frozen, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -640,9 +642,11 @@ TEST(SwapFace, RefusesToInvert) {
 TEST(SwapEdge, RefusesAFrozenRingAndSwapFaceAFrozenApex) {
   KernelRig rig(ring_of(4, 4), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
   expect_refused(rig, Verdict::frozen, [&] { return swap(rig, VertexId(0), VertexId(1)); });
   KernelRig two(support::two_tets(), 1, kFaceted);
   two.mesh.freeze(VertexId(4));
+  two.mesh.set_frozen_are_untouchable(true);
   const TetId t = two.tet_with(VertexId(0), VertexId(3));
   expect_refused(two, Verdict::frozen, [&] { return swap(two, t, two.mesh.local_index(t, VertexId(3))); });
 }
@@ -741,6 +745,7 @@ TEST_P(MoveVertex, NeverMovesAFixedOrFrozenVertex) {
   KernelRig frozen(mesh, 1, kFaceted);
   frozen.judge_by(GetParam());
   frozen.mesh.freeze(VertexId(3));
+  frozen.mesh.set_frozen_are_untouchable(true);
   expect_refused(frozen, Verdict::frozen, [&] { return smooth(frozen, VertexId(0)); });
   expect_refused(frozen, Verdict::frozen, [&] { return relocate(frozen, VertexId(0)); });
 }

@@ -130,6 +130,7 @@ TEST(Claims, AClaimedVertexIsAConflictForOthersUntilItIsReleased) {
 TEST(Claims, AFrozenVertexIsNeverClaimedAndStaysFrozen) {
   TetMesh mesh(10, 10);
   mesh.freeze(VertexId(3));
+  mesh.set_frozen_are_untouchable(true);
   for (const bool sole : {true, false}) {
     Claims claims(mesh, 1, sole);
     EXPECT_EQ(claims.claim(VertexId(3)), Verdict::frozen);
@@ -174,6 +175,7 @@ TEST(Renumber, KeepsTheMesh) {
   KernelRig rig(input, 0.3);
   const std::size_t num_features = rig.mesh.feature_edges().size();
   rig.mesh.freeze(VertexId(17));
+  rig.mesh.set_frozen_are_untouchable(true);
   rig.mesh.mark(VertexId(17), kCheckShort);
   const Point frozen = rig.mesh.point(VertexId(17));
   renumber_along_curve(rig.mesh);

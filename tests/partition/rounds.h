@@ -141,7 +141,7 @@ class Rounds {
   partition::ShiftOptions shift_;
   meshing::AdaptOptions options_;
   std::vector<partition::Subdomain> subdomains_;
-  ForEach<SubdomainId> expected_;                                  ///< senders of notices
+  ForEach<SubdomainId> expected_;  ///< senders of notices
   std::uint64_t round_ = 0;
   std::vector<std::map<SubdomainId, partition::Notice>> notices_;  ///< that are under way, by addressee
 };

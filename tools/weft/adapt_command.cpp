@@ -89,10 +89,12 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
   constexpr const char* kGroup = "Account";
   static const CLI::Validator graph_name(
       [](const std::string& name) {
-        return graph_format(name) ? std::string() : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
+        return graph_format(name) ? std::string()
+                                  : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
       },
       "");
-  sub.add_option("--report", command.report, "folder for report.html and, for programs, report.json and profile.json")
+  sub.add_option("--report", command.report,
+                 "folder for report.html and, for programs, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
   std::vector<std::string> cases;
@@ -106,7 +108,9 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
-  sub.add_option("--trace", command.trace, "a timeline for ui.perfetto.dev, .json")->type_name("FILE")->group(kGroup);
+  sub.add_option("--trace", command.trace, "a timeline for ui.perfetto.dev, .json")
+      ->type_name("FILE")
+      ->group(kGroup);
 }
 
 void add_run(CLI::App& sub, AdaptCommand& command) {
@@ -145,7 +149,8 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->transform(CLI::CheckedTransformer(connections).description(""))
       ->type_name("KIND")
       ->group(kGroup);
-  sub.add_option("--shifts", request.shifts, "auto (default: until all of the interface has been free) or at most N")
+  sub.add_option("--shifts", request.shifts,
+                 "auto (default: until all of the interface has been free) or at most N")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
@@ -153,8 +158,9 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"stealing", "diffusion", "none"}).description(""))
       ->group(kGroup);
-  sub.add_flag("!--no-interface-refinement", request.refine_interface,
-               "leave the interface coarse before the interior is adapted")
+  sub.add_flag_callback(
+         "--no-interface-refinement", [&request] { request.refine_interface = false; },
+         "leave the interface coarse before the interior is adapted")
       ->group(kGroup);
 }
 

@@ -18,8 +18,8 @@ struct AdaptRequest {
   std::string report;      ///< folder for report.json; empty: none
   bool page = true;        ///< profile.json and report.html beside it
   std::string case_name;   ///< tools/report/published.h; empty: none
-  std::string graph;       ///< file for the executed graph; empty: none. Of runs in subdomains only, as `trace`
-  std::string trace;       ///< file for Perfetto; empty: none
+  std::string graph;  ///< file for the executed graph; empty: none. Of runs in subdomains only, as `trace`
+  std::string trace;  ///< file for Perfetto; empty: none
   MetricRequest metric;
   FieldRequest fields;  ///< of the input
   meshing::AdaptOptions options;

@@ -58,7 +58,8 @@ class Stopwatch {
 /// One run on one rank. All ranks do the same steps; only rank 0 says anything.
 class DistributedJob {
  public:
-  DistributedJob(const AdaptRequest& request, const SubdomainRequest& subdomains, engine::Transport& transport)
+  DistributedJob(const AdaptRequest& request, const SubdomainRequest& subdomains,
+                 engine::Transport& transport)
       : request_(request), subdomains_(subdomains) {
     graph::adaptation::register_adaptation(registry_);
     engine::RuntimeOptions options;
@@ -140,7 +141,8 @@ class DistributedJob {
     options.decomposition.ridge_angle_degrees = request_.options.ridge_angle_degrees;
     options.decomposition.target_complexity = input.target_complexity;
     options.shift = {subdomains_.layers, subdomains_.by_faces};
-    if (subdomains_.shifts != "auto") options.most_shifts = static_cast<std::uint32_t>(std::stoul(subdomains_.shifts));
+    if (subdomains_.shifts != "auto")
+      options.most_shifts = static_cast<std::uint32_t>(std::stoul(subdomains_.shifts));
     options.refine_interface = subdomains_.refine_interface;
     options.hausd = request_.options.hausd;
     options.threads = request_.options.threads;
@@ -169,7 +171,8 @@ class DistributedJob {
     for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
     std::vector<graph::adaptation::ShiftRecord> all;
     for (const auto& part : partition::share(*peers_, mine)) all.insert(all.end(), part.begin(), part.end());
-    for (const auto& counts : partition::share(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
+    for (const auto& counts :
+         partition::share(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
       run_.report.counts += counts[0];
     SubdomainAccount account = account_for(log, std::move(summaries), all);
     account.subdomains = options.decomposition.num_subdomains;
@@ -182,7 +185,9 @@ class DistributedJob {
     run_.subdomains = account_;
   }
 
-  bool keeps_record() const { return !(request_.report.empty() && request_.graph.empty() && request_.trace.empty()); }
+  bool keeps_record() const {
+    return !(request_.report.empty() && request_.graph.empty() && request_.trace.empty());
+  }
 
   void measure() {
     if (!request_.report.empty()) gather_view(*dataflow_exchange_, *peers_, result_.pieces, record_);
@@ -208,12 +213,14 @@ class DistributedJob {
 
   /// Formats that one program writes, and fields: rank 0 gets the whole mesh.
   void write_by_first() {
-    const std::vector<partition::MeshPiece> pieces = gather_pieces(*dataflow_exchange_, std::move(result_.pieces));
+    const std::vector<partition::MeshPiece> pieces =
+        gather_pieces(*dataflow_exchange_, std::move(result_.pieces));
     partition::agree_on(*peers_, [&] {
       if (!first()) return;
       const partition::MergedMesh merged = partition::merge_pieces(pieces);
       if (request_.fields.given()) carry_fields(merged.mesh);
-      write_mesh_with_solution(run_.outputs, merged.mesh, meshing::solution_from_metric(merged.log_metrics), fields_);
+      write_mesh_with_solution(run_.outputs, merged.mesh, meshing::solution_from_metric(merged.log_metrics),
+                               fields_);
     });
   }
 
@@ -263,7 +270,7 @@ class DistributedJob {
   std::shared_ptr<SubdomainAccount> account_;
   RunRecord record_;
   std::optional<report::MemorySampler> memory_;
-  meshing::MeshData whole_;        ///< the input, on rank 0, where fields have to be carried along
+  meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
   AdaptRun run_;
 };
@@ -273,8 +280,8 @@ int refuse(const engine::Transport& transport, const std::exception& error) {
   return kNoMesh;
 }
 
-/// What all ranks throw alike ends here. Other exceptions may be those of one rank alone, for which the others would
-/// wait: launch() takes them down.
+/// What all ranks throw alike ends here. Other exceptions may be those of one rank alone, for which the
+/// others would wait: launch() takes them down.
 int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet,
                 engine::Transport& transport) {
   try {
@@ -291,7 +298,9 @@ int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains,
 
 }  // namespace
 
-bool in_subdomains(const SubdomainRequest& request) { return request.subdomains > 0 || engine::under_mpirun(); }
+bool in_subdomains(const SubdomainRequest& request) {
+  return request.subdomains > 0 || engine::under_mpirun();
+}
 
 int run_in_subdomains(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet) {
   try {

@@ -21,8 +21,9 @@ struct SubdomainRequest {
 /// Whether this run works in subdomains: it was asked to, or there are several ranks.
 bool in_subdomains(const SubdomainRequest& request);
 
-/// Runs the adaptation on all ranks, writes the result, and prints errors and (unless `quiet`) the summary on rank 0.
-/// Returns the exit code, the same on all ranks. Throws CLI::ParseError for a request that makes no sense.
+/// Runs the adaptation on all ranks, writes the result, and prints errors and (unless `quiet`) the summary on
+/// rank 0. Returns the exit code, the same on all ranks. Throws CLI::ParseError for a request that makes no
+/// sense.
 int run_in_subdomains(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet);
 
 }  // namespace weft::tools

@@ -13,9 +13,9 @@ using partition::MeshPiece;
 template <class Archive>
 void pack(Archive& archive, MeshPiece& p) {
   meshing::MeshData& m = p.mesh;
-  archive(p.subdomain, m.points, m.point_refs, m.tets, m.tet_refs, m.triangles, m.triangle_refs, m.edges, m.edge_refs,
-          m.corners, m.required_points, m.ridges, m.required_edges, m.required_triangles, p.log_metrics, p.ids,
-          p.shared);
+  archive(p.subdomain, m.points, m.point_refs, m.tets, m.tet_refs, m.triangles, m.triangle_refs, m.edges,
+          m.edge_refs, m.corners, m.required_points, m.ridges, m.required_edges, m.required_triangles,
+          p.log_metrics, p.ids, p.shared);
 }
 
 }  // namespace
@@ -36,7 +36,8 @@ std::vector<MeshPiece> gather_pieces(graph::dataflow::RankExchange& exchange, st
     for (std::uint64_t i = 0; i < count; ++i) pack(unpacker, all.emplace_back());
     unpacker.finish();
   }
-  std::sort(all.begin(), all.end(), [](const MeshPiece& a, const MeshPiece& b) { return a.subdomain < b.subdomain; });
+  std::sort(all.begin(), all.end(),
+            [](const MeshPiece& a, const MeshPiece& b) { return a.subdomain < b.subdomain; });
   return all;
 }
 

@@ -28,7 +28,8 @@ bool is_gmf(const std::string& file) {
 /// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
 bool only_scaled(const AdaptRequest& request) {
   const MetricRequest& m = request.metric;
-  const bool limited = m.limits.hmin > 0 || m.limits.hmax > 0 || m.limits.aspect > 0 || m.limits.gradation > 1;
+  const bool limited =
+      m.limits.hmin > 0 || m.limits.hmax > 0 || m.limits.aspect > 0 || m.limits.gradation > 1;
   return is_gmf(request.input) && request.background.empty() && !request.fields.given() && !limited &&
          m.solutions.empty() && !m.implied && !m.has_demand() && (m.file.empty() || is_gmf(m.file));
 }
@@ -50,10 +51,12 @@ meshing::LogMetricField metric_of_share(const MetricRequest& request, const Mesh
   }
   const meshing::GmfLayout layout = meshing::read_gmf_layout(request.file);
   if (layout.num_solution_points() != slice.num_points)
-    throw InputError(request.file, "", "is of another mesh: it has " + std::to_string(layout.num_solution_points()) +
-                                           " vertices, the mesh " + std::to_string(slice.num_points));
+    throw InputError(request.file, "",
+                     "is of another mesh: it has " + std::to_string(layout.num_solution_points()) +
+                         " vertices, the mesh " + std::to_string(slice.num_points));
   return meshing::metric_from_solution(
-      meshing::read_gmf_solution_slice(request.file, layout, share.first, share.count), share.count, request.file);
+      meshing::read_gmf_solution_slice(request.file, layout, share.first, share.count), share.count,
+      request.file);
 }
 
 SliceInput read_share(Peers& peers, const AdaptRequest& request) {
@@ -88,8 +91,9 @@ std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t tot
   if (peers.rank() == 0)
     for (int r = 0; r < peers.ranks(); ++r) {
       const Share s = share_of(total, r, peers.ranks());
-      to_each[static_cast<std::size_t>(r)].assign(whole.begin() + static_cast<std::ptrdiff_t>(s.first),
-                                                  whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
+      to_each[static_cast<std::size_t>(r)].assign(
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first),
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
     }
   return partition::exchange(peers, to_each)[0];
 }
@@ -136,7 +140,8 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   return slice;
 }
 
-/// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has read it.
+/// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has
+/// read it.
 SliceInput read_whole(Peers& peers, const AdaptRequest& request) {
   SliceInput input;
   MetricRequest metric = request.metric;

@@ -22,9 +22,10 @@ struct SliceInput {
   meshing::LogMetricField whole_metric;
 };
 
-/// All ranks: reads the mesh and makes the metric. A mesh and a metric in GMF files that are only scaled are read in
-/// shares, no rank holds more. Anything else (other formats, metrics of solutions, gradation, limits) needs the whole
-/// mesh: rank 0 reads and prepares it, and hands out the shares. Throws meshing::InputError alike on all ranks.
+/// All ranks: reads the mesh and makes the metric. A mesh and a metric in GMF files that are only scaled are
+/// read in shares, no rank holds more. Anything else (other formats, metrics of solutions, gradation, limits)
+/// needs the whole mesh: rank 0 reads and prepares it, and hands out the shares. Throws meshing::InputError
+/// alike on all ranks.
 SliceInput read_slice(partition::Peers& peers, const AdaptRequest& request);
 
 }  // namespace weft::tools

@@ -32,7 +32,8 @@ std::vector<OperationTime> in_order(const std::map<std::string, double>& seconds
 }
 
 /// Seconds by operation of one rank: nodes from the log, the rest from the engine.
-std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& log, const engine::RankSummary& summary) {
+std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& log,
+                                         const engine::RankSummary& summary) {
   static const graph::dataflow::GraphDescription graph = SubdomainTask::blueprint().description();
   std::map<std::string, double> seconds;
   double in_nodes = 0;
@@ -67,12 +68,14 @@ std::vector<ShiftAccount> sum_shifts(const std::vector<ShiftRecord>& records) {
 }
 
 bool is_adaptation(const std::string& operation) {
-  return operation == "interior adaptation" || operation == "MII adaptation" || operation == "interface refinement";
+  return operation == "interior adaptation" || operation == "MII adaptation" ||
+         operation == "interface refinement";
 }
 
 }  // namespace
 
-SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log, std::vector<engine::RankSummary> summaries,
+SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
+                             std::vector<engine::RankSummary> summaries,
                              const std::vector<ShiftRecord>& shifts) {
   SubdomainAccount account;
   std::map<std::string, double> sum;
@@ -96,15 +99,17 @@ SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log, std::vect
 }
 
 std::string subdomains_text(const SubdomainAccount& a) {
-  std::string text = fmt::format("{} subdomains by {} on {} rank{}, {} layers\n", a.subdomains, a.partitioner, a.ranks,
-                                 a.ranks == 1 ? "" : "s", a.layers);
+  std::string text = fmt::format("{} subdomains by {} on {} rank{}, {} layers\n", a.subdomains, a.partitioner,
+                                 a.ranks, a.ranks == 1 ? "" : "s", a.layers);
   double total = 0;
   for (const OperationTime& t : a.sum) total += t.seconds;
   for (const OperationTime& t : a.sum)
-    text += fmt::format("  {:<28}{:>10.2f} s{:>8}\n", t.name, t.seconds, percent(total > 0 ? t.seconds / total : 0));
-  text += fmt::format("{} of the busy time is not adaptation; {}\n", percent(a.beside_adaptation), a.engine.verdict());
-  text += fmt::format("{:<8}{:>16}{:>14}{:>12}{:>16}\n", "shift", "vertices wanted", "tets moved", "receivers",
-                      "vertices freed");
+    text += fmt::format("  {:<28}{:>10.2f} s{:>8}\n", t.name, t.seconds,
+                        percent(total > 0 ? t.seconds / total : 0));
+  text += fmt::format("{} of the busy time is not adaptation; {}\n", percent(a.beside_adaptation),
+                      a.engine.verdict());
+  text += fmt::format("{:<8}{:>16}{:>14}{:>12}{:>16}\n", "shift", "vertices wanted", "tets moved",
+                      "receivers", "vertices freed");
   for (const ShiftAccount& s : a.shifts)
     text += fmt::format("  {:<6}{:>16}{:>14}{:>12}{:>16}\n", s.round + 1, grouped(s.wanted), grouped(s.moved),
                         grouped(s.receivers), grouped(s.thawed));
@@ -116,8 +121,8 @@ std::string subdomains_text(const SubdomainAccount& a) {
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(messages),
                       bytes_text(static_cast<double>(bytes)), a.engine.collective_calls);
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",
-                      a.former_interface.quality_mean, a.former_interface.quality_q01, a.former_interface.quality_min,
-                      percent(a.former_interface.edges_unit));
+                      a.former_interface.quality_mean, a.former_interface.quality_q01,
+                      a.former_interface.quality_min, percent(a.former_interface.edges_unit));
   return text;
 }
 

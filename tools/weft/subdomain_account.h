@@ -11,8 +11,8 @@
 
 namespace weft::tools {
 
-/// Seconds of all workers in one operation, in the order and with the names of the paper's figure of the percentage
-/// breakdown, and those that the paper does not have.
+/// Seconds of all workers in one operation, in the order and with the names of the paper's figure of the
+/// percentage breakdown, and those that the paper does not have.
 struct OperationTime {
   std::string name;
   double seconds = 0;
@@ -40,14 +40,15 @@ struct SubdomainAccount {
   double decomposition_seconds = 0, adaptation_seconds = 0;
   std::vector<ShiftAccount> shifts;
   std::vector<RankAccount> by_rank;
-  std::vector<OperationTime> sum;            ///< of all ranks
-  double beside_adaptation = 0;              ///< share of all busy time that is not spent adapting
-  meshing::Measures former_interface;        ///< tets with a vertex that has been one of an interface
+  std::vector<OperationTime> sum;      ///< of all ranks
+  double beside_adaptation = 0;        ///< share of all busy time that is not spent adapting
+  meshing::Measures former_interface;  ///< tets with a vertex that has been one of an interface
   engine::RunSummary engine;
 };
 
 /// From the runs of all nodes, the engine's summaries and the shifts of all subdomains.
-SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log, std::vector<engine::RankSummary> summaries,
+SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
+                             std::vector<engine::RankSummary> summaries,
                              const std::vector<graph::adaptation::ShiftRecord>& shifts);
 
 /// The readable account: times by operation, shifts, messages.
