@@ -43,11 +43,9 @@ class Adaptation {
         report_(report) {}
 
   void run() {
+    mesh_.set_frozen_are_untouchable(options_.tets_at_frozen_stay);
     stage("collapse", 0, 0.02, [&] { start(); });
     stage("create points", 0.02, 0.4, [&] { create_points(); });
-    // Points are created right up to frozen vertices. At first, polishing waits until the tets around them
-    // are all here.
-    mesh_.set_frozen_are_untouchable(extent_ == Extent::everything);
     stage("reconnect and smooth", 0.4, 0.95, [&] { reconnect_and_smooth(); });
     stage("improve", 0.95, 1, [&] { improve_quality(); });
     mesh_.set_frozen_are_untouchable(false);

@@ -87,6 +87,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.most_shifts = options.most_shifts;
   plan.shift = options.shift;
   plan.refine_interface = options.refine_interface;
+  plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : 0.001 * norm(d.box.size());
   plan.expected_complexity = d.complexity;
   const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));

@@ -19,8 +19,9 @@ struct DistributedOptions {
   partition::ShiftOptions shift;
   std::uint32_t most_shifts = 8;
   bool refine_interface = true;
-  double hausd = 0;  ///< 0: 0.1 % of the bounding box diagonal
-  int threads = 1;   ///< of this rank
+  bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
+  double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
+  int threads = 1;                   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
   const std::atomic<bool>* interrupt = nullptr;
 };

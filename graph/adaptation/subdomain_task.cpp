@@ -99,6 +99,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent) {
   const RankData& rank = rank_data(context);
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
+  options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
   options.interrupt = rank.interrupt;
   counts_ +=
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options).counts;

@@ -31,9 +31,10 @@ struct AdaptationPlan {
   std::uint32_t most_shifts = 8;
   partition::ShiftOptions shift;
   bool refine_interface = true;
-  double hausd = 0;                ///< meshing::AdaptOptions, not 0
-  double expected_complexity = 0;  ///< of the whole result
-  int threads_of_subdomain = 1;    ///< that one adaptation may use
+  bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
+  double hausd = 0;                  ///< meshing::AdaptOptions, not 0
+  double expected_complexity = 0;    ///< of the whole result
+  int threads_of_subdomain = 1;      ///< that one adaptation may use
 };
 
 /// What all subdomains of a rank read (engine::RuntimeOptions::local).

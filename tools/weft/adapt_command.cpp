@@ -158,6 +158,12 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->type_name("NAME")
       ->check(CLI::IsMember({"stealing", "diffusion", "none"}).description(""))
       ->group(kGroup);
+  static const std::map<std::string, bool> frozen = {{"vertices", false}, {"tets", true}};
+  sub.add_option("--freeze", request.freeze_tets,
+                 "what stays at an interface: its vertices (default) or, as in the paper, their tets")
+      ->transform(CLI::CheckedTransformer(frozen).description(""))
+      ->type_name("WHAT")
+      ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&request] { request.refine_interface = false; },
          "leave the interface coarse before the interior is adapted")

@@ -144,6 +144,7 @@ class DistributedJob {
     if (subdomains_.shifts != "auto")
       options.most_shifts = static_cast<std::uint32_t>(std::stoul(subdomains_.shifts));
     options.refine_interface = subdomains_.refine_interface;
+    options.tets_at_frozen_stay = subdomains_.freeze_tets;
     options.hausd = request_.options.hausd;
     options.threads = request_.options.threads;
     options.interrupt = interrupt_.flag();

@@ -15,6 +15,7 @@ struct SubdomainRequest {
   bool by_faces = false;
   std::string shifts = "auto";  ///< or the largest number of them
   bool refine_interface = true;
+  bool freeze_tets = false;
   std::string balancer = "stealing";
 };
 
