@@ -160,7 +160,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->group(kGroup);
   static const std::map<std::string, bool> frozen = {{"vertices", false}, {"tets", true}};
   sub.add_option("--freeze", request.freeze_tets,
-                 "what stays at an interface: its vertices (default) or, as in the paper, their tets")
+                 "frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
