@@ -72,12 +72,6 @@ std::uint64_t Subdomain::live_tets() const {
   return n;
 }
 
-std::uint64_t Subdomain::live_vertices() const {
-  std::uint64_t n = 0;
-  for (std::uint32_t i = 0; i < mesh->vertex_slots(); ++i) n += mesh->alive(VertexId(i));
-  return n;
-}
-
 void name_new_vertices(Subdomain& s) {
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
     if (s.mesh->alive(VertexId(i)) && s.mesh->label(VertexId(i)) == 0)

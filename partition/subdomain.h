@@ -43,7 +43,6 @@ struct Subdomain {
 
   GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
   std::uint64_t live_tets() const;
-  std::uint64_t live_vertices() const;
 
   /// Packs or unpacks everything: a subdomain moves between ranks.
   template <class Archive>

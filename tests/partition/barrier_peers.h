@@ -27,7 +27,7 @@ class MeetingRoom {
 
   int ranks() const { return static_cast<int>(mail_.size()); }
   std::vector<Bytes> exchange(int rank, std::vector<Bytes> to_each) {
-    to_each.resize(mail_.size());  // an exchange with too few letters would be found by what arrives
+    if (to_each.size() != mail_.size()) throw std::logic_error("exchange with a wrong number of ranks");
     for (std::size_t r = 0; r < mail_.size(); ++r) mail_[r][rank] = std::move(to_each[r]);
     meet();
     std::vector<Bytes> arrived = std::move(mail_[rank]);

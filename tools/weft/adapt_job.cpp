@@ -6,11 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
@@ -19,6 +17,7 @@
 #include "tools/weft/named_error.h"
 #include "tools/weft/report_json.h"
 #include "tools/weft/run_record.h"
+#include "tools/weft/stopwatch.h"
 #include "tools/weft/text.h"
 
 namespace weft::tools {
@@ -28,18 +27,6 @@ namespace fs = std::filesystem;
 using meshing::InputError;
 using meshing::LogMetricField;
 using meshing::MeshData;
-
-/// Seconds since it was made or last asked.
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code missing;
@@ -55,7 +42,7 @@ class AdaptJob {
     // Also what TBB's loops outside adapt() may use; lets --threads exceed the cores.
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                       static_cast<std::size_t>(request_.options.threads));
-    describe();
+    run_ = begin_account(request_);
     check_outputs();
     read();
     prepare_metric();
@@ -70,15 +57,6 @@ class AdaptJob {
 
  private:
   const MeshData& background() const { return background_ ? *background_ : input_; }
-
-  void describe() {
-    run_.arguments = request_.arguments;
-    run_.input = request_.input;
-    run_.metric = request_.metric.name();
-    run_.outputs = output_paths(request_.output);
-    run_.threads = request_.options.threads;
-    if (!request_.report.empty()) run_.report_path = (fs::path(request_.report) / "report.json").string();
-  }
 
   /// Hours of work must not end with "no such folder".
   void check_outputs() {
@@ -220,6 +198,17 @@ class AdaptJob {
 };
 
 }  // namespace
+
+AdaptRun begin_account(const AdaptRequest& request) {
+  AdaptRun run;
+  run.arguments = request.arguments;
+  run.input = request.input;
+  run.metric = request.metric.name();
+  run.outputs = output_paths(request.output);
+  run.threads = request.options.threads;
+  if (!request.report.empty()) run.report_path = (fs::path(request.report) / "report.json").string();
+  return run;
+}
 
 AdaptOutcome run_adapt(const AdaptRequest& request) { return AdaptJob(request).run(); }
 

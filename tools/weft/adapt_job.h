@@ -33,6 +33,9 @@ struct AdaptOutcome {
   AdaptRun run;
 };
 
+/// What is known of a run before it starts.
+AdaptRun begin_account(const AdaptRequest& request);
+
 /// Writes mesh, metric, fields and report; ends early with the valid mesh reached so far on Ctrl-C. Throws
 /// InputError where no mesh comes about, and CLI::ParseError for a request that makes no sense.
 AdaptOutcome run_adapt(const AdaptRequest& request);

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -33,6 +32,7 @@
 #include "tools/weft/report_json.h"
 #include "tools/weft/run_record.h"
 #include "tools/weft/slice_source.h"
+#include "tools/weft/stopwatch.h"
 #include "tools/weft/subdomain_account.h"
 #include "tools/weft/summary.h"
 
@@ -43,17 +43,6 @@ namespace fs = std::filesystem;
 using graph::adaptation::DistributedResult;
 using graph::adaptation::EnginePeers;
 using graph::adaptation::RankData;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// One run on one rank. All ranks do the same steps; only rank 0 says anything.
 class DistributedJob {
@@ -74,7 +63,7 @@ class DistributedJob {
 
   /// Exit code; the account is complete on rank 0.
   int run() {
-    describe();
+    run_ = begin_account(request_);
     partition::agree_on(*peers_, [&] {
       if (first()) check_outputs();
     });
@@ -89,15 +78,6 @@ class DistributedJob {
   bool first() const { return runtime_->rank().value == 0; }
 
  private:
-  void describe() {
-    run_.arguments = request_.arguments;
-    run_.input = request_.input;
-    run_.metric = request_.metric.name();
-    run_.outputs = output_paths(request_.output);
-    run_.threads = request_.options.threads;
-    if (!request_.report.empty()) run_.report_path = (fs::path(request_.report) / "report.json").string();
-  }
-
   void check_outputs() {
     check_writable(run_.outputs.mesh);
     if (fs::path(run_.outputs.mesh).extension() != ".pvtu") check_writable(run_.outputs.solution);
