@@ -34,13 +34,15 @@ constexpr double kCoarse = 0.7;
 /// One adaptation from the first mark to the last improvement.
 class Adaptation {
  public:
-  Adaptation(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report)
+  Adaptation(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report,
+             const BeforeLevel& before_level)
       : kernel_(kernel),
         mesh_(kernel.mesh),
         crew_(kernel, std::max(1, options.threads), options.interrupt),
         options_(options),
         extent_(extent),
-        report_(report) {}
+        report_(report),
+        before_level_(before_level) {}
 
   void run() {
     mesh_.set_frozen_are_untouchable(options_.tets_at_frozen_stay);
@@ -48,6 +50,7 @@ class Adaptation {
     stage("create points", 0.02, 0.4, [&] { create_points(); });
     stage("reconnect and smooth", 0.4, 0.95, [&] { reconnect_and_smooth(); });
     stage("improve", 0.95, 1, [&] { improve_quality(); });
+    if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     mesh_.set_frozen_are_untouchable(false);
     if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
     report_.interrupted = crew_.interrupted();
@@ -113,6 +116,7 @@ class Adaptation {
     const Limits wanted = kernel_.limits;
     renumbered_at_ = mesh_.tet_slots();
     for (double level = first_level_; level >= 1 && !crew_.interrupted(); level *= 0.5) {
+      announce_level(level);
       kernel_.limits.long_edge = wanted.long_edge * level;
       kernel_.limits.split_shortest = wanted.split_shortest * level;
       kernel_.limits.collapse_longest = wanted.collapse_longest * level;
@@ -121,6 +125,14 @@ class Adaptation {
       if (level > 1) mark_later();
     }
     kernel_.limits = wanted;
+  }
+
+  void announce_level(double level) {
+    next_level_ = level / 2;
+    if (!before_level_) return;
+    mesh_.set_frozen_are_untouchable(false);
+    before_level_(kernel_.limits.finest_long_edge * level);
+    mesh_.set_frozen_are_untouchable(options_.tets_at_frozen_stay);
   }
 
   void refine_to_level() {
@@ -164,8 +176,12 @@ class Adaptation {
     });
   }
 
+  /// Tets at frozen vertices are left to the adaptation that finds them thawed: among them are those that the
+  /// frozen boundary makes poor whatever is done (a fifth of the time, 77,000 changes in vain, on cube-polar2
+  /// to 500,000 in 128 subdomains).
   void improve_quality() {
     constexpr int kMostRounds = 6;
+    if (extent_ == Extent::everything) mesh_.set_frozen_are_untouchable(true);
     mesh_.set_metric_mean(MetricMean::log_euclidean);
     for_all_tets([&](TetId t) { mark_if_poor(t); });
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
@@ -305,16 +321,18 @@ class Adaptation {
   const AdaptOptions& options_;
   const Extent extent_;
   AdaptReport& report_;
+  const BeforeLevel& before_level_;
   std::string stage_;
   double done_ = 0, stage_end_ = 0;
-  double first_level_ = 1, share_long_ = 0;
+  double first_level_ = 1, next_level_ = 1, share_long_ = 0;
   std::uint32_t renumbered_at_ = 0;
 };
 
 }  // namespace
 
-void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report) {
-  Adaptation(kernel, options, extent, report).run();
+void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report,
+                    const BeforeLevel& before_level) {
+  Adaptation(kernel, options, extent, report, before_level).run();
 }
 
 }  // namespace weft::meshing

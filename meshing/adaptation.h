@@ -2,6 +2,8 @@
 // subdomain, whose interface is frozen, again and again.
 #pragma once
 
+#include <functional>
+
 #include "meshing/adapt.h"
 #include "meshing/kernel.h"
 
@@ -13,9 +15,14 @@ enum class Extent : std::uint8_t {
   fresh,  ///< tets with the mark kFresh, and whatever changes around them
 };
 
-/// Runs the stages collapse, create points, reconnect and smooth, improve, and adds them to `report`. Nothing
-/// that has a frozen vertex changes. Vertices must have their metrics; ids change (holes are closed) unless
-/// the extent is `fresh` and few entities are dead.
-void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report);
+/// Called before points are created at a level, with the length beyond which edges are long there; the last
+/// call has limits.long_edge, and comes even when the adaptation is interrupted. What it splits is taken up.
+using BeforeLevel = std::function<void(double long_edge)>;
+
+/// Runs the stages collapse, create points, reconnect and smooth, improve, and adds them to `report`. Frozen
+/// vertices stay. Vertices must have their metrics; ids change (holes are closed) unless the extent is `fresh`
+/// and few entities are dead.
+void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report,
+                    const BeforeLevel& before_level = {});
 
 }  // namespace weft::meshing

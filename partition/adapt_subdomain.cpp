@@ -23,13 +23,14 @@ void remember_who_was_free(meshing::TetMesh& mesh) {
 }  // namespace
 
 meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface, double hausd,
-                                     meshing::Extent extent, const meshing::AdaptOptions& options) {
+                                     meshing::Extent extent, const meshing::AdaptOptions& options,
+                                     const meshing::BeforeLevel& before_level) {
   meshing::AdaptReport report;
   if (s.live_tets() == 0) return report;
   if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
   meshing::Kernel kernel{*s.mesh, s.background.background(), surface, {}};
   kernel.limits.hausd = hausd;
-  meshing::adapt_in_place(kernel, options, extent, report);
+  meshing::adapt_in_place(kernel, options, extent, report, before_level);
   remember_who_was_free(*s.mesh);
   name_new_vertices(s);
   locate_interface(s);

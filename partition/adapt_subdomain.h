@@ -9,9 +9,10 @@
 namespace weft::partition {
 
 /// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
-/// nothing is done where nothing is). `hausd` as in AdaptOptions, not 0. New vertices have their ids
-/// afterwards.
+/// nothing is done where nothing is). `hausd` as in AdaptOptions, not 0. `before_level` as in
+/// meshing::adapt_in_place; it names its own new vertices, others have their ids afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface, double hausd,
-                                     meshing::Extent extent, const meshing::AdaptOptions& options);
+                                     meshing::Extent extent, const meshing::AdaptOptions& options,
+                                     const meshing::BeforeLevel& before_level = {});
 
 }  // namespace weft::partition

@@ -36,18 +36,23 @@ struct ShorterFirst {
   }
 };
 
-class Refinement {
+using Origins = std::unordered_map<GlobalId, InterfaceRefinement::Origin>;
+
+/// All splits down to one length.
+class Level {
  public:
-  Refinement(Subdomain& s, const Geometry& geometry)
+  Level(Subdomain& s, const Geometry& geometry, Origins& origins, double longest)
       : s_(s),
+        origins_(origins),
+        longest_(longest),
         mesh_(*s.mesh),
         geometry_(geometry),
         surface_(geometry.surface),
         kernel_{mesh_, s.background.background(), geometry.surface, {}},
         worker_(kernel_, 1, true) {}
 
-  std::vector<InterfaceVertices> run() {
-    mesh_.set_metric_mean(meshing::MetricMean::arithmetic);
+  void run() {
+    find_frozen();
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
       for (int f = 0; f < 4; ++f)
         if (const TetFace face(TetId(i), f); mesh_.alive(TetId(i)) && is_interface(face)) add_face(face);
@@ -56,12 +61,17 @@ class Refinement {
       long_edges_.pop();
       split(e);
     }
-    return vertices_by_neighbour();
+    for (const VertexId v : created_) mesh_.freeze(v);
   }
 
  private:
   static std::uint64_t key(VertexId a, VertexId b) {
     return std::uint64_t{std::min(a, b).value} << 32 | std::max(a, b).value;
+  }
+
+  void find_frozen() {
+    for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
+      if (const VertexId v(i); mesh_.alive(v) && mesh_.frozen(v)) frozen_.emplace(s_.global_id(v), v);
   }
 
   /// Somebody else has the tet on the other side.
@@ -86,7 +96,7 @@ class Refinement {
 
   void add_edge(VertexId a, VertexId b) {
     const double length = length_between(mesh_, a, b);
-    if (length > kernel_.limits.long_edge && may_split(a, b))
+    if (length > longest_ && may_split(a, b))
       long_edges_.push({a, b, length, s_.global_id(a), s_.global_id(b)});
   }
 
@@ -106,18 +116,19 @@ class Refinement {
   /// the face, and from c, would come nearer to that side without end. Whoever has such an edge has the face.
   bool nears_what_stays(VertexId a, VertexId b) const {
     constexpr double kClearlyShort = 0.75;  // beside such a side the splits do end, soon
-    const auto corners = corners_.find(b.value);
-    if (corners_.contains(a.value) || corners == corners_.end()) return false;
-    return std::any_of(corners->second.begin(), corners->second.end(), [&](VertexId c) {
+    const auto inside = origins_.find(s_.global_id(b));
+    if (origins_.contains(s_.global_id(a)) || inside == origins_.end()) return false;
+    return std::any_of(inside->second.corners.begin(), inside->second.corners.end(), [&](GlobalId id) {
+      const VertexId c = frozen_.at(id);
       return c != a && must_stay(a, c) &&
              length_between(mesh_, a, c) > kClearlyShort * kernel_.limits.long_edge;
     });
   }
 
   /// Of the side or face of the interface as it was at first that the vertex lies in.
-  std::vector<VertexId> corners_of(VertexId v) const {
-    const auto at = corners_.find(v.value);
-    return at == corners_.end() ? std::vector<VertexId>{v} : at->second;
+  std::vector<GlobalId> corners_of(GlobalId v) const {
+    const auto at = origins_.find(v);
+    return at == origins_.end() ? std::vector<GlobalId>{v} : at->second.corners;
   }
 
   meshing::VertexOnEdge place(const Edge& e) const {
@@ -189,23 +200,22 @@ class Refinement {
   void remember(VertexId m, const Edge& e) {
     const GlobalId id = GlobalId::derived_from(e.low, e.high);
     mesh_.set_label(m, id.value());
-    std::vector<VertexId> corners = corners_of(e.a);
-    for (const VertexId c : corners_of(e.b))
-      if (std::find(corners.begin(), corners.end(), c) == corners.end()) corners.push_back(c);
-    corners_.emplace(m.value, std::move(corners));
-    std::vector<SubdomainId> common;
-    const std::vector<SubdomainId>&x = holders(e.a), &y = holders(e.b);
-    std::set_intersection(x.begin(), x.end(), y.begin(), y.end(), std::back_inserter(common));
-    candidates_.emplace(m.value, std::move(common));
+    InterfaceRefinement::Origin origin;
+    origin.corners = corners_of(e.low);
+    for (const GlobalId c : corners_of(e.high))
+      if (std::find(origin.corners.begin(), origin.corners.end(), c) == origin.corners.end())
+        origin.corners.push_back(c);
+    const std::vector<SubdomainId> x = holders(e.low), y = holders(e.high);
+    std::set_intersection(x.begin(), x.end(), y.begin(), y.end(), std::back_inserter(origin.holders));
+    origins_.emplace(id, std::move(origin));
     created_.push_back(m);
   }
 
-  const std::vector<SubdomainId>& holders(VertexId v) {
-    const auto [at, is_new] = candidates_.try_emplace(v.value);
-    if (is_new)
-      for (const Holder& h : s_.interface.others(s_.interface.find(s_.global_id(v))))
-        at->second.push_back(h.subdomain);
-    return at->second;
+  std::vector<SubdomainId> holders(GlobalId v) const {
+    if (const auto at = origins_.find(v); at != origins_.end()) return at->second.holders;
+    std::vector<SubdomainId> all;
+    for (const Holder& h : s_.interface.others(s_.interface.find(v))) all.push_back(h.subdomain);
+    return all;
   }
 
   /// The tets of the split edge's upper half are new, and with them the faces opposite its lower end.
@@ -240,24 +250,9 @@ class Refinement {
         }
   }
 
-  std::vector<InterfaceVertices> vertices_by_neighbour() {
-    const auto neighbours = s_.interface.neighbours();
-    std::vector<InterfaceVertices> result(neighbours.size());
-    for (const VertexId v : created_) {
-      mesh_.freeze(v);
-      for (const SubdomainId other : candidates_.at(v.value)) {
-        const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
-        result[at].vertices.push_back(
-            {s_.global_id(v), mesh_.surface_hint(v), mesh_.kind(v), mesh_.flags(v)});
-      }
-    }
-    for (InterfaceVertices& list : result)
-      std::sort(list.vertices.begin(), list.vertices.end(),
-                [](const auto& a, const auto& b) { return a.id < b.id; });
-    return result;
-  }
-
   Subdomain& s_;
+  Origins& origins_;
+  const double longest_;
   TetMesh& mesh_;
   const Geometry& geometry_;
   const meshing::Surface& surface_;
@@ -265,8 +260,7 @@ class Refinement {
   meshing::Worker worker_;
   std::unordered_map<std::uint64_t, std::vector<TetFace>> faces_;  ///< edge -> interface faces that have it
   std::priority_queue<Edge, std::vector<Edge>, ShorterFirst> long_edges_;
-  std::unordered_map<std::uint32_t, std::vector<SubdomainId>> candidates_;  ///< vertex -> who may have it too
-  std::unordered_map<std::uint32_t, std::vector<VertexId>> corners_;        ///< of created_: see corners_of
+  std::unordered_map<GlobalId, VertexId> frozen_;  ///< as they were when the level began
   std::vector<VertexId> created_;
 };
 
@@ -285,8 +279,29 @@ bool is_delicate(const std::array<Point, 4>& p) {
   return !(six_volume > kSafe * size * largest_area);
 }
 
-std::vector<InterfaceVertices> refine_interface(Subdomain& s, const Geometry& geometry) {
-  return Refinement(s, geometry).run();
+InterfaceRefinement::InterfaceRefinement(Subdomain& s, const Geometry& geometry)
+    : subdomain_(s), geometry_(geometry) {}
+
+void InterfaceRefinement::refine(double longest) { Level(subdomain_, geometry_, origins_, longest).run(); }
+
+std::vector<InterfaceVertices> InterfaceRefinement::created() const {
+  const TetMesh& mesh = *subdomain_.mesh;
+  const auto neighbours = subdomain_.interface.neighbours();
+  std::vector<InterfaceVertices> result(neighbours.size());
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i) {
+    const VertexId v(i);
+    if (!mesh.alive(v) || !mesh.frozen(v)) continue;
+    const auto origin = origins_.find(subdomain_.global_id(v));
+    if (origin == origins_.end()) continue;
+    for (const SubdomainId other : origin->second.holders) {
+      const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
+      result[at].vertices.push_back({origin->first, mesh.surface_hint(v), mesh.kind(v)});
+    }
+  }
+  for (InterfaceVertices& list : result)
+    std::sort(list.vertices.begin(), list.vertices.end(),
+              [](const auto& a, const auto& b) { return a.id < b.id; });
+  return result;
 }
 
 void register_interface(Subdomain& s, std::span<const InterfaceVertices> theirs) {

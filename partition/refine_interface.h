@@ -1,7 +1,8 @@
 // Refinement of the interface without communication: all holders of an interface edge split it at the same
 // point, because the decision rests on nothing but what all of them hold.
 //
-// Longest edge first (in the metric; ties by global ids), until none is long. Two subdomains that share a
+// Longest edge first (in the metric; ties by global ids), until none is long. That may be interrupted at any
+// length, to adapt what is not frozen, and gone on with: the order of the splits is the same. Two subdomains that share a
 // face see the same edges of it appear in the same order, whatever happens elsewhere: the longest edge of the
 // face is split before all others of it, and splits in other faces do not change them. Metrics at new
 // vertices are interpolated along the edge, which is what the background has there: interface faces are faces
@@ -9,6 +10,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "partition/geometry.h"
@@ -29,7 +32,6 @@ struct InterfaceVertices {
     GlobalId id;
     std::uint32_t surface_hint;
     meshing::VertexKind kind;
-    std::uint8_t flags;
   };
   std::vector<Vertex> vertices;  ///< by id
 
@@ -39,11 +41,31 @@ struct InterfaceVertices {
   }
 };
 
-/// Splits all long edges of the interface's faces, except required ones and those between vertices of curved
-/// boundary, and those inside a face that have no end as long as a side of it must stay. Returns, for each of
-/// the interface's neighbours, the new vertices that it may have too. Throws std::runtime_error should a
-/// split fail that must not.
-std::vector<InterfaceVertices> refine_interface(Subdomain& subdomain, const Geometry& geometry);
+/// Splits the long edges of one subdomain's interface, level by level, between which the subdomain may be
+/// adapted: so neither the interface nor what lies behind it is ever much finer than the other.
+class InterfaceRefinement {
+ public:
+  InterfaceRefinement(Subdomain& subdomain, const Geometry& geometry);
+
+  /// Splits all edges of the interface's faces longer than `longest` (in the metric), except required ones and
+  /// those between vertices of curved boundary, and those inside a face that have no end as long as a side of
+  /// it must stay. New vertices are frozen. Throws std::runtime_error should a split fail that must not.
+  void refine(double longest);
+
+  /// For each of the interface's neighbours, the new vertices that it may have too.
+  std::vector<InterfaceVertices> created() const;
+
+  /// What is known of a new vertex.
+  struct Origin {
+    std::vector<GlobalId> corners;     ///< of the side or face of the interface at the start that it lies in
+    std::vector<SubdomainId> holders;  ///< others who may have it; ascending
+  };
+
+ private:
+  Subdomain& subdomain_;
+  const Geometry& geometry_;
+  std::unordered_map<GlobalId, Origin> origins_;
+};
 
 /// Which of the new vertices the neighbours have too, in the order of the neighbours: with this the interface
 /// is right again.

@@ -46,7 +46,8 @@ void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& star
       throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
                              " is not the object that others expect");
     start = {};
-    dataflow::start<&SubdomainTask::refine_interface>(context, ref);
+    dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {},
+                                                    SubdomainTask::seconds_to_adapt(predicted));
   }
 }
 

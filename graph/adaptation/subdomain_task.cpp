@@ -8,13 +8,10 @@ namespace weft::graph::adaptation {
 
 using dataflow::Arrival;
 using dataflow::NodeContext;
-using engine::Seconds;
 using partition::SubdomainId;
 
 namespace {
 
-/// A first guess of what adapting costs for each tet of the result; the balancer corrects it.
-constexpr double kSecondsPerTet = 12e-6;
 /// Of the tets of a subdomain, those that a shift brings and makes worth looking at.
 constexpr double kShareShifted = 0.3;
 
@@ -45,20 +42,23 @@ SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId 
 SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
     : subdomain_(std::move(subdomain)), predicted_tets_(predicted_tets) {}
 
+engine::Seconds SubdomainTask::seconds_to_adapt(double tets) {
+  constexpr double kSecondsPerTet = 12e-6;
+  return {kSecondsPerTet * tets};
+}
+
 dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
   dataflow::Blueprint<SubdomainTask> g("subdomain");
-  const auto refine = g.start<&SubdomainTask::refine_interface>("refine interface");
+  const auto interior = g.start<&SubdomainTask::adapt_interior>("adapt interior");
   const auto registered = g.event<&SubdomainTask::register_interface>("register interface");
-  const auto interior = g.node<&SubdomainTask::adapt_interior>("adapt interior");
   const auto proposal = g.node<&SubdomainTask::propose>("propose");
   const auto gathered = g.event<&SubdomainTask::gather>("gather");
   const auto woken = g.wakes<&SubdomainTask::wake>(gathered, "wake");
   const auto scattered = g.event<&SubdomainTask::scatter>("scatter");
   const auto shifted = g.node<&SubdomainTask::adapt_shifted>("adapt shifted");
   const auto updated = g.event<&SubdomainTask::update_topology>("update topology");
-  g.remote<partition::InterfaceVertices>(refine, registered);
-  g.local(registered, interior);
-  g.local(interior, proposal);
+  g.remote<partition::InterfaceVertices>(interior, registered);
+  g.local(registered, proposal);
   g.remote<partition::Proposal>(proposal, gathered);
   g.local(woken, proposal);
   g.remote<partition::Parcel>(gathered, scattered);
@@ -79,15 +79,18 @@ std::vector<SubdomainTask::Ref> SubdomainTask::neighbours(NodeContext& context) 
   return refs;
 }
 
-void SubdomainTask::refine_interface(NodeContext& context) {
+void SubdomainTask::adapt_interior(NodeContext& context) {
   const RankData& rank = rank_data(context);
+  partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
+  meshing::BeforeLevel before_level;
+  if (rank.plan.refine_interface)
+    before_level = [&](double long_edge) { refinement.refine(long_edge); };
+  adapt(context, meshing::Extent::everything, before_level);
   const std::vector<Ref> to = neighbours(context);
-  std::vector<partition::InterfaceVertices> created(to.size());
-  if (rank.plan.refine_interface) created = partition::refine_interface(subdomain_, *rank.geometry);
+  std::vector<partition::InterfaceVertices> created = refinement.created();
   for (std::size_t i = 0; i < to.size(); ++i)
     context.send<&SubdomainTask::register_interface>(to[i], context.round(), std::move(created[i]));
-  context.expect<&SubdomainTask::register_interface>(context.round(), to,
-                                                     Seconds{kSecondsPerTet * predicted_tets_});
+  context.expect<&SubdomainTask::register_interface>(context.round(), to);
 }
 
 void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
@@ -95,18 +98,18 @@ void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
   partition::register_interface(subdomain_, values_of(arrivals));
 }
 
-void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent) {
+void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent,
+                          const meshing::BeforeLevel& before_level) {
   const RankData& rank = rank_data(context);
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
   options.interrupt = rank.interrupt;
-  counts_ +=
-      partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options).counts;
+  counts_ += partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options,
+                                        before_level)
+                 .counts;
   context.count("tets", static_cast<double>(subdomain_.live_tets()));
 }
-
-void SubdomainTask::adapt_interior(NodeContext& context) { adapt(context, meshing::Extent::everything); }
 
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it
 /// rests.
@@ -141,8 +144,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   neighbourhood_wants_ = !wants_.empty();
   for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
   const std::vector<Ref> to = neighbours(context);
-  std::vector<partition::Parcel> parcels =
-      partition::gather(subdomain_, priority_, wants_, proposals, rank_data(context).plan.shift);
+  std::vector<partition::Parcel> parcels = partition::gather(
+      subdomain_, priority_, wants_, proposals, rank_data(context).plan.shift.in_round(round));
   ShiftRecord record;
   record.round = round;
   record.wanted = wants_.size();
@@ -151,8 +154,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
     context.send<&SubdomainTask::scatter>(to[i], round, std::move(parcels[i]));
   }
   shifts_.push_back(record);
-  const double seconds = neighbourhood_wants_ ? kShareShifted * kSecondsPerTet * predicted_tets_ : 0;
-  context.expect<&SubdomainTask::scatter>(round, to, Seconds{seconds});
+  const double tets = neighbourhood_wants_ ? kShareShifted * predicted_tets_ : 0;
+  context.expect<&SubdomainTask::scatter>(round, to, seconds_to_adapt(tets));
   context.count("tets sent", static_cast<double>(record.sent));
 }
 

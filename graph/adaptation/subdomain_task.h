@@ -1,10 +1,9 @@
 // What a subdomain does: the task graph of the distributed method (the paper's figure of the algorithm), one
 // instance a subdomain, which lives on whatever rank the balancer has put it.
 //
-//   refine interface =>> register interface -> adapt interior -> propose =>> gather =>> scatter -> adapt
-//   shifted
-//                                                                  ^                       =>>
-//                                                                  +---- next round ---- update topology
+//   adapt interior =>> register interface -> propose =>> gather =>> scatter -> adapt shifted
+//                                               ^                       =>>
+//                                               +---- next round ---- update topology
 //
 // -> stays in the subdomain, =>> goes to its neighbours. A subdomain goes on as soon as its own neighbours'
 // values are there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a
@@ -66,6 +65,8 @@ class SubdomainTask {
   const meshing::OperationCounts& counts() const { return counts_; }
 
   static dataflow::Blueprint<SubdomainTask> blueprint();
+  /// A first guess of what a whole adaptation costs; the balancer corrects it. `tets`: of the result.
+  static engine::Seconds seconds_to_adapt(double tets);
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -74,10 +75,9 @@ class SubdomainTask {
   }
 
   // The nodes.
-  void refine_interface(dataflow::NodeContext& context);
+  void adapt_interior(dataflow::NodeContext& context);
   void register_interface(dataflow::NodeContext& context, std::uint64_t round,
                           std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
-  void adapt_interior(dataflow::NodeContext& context);
   void propose(dataflow::NodeContext& context);
   std::optional<engine::Nothing> wake(dataflow::NodeContext& context, std::uint64_t round);
   void gather(dataflow::NodeContext& context, std::uint64_t round,
@@ -91,7 +91,8 @@ class SubdomainTask {
  private:
   const RankData& rank_data(dataflow::NodeContext& context) const;
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
-  void adapt(dataflow::NodeContext& context, meshing::Extent extent);
+  void adapt(dataflow::NodeContext& context, meshing::Extent extent,
+             const meshing::BeforeLevel& before_level = {});
 
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 

@@ -172,6 +172,47 @@ TEST(RefineInterface, AdaptationKeepsTheDomainAfterwards) {
   }
 }
 
+/// The places and names of the interface's vertices, subdomain by subdomain.
+using Places = std::vector<std::map<GlobalId, std::tuple<double, double, double>>>;
+Places interface_places(Rounds& rounds) {
+  Places places;
+  for (const Subdomain& s : rounds.subdomains()) {
+    auto& mine = places.emplace_back();
+    for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
+      const VertexId v(i);
+      if (!s.mesh->alive(v) || !s.mesh->frozen(v)) continue;
+      const meshing::Point& p = s.mesh->point(v);
+      mine.emplace(s.global_id(v), std::tuple(p[0], p[1], p[2]));
+    }
+  }
+  return places;
+}
+
+/// Neighbours have other levels, and one may be interrupted: the interface is the same.
+TEST(RefineInterface, IsTheSameWhateverIsAdaptedBetweenLevels) {
+  std::size_t vertices = 0;
+  for (unsigned seed = 0; seed < 24; ++seed) {
+    const Scene scene = random_scene(seed, seed % 2 == 0 ? 1.5 : 3);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name);
+    const Cut cut = scene.cut();
+    Rounds at_once = refined(scene, cut), by_levels(cut, scene.hausd(), {}), interrupted(cut, scene.hausd(), {});
+    std::atomic<bool> interrupt{true};
+    interrupted.options().interrupt = &interrupt;
+    by_levels.adapt_interiors();
+    interrupted.adapt_interiors();
+    const Places expected = interface_places(at_once);
+    EXPECT_EQ(interface_places(by_levels), expected);
+    EXPECT_EQ(interface_places(interrupted), expected);
+    for (const auto& places : expected) vertices += places.size();
+    const std::optional<ExpectedTotals> totals =
+        scene.curved ? std::optional<ExpectedTotals>() : totals_of(scene.mesh);
+    expect_sound(by_levels, totals);
+    expect_sound(interrupted, totals);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(vertices, 10000u);
+}
+
 /// Interfaces of subdomains on those of materials: an open face with a patch.
 TEST(RefineInterface, RefinesMaterialInterfacesBetweenSubdomains) {
   Scene scene;

@@ -42,10 +42,24 @@ class Rounds {
 
   void refine_interfaces() {
     ForEach<partition::InterfaceVertices> created;
-    for (auto& s : subdomains_) created.push_back(partition::refine_interface(s, geometry_));
-    const ForEach<SubdomainId> neighbours = find_neighbours();
-    for (std::size_t i = 0; i < subdomains_.size(); ++i)
-      register_interface(subdomains_[i], arrived_at(i, created, neighbours));
+    for (auto& s : subdomains_) {
+      partition::InterfaceRefinement refinement(s, geometry_);
+      refinement.refine(meshing::Limits().long_edge);
+      created.push_back(refinement.created());
+    }
+    register_interfaces(std::move(created));
+  }
+
+  /// The first adaptation, with the interfaces refined level by level in its course.
+  void adapt_interiors() {
+    ForEach<partition::InterfaceVertices> created;
+    for (auto& s : subdomains_) {
+      partition::InterfaceRefinement refinement(s, geometry_);
+      adapt_subdomain(s, geometry_.surface, hausd_, meshing::Extent::everything, options_,
+                      [&](double long_edge) { refinement.refine(long_edge); });
+      created.push_back(refinement.created());
+    }
+    register_interfaces(std::move(created));
   }
 
   void adapt(meshing::Extent extent) {
@@ -116,6 +130,12 @@ class Rounds {
   }
 
  private:
+  void register_interfaces(ForEach<partition::InterfaceVertices> created) {
+    const ForEach<SubdomainId> neighbours = find_neighbours();
+    for (std::size_t i = 0; i < subdomains_.size(); ++i)
+      register_interface(subdomains_[i], arrived_at(i, created, neighbours));
+  }
+
   ForEach<SubdomainId> find_neighbours() const {
     ForEach<SubdomainId> all;
     for (const auto& s : subdomains_)

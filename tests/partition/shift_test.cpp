@@ -217,9 +217,10 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
     rounds.adapt(extent);
     EXPECT_EQ(frozen_places(rounds.subdomains()), before);
   };
-  if (refine) rounds.refine_interfaces();
-  expect_sound(rounds, totals);
-  adapt(meshing::Extent::everything);
+  if (refine)
+    rounds.adapt_interiors();
+  else
+    adapt(meshing::Extent::everything);
   expect_sound(rounds, totals);
   constexpr int kMostRounds = 60;
   int round = 0;
@@ -254,8 +255,7 @@ MergedMesh adapt_in_parts(const Scene& scene) {
   const Cut cut = scene.cut();
   Rounds rounds(cut, scene.hausd(), {3, false});
   std::mt19937 random(1);
-  rounds.refine_interfaces();
-  rounds.adapt(meshing::Extent::everything);
+  rounds.adapt_interiors();
   for (int round = 0; count(rounds.wants()) > 0 && round < 8; ++round) {
     rounds.shift(random_priorities(scene.subdomains, random));
     rounds.adapt(meshing::Extent::fresh);

@@ -53,7 +53,7 @@ class Simulation {
     std::int64_t latest = 0;
   };
   struct Name {
-    NodeIndex refine, registered, interior, propose, gather, scatter, shifted, update;
+    NodeIndex interior, registered, propose, gather, scatter, shifted, update;
   };
 
   std::int64_t draw(std::int64_t least, std::int64_t most) {
@@ -102,10 +102,10 @@ Simulation::Simulation(const SimulationRules& rules)
       traffic_(rules.ranks) {
   const GraphDescription& g = run_.graph =
       graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description();
-  name_ = {node_named(g, "refine interface"), node_named(g, "register interface"),
-           node_named(g, "adapt interior"),   node_named(g, "propose"),
-           node_named(g, "gather"),           node_named(g, "scatter"),
-           node_named(g, "adapt shifted"),    node_named(g, "update topology")};
+  name_ = {node_named(g, "adapt interior"), node_named(g, "register interface"),
+           node_named(g, "propose"),        node_named(g, "gather"),
+           node_named(g, "scatter"),        node_named(g, "adapt shifted"),
+           node_named(g, "update topology")};
   for (std::uint32_t s = 0; s < rules.subdomains; ++s) {
     rank_of_.push_back(static_cast<std::uint32_t>(std::uint64_t{s} * rules.ranks / rules.subdomains));
     size_.push_back(0.4 + 1.2 * static_cast<double>(draw(0, 1000)) / 1000 + 0.5 * s / rules.subdomains);
@@ -201,16 +201,14 @@ void Simulation::handle(const Handler& handler) {
     return static_cast<std::int64_t>(1e6 * milliseconds * size_[subdomain_] * (0.7 + 6e-4 * draw(0, 1000)));
   };
   node(handler.node, handler.round,
-       work(handler.node == name_.refine   ? 25
+       work(handler.node == name_.interior ? 425
             : handler.node == name_.gather ? 8
                                            : 4));
-  if (handler.node == name_.refine) {
-    send_to_neighbours(name_.refine, name_.registered, handler.round, 30'000);
+  if (handler.node == name_.interior) {
+    send_to_neighbours(name_.interior, name_.registered, handler.round, 30'000);
     arrive(subdomain_, name_.registered, handler.round, now_, 0);
   } else if (handler.node == name_.registered) {
-    pass(name_.registered, name_.interior, handler.round);
-    node(name_.interior, handler.round, work(400));
-    propose_or_end(name_.interior, handler.round);
+    propose_or_end(name_.registered, handler.round);
   } else if (handler.node == name_.gather) {
     send_to_neighbours(name_.gather, name_.scatter, handler.round, 400'000);
     arrive(subdomain_, name_.scatter, handler.round, now_, 0);
@@ -231,7 +229,7 @@ void Simulation::handle(const Handler& handler) {
 
 SimulatedRun Simulation::run() {
   for (std::uint32_t s = 0; s < rules_.subdomains; ++s)
-    schedule(s, name_.refine, 0, draw(0, 1000) * kMicrosecond);
+    schedule(s, name_.interior, 0, draw(0, 1000) * kMicrosecond);
   while (!ready_.empty()) {
     const Handler next = ready_.top();
     ready_.pop();
