@@ -21,6 +21,10 @@ double seconds_since(Clock::time_point t) { return std::chrono::duration<double>
 // Tets worse than this are tried for swaps. Above it nearly no swap is found: on cube-polar2 at 50,000, 0.9
 // and 0.95 cost 40 % more time for 0.0005 more mean quality.
 constexpr double kSwapBelow = 0.8;
+// At frozen vertices what is not bad is left until they are thawed: it would be tried again and again, for
+// what lies beside the interface changes with all around it. On cube-polar2 to 500,000 in 128 subdomains that
+// saves a seventh of all time; Q 1 % is 0.726 instead of 0.730.
+constexpr double kSwapBelowAtFrozen = 0.6;
 // While points are created only bad tets are swapped: the next splits change the rest anyway.
 constexpr double kSwapBelowWhileCreating = 0.5;
 // Tets worse than this are repaired one by one at the end, judged by the exact measure.
@@ -153,7 +157,7 @@ class Adaptation {
     constexpr int kRoundsWithLengths = 4, kRoundsOfQuality = 2;
     renumber_if_grown();
     for (int round = 0; round < kRoundsWithLengths && !crew_.interrupted(); ++round) {
-      swap_pass(crew_, kSwapBelow);
+      swap_for_quality();
       smooth_pass(crew_);
       collapse_pass(crew_);
       retry_curved_boundary();
@@ -161,10 +165,14 @@ class Adaptation {
       tell_progress(0.3);
     }
     for (int round = 0; round < kRoundsOfQuality && !crew_.interrupted(); ++round) {
-      swap_pass(crew_, kSwapBelow);
+      swap_for_quality();
       smooth_pass(crew_);
       tell_progress(0.5);
     }
+  }
+
+  void swap_for_quality() {
+    swap_pass(crew_, kSwapBelow, extent_ == Extent::everything ? kSwapBelowAtFrozen : 1);
   }
 
   /// Boundary edges that curve too much may have been refused where the tets were poor; now they are better.
@@ -266,16 +274,18 @@ class Adaptation {
   void mark_if_wrong(TetId t, double fair) {
     const TetVertices v = mesh_.vertices(t);
     const bool poor = mesh_.quality(t) < fair;
-    bool long_edge = on_curved_boundary(v), short_edge = false;
+    bool long_edge = on_curved_boundary(v);
     for (const auto& e : kTetEdges) {
       const double length = length_between(mesh_, v[e[0]], v[e[1]]);
       long_edge |= length > kernel_.limits.long_edge;
-      short_edge |= length < kernel_.limits.short_edge;
+      if (length >= kernel_.limits.short_edge) continue;
+      mesh_.mark(v[e[0]], kCheckShort);
+      mesh_.mark(v[e[1]], kCheckShort);
     }
     mesh_.mark(
         t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) | (poor ? kCheckSwap | kCheckPoor : 0)));
-    for (const VertexId x : v)
-      mesh_.mark(x, static_cast<std::uint8_t>((short_edge ? kCheckShort : 0) | (poor ? kCheckPlace : 0)));
+    if (!poor) return;
+    for (const VertexId x : v) mesh_.mark(x, kCheckPlace);
   }
 
   bool on_curved_boundary(const TetVertices& v) const {

@@ -168,6 +168,11 @@ Verdict swap_any(Worker& w, TetId t) {
   return Verdict::worsens_quality;
 }
 
+bool has_frozen(const TetMesh& mesh, TetId t) {
+  const TetVertices v = mesh.vertices(t);
+  return std::any_of(v.begin(), v.end(), [&](VertexId x) { return mesh.frozen(x); });
+}
+
 Verdict collapse_any(Worker& w, TetId t) {
   if (!w.mesh.alive(t)) return Verdict::not_needed;
   for (const VertexId v : w.mesh.vertices(t)) {
@@ -216,9 +221,11 @@ std::uint64_t collapse_pass(Crew& crew) {
   });
 }
 
-std::uint64_t swap_pass(Crew& crew, double quality) {
-  return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
-    return w.mesh.alive(t) && w.mesh.quality(t) < quality ? swap_any(w, t) : Verdict::not_needed;
+std::uint64_t swap_pass(Crew& crew, double quality, double quality_at_frozen) {
+  return crew.sweep_tets(kCheckSwap, [quality, quality_at_frozen](Worker& w, TetId t) {
+    if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+    if (w.mesh.quality(t) >= quality_at_frozen && has_frozen(w.mesh, t)) return Verdict::not_needed;
+    return swap_any(w, t);
   });
 }
 

@@ -14,8 +14,9 @@ std::uint64_t split_pass(Crew& crew);
 std::uint64_t resolve_curved_pass(Crew& crew);
 /// Collapses marked vertices into their nearest neighbour nearer than limits.short_edge that allows it.
 std::uint64_t collapse_pass(Crew& crew);
-/// Swaps edges and faces of marked tets with a mean ratio below `quality`.
-std::uint64_t swap_pass(Crew& crew, double quality);
+/// Swaps edges and faces of marked tets with a mean ratio below `quality`; of those with a frozen vertex only
+/// below `quality_at_frozen`.
+std::uint64_t swap_pass(Crew& crew, double quality, double quality_at_frozen = 1);
 /// Smooths marked vertices.
 std::uint64_t smooth_pass(Crew& crew);
 /// Smooths the vertices of tets with a mean ratio below `quality` that have changed.

@@ -210,26 +210,19 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
   return thawed;
 }
 
-/// Tets around the given vertices, and `layers` more, become fresh.
-void freshen(TetMesh& mesh, std::span<const VertexId> vertices, int layers) {
-  std::vector<std::uint8_t> near(mesh.vertex_slots(), 0);
-  for (const VertexId v : vertices) near[v.value] = 1;
-  for (int layer = 0; layer <= layers; ++layer) {
-    std::vector<TetId> reached;
-    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-      const TetId t(i);
-      if (!mesh.alive(t)) continue;
-      const TetVertices v = mesh.vertices(t);
-      if (near[v[0].value] | near[v[1].value] | near[v[2].value] | near[v[3].value]) reached.push_back(t);
-    }
-    for (const TetId t : reached) {
+/// Tets around the given vertices become fresh: what lies beyond has been free where it was, and is looked at
+/// when something beside it changes. (A layer more cost a seventh of all time and made nothing better.)
+void freshen(TetMesh& mesh, std::span<const VertexId> vertices) {
+  std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
+  for (const VertexId v : vertices) thawed[v.value] = 1;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    const TetVertices v = mesh.vertices(t);
+    if (thawed[v[0].value] | thawed[v[1].value] | thawed[v[2].value] | thawed[v[3].value])
       mesh.mark(t, meshing::kFresh);
-      for (const VertexId v : mesh.vertices(t)) near[v.value] = 1;
-    }
   }
 }
-
-constexpr int kLayersAround = 1;
 
 }  // namespace
 
@@ -269,7 +262,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), joining.arrived());
   s.departures.clear();
   result.thawed = thawed.size();
-  if (result.thawed > 0) freshen(*s.mesh, thawed, kLayersAround);
+  if (result.thawed > 0) freshen(*s.mesh, thawed);
   return result;
 }
 
@@ -284,7 +277,7 @@ std::uint64_t update_topology(Subdomain& s, std::span<const Notice> notices) {
   for (const Holder& line : told)
     if (line.subdomain != s.id) lines.push_back(line);
   const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), {});
-  if (!thawed.empty()) freshen(*s.mesh, thawed, kLayersAround);
+  if (!thawed.empty()) freshen(*s.mesh, thawed);
   return thawed.size();
 }
 

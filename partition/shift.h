@@ -128,7 +128,7 @@ struct Scattered {
 };
 
 /// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what
-/// was frozen, and two layers more, get the mark kFresh: all else has been adapted where it was.
+/// was frozen get the mark kFresh: all else has been adapted where it was.
 Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
 
 /// The notices of all that were expected. Returns how many vertices turned out to be no interface.
