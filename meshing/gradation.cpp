@@ -2,10 +2,12 @@
 #include "meshing/gradation.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -74,8 +76,12 @@ unsigned unmet(const Metric& at_q, const Batch& demands) {
   const Lanes d2 = a.yy - l21 * a.xy, yz = a.yz - l31 * a.xy;
   const Lanes d3 = a.zz - l31 * a.xz - yz / d2 * yz;
   const auto met = (a.xx > 0) & (d2 > 0) & (d3 > 0);
+  // Copied, because GCC 12's sanitizer for undefined behaviour reads wrong lanes of a mask.
+  std::array<std::int64_t, kLanes> is_met;
+  static_assert(sizeof is_met == sizeof met);
+  std::memcpy(is_met.data(), &met, sizeof met);
   unsigned bits = 0;
-  for (int i = 0; i < demands.size(); ++i) bits |= (met[i] ? 0u : 1u) << i;
+  for (int i = 0; i < demands.size(); ++i) bits |= (is_met[i] != 0 ? 0u : 1u) << i;
   return bits;
 }
 

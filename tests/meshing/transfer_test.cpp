@@ -200,7 +200,7 @@ TEST(Transfer, AccountsForWhatInterpolationLoses) {
   const MeshData fine = jittered(10, 8), coarse = unit_cube(2);
   const SolutionData wave = scalar(fine, [](const Point& p) { return std::sin(20 * p.x); });
   for (const TransferMethod method : kBoth) {
-    const ComponentAccount& a = transfer(fine, wave, coarse, method).accounts[0];
+    const ComponentAccount a = transfer(fine, wave, coarse, method).accounts[0];
     EXPECT_GT(a.difference_l2, 0.3 * a.norm_l2);
     EXPECT_LE(a.difference_l2, 2 * a.norm_l2);
     EXPECT_GT(a.difference_max, 0.3);
