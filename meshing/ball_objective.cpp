@@ -4,33 +4,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "meshing/lanes.h"
+
 namespace weft::meshing {
 namespace {
 
-// GCC's portable vectors: the compiler maps them to what the processor has. Plain loops would not do: sums of
-// doubles are only vectorised by compilers that may reorder them.
-constexpr int kLanes = 8;
-typedef double Lanes __attribute__((vector_size(8 * kLanes)));
 typedef float FloatLanes __attribute__((vector_size(4 * kLanes)));
 typedef std::int32_t IntLanes __attribute__((vector_size(4 * kLanes)));
 
-struct VecLanes {
-  Lanes x, y, z;
-};
-struct TensorLanes {
-  Lanes xx, xy, yy, xz, yz, zz;
-};
-
-Lanes load(const double* p) {
-  Lanes v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
-void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
-VecLanes load3(const double* p, int stride) { return {load(p), load(p + stride), load(p + 2 * stride)}; }
-TensorLanes load6(const double* p, int s) {
-  return {load(p), load(p + s), load(p + 2 * s), load(p + 3 * s), load(p + 4 * s), load(p + 5 * s)};
-}
 VecLanes operator*(const Lanes& s, const VecLanes& a) { return {s * a.x, s * a.y, s * a.z}; }
 Lanes dot(const VecLanes& a, const VecLanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
@@ -155,24 +136,24 @@ BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) 
   VecLanes gradient{};
   HessianLanes h;
   for (int k = 0; k < stride_; k += kLanes) {
-    const TensorLanes m = load6(row(kMean) + k, stride_);
-    const VecLanes e1 = load3(row(kEdge1) + k, stride_), e2 = load3(row(kEdge2) + k, stride_);
-    const VecLanes n = load3(row(kNormal) + k, stride_), o = load3(row(kOrigin) + k, stride_);
+    const TensorLanes m = load_lanes6(row(kMean) + k, stride_);
+    const VecLanes e1 = load_lanes3(row(kEdge1) + k, stride_), e2 = load_lanes3(row(kEdge2) + k, stride_);
+    const VecLanes n = load_lanes3(row(kNormal) + k, stride_), o = load_lanes3(row(kOrigin) + k, stride_);
     const VecLanes e3 = {x.x - o.x, x.y - o.y, x.z - o.z};
     const Lanes raw = dot(n, e3);
     const Lanes volume = raw > 0 ? raw : Lanes{} + 1;
     const Lanes s = sum_squared_lengths(m, e1, e2, e3);
     Lanes f = 1 / mean_ratio(volume, m, s);
-    f = raw > 0 ? f * load(row(kWeight) + k) : Lanes{};
+    f = raw > 0 ? f * load_lanes(row(kWeight) + k) : Lanes{};
     // S' = 2 M (3 x - sum of the face's points), S'' = 6 M; g is the gradient of the logarithm of 1/Q.
     const VecLanes direction = {3 * e3.x - e1.x - e2.x, 3 * e3.y - e1.y - e2.y, 3 * e3.z - e1.z - e2.z};
     const VecLanes ds = (2 / s) * apply(m, direction), dv = (1 / volume) * n;
     const VecLanes g = {ds.x - (2.0 / 3) * dv.x, ds.y - (2.0 / 3) * dv.y, ds.z - (2.0 / 3) * dv.z};
     const VecLanes fg = f * g;
-    store(row(kValue) + k, f);
-    store(row(kGradient) + k, fg.x);
-    store(row(kGradient + 1) + k, fg.y);
-    store(row(kGradient + 2) + k, fg.z);
+    store_lanes(row(kValue) + k, f);
+    store_lanes(row(kGradient) + k, fg.x);
+    store_lanes(row(kGradient + 1) + k, fg.y);
+    store_lanes(row(kGradient + 2) + k, fg.z);
     value += f;
     gradient = {gradient.x + fg.x, gradient.y + fg.y, gradient.z + fg.z};
     add_square(h, f, g);
@@ -195,13 +176,13 @@ double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector
   average(centre);
   qualities.resize(stride_);
   for (int k = 0; k < stride_; k += kLanes) {
-    const TensorLanes m = load6(row(kMean) + k, stride_);
-    const VecLanes e1 = load3(row(kEdge1) + k, stride_), e2 = load3(row(kEdge2) + k, stride_);
-    const VecLanes n = load3(row(kNormal) + k, stride_), o = load3(row(kOrigin) + k, stride_);
+    const TensorLanes m = load_lanes6(row(kMean) + k, stride_);
+    const VecLanes e1 = load_lanes3(row(kEdge1) + k, stride_), e2 = load_lanes3(row(kEdge2) + k, stride_);
+    const VecLanes n = load_lanes3(row(kNormal) + k, stride_), o = load_lanes3(row(kOrigin) + k, stride_);
     const VecLanes e3 = {x.x - o.x, x.y - o.y, x.z - o.z};
     const Lanes volume = dot(n, e3);
     // The filter of predicates.h with the centre's row last.
-    const VecLanes products = load3(row(kAbsNormal) + k, stride_);
+    const VecLanes products = load_lanes3(row(kAbsNormal) + k, stride_);
     const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) +
                                           products.z * absolute(e3.z));
     const Lanes positive = volume > 0 ? volume : Lanes{};

@@ -11,6 +11,7 @@
 #include "meshing/adjacency.h"
 #include "meshing/error.h"
 #include "meshing/predicates.h"
+#include "meshing/touching_edges.h"
 
 namespace weft::meshing {
 namespace {
@@ -165,6 +166,16 @@ void take_edges(const MeshData& m, Boundary& b, std::vector<std::string>& warnin
                                    m.edges.size() - b.data.edges.size()));
 }
 
+/// See require_touching_edges.
+void keep_touching_edges(const Adjacency& adjacency, Boundary& b, std::vector<std::string>& warnings) {
+  std::vector<std::array<std::uint32_t, 3>> outer;
+  for (std::size_t i = 0; i < b.codes.size(); ++i)
+    if (adjacency.neighbours[b.codes[i] >> 2][b.codes[i] & 3] == kNoNeighbour)
+      outer.push_back(b.data.triangles[i]);
+  if (const std::size_t count = require_touching_edges(outer, b.data); count > 0)
+    warnings.push_back(touching_edges_warning(count));
+}
+
 void fill_tets(const MeshData& m, const Adjacency& adjacency, TetMesh& mesh) {
   mesh.take_vertex_slots(static_cast<std::uint32_t>(m.points.size()));
   mesh.take_tet_slots(static_cast<std::uint32_t>(m.tets.size()));
@@ -248,6 +259,7 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
                  r.warnings);
   create_missing(m, r.adjacency, covered, b, r.warnings);
   take_edges(m, b, r.warnings);
+  keep_touching_edges(r.adjacency, b, r.warnings);
   r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
   fill_tets(m, r.adjacency, *r.mesh);
   r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});

@@ -31,7 +31,8 @@ void check_arrays(const MeshData& mesh);
 /// Checks `input` and builds the kernel's mesh with room for `vertex_capacity` and `tet_capacity`. Throws
 /// InputError (no file name) naming the entity, 1-based: index out of range, inverted or duplicate tet, faces
 /// of three tets, triangle that is no face. Boundary or interface triangles that are missing are created,
-/// with a warning. Metrics and qualities are not set yet.
+/// with a warning; edges at which the mesh touches itself become required. Metrics and qualities are not set
+/// yet.
 ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std::size_t vertex_capacity,
                          std::size_t tet_capacity);
 

@@ -22,6 +22,12 @@ class MassMatrix {
   /// tets (Wathen 1987), so that Chebyshev's iteration needs no inner products and reduces the error by 0.38
   /// a step: to 1e-13 of the first one here. Values of vertices without tets stay.
   void solve(std::span<const double> b, std::size_t columns, std::vector<double>& x) const;
+  /// Calls visit(w, entry) for the entries beside the diagonal of row v.
+  template <class Visit>
+  void for_each_in_row(std::size_t v, const Visit& visit) const {
+    for (std::size_t i = neighbours_.begins[v]; i < neighbours_.begins[v + 1]; ++i)
+      visit(neighbours_.items[i], off_diagonal_[i]);
+  }
 
  private:
   void residual(std::span<const double> b, std::size_t columns, std::span<const double> x,

@@ -37,33 +37,30 @@ double exp_divided_difference(double a, double b, double exp_b) {
   return std::abs(d) < 1e-8 ? exp_b * (1 + 0.5 * d) : exp_b * std::expm1(d) / d;
 }
 
+/// A factor L of A = L L^T.
 struct LowerTriangle {
   double xx, yx, yy, zx, zy, zz;
 };
 
+/// Cholesky's factor, with the roots last so that they do not wait for each other.
 LowerTriangle cholesky(const SymTensor& a) {
-  LowerTriangle l;
-  l.xx = std::sqrt(a.xx);
-  l.yx = a.xy / l.xx;
-  l.zx = a.xz / l.xx;
-  l.yy = std::sqrt(a.yy - l.yx * l.yx);
-  l.zy = (a.yz - l.zx * l.yx) / l.yy;
-  l.zz = std::sqrt(a.zz - l.zx * l.zx - l.zy * l.zy);
-  return l;
-}
-
-/// L^-1 b.
-Vec solved(const LowerTriangle& l, const Vec& b) {
-  const double x = b.x / l.xx, y = (b.y - l.yx * x) / l.yy;
-  return {x, y, (b.z - l.zx * x - l.zy * y) / l.zz};
+  const double yx = a.xy / a.xx, zx = a.xz / a.xx;
+  const double yy = a.yy - yx * a.xy, yz = a.yz - yx * a.xz;
+  const double zy = yz / yy, zz = a.zz - zx * a.xz - zy * yz;
+  const double x = std::sqrt(a.xx), y = std::sqrt(yy), z = std::sqrt(zz);
+  return {x, yx * x, y, zx * x, zy * y, z};
 }
 
 /// L^-1 B L^-T.
 SymTensor reduced(const LowerTriangle& l, const SymTensor& b) {
-  const Vec x = solved(l, {b.xx, b.xy, b.xz}), y = solved(l, {b.xy, b.yy, b.yz}),
-            z = solved(l, {b.xz, b.yz, b.zz});
-  const Vec first = solved(l, {x.x, y.x, z.x}), second = solved(l, {x.y, y.y, z.y}),
-            third = solved(l, {x.z, y.z, z.z});
+  const double rx = 1 / l.xx, ry = 1 / l.yy, rz = 1 / l.zz;
+  const auto solved = [&](const Vec& c) {
+    const double x = c.x * rx, y = (c.y - l.yx * x) * ry;
+    return Vec{x, y, (c.z - l.zx * x - l.zy * y) * rz};
+  };
+  const Vec x = solved({b.xx, b.xy, b.xz}), y = solved({b.xy, b.yy, b.yz}), z = solved({b.xz, b.yz, b.zz});
+  const Vec first = solved({x.x, y.x, z.x}), second = solved({x.y, y.y, z.y}),
+            third = solved({x.z, y.z, z.z});
   return {first.x, first.y, second.y, first.z, second.z, third.z};
 }
 
@@ -74,6 +71,15 @@ SymTensor expanded(const LowerTriangle& l, const SymTensor& p) {
   return {dot(x, px), dot(x, py), dot(y, py), dot(x, pz), dot(y, pz), dot(z, pz)};
 }
 
+/// cos(arccos(x) / 3): a polynomial in cos(arccos(x) / 2) that is right to 1e-4, and two of Newton's steps.
+double cos_third(double x) {
+  const double u = std::sqrt(0.5 + 0.5 * x);
+  double t = 1 + u * (1.154588 + u * (-0.218549 + u * (0.086351 - 0.022457 * u)));  // twice the result
+  if (u < 1e-7) return 0.5 * t;  // the root of t^3 - 3 t = 2 x is nearly double
+  for (int i = 0; i < 2; ++i) t -= (t * (t * t - 3) - 2 * x) / (3 * (t * t - 1));
+  return 0.5 * t;
+}
+
 /// Eigenvalues of a deviator (trace 0), descending, by the trigonometric formula.
 struct DeviatorValues {
   double e1, e2, e3;
@@ -81,8 +87,7 @@ struct DeviatorValues {
 };
 DeviatorValues deviator_values(const SymTensor& a, double p) {
   const double half_det = std::clamp(0.5 * determinant(a) / (p * p * p), -1.0, 1.0);
-  const double phi = std::acos(half_det) / 3;
-  const double c = std::cos(phi), s = 0.86602540378443865 * std::sqrt(std::max(0.0, 1 - c * c));
+  const double c = cos_third(half_det), s = 0.86602540378443865 * std::sqrt(std::max(0.0, 1 - c * c));
   const double e1 = 2 * p * c, e3 = p * (-c - 2 * s);
   return {e1, -e1 - e3, e3, 1e-15 * p / std::sqrt(std::max(1 - half_det * half_det, 1e-30))};
 }

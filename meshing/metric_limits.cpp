@@ -56,9 +56,9 @@ class RootSearch {
   }
 
   // f is the logarithm of the complexity against that of the metric's factor: its slope is 3/2 where nothing
-  // limits it, and about 1 under a gradation of 1.5.
+  // limits it, and a little below 1 under a gradation of 1.5, the less the coarser the metric.
   static constexpr double kLeast = 0.05, kMost = 1.5;
-  double x_ = 0, slope_ = 1;
+  double x_ = 0, slope_ = 0.95;
   double lo_ = -200, hi_ = 200;  // sizes changed by e^100 at most
   bool has_last_ = false, stalled_ = false;
   double last_x_ = 0, last_y_ = 0;
@@ -66,8 +66,9 @@ class RootSearch {
 
 /// Complexities nearer to each other than this are the same.
 constexpr double kComplexityTolerance = 5e-4;
-/// From here on the search goes on from its last field.
-constexpr double kNear = 1e-2;
+/// From here on the search goes on from its last field: where that is to become finer, which keeps it graded
+/// (sizes shrink, so that edges grow longer and allow more), and where it is to become a little coarser.
+constexpr double kNearBelow = -5e-2, kNearAbove = 1e-2;
 /// The scale, as a logarithm, at which nothing of the metric is left but limits and demands: sizes change by
 /// e^50.
 constexpr double kOutOfReach = 100;
@@ -120,7 +121,7 @@ double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits
     // From the field as it was: scaling down one that is graded already by much and grading it again was no
     // faster, and left it finer than need be. The last little step saves most of a gradation and changes
     // sizes by less than the gradation's own tolerance.
-    const bool near = std::abs(error) < kNear;
+    const bool near = error > kNearBelow && error < kNearAbove;
     reached = near ? reached_at(field, search.x() - last_x) : reached_at(wanted, search.x());
     error = std::log(reached / target);
     if (std::abs(error) < kComplexityTolerance) break;

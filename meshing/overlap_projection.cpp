@@ -260,14 +260,19 @@ std::vector<double> integrals(const MeshData& mesh, const ValueTable& table) {
 
 std::vector<double> project(const Background& from, const ValueTable& old, const MeshData& to,
                             std::span<const std::uint32_t> places, std::span<const double> wanted,
-                            ValueTable& table) {
+                            std::span<const TensorColumns> tensors, ValueTable& table) {
   check(to);
   const Demands demands = demands_of(from, old, to, places, table);
   const MassMatrix mass(to);
   mass.solve(demands.loads, table.columns, table.values);
-  std::vector<double> beyond(table.columns);
+  constexpr double kToDo = -1;
+  std::vector<double> beyond(table.columns, kToDo);
+  for (const TensorColumns& t : tensors) {
+    const auto change = limit_tensors(mass, t, demands.loads, demands.lo, demands.hi, wanted, table);
+    std::ranges::copy(change, beyond.begin() + static_cast<std::ptrdiff_t>(t.first));
+  }
   for (std::size_t c = 0; c < table.columns; ++c)
-    beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
+    if (beyond[c] == kToDo) beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
   return beyond;
 }
 

@@ -7,7 +7,9 @@
 
 #include "meshing/error.h"
 #include "meshing/interpolate.h"
+#include "meshing/metric.h"
 #include "meshing/overlap_projection.h"
+#include "meshing/parallel.h"
 
 namespace weft::meshing {
 namespace {
@@ -18,6 +20,11 @@ double volume_of(const MeshData& mesh, std::size_t t) {
 }
 
 std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
+
+SymTensor tensor_of(const Field& field, std::size_t v) {
+  const double* t = field.values.data() + 6 * v;
+  return {t[0], t[1], t[2], t[3], t[4], t[5]};
+}
 
 /// All components of all fields, those of one vertex together.
 ValueTable packed(const SolutionData& fields) {
@@ -91,6 +98,49 @@ void account_differences(const MeshData& from, const ValueTable& old, const Valu
   }
 }
 
+bool is_definite(const Field& field) {
+  if (field.kind != Field::Kind::tensor) return false;
+  const std::size_t count = field.values.size() / 6;
+  return find_first(count, [&](std::size_t v) { return !is_positive_definite(tensor_of(field, v)); }) ==
+         count;
+}
+
+/// Appends the least and the largest eigenvalue of each definite tensor field, as fields whose bounds are
+/// those of the eigenvalues: linear interpolation of tensors keeps between such of their eigenvalues.
+std::vector<TensorColumns> append_eigenvalues(SolutionData& fields) {
+  std::vector<TensorColumns> tensors;
+  std::size_t first = 0, end = 0;
+  for (const Field& field : fields.fields) end += width(field);
+  const std::size_t count = fields.fields.size();
+  for (std::size_t f = 0; f < count; first += width(fields.fields[f++])) {
+    if (!is_definite(fields.fields[f])) continue;
+    Field least{Field::Kind::scalar, std::vector<double>(fields.num_points), {}}, largest = least;
+    for_each_index(fields.num_points, [&](std::size_t v) {
+      const Eigen3 e = eigen_decomposition(tensor_of(fields.fields[f], v));
+      least.values[v] = e.values[0];
+      largest.values[v] = e.values[2];
+    });
+    fields.fields.push_back(std::move(least));
+    fields.fields.push_back(std::move(largest));
+    tensors.push_back({first, end, end + 1});
+    end += 2;
+  }
+  return tensors;
+}
+
+/// Replaces the fields interpolated from `old` by their projection; accounts for its bounds.
+void conserve(const Background& from, const SolutionData& old, const std::vector<TensorColumns>& tensors,
+              const MeshData& to, Interpolation& linear, std::vector<ComponentAccount>& accounts) {
+  const ValueTable old_table = packed(old);
+  ValueTable table = packed(linear.fields);
+  const std::vector<double> beyond =
+      project(from, old_table, to, linear.places, integrals(from.mesh(), old_table), tensors, table);
+  unpack(table, linear.fields);
+  for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = beyond[c];
+  for (const TensorColumns& t : tensors)
+    for (std::size_t c = 0; c < 6; ++c) accounts[t.first + c].stays_definite = true;
+}
+
 }  // namespace
 
 Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
@@ -101,16 +151,15 @@ Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshDa
   const std::vector<double> before = integrals(from, old);
   {
     const Background background = field_background(from);
-    Interpolation linear = interpolate(background, fields, to);
+    SolutionData extended = fields;
+    const bool conservative = method == TransferMethod::conservative;
+    const auto tensors = conservative ? append_eigenvalues(extended) : std::vector<TensorColumns>();
+    Interpolation linear = interpolate(background, extended, to);
+    if (conservative) conserve(background, extended, tensors, to, linear, result.accounts);
     result.fields = std::move(linear.fields);
+    result.fields.fields.resize(fields.fields.size());
     result.outside = linear.outside;
     result.farthest = linear.farthest;
-    if (method == TransferMethod::conservative) {
-      ValueTable table = packed(result.fields);
-      const std::vector<double> beyond = project(background, old, to, linear.places, before, table);
-      unpack(table, result.fields);
-      for (std::size_t c = 0; c < beyond.size(); ++c) result.accounts[c].beyond_bounds = beyond[c];
-    }
   }
   const std::vector<double> after = integrals(to, packed(result.fields));
   for (std::size_t c = 0; c < before.size(); ++c) {

@@ -24,7 +24,9 @@ enum class TransferMethod {
   /// bounds hold wherever they can. They cannot where the volumes of the meshes differ, because then a
   /// constant cannot
   /// keep both its value and its integral: what is left is added everywhere alike, and `beyond_bounds` is how
-  /// much.
+  /// much. A field of tensors that are all positive definite (a metric) stays that instead: its eigenvalues
+  /// keep the bounds that the old ones had, its integral is the old one to 1e-12 of its trace's, and
+  /// different volumes are made up for by a congruence (limit_tensors).
   conservative,
 };
 
@@ -38,6 +40,7 @@ struct ComponentAccount {
   double difference_l2 = 0, norm_l2 = 0;    ///< root of the integral of the square; the old field's own
   double difference_max = 0, norm_max = 0;  ///< largest absolute value; the old field's own
   double beyond_bounds = 0;                 ///< conservative: see there
+  bool stays_definite = false;              ///< conservative: of a field of positive definite tensors
 };
 
 struct Transfer {
@@ -48,7 +51,7 @@ struct Transfer {
 };
 
 /// `fields` at the vertices of `from`, at those of `to`. Multithreaded on TBB; does not depend on the number
-/// of threads. Tensors go component by component: the conservative way need not keep them definite. Cost:
+/// of threads. Both ways keep positive definite tensors definite; others go component by component. Cost:
 /// linear 2 us a vertex; conservative 20 to 40 us a tet of the finer mesh, and 300 bytes a vertex of `to`.
 /// Throws InputError naming the tet (1-based) of `from` without volume, and for a `to` with such a tet or
 /// without any.

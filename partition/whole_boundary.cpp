@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "meshing/touching_edges.h"
 #include "partition/complaint.h"
 #include "partition/face_records.h"
 #include "partition/reduce.h"
@@ -87,6 +88,7 @@ struct Created {
 /// What this rank finds out about the triangles whose lowest vertex is its.
 struct TriangleFindings {
   std::vector<std::uint32_t> repeated;  ///< indices of triangles
+  std::vector<Triangle> outer;          ///< of one tet
   std::vector<Created> created;
 };
 
@@ -131,7 +133,10 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
     const FaceRecord& face = faces[i];
     const bool paired = i + 1 < faces.size() && same_face(face, faces[i + 1]);
     const bool needed = !paired || face.tet_ref != faces[i + 1].tet_ref;
-    if (paired) ++i;
+    if (paired)
+      ++i;
+    else
+      findings.outer.push_back(face.vertices);
     pass_strangers(&face.vertices);
     bool covered = false;
     for (; triangle != mine.end() && triangle->vertices == face.vertices; ++triangle) {
@@ -254,6 +259,8 @@ WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Rang
   b.data.required_points = slice.boundary.required_points;
   take_triangles(slice.boundary, gather(peers, findings.repeated), gather(peers, findings.created), b);
   take_edges(slice.boundary, b);
+  const std::size_t touching = meshing::require_touching_edges(gather(peers, findings.outer), b.data);
+  if (touching > 0) b.warnings.push_back(meshing::touching_edges_warning(touching));
   compress(b);
   gather_points(peers, slice, points, b);
   return b;

@@ -153,6 +153,20 @@ TEST_P(AdaptThreads, MaterialsKeepTheirVolumesWhereTheirInterfacesArePlanar) {
   }
 }
 
+TEST_P(AdaptThreads, BodiesThatTouchThemselvesKeepTheirShape) {
+  for (const unsigned seed : {1u, 2u, 5u, 11u, 17u}) {
+    MeshData mesh = support::touching_cells(4, seed);
+    support::jitter_interior(mesh, 0.02, seed);
+    support::shuffle(mesh, seed);
+    for (const double size : {0.12, 0.4}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", size " << size);
+      const AdaptResult result = adapted(mesh, uniform_metric(mesh, size), with_threads(GetParam()));
+      expect_same_domain(result.mesh, mesh);
+      EXPECT_THAT(result.report.warnings, testing::Contains(HasSubstr("touches itself")));
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(, AdaptThreads, testing::Values(1, 2, 7),
                          [](const auto& param_info) { return std::to_string(param_info.param) + "threads"; });
 

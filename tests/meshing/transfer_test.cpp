@@ -10,6 +10,7 @@
 
 #include "meshing/error.h"
 #include "meshing/interpolate.h"
+#include "meshing/metric.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing {
@@ -94,6 +95,69 @@ TEST(Transfer, ToTheSameMeshChangesNothing) {
   }
 }
 
+/// A metric that jumps from 1:1 to 1:100 within a cell, its axes turning.
+SolutionData layer_metric(const MeshData& mesh) {
+  SolutionData solution{mesh.points.size(), {{Field::Kind::scalar, {}, "u"}, {Field::Kind::tensor, {}, "m"}}};
+  for (const Point& p : mesh.points) {
+    solution.fields[0].values.push_back(shock(p));
+    const double c = std::cos(5 * p.y), s = std::sin(5 * p.y), strong = 1 + 1e4 * std::exp(-30 * p.x);
+    for (const double entry :
+         {strong * c * c + s * s, (strong - 1) * c * s, strong * s * s + c * c, 0.0, 0.0, 1.0})
+      solution.fields[1].values.push_back(entry);
+  }
+  return solution;
+}
+
+SymTensor tensor_at(const Field& field, std::size_t v) {
+  const double* t = field.values.data() + 6 * v;
+  return {t[0], t[1], t[2], t[3], t[4], t[5]};
+}
+
+TEST(Transfer, KeepsMetricsDefiniteAndTheirIntegrals) {
+  for (const auto& [n, m] : {std::pair{5u, 9u}, {9u, 4u}, {6u, 6u}}) {
+    const MeshData from = jittered(n, 3), to = jittered(m, 4);
+    const SolutionData fields = layer_metric(from);
+    const Transfer result = transfer(from, fields, to, TransferMethod::conservative);
+    double trace = 0, largest = 0;
+    for (const int c : {1, 3, 6}) trace += result.accounts[static_cast<std::size_t>(c)].absolute;
+    for (std::size_t c = 1; c < 7; ++c) {
+      const ComponentAccount& a = result.accounts[c];
+      EXPECT_TRUE(a.stays_definite);
+      EXPECT_LE(std::abs(a.integral_after - a.integral_before), 1e-12 * trace) << a.name;
+      EXPECT_LE(a.beyond_bounds, 1e-12 * a.norm_max);  // the volumes are the same
+      largest = std::max(largest, a.norm_max);
+    }
+    EXPECT_FALSE(result.accounts[0].stays_definite);
+    for (std::size_t v = 0; v < to.points.size(); ++v) {
+      const Eigen3 e = eigen_decomposition(tensor_at(result.fields.fields[1], v));
+      EXPECT_GE(e.values[0], 1 - 1e-9 * largest);  // the least eigenvalue of all
+      EXPECT_LE(e.values[2], 2 * largest);
+    }
+  }
+}
+
+TEST(Transfer, KeepsAMetricOnTheSameMesh) {
+  const MeshData mesh = jittered(6, 5);
+  const SolutionData fields = layer_metric(mesh);
+  const Transfer result = transfer(mesh, fields, mesh, TransferMethod::conservative);
+  for (std::size_t i = 0; i < fields.fields[1].values.size(); ++i)
+    EXPECT_NEAR(result.fields.fields[1].values[i], fields.fields[1].values[i], 1e-9 * 1e4);
+}
+
+TEST(Transfer, KeepsMetricsDefiniteWhereTheVolumesDiffer) {
+  const MeshData from = support::ball(1, 3), to = support::ball(2, 4);
+  const Transfer result = transfer(from, layer_metric(from), to, TransferMethod::conservative);
+  double trace = 0;
+  for (const int c : {1, 3, 6}) trace += result.accounts[static_cast<std::size_t>(c)].absolute;
+  for (std::size_t c = 1; c < 7; ++c) {
+    const ComponentAccount& a = result.accounts[c];
+    EXPECT_LE(std::abs(a.integral_after - a.integral_before), 1e-12 * trace) << a.name;
+  }
+  EXPECT_GT(result.accounts[1].beyond_bounds, 0.01);
+  for (std::size_t v = 0; v < to.points.size(); ++v)
+    EXPECT_TRUE(is_positive_definite(tensor_at(result.fields.fields[1], v)));
+}
+
 TEST(Transfer, OfThinCellsConserves) {
   MeshData from = jittered(6, 6), to = jittered(7, 7);
   for (MeshData* mesh : {&from, &to})
@@ -136,7 +200,7 @@ TEST(Transfer, AccountsForWhatInterpolationLoses) {
   const MeshData fine = jittered(10, 8), coarse = unit_cube(2);
   const SolutionData wave = scalar(fine, [](const Point& p) { return std::sin(20 * p.x); });
   for (const TransferMethod method : kBoth) {
-    const ComponentAccount& a = transfer(fine, wave, coarse, method).accounts[0];
+    const ComponentAccount a = transfer(fine, wave, coarse, method).accounts[0];
     EXPECT_GT(a.difference_l2, 0.3 * a.norm_l2);
     EXPECT_LE(a.difference_l2, 2 * a.norm_l2);
     EXPECT_GT(a.difference_max, 0.3);

@@ -68,7 +68,9 @@ CLI::Option* add_field_options(CLI::App& command, FieldRequest& request, const s
                             ->expected(1)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                             ->group(group);
-  command.add_option("--transfer", request.method, "linear (default) or conservative (keeps integrals)")
+  command
+      .add_option("--transfer", request.method,
+                  "linear (default) or conservative (keeps integrals, and tensors definite)")
       ->transform(CLI::CheckedTransformer(methods).description(""))
       ->type_name("HOW")
       ->needs(fields)
@@ -93,6 +95,10 @@ std::string accounts_text(const std::vector<ComponentAccount>& accounts, Transfe
     text += fmt::format("  {:<26.26}{:>16.6g}{:>12}{:>14}{:>14}\n", a.name, a.integral_after,
                         relative(a.integral_after - a.integral_before, a.absolute),
                         relative(a.difference_l2, a.norm_l2), relative(a.difference_max, a.norm_max));
+  const auto definite = std::ranges::count_if(accounts, &ComponentAccount::stays_definite) / 6;
+  if (definite > 0)
+    text += fmt::format("  {} of the fields are tensors that were positive definite, and are so again\n",
+                        definite);
   return text;
 }
 

@@ -72,7 +72,8 @@ Json json_of(const meshing::ComponentAccount& a) {
           {"norm_l2", a.norm_l2},
           {"back_difference_max", a.difference_max},
           {"norm_max", a.norm_max},
-          {"beyond_bounds", a.beyond_bounds}};
+          {"beyond_bounds", a.beyond_bounds},
+          {"stays_definite", a.stays_definite}};
 }
 
 Json fields_json(const AdaptRun& run) {
