@@ -144,33 +144,32 @@ struct Departure {
 
 /// Where the tets around each vertex go, for vertices of the interface around which not all stay and for
 /// those that become vertices of it. A vertex that leaves with all its tets for one other concerns nobody
-/// else.
+/// else. Of the tets that stay only those at vertices of departing ones are looked at twice.
 std::vector<Departure> find_departures(const Subdomain& s, const std::vector<Rank>& rank, Rank self,
                                        const std::vector<std::uint32_t>& interface_index) {
   const TetMesh& mesh = *s.mesh;
-  std::vector<Rank> lowest(mesh.vertex_slots(), ~Rank{0}), highest(mesh.vertex_slots(), kNobody);
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    if (!mesh.alive(TetId(i))) continue;
-    for (const VertexId v : mesh.vertices(TetId(i))) {
-      lowest[v.value] = std::min(lowest[v.value], rank[i]);
-      highest[v.value] = std::max(highest[v.value], rank[i]);
-    }
-  }
-  std::vector<Departure> found;
+  std::vector<Departure> all;
   std::vector<Rank> last(mesh.vertex_slots(), kNobody);  // neighbours in the arrays mostly go the same way
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (lowest[i] == highest[i] && highest[i] != self && interface_index[i] != Interface::kNone)
-      found.push_back({i, highest[i]});
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    if (!mesh.alive(TetId(i))) continue;
-    for (const VertexId v : mesh.vertices(TetId(i)))
-      if (lowest[v.value] != highest[v.value] && last[v.value] != rank[i]) {
-        found.push_back({v.value, rank[i]});
-        last[v.value] = rank[i];
-      }
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  const auto note = [&](VertexId v, Rank to) {
+    if (last[v.value] != to) all.push_back({v.value, to});
+    last[v.value] = to;
+  };
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (rank[i] != self && mesh.alive(TetId(i)))
+      for (const VertexId v : mesh.vertices(TetId(i))) note(v, rank[i]);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (rank[i] == self && mesh.alive(TetId(i)))
+      for (const VertexId v : mesh.vertices(TetId(i)))
+        if (last[v.value] != kNobody) note(v, self);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const auto alone = [&](std::size_t i) {
+    return (i == 0 || all[i - 1].vertex != all[i].vertex) &&
+           (i + 1 == all.size() || all[i + 1].vertex != all[i].vertex);
+  };
+  std::vector<Departure> found;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!alone(i) || interface_index[all[i].vertex] != Interface::kNone) found.push_back(all[i]);
   return found;
 }
 
@@ -319,24 +318,26 @@ void forget_features(TetMesh& mesh) {
 void remove_departed(Subdomain& s, const std::vector<Rank>& rank, Rank self) {
   TetMesh& mesh = *s.mesh;
   const auto departs = [&](TetId t) { return rank[t.value] != self; };
-  std::vector<VertexId> touched;
+  std::vector<std::uint8_t> bereft(mesh.vertex_slots(), 0);
   for (std::uint32_t i = 0; i < rank.size(); ++i) {
     const TetId t(i);
     if (!departs(t) || !mesh.alive(t)) continue;
     for (int f = 0; f < 4; ++f) {
-      touched.push_back(mesh.vertex(t, f));
+      const VertexId v = mesh.vertex(t, f);
+      bereft[v.value] = 1;
+      mesh.set_tet_of(v, TetId());
       if (const TetFace n = mesh.neighbour(t, f); n.valid() && !departs(n.tet()))
         mesh.set_neighbour(n.tet(), n.face(), TetFace());
     }
     mesh.kill(t);
   }
-  for (const VertexId v : touched) mesh.set_tet_of(v, TetId());
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
     if (mesh.alive(TetId(i)))
-      for (const VertexId v : mesh.vertices(TetId(i))) mesh.set_tet_of(v, TetId(i));
+      for (const VertexId v : mesh.vertices(TetId(i)))
+        if (bereft[v.value]) mesh.set_tet_of(v, TetId(i));
   forget_features(mesh);
-  for (const VertexId v : touched)
-    if (!mesh.alive(v)) {
+  for (std::uint32_t i = 0; i < bereft.size(); ++i)
+    if (const VertexId v(i); bereft[i] && !mesh.alive(v)) {
       mesh.kill(v);
       mesh.thaw(v);
     }
