@@ -36,4 +36,8 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   return report;
 }
 
+meshing::NonconformingParts count_nonconforming(const Subdomain& s) {
+  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface);
+}
+
 }  // namespace weft::partition

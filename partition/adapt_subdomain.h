@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "meshing/adaptation.h"
+#include "meshing/nonconforming.h"
 #include "partition/subdomain.h"
 
 namespace weft::partition {
@@ -13,5 +14,9 @@ namespace weft::partition {
 /// afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface, double hausd,
                                      meshing::Extent extent, const meshing::AdaptOptions& options);
+
+/// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has
+/// been one of an interface.
+meshing::NonconformingParts count_nonconforming(const Subdomain& subdomain);
 
 }  // namespace weft::partition
