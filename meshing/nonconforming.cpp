@@ -1,9 +1,6 @@
 // One pass over the tets; the few edges that are wrong are listed, so that each counts once.
 #include "meshing/nonconforming.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -29,7 +26,8 @@ struct Found {
 
 class Count {
  public:
-  Count(const TetMesh& mesh, std::uint8_t flags) : mesh_(mesh), flags_(flags) {}
+  Count(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in)
+      : mesh_(mesh), flags_(flags), left_out_(one_in - 1) {}
 
   void look_at(TetId t, Found& found) const {
     const TetVertices v = mesh_.vertices(t);
@@ -39,7 +37,9 @@ class Count {
     Nonconforming& part = any ? found.parts.flagged : found.parts.plain;
     ++part.tets;
     part.poor_tets += mesh_.quality(t) < kPoorQuality;
-    for (const auto& e : kTetEdges) look_at(v[e[0]], v[e[1]], flagged[e[0]] || flagged[e[1]], found);
+    for (const auto& e : kTetEdges)
+      if ((std::min(v[e[0]].value, v[e[1]].value) & left_out_) == 0)
+        look_at(v[e[0]], v[e[1]], flagged[e[0]] || flagged[e[1]], found);
   }
 
  private:
@@ -55,15 +55,16 @@ class Count {
 
   const TetMesh& mesh_;
   const std::uint8_t flags_;
+  const std::uint32_t left_out_;  ///< vertices with one of these bits in their id
 };
 
-void count_edges(Found& found) {
+void count_edges(std::uint32_t one_in, Found& found) {
   std::vector<WrongEdge>& edges = found.edges;
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   for (const WrongEdge& e : edges) {
     Nonconforming& part = e.flagged ? found.parts.flagged : found.parts.plain;
-    ++(e.too_long ? part.long_edges : part.short_edges);
+    (e.too_long ? part.long_edges : part.short_edges) += one_in;
   }
 }
 
@@ -77,22 +78,12 @@ Nonconforming& Nonconforming::operator+=(const Nonconforming& other) {
   return *this;
 }
 
-NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags) {
-  const Count count(mesh, flags);
-  Found found = tbb::parallel_reduce(
-      tbb::blocked_range<std::uint32_t>(0, mesh.tet_slots(), 4096), Found{},
-      [&](const tbb::blocked_range<std::uint32_t>& r, Found part) {
-        for (std::uint32_t t = r.begin(); t < r.end(); ++t)
-          if (mesh.alive(TetId(t))) count.look_at(TetId(t), part);
-        return part;
-      },
-      [](Found a, const Found& b) {
-        a.parts.plain += b.parts.plain;
-        a.parts.flagged += b.parts.flagged;
-        a.edges.insert(a.edges.end(), b.edges.begin(), b.edges.end());
-        return a;
-      });
-  count_edges(found);
+NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in) {
+  const Count count(mesh, flags, one_in);
+  Found found;
+  for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
+    if (mesh.alive(TetId(t))) count.look_at(TetId(t), found);
+  count_edges(one_in, found);
   return found.parts;
 }
 

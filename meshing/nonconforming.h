@@ -27,7 +27,9 @@ struct NonconformingParts {
 };
 
 /// Counts all live tets and their edges. `flags`: any of these in a vertex's flags. Lengths by the judges'
-/// mean of both ends (edge_length_fast). Multithreaded on TBB; nobody may change the mesh meanwhile.
-NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags);
+/// mean of both ends (edge_length_fast). `one_in`: a power of two: edges are counted only of every so manieth
+/// vertex (the end with the smaller id), and the counts scaled up.
+/// Nobody may change the mesh meanwhile.
+NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in = 1);
 
 }  // namespace weft::meshing

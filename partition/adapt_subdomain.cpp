@@ -37,7 +37,8 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
 }
 
 meshing::NonconformingParts count_nonconforming(const Subdomain& s) {
-  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface);
+  constexpr std::uint32_t kOneVertexIn = 8;
+  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface, kOneVertexIn);
 }
 
 }  // namespace weft::partition

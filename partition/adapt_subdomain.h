@@ -16,7 +16,7 @@ meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surfac
                                      meshing::Extent extent, const meshing::AdaptOptions& options);
 
 /// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has
-/// been one of an interface.
+/// been one of an interface. Cheap: tets are counted, edges estimated from an eighth of the vertices.
 meshing::NonconformingParts count_nonconforming(const Subdomain& subdomain);
 
 }  // namespace weft::partition

@@ -49,5 +49,16 @@ TEST(Nonconforming, WhatTouchesAFlaggedVertexIsApart) {
   EXPECT_EQ(parts.plain, all);
 }
 
+TEST(Nonconforming, ASampleOfTheEdgesIsScaledUp) {
+  const KernelRig rig(support::unit_cube(16), 0.072);  // some are too long, some are not
+  const Nonconforming exact = count_nonconforming(rig.mesh, 0).plain;
+  const Nonconforming sample = count_nonconforming(rig.mesh, 0, 8).plain;
+  ASSERT_GT(exact.long_edges, 1000u);
+  EXPECT_EQ(sample.tets, exact.tets);
+  EXPECT_EQ(sample.long_edges % 8, 0u);
+  EXPECT_NEAR(static_cast<double>(sample.long_edges), static_cast<double>(exact.long_edges),
+              0.1 * static_cast<double>(exact.long_edges));
+}
+
 }  // namespace
 }  // namespace weft::meshing

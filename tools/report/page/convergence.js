@@ -23,7 +23,7 @@
     const row = (s) => [stepName(s), weft.count(s.subdomains), ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => weft.count(s[part][what])))];
     const figure = (s) => ["", `left.${s.step}.subdomains`, ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `left.${s.step}.${part}.${what}`))];
     return weft.card("What is wrong as yet", lines("What is wrong as yet", ["after", "in the whole mesh"], left.map(stepName), datasets),
-      make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): what has a vertex that is or has been on an interface. An edge that lies on an interface just then counts in each of its subdomains."),
+      make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric, estimated from the edges of one vertex in eight. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): what has a vertex that is or has been on an interface. An edge that lies on an interface just then counts in each of its subdomains."),
       weft.table(head, left.map(row), { figures: left.map(figure) }));
   }
   function counters() {
