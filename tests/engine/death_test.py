@@ -65,7 +65,7 @@ class Death(unittest.TestCase):
         self.assertRegex(next(lines), r"^state of rank 2 of 3, [0-9.]+ s into the run$")
         self.assertRegex(next(lines), r"^  messages: 0 bytes to be sent, 0 received and not handled")
         self.assertRegex(next(lines), r"^  load: 1 of 1 workers busy.*1 objects: 1 running")
-        self.assertRegex(next(lines), r"^  object 2.1: runs last for [0-9.]+ s$")
+        self.assertRegex(next(lines), r"^  object 2.1: runs Victim::last for [0-9.]+ s$")
         run.send_signal(signal.SIGUSR1)  # mpirun passes it on to all
         shown = {re.match("state of rank ([0-9])", line)[1] for line in (next(lines) for _ in range(12)) if line[0] != " "}
         self.assertEqual(shown, {"0", "1", "2"})
