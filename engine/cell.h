@@ -11,6 +11,7 @@
 #include "engine/event.h"
 #include "engine/message.h"
 #include "engine/registry.h"
+#include "engine/trace.h"
 
 namespace weft::engine {
 
@@ -45,6 +46,8 @@ struct Cell {
   bool waits = false;    ///< for an event, or for the messages before those held
   std::size_t held = 0;  ///< messages that came before their turn
   double queued_seconds = 0;
+  std::uint32_t runs = 0;    ///< while running: hash of the method's name
+  TimePoint runs_since = 0;  ///< while running
   std::deque<Task> mailbox;
   std::unordered_map<ObjectId, Inbound> inbound;
   std::unordered_map<ObjectId, std::uint64_t> outbound;  ///< sequence number of the next message to each

@@ -165,6 +165,15 @@ bool Exchange::take_posted() {
   return any;
 }
 
+Exchange::Traffic Exchange::traffic() const {
+  Traffic traffic{backlog_, static_cast<std::uint64_t>(std::max<std::int64_t>(inbox_, 0)), {}};
+  for (std::size_t r = 0; r < peers_.size(); ++r) {
+    if (peers_[r].under_way > 0)
+      traffic.unconfirmed.emplace_back(Rank(static_cast<int>(r)), peers_[r].under_way);
+  }
+  return traffic;
+}
+
 bool Exchange::may_send(const Peer& peer) const {
   if (!peer.urgent.empty()) return true;
   if (peer.waiting.empty()) return false;

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "engine/rank.h"
@@ -30,6 +31,7 @@ enum class FrameKind : std::uint8_t {
   failure,    ///< to rank 0: this rank has failed
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< this rank lives
+  bulletin,   ///< to rank 0: how far this rank is
   clock,      ///< what time is it at rank 0
   report,     ///< summaries and timelines, after the loop
 };
@@ -84,6 +86,15 @@ class Exchange {
   double load_of(Rank rank) const { return peers_[rank.index()].load; }
 
   std::uint64_t packets_sent() const { return packets_sent_; }
+
+  /// What is on its way, in bytes of tasks and objects.
+  struct Traffic {
+    std::uint64_t unsent = 0;     ///< posted here, not sent as yet
+    std::uint64_t unhandled = 0;  ///< received here, not handled as yet
+    std::vector<std::pair<Rank, std::uint64_t>>
+        unconfirmed;  ///< sent, and for all that is known not handled there
+  };
+  Traffic traffic() const;
 
  private:
   struct Frame {

@@ -1,6 +1,7 @@
 // The types of mobile objects and their methods: what a message may call.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/event.h"
 #include "engine/message.h"
 #include "engine/rank.h"
 #include "engine/serialize.h"
@@ -42,6 +44,18 @@ struct Nothing {
   void serialize(Archive&) {}
 };
 
+/// An event, by name, and who is missing.
+struct NamedWait {
+  std::string event;
+  EventWait wait;
+};
+
+/// What an object says of itself while a run lasts (scheduler_state.cpp).
+struct ObjectState {
+  std::string what;              ///< "round 3, 12000 tets"; may be empty
+  std::vector<NamedWait> waits;  ///< for events that it keeps itself, beside the engine's
+};
+
 /// The type of an object without its type.
 struct TypeInfo {
   std::string name;
@@ -50,6 +64,7 @@ struct TypeInfo {
   Payload (*pack)(void* object) = nullptr;
   void* (*unpack)(Payload payload) = nullptr;
   void (*destroy)(void* object) = nullptr;
+  ObjectState (*describe)(const void* object) = nullptr;  ///< null: it has nothing to say
 };
 
 struct MethodInfo {
@@ -74,6 +89,11 @@ concept Movable = requires(T& value, Packer& packer, Unpacker& unpacker) {
   value.serialize(unpacker);
 }
 &&std::is_default_constructible_v<T>;
+
+template <class T>
+concept Described = requires(const T& value) {
+  { value.describe() } -> std::same_as<ObjectState>;
+};
 
 template <class T>
 struct MethodTraits;
@@ -153,12 +173,16 @@ class Registry {
   };
 
   /// A type of mobile objects. One with serialize() and a default constructor can move; others stay where
-  /// they are made.
+  /// they are made. One with `ObjectState describe() const` is asked by Runtime::request_state(), between its
+  /// handlers.
   template <class T>
   Entry<T> type(std::string_view name) {
     TypeInfo info;
     info.name = name;
     info.destroy = [](void* object) { delete static_cast<T*>(object); };
+    if constexpr (detail::Described<T>) {
+      info.describe = [](const void* object) { return static_cast<const T*>(object)->describe(); };
+    }
     if constexpr (detail::Movable<T>) {
       info.movable = true;
       info.pack = [](void* object) {

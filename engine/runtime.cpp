@@ -28,22 +28,6 @@ constexpr TimePoint kLastWords = kSecond / 5;
 constexpr std::size_t kWaitsShown = 50;
 constexpr int kClockReadings = 5;
 
-template <class T>
-Payload packed(T value) {
-  Packer packer(true);
-  packer(value);
-  return packer.take();
-}
-
-template <class T>
-T unpacked(Payload payload) {
-  T value{};
-  Unpacker unpacker(std::move(payload));
-  unpacker(value);
-  unpacker.finish();
-  return value;
-}
-
 /// What a rank answers when rank 0 is asked for the time.
 struct ClockReading {
   TimePoint asked = 0;
@@ -73,7 +57,7 @@ class Runtime::Implementation final : private BalanceActions {
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished()},
+                    balancer_->wants_finished(), options_.name_of},
                    registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
 
   ~Implementation() override {
@@ -84,6 +68,10 @@ class Runtime::Implementation final : private BalanceActions {
   void run(std::function<void(Context&)> root);
   void request_stop(const char* reason) noexcept {
     stop_reason_ = reason;
+    transport_.wake();
+  }
+  void request_state() noexcept {
+    state_requested_ = true;
     transport_.wake();
   }
   void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function) {
@@ -122,6 +110,8 @@ class Runtime::Implementation final : private BalanceActions {
   void balance(TimePoint time);
   void detect_end();
   void watch_peers(TimePoint time);
+  void tell_bulletin(TimePoint time);
+  void show_state(TimePoint time);
   void notice_failures();
   void fail_here(const std::string& what);
   void declare_failure(Verdict verdict);
@@ -143,6 +133,7 @@ class Runtime::Implementation final : private BalanceActions {
   Scheduler scheduler_;
   std::optional<Termination> termination_;
   std::atomic<const char*> stop_reason_{nullptr};
+  std::atomic<bool> state_requested_{false};
 
   // Of the current run.
   bool ended_ = false;
@@ -153,9 +144,11 @@ class Runtime::Implementation final : private BalanceActions {
   std::vector<std::string> waits_;
   TimePoint next_heartbeat_ = 0;
   TimePoint next_peer_check_ = 0;
+  TimePoint next_bulletin_ = 0;
   TimePoint turn_ = 0;        ///< when the current turn looked at what is due
   TimePoint last_heard_ = 0;  ///< from the rank before this one; 0: not in this run
   TimePoint awake_since_ = 0;
+  TimePoint begin_ = 0;
 
   // Of all runs.
   TimePoint wall_ = 0;
@@ -199,7 +192,7 @@ void Runtime::Implementation::begin() {
   waits_.clear();
   waits_missing_ = 0;
   last_heard_ = 0;
-  next_heartbeat_ = next_peer_check_ = awake_since_ = now();
+  begin_ = next_heartbeat_ = next_peer_check_ = next_bulletin_ = awake_since_ = now();
 }
 
 void Runtime::Implementation::loop() {
@@ -222,6 +215,8 @@ bool Runtime::Implementation::turn(TimePoint time) {
   });
   notice_failures();
   watch_peers(time);
+  tell_bulletin(time);
+  show_state(time);
   if (failed_here_) {  // unless the run had ended when a signal came
     ended_ = termination_->ended() && termination_->ended()->waiting == 0;
     return busy;
@@ -236,6 +231,7 @@ bool Runtime::Implementation::turn(TimePoint time) {
 void Runtime::Implementation::sleep() {
   const TimePoint time = now();
   TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
+  if (options_.bulletins.period.count() > 0) until = std::min(until, next_bulletin_);
   for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
     if (next && *next > turn_) until = std::min(until, *next);
   }
@@ -266,6 +262,9 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
     case FrameKind::heartbeat:
       return;
+    case FrameKind::bulletin:
+      if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
+      return;
     case FrameKind::clock: {
       auto reading = unpacked<ClockReading>(std::move(payload));
       if (rank().value > 0) {
@@ -291,6 +290,34 @@ void Runtime::Implementation::balance(TimePoint time) {
     if (!finished.empty()) balancer_->finished(finished, *this);
   }
   balancer_->step(*this, time);
+}
+
+// --- Looking on
+
+/// Like all frames of the engine's own these are not counted: a run may end while one is on its way.
+void Runtime::Implementation::tell_bulletin(TimePoint time) {
+  const Bulletins& bulletins = options_.bulletins;
+  if (bulletins.period.count() == 0 || time < next_bulletin_) return;
+  next_bulletin_ = time + duration_cast<nanoseconds>(bulletins.period).count();
+  Payload news = bulletins.write();
+  if (rank().value == 0) {
+    bulletins.read(rank(), std::move(news));
+  } else if (news.size() > 0) {
+    exchange_.post(Rank(0), FrameKind::bulletin, std::move(news));
+  }
+}
+
+void Runtime::Implementation::show_state(TimePoint time) {
+  if (!state_requested_.exchange(false)) return;
+  std::string lines = text("state of rank ", rank().value, " of ", ranks(), ", ",
+                           static_cast<double>((time - begin_) / (kSecond / 10)) / 10, " s into the run\n");
+  const Exchange::Traffic traffic = exchange_.traffic();
+  lines += text("  messages: ", traffic.unsent, " bytes to be sent, ", traffic.unhandled,
+                " received and not handled");
+  for (const auto& [peer, bytes] : traffic.unconfirmed)
+    lines += text(", ", bytes, " sent to rank ", peer.value, " and not confirmed");
+  for (const std::string& line : scheduler_.state()) lines += "\n  " + line;
+  options_.on_state(lines + "\n");
 }
 
 // --- The end
@@ -488,6 +515,7 @@ Rank Runtime::rank() const { return implementation_->rank(); }
 int Runtime::ranks() const { return implementation_->ranks(); }
 void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
 void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
+void Runtime::request_state() noexcept { implementation_->request_state(); }
 RankSummary Runtime::summary() const { return implementation_->summary(); }
 RankTimeline Runtime::timeline() const { return implementation_->timeline(); }
 
@@ -513,6 +541,11 @@ std::vector<RankTimeline> Runtime::gather_timelines() {
 
 void print_failure(const std::string& what) {
   std::fprintf(stderr, "error: %s\n", what.c_str());
+  std::fflush(stderr);
+}
+
+void print_state(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }
 

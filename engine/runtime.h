@@ -42,6 +42,19 @@ class RunFailure : public std::runtime_error {
 /// Writes "error: WHAT" to stderr.
 void print_failure(const std::string& what);
 
+/// Writes the text to stderr, whole.
+void print_state(const std::string& text);
+
+/// How ranks let rank 0 know how far they are while a run lasts. Nobody waits for it, the end of the run does
+/// not depend on it, and what is told last may be lost when the run ends. Both functions are called by the
+/// communication thread, so they should return soon.
+struct Bulletins {
+  std::chrono::milliseconds period{0};  ///< 0: there are none
+  std::function<Payload()> write;       ///< on every rank: what is new; nothing is sent where it is empty
+  /// On rank 0, for each that has come; its own it reads in every period, also an empty one.
+  std::function<void(Rank from, Payload)> read;
+};
+
 struct RuntimeOptions {
   int threads = 1;  ///< workers of this rank, besides the thread that calls run() and does the communication
   BalancerFactory balancer = work_stealing();
@@ -51,6 +64,13 @@ struct RuntimeOptions {
   /// What the program gives all handlers of this rank to read (Context::local()); it must outlive the
   /// runtime.
   const void* local = nullptr;
+
+  Bulletins bulletins = {};
+
+  /// What users call an object, for request_state(); default "object 3.1".
+  std::function<std::string(ObjectId)> name_of = {};
+  /// Called by the communication thread with the text that request_state() has asked for.
+  std::function<void(const std::string&)> on_state = print_state;
 
   /// A rank whose process is on another node counts as dead after this silence; on the same node it is
   /// noticed at once.
@@ -86,6 +106,11 @@ class Runtime {
   /// All ranks stop soon and fail with `reason` (a literal: only the pointer is kept). From any thread or
   /// signal handler.
   void request_stop(const char* reason) noexcept;
+
+  /// RuntimeOptions::on_state is soon given what this rank does: its load, the messages on their way, what
+  /// each object here does or waits for, and for whom. Between runs it waits for the next one. From any
+  /// thread or signal handler.
+  void request_state() noexcept;
 
   /// Visits the objects of type T that are here now, in the order of their ids; not during run().
   template <class T>

@@ -408,6 +408,8 @@ void Scheduler::drain(Lane& lane) {
       cell.queued_seconds -= task.predicted;
       queued_seconds_ -= task.predicted;
     }
+    cell.runs = task.envelope.method;
+    cell.runs_since = now();
     ++busy_;
     lock.unlock();
     consume(task);

@@ -51,6 +51,7 @@ class Scheduler {
     int threads = 1;
     const void* local = nullptr;   ///< Context::local()
     bool report_finished = false;  ///< keep the objects whose handlers ran for take_finished()
+    std::function<std::string(ObjectId)> name_of = {};  ///< RuntimeOptions::name_of
   };
 
   /// `wake` rouses the communication thread.
@@ -103,6 +104,9 @@ class Scheduler {
   /// Who waits here for what, one a line; empty when nobody does.
   std::vector<std::string> waits() const;
 
+  /// The rank's load, its objects and what each does or waits for, one a line; also while handlers run.
+  std::vector<std::string> state() const;
+
   // --- Between runs.
   /// Calls `visit` with each object of a type that is here, in the order of their ids.
   void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& visit);
@@ -142,6 +146,9 @@ class Scheduler {
   std::string describe(const Cell& cell, const Task& task) const;
   void describe_waits(const Cell& cell, std::vector<std::string>& lines) const;
   std::string where(ObjectId id) const;
+  std::string name_and_place(ObjectId id) const;
+  std::string load_line() const;
+  std::string state_of(const Cell& cell) const;
 
   const Options options_;
   const Registry& registry_;

@@ -385,4 +385,21 @@ class Unpacker {
   std::size_t segment_ = 0;
 };
 
+/// A value as a payload, and back. The value is consumed.
+template <class T>
+Payload packed(T value) {
+  Packer packer(true);
+  packer(value);
+  return packer.take();
+}
+
+template <class T>
+T unpacked(Payload payload) {
+  T value{};
+  Unpacker unpacker(std::move(payload));
+  unpacker(value);
+  unpacker.finish();
+  return value;
+}
+
 }  // namespace weft::engine

@@ -37,4 +37,9 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   return report;
 }
 
+meshing::NonconformingParts count_nonconforming(const Subdomain& s) {
+  constexpr std::uint32_t kOneVertexIn = 8;
+  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface, kOneVertexIn);
+}
+
 }  // namespace weft::partition

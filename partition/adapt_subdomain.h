@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "meshing/adaptation.h"
+#include "meshing/nonconforming.h"
 #include "partition/subdomain.h"
 
 namespace weft::partition {
@@ -14,5 +15,9 @@ namespace weft::partition {
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface, double hausd,
                                      meshing::Extent extent, const meshing::AdaptOptions& options,
                                      const meshing::BeforeLevel& before_level = {});
+
+/// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has
+/// been one of an interface. Cheap: tets are counted, edges estimated from an eighth of the vertices.
+meshing::NonconformingParts count_nonconforming(const Subdomain& subdomain);
 
 }  // namespace weft::partition

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Builds, then times `weft adapt` (and Mmg, where it is installed) on the benchmark cases; see bench.py --help.
+# `bench.sh tracing` measures what tracing, report and progress cost; see bench_tracing.py --help.
 # `bench.sh engine [PART...]` measures the engine instead; see tools/bench/engine/run_benchmarks.py --help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,4 +16,8 @@ if [[ ${1:-} == engine ]]; then
   exec python3 -B tools/bench/engine/run_benchmarks.py "$@"
 fi
 scripts/build.sh release --no-tests
+if [[ ${1:-} == tracing ]]; then
+  shift
+  exec python3 -B scripts/bench_tracing.py "$@"
+fi
 exec python3 -B scripts/bench.py "$@"

@@ -36,12 +36,18 @@ std::size_t tet_capacity(double complexity, std::uint64_t input_tets) {
       std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
 }
 
-void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts, std::size_t capacity,
-                     dataflow::Recording recording, const AdaptationPlan& plan) {
+/// Returns who borders on whom.
+std::vector<Neighbours> make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts,
+                                        std::size_t capacity, dataflow::Recording recording,
+                                        const AdaptationPlan& plan) {
+  std::vector<Neighbours> neighbours;
   for (SubdomainStart& start : starts) {
     const double predicted = predicted_tets(start);
-    const auto ref = dataflow::create<SubdomainTask>(
-        context, SubdomainTask(Subdomain(start, capacity), predicted), recording);
+    Subdomain subdomain(start, capacity);
+    const auto others = subdomain.interface.neighbours();
+    neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
+    const auto ref =
+        dataflow::create<SubdomainTask>(context, SubdomainTask(std::move(subdomain), predicted), recording);
     if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
       throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
                              " is not the object that others expect");
@@ -49,6 +55,7 @@ void make_subdomains(engine::Context& context, std::vector<SubdomainStart>& star
     dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {},
                                                     SubdomainTask::seconds_to_adapt(predicted));
   }
+  return neighbours;
 }
 
 void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, DistributedResult& result) {
@@ -95,10 +102,13 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.threads_of_subdomain = std::max(1, options.threads / here);
   rank.geometry = d.geometry;
   rank.interrupt = options.interrupt;
+  rank.news = options.news;
 
+  if (options.on_start) options.on_start();
   const auto middle = Clock::now();
   runtime.run([&](engine::Context& context) {
-    make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
+    result.planned =
+        make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
   });
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());

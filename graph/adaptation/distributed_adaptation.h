@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,20 @@ struct DistributedOptions {
   double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
   int threads = 1;                   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
+  NewsBoard* news = nullptr;            ///< of this rank
+  std::function<void()> on_start = {};  ///< called when the decomposition is done
   const std::atomic<bool>* interrupt = nullptr;
+};
+
+/// Whom a subdomain shares its interface with.
+struct Neighbours {
+  partition::SubdomainId subdomain = 0;
+  std::vector<partition::SubdomainId> others;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(subdomain, others);
+  }
 };
 
 /// What this rank has in the end.
@@ -32,7 +46,8 @@ struct DistributedResult {
   std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
   std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
   meshing::OperationCounts counts;                       ///< of all subdomains that are here now
-  std::vector<std::string> warnings;                     ///< the same on all ranks
+  std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
+  std::vector<std::string> warnings;  ///< the same on all ranks
   double decomposition_seconds = 0, adaptation_seconds = 0;
 };
 

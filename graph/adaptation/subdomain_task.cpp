@@ -1,6 +1,7 @@
 // The nodes of a subdomain's graph, and the graph.
 #include "graph/adaptation/subdomain_task.h"
 
+#include "engine/text.h"
 #include "partition/adapt_subdomain.h"
 #include "partition/distribute.h"
 
@@ -31,16 +32,46 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
 
 }  // namespace
 
+namespace {
+
+/// The first subdomain whose home is this rank.
+SubdomainId first_of(const AdaptationPlan& plan, int ranks, int home) {
+  const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
+  return static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
+                                  static_cast<std::uint64_t>(ranks));
+}
+
+}  // namespace
+
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
-  const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
-  const auto first = static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
-                                              static_cast<std::uint64_t>(ranks));  // whose home that is
-  return {engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first)}};
+  return {
+      engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first_of(plan, ranks, home))}};
+}
+
+std::optional<SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks, engine::ObjectId object) {
+  if (plan.first_object == 0 || object.number < plan.first_object) return {};  // 0: there is no plan yet
+  const SubdomainId subdomain = first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
+  if (subdomain >= first_of(plan, ranks, object.home.value + 1)) return {};
+  return subdomain;
 }
 
 SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
-    : subdomain_(std::move(subdomain)), predicted_tets_(predicted_tets) {}
+    : subdomain_(std::move(subdomain)), predicted_tets_(predicted_tets) {
+  news_.subdomain = subdomain_.id;
+  news_.predicted_tets = predicted_tets;
+}
+
+std::string SubdomainTask::describe() const {
+  const std::string step = news_.step == 0 ? "interior" : engine::text("shift ", news_.step);
+  return engine::text(rests_ ? "at rest after " : "", step, ", ", news_.left.tets,
+                      " tets after its last adaptation");
+}
+
+void SubdomainTask::tell(const RankData& rank) {
+  ++news_.number;
+  if (rank.news) rank.news->post(news_);
+}
 
 engine::Seconds SubdomainTask::seconds_to_adapt(double tets) {
   constexpr double kSecondsPerTet = 12e-6;
@@ -81,6 +112,7 @@ std::vector<SubdomainTask::Ref> SubdomainTask::neighbours(NodeContext& context) 
 
 void SubdomainTask::adapt_interior(NodeContext& context) {
   const RankData& rank = rank_data(context);
+  tell(rank);
   partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
   meshing::BeforeLevel before_level;
   if (rank.plan.refine_interface)
@@ -105,10 +137,31 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent,
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
   options.interrupt = rank.interrupt;
+  options.progress = [&](const std::string&, double done, std::uint64_t) {
+    news_.done = static_cast<float>(done);
+    tell(rank);
+  };
   counts_ += partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options,
                                         before_level)
                  .counts;
-  context.count("tets", static_cast<double>(subdomain_.live_tets()));
+  count_what_is_left(context);
+  news_.done = 1;
+  tell(rank);
+}
+
+/// The report and the progress show it.
+void SubdomainTask::count_what_is_left(NodeContext& context) {
+  const meshing::NonconformingParts parts = partition::count_nonconforming(subdomain_);
+  news_.left = parts.plain;
+  news_.left += parts.flagged;
+  const auto count = [&](const char* name, std::uint64_t in_interior, std::uint64_t at_interface) {
+    context.count(engine::text(name, ", interior"), static_cast<double>(in_interior));
+    context.count(engine::text(name, ", interface"), static_cast<double>(at_interface));
+  };
+  count("tets", parts.plain.tets, parts.flagged.tets);
+  count("poor tets", parts.plain.poor_tets, parts.flagged.poor_tets);
+  count("long edges", parts.plain.long_edges, parts.flagged.long_edges);
+  count("short edges", parts.plain.short_edges, parts.flagged.short_edges);
 }
 
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it
@@ -121,6 +174,9 @@ void SubdomainTask::propose(NodeContext& context) {
   if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, round);
   const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
   rests_ = round >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0;
+  news_.rests = rests_;
+  if (!rests_) news_.step = static_cast<std::uint32_t>(round) + 1, news_.done = 0;
+  tell(rank);
   if (rests_) return;
   priority_ = {draw(subdomain_.id, round), subdomain_.id};
   std::vector<partition::Proposal> proposals = partition::propose(subdomain_, priority_, wants_);

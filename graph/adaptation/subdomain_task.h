@@ -13,8 +13,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "graph/adaptation/progress.h"
 #include "graph/dataflow/blueprint.h"
 #include "partition/geometry.h"
 #include "partition/refine_interface.h"
@@ -41,6 +44,7 @@ struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
   const std::atomic<bool>* interrupt = nullptr;  ///< when true, subdomains finish with what they have
+  NewsBoard* news = nullptr;                     ///< where subdomains tell how far they are; null: nowhere
 };
 
 /// One round of one subdomain, for the report.
@@ -63,6 +67,8 @@ class SubdomainTask {
   partition::Subdomain& subdomain() { return subdomain_; }
   const std::vector<ShiftRecord>& shifts() const { return shifts_; }
   const meshing::OperationCounts& counts() const { return counts_; }
+  /// How far it is, in words.
+  std::string describe() const;
 
   static dataflow::Blueprint<SubdomainTask> blueprint();
   /// A first guess of what a whole adaptation costs; the balancer corrects it. `tets`: of the result.
@@ -71,7 +77,7 @@ class SubdomainTask {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
-            counts_);
+            counts_, news_);
   }
 
   // The nodes.
@@ -93,6 +99,8 @@ class SubdomainTask {
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
   void adapt(dataflow::NodeContext& context, meshing::Extent extent,
              const meshing::BeforeLevel& before_level = {});
+  void count_what_is_left(dataflow::NodeContext& context);
+  void tell(const RankData& rank);
 
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
@@ -106,9 +114,13 @@ class SubdomainTask {
       kNever;  ///< a round that a neighbour has proposed while this one was in the last
   std::vector<ShiftRecord> shifts_;
   meshing::OperationCounts counts_;
+  SubdomainNews news_;
 };
 
 /// The object of a subdomain: made on its home rank, in the order of their ids.
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, partition::SubdomainId subdomain);
+/// The subdomain of an object; none for an object that is no subdomain.
+std::optional<partition::SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks,
+                                                   engine::ObjectId object);
 
 }  // namespace weft::graph::adaptation

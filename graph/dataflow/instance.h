@@ -36,6 +36,14 @@ class Instance {
     archive(state_, core_);
   }
 
+  /// For engine::Runtime::request_state(): what the state says of itself, if it has `std::string describe()
+  /// const`, and the events.
+  engine::ObjectState describe() const {
+    engine::ObjectState described{{}, core_.waits()};
+    if constexpr (requires { state_.describe(); }) described.what = state_.describe();
+    return described;
+  }
+
   State& state() { return state_; }
   const InstanceCore& core() const { return core_; }
 

@@ -143,12 +143,18 @@ void InstanceCore::count(std::string_view name, double amount) {
   if (recording_ == Recording::on) log_.count(name, amount);
 }
 
+std::vector<engine::NamedWait> InstanceCore::waits() const {
+  std::vector<engine::NamedWait> all;
+  for (const engine::EventWait& wait : events_.waits())
+    all.push_back({structure_.nodes()[wait.key.method].name, wait});
+  return all;
+}
+
 std::vector<std::string> InstanceCore::incomplete() const {
   std::vector<std::string> lines;
-  for (const engine::EventWait& wait : events_.waits()) {
+  for (const auto& [event, wait] : waits()) {
     if (!wait.declared) continue;
-    std::string line =
-        engine::text(structure_.nodes()[wait.key.method].name, " in round ", wait.key.round, " waits for");
+    std::string line = engine::text(event, " in round ", wait.key.round, " waits for");
     for (const engine::ObjectId id : wait.missing) line += engine::text(' ', id);
     lines.push_back(std::move(line));
   }

@@ -57,6 +57,22 @@ class Death(unittest.TestCase):
         errors, _ = self.end_of(run)
         self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
 
+    def test_sigusr1_shows_the_state_and_the_run_goes_on(self):
+        run = start(3, "last")
+        ids = processes_of(run, 3)
+        os.kill(ids[2], signal.SIGUSR1)  # one rank
+        lines = iter(run.stderr.readline, "")
+        self.assertRegex(next(lines), r"^state of rank 2 of 3, [0-9.]+ s into the run$")
+        self.assertRegex(next(lines), r"^  messages: 0 bytes to be sent, 0 received and not handled")
+        self.assertRegex(next(lines), r"^  load: 1 of 1 workers busy.*1 objects: 1 running")
+        self.assertRegex(next(lines), r"^  object 2.1: runs Victim::last for [0-9.]+ s$")
+        run.send_signal(signal.SIGUSR1)  # mpirun passes it on to all
+        shown = {re.match("state of rank ([0-9])", line)[1] for line in (next(lines) for _ in range(12)) if line[0] != " "}
+        self.assertEqual(shown, {"0", "1", "2"})
+        run.send_signal(signal.SIGTERM)
+        errors, _ = self.end_of(run)
+        self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
+
     def test_a_killed_rank_is_named(self):
         for victim in (1, 0):
             run = start(3, "last")

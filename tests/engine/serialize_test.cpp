@@ -27,24 +27,15 @@ namespace {
 constexpr std::size_t kLarge = Packer::kSegmentBytes / sizeof(double);
 
 template <class... Ts>
-Payload packed(Ts... values) {
+Payload packed_copies(Ts... values) {
   Packer packer;
   packer(values...);
   return packer.take();
 }
 
 template <class T>
-T unpacked(Payload payload) {
-  T value{};
-  Unpacker unpacker(std::move(payload));
-  unpacker(value);
-  unpacker.finish();
-  return value;
-}
-
-template <class T>
 T there_and_back(T value) {
-  return unpacked<T>(packed<T>(std::move(value)));
+  return unpacked<T>(packed_copies<T>(std::move(value)));
 }
 
 Payload copy_of(const Payload& payload) {
@@ -170,7 +161,7 @@ TEST(Serialize, WhatWasThereBeforeIsReplaced) {
   std::map<int, int> map = {{1, 1}};
   std::optional<int> maybe = 5;
   Unpacker unpacker(
-      packed(std::vector<std::string>{"new"}, std::map<int, int>{{2, 2}}, std::optional<int>()));
+      packed_copies(std::vector<std::string>{"new"}, std::map<int, int>{{2, 2}}, std::optional<int>()));
   unpacker(texts, map, maybe);
   EXPECT_EQ(texts, std::vector<std::string>{"new"});
   EXPECT_EQ(map, (std::map<int, int>{{2, 2}}));
@@ -225,8 +216,8 @@ TEST(Serialize, ViewsAndPointersAreNoPlainData) {
 }
 
 TEST(Serialize, LargeArraysBecomeSegmentsAndSmallOnesDoNot) {
-  EXPECT_EQ(packed(std::vector<double>(kLarge - 1)).segments.size(), 0u);
-  const Payload payload = packed(std::vector<double>(kLarge), std::vector<char>(3));
+  EXPECT_EQ(packed_copies(std::vector<double>(kLarge - 1)).segments.size(), 0u);
+  const Payload payload = packed_copies(std::vector<double>(kLarge), std::vector<char>(3));
   ASSERT_EQ(payload.segments.size(), 1u);
   EXPECT_EQ(payload.segments[0].size(), Packer::kSegmentBytes);
   EXPECT_EQ(payload.size(), payload.bytes.size() + Packer::kSegmentBytes);
@@ -279,7 +270,7 @@ TEST(Serialize, ABlobThatIsNotConsumedStays) {
 }
 
 TEST(Serialize, APayloadTravelsInAPayload) {
-  Payload inner = packed(std::vector<double>(kLarge, 3.0), std::string("text"));
+  Payload inner = packed_copies(std::vector<double>(kLarge, 3.0), std::string("text"));
   Packer packer(true);
   packer(inner);
   Payload back = unpacked<Payload>(packer.take());
@@ -294,10 +285,10 @@ TEST(Serialize, APayloadTravelsInAPayload) {
 
 TEST(Serialize, BytesAndSegmentsThatAreLeftAreFound) {
   std::int32_t number = 0;
-  Unpacker bytes(packed(std::int32_t{1}, std::int8_t{2}));
+  Unpacker bytes(packed_copies(std::int32_t{1}, std::int8_t{2}));
   bytes(number);
   EXPECT_THROW(bytes.finish(), UnpackError);
-  Payload payload = packed(std::int32_t{1});
+  Payload payload = packed_copies(std::int32_t{1});
   payload.segments.push_back(Blob::allocate(0));
   Unpacker segments(std::move(payload));
   segments(number);
@@ -305,7 +296,7 @@ TEST(Serialize, BytesAndSegmentsThatAreLeftAreFound) {
 }
 
 TEST(Serialize, AMessageThatIsCutAnywhereIsRefused) {
-  const Payload whole = packed(everything());
+  const Payload whole = packed_copies(everything());
   for (std::size_t size = 0; size < whole.bytes.size(); ++size) {
     Payload cut = copy_of(whole);
     cut.bytes.resize(size);
@@ -318,7 +309,7 @@ TEST(Serialize, AMessageThatIsCutAnywhereIsRefused) {
 }
 
 TEST(Serialize, ADamagedByteIsRefusedOrGivesAnotherValueButDoesNoHarm) {
-  const Payload whole = packed(everything());
+  const Payload whole = packed_copies(everything());
   for (std::size_t place = 0; place < whole.bytes.size(); ++place) {
     for (const unsigned char damage : {0x01, 0x80, 0xFF}) {
       Payload damaged = copy_of(whole);
@@ -334,7 +325,7 @@ TEST(Serialize, ADamagedByteIsRefusedOrGivesAnotherValueButDoesNoHarm) {
 TEST(Serialize, ImpossibleCountsAreRefusedBeforeAnythingIsAllocated) {
   for (const std::uint64_t count :
        {std::uint64_t{9}, std::uint64_t{1} << 40, std::uint64_t{1} << 61, ~std::uint64_t{0}}) {
-    const auto damaged = [&] { return packed(count, std::uint64_t{0}); };
+    const auto damaged = [&] { return packed_copies(count, std::uint64_t{0}); };
     EXPECT_THROW(unpacked<std::string>(damaged()), UnpackError) << count;
     EXPECT_THROW(unpacked<std::vector<double>>(damaged()), UnpackError) << count;
     EXPECT_THROW(unpacked<std::vector<bool>>(damaged()), UnpackError) << count;
@@ -347,21 +338,22 @@ TEST(Serialize, ImpossibleCountsAreRefusedBeforeAnythingIsAllocated) {
 
 TEST(Serialize, ALargeArrayMustHaveTheSizeThatItsCountSays) {
   for (const std::size_t size : {std::size_t{0}, Packer::kSegmentBytes - 1, Packer::kSegmentBytes + 8}) {
-    Payload payload = packed(std::uint64_t{kLarge});
+    Payload payload = packed_copies(std::uint64_t{kLarge});
     payload.segments.push_back(Blob::allocate(size));
     EXPECT_THROW(unpacked<std::vector<double>>(std::move(payload)), UnpackError) << size;
   }
-  EXPECT_THROW(unpacked<std::vector<double>>(packed(std::uint64_t{kLarge})), UnpackError);
+  EXPECT_THROW(unpacked<std::vector<double>>(packed_copies(std::uint64_t{kLarge})), UnpackError);
 }
 
 TEST(Serialize, BytesThatStandForNoValueAreRefused) {
-  EXPECT_THROW(unpacked<bool>(packed(std::uint8_t{2})), UnpackError);
-  EXPECT_THROW(unpacked<std::optional<int>>(packed(std::uint8_t{2}, 1)), UnpackError);
-  EXPECT_THROW(unpacked<std::unique_ptr<int>>(packed(std::uint8_t{2}, 1)), UnpackError);
-  EXPECT_THROW((unpacked<std::variant<int, double>>(packed(std::uint32_t{2}, 1.0))), UnpackError);
-  EXPECT_THROW((unpacked<std::array<bool, 2>>(packed(std::uint16_t{0x0100 + 2}))), UnpackError);
-  EXPECT_THROW((unpacked<std::vector<std::optional<int>>>(packed(std::uint64_t{1}, std::uint8_t{7}, 1))),
-               UnpackError);
+  EXPECT_THROW(unpacked<bool>(packed_copies(std::uint8_t{2})), UnpackError);
+  EXPECT_THROW(unpacked<std::optional<int>>(packed_copies(std::uint8_t{2}, 1)), UnpackError);
+  EXPECT_THROW(unpacked<std::unique_ptr<int>>(packed_copies(std::uint8_t{2}, 1)), UnpackError);
+  EXPECT_THROW((unpacked<std::variant<int, double>>(packed_copies(std::uint32_t{2}, 1.0))), UnpackError);
+  EXPECT_THROW((unpacked<std::array<bool, 2>>(packed_copies(std::uint16_t{0x0100 + 2}))), UnpackError);
+  EXPECT_THROW(
+      (unpacked<std::vector<std::optional<int>>>(packed_copies(std::uint64_t{1}, std::uint8_t{7}, 1))),
+      UnpackError);
 }
 
 }  // namespace

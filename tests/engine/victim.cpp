@@ -11,6 +11,7 @@
 
 #include "engine/launch.h"
 #include "engine/runtime.h"
+#include "engine/show_state_on_signal.h"
 #include "engine/stop_on_signal.h"
 
 using namespace weft::engine;
@@ -48,6 +49,7 @@ int main(int argc, char** argv) {
         .method<&Victim::take>("take");
     Runtime runtime(transport, registry, {.grace = std::chrono::seconds(2)});
     const StopOnSignal stop(runtime);
+    const ShowStateOnSignal show(runtime);
     runtime.run([&](Context& context) {
       const auto victim = context.create<Victim>();
       if (way == "deaf") {

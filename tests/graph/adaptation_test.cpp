@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <map>
@@ -41,6 +42,7 @@ struct Setting {
   engine::BalancerFactory balancer = engine::work_stealing();
   std::chrono::microseconds delay{0};
   std::atomic<bool>* interrupt = nullptr;
+  NewsBoard* news = nullptr;
 };
 
 MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
@@ -77,6 +79,7 @@ void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& s
   options.hausd = 0.002;
   options.threads = setting.threads;
   options.interrupt = setting.interrupt;
+  options.news = setting.news;
   DistributedResult result =
       adapt_distributed(runtime, peers, rank, slice_of(whole, peers.rank(), peers.ranks()), options);
   look({runtime, peers, result});
@@ -309,6 +312,48 @@ TEST_P(AdaptationOnRanks, ShiftsUntilNothingIsWanted) {
       EXPECT_EQ(rounds.rbegin()->second.wanted, 0u);
     });
   });
+}
+
+/// The news of a rank's subdomains against the pieces that it has in the end.
+void expect_all_at_rest(const std::vector<SubdomainNews>& news, const std::vector<MeshPiece>& pieces) {
+  EXPECT_EQ(news.size(), pieces.size());
+  for (const SubdomainNews& n : news) {
+    const auto piece = std::find_if(pieces.begin(), pieces.end(),
+                                    [&](const MeshPiece& p) { return p.subdomain == n.subdomain; });
+    ASSERT_NE(piece, pieces.end());
+    EXPECT_TRUE(n.rests);
+    EXPECT_EQ(n.left.tets, piece->mesh.tets.size());
+    EXPECT_GT(n.predicted_tets, 0);
+  }
+}
+
+TEST_P(AdaptationOnRanks, SubdomainsTellHowFarTheyAreAndChangeNothingByIt) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  const PieceBytes silent = on_one_rank(whole, Setting{});
+  on_ranks(GetParam(), [&](Transport& network) {
+    NewsBoard board;
+    Setting setting;
+    setting.balancer = engine::no_balancing();  // who rests may be moved, and tells nothing then
+    setting.news = &board;
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      expect_all_at_rest(board.take(), rank.result.pieces);
+      const PieceBytes all = gather_bytes(rank.peers, rank.result.pieces);
+      EXPECT_TRUE(rank.peers.rank() > 0 || all == silent);
+    });
+  });
+}
+
+TEST(SubdomainOf, IsTheInverseOfObjectOf) {
+  AdaptationPlan plan;
+  plan.subdomains = 11;
+  plan.first_object = 2;
+  for (const int ranks : {1, 2, 3, 8, 20}) {
+    for (SubdomainId s = 0; s < plan.subdomains; ++s)
+      EXPECT_EQ(subdomain_of(plan, ranks, object_of(plan, ranks, s).id), s) << ranks;
+    EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 1})) << "a mailbox";
+    EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 20})) << "beyond them all";
+  }
+  EXPECT_FALSE(subdomain_of(AdaptationPlan{}, 1, {engine::Rank(0), 1})) << "there is no plan yet";
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST(Graphml, TypesEveryAttribute) {
   EXPECT_EQ(types["round"], "long");
   EXPECT_EQ(types["subdomain"], "long");
   EXPECT_EQ(types["label"], "string");
-  EXPECT_EQ(types["tets"], "double");
+  EXPECT_EQ(types["tets, interior"], "double");
 }
 
 TEST(Dot, QuotesNamesAndMarksTheCriticalPath) {

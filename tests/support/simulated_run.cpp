@@ -1,6 +1,7 @@
 #include "tests/support/simulated_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <queue>
 #include <random>
@@ -62,6 +63,7 @@ class Simulation {
   void schedule(std::uint32_t subdomain, NodeIndex node, std::uint64_t round, std::int64_t ready);
   void handle(const Handler& handler);
   void node(NodeIndex index, std::uint64_t round, std::int64_t seconds);
+  void count_what_is_left(int step);
   void pass(NodeIndex from, NodeIndex to, std::uint64_t round);
   void send_to_neighbours(NodeIndex from, NodeIndex to, std::uint64_t round, std::uint64_t bytes);
   void arrive(std::uint32_t subdomain, NodeIndex event, std::uint64_t round, std::int64_t time,
@@ -145,9 +147,23 @@ void Simulation::node(NodeIndex index, std::uint64_t round, std::int64_t duratio
   if (arrivals != arrived_.end()) run.bytes_received = arrivals->second.bytes;
   run.first_counter = static_cast<std::uint32_t>(run_.log.counters.size());
   run_.log.runs.push_back(run);
-  if (index == name_.interior || index == name_.shifted) run_.log.count("tets", 40'000 * size_[subdomain_]);
+  if (index == name_.interior || index == name_.shifted)
+    count_what_is_left(index == name_.interior ? 0 : static_cast<int>(round) + 1);
   if (index == name_.propose) run_.log.count("vertices wanted", static_cast<double>(4'000 >> (2 * round)));
   if (index == name_.gather) run_.log.count("tets sent", static_cast<double>(9'000 >> round));
+}
+
+/// The names of subdomain_task.cpp. The interior is soon right, the interface later.
+void Simulation::count_what_is_left(int step) {
+  const double tets = 40'000 * size_[subdomain_];
+  const auto count = [&](const char* what, double in_interior, double at_interface) {
+    run_.log.count(std::string(what) + ", interior", std::floor(in_interior));
+    run_.log.count(std::string(what) + ", interface", std::floor(at_interface));
+  };
+  count("tets", 0.7 * tets, 0.3 * tets);
+  count("poor tets", 1e-5 * tets, 1e-2 * tets / (1 << 2 * step));
+  count("long edges", 1e-2 * tets, 3e-2 * tets / (1 << step));
+  count("short edges", 1e-3 * tets, 1e-2 * tets / (1 << step));
 }
 
 void Simulation::pass(NodeIndex from, NodeIndex to, std::uint64_t round) {

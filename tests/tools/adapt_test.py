@@ -162,7 +162,13 @@ class Report(CommandTest):
 
 class Interrupt(CommandTest):
     def interrupted(self, number):
-        """Sends a signal in the midst of a long adaptation."""
+        """Sends a signal in the midst of a long adaptation; returns the exit code and what was printed."""
+        process = self.long_adaptation()
+        process.send_signal(number)
+        out, _ = process.communicate(timeout=120)
+        return process.returncode, out
+
+    def long_adaptation(self):
         self.box(8)
         command = [str(WEFT), "adapt", "box.meshb", "--metric-fn", "polar-2", "--complexity", "400000", "-o", "out.meshb",
                    "--report", "r", "--progress", "plain"]
@@ -170,9 +176,16 @@ class Interrupt(CommandTest):
         self.addCleanup(process.kill)
         process.stderr.readline()  # the first stage has begun: signals are caught
         time.sleep(1.5)
-        process.send_signal(number)
-        out, _ = process.communicate(timeout=120)
-        return process.returncode, out
+        return process
+
+    def test_sigusr1_asks_for_a_line_and_ends_nothing(self):
+        process = self.long_adaptation()
+        process.send_signal(signal.SIGUSR1)
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 1, errors)
+        self.assertRegex(errors, r"weft: .* %, [\d,]+ tets, ")
 
     def test_ends_with_a_valid_mesh_and_code_1(self):
         for number in (signal.SIGINT, signal.SIGTERM):

@@ -97,6 +97,10 @@ class Browser:
             answer = self.receive()
             if "method" in answer:
                 self.note(answer)
+        self.run("""new Promise((done) => {
+            const look = () => ("ready" in document.documentElement.dataset ? done() : setTimeout(look, 5));
+            look();
+        })""")
         self.settle()
         return time.monotonic() - begin
 

@@ -199,9 +199,33 @@ class Runs(SampleTest):
         self.assertGreater(profile["memory"][0]["bytes"][-1], 1e6)
         self.assertEqual({layer["axis"] for layer in profile["mesh"]["layers"]}, {-1, 0, 1, 2})
         self.assertIn("digraph", (self.folder / "graph.dot").read_text())
+        self.assertIn("digraph", (self.folder / "graph-planned.dot").read_text())
+        self.check_what_is_left(profile)
         events = json.loads((self.folder / "trace.json").read_text())["traceEvents"]
         handlers = {e["name"] for e in events if e["ph"] == "X"}
         self.assertIn("subdomain::gather", handlers)
+
+    def check_what_is_left(self, profile):
+        """After the last step nothing is counted that the measures of the result do not know of."""
+        last, after = profile["left"][-1], profile["report"]["after"]
+        self.assertEqual(profile["left"][0]["subdomains"], 6)
+        self.assertEqual(last["interior"]["tets"] + last["interface"]["tets"], after["tets"])
+        long = last["interior"]["long edges"] + last["interface"]["long edges"]
+        self.assertAlmostEqual(long, after["edge_length"]["share_long"] * after["edges"], delta=0.02 * after["edges"])
+
+    def test_the_planned_graph_is_what_the_executed_one_was_allowed_to_do(self):
+        self.adapt("--subdomains", 6, "--graph", "run.json")
+        planned, executed = (json.loads((self.folder / name).read_text()) for name in ("run-planned.json", "run.json"))
+        jsonschema.validate(planned, schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual(planned["graph"], executed["graph"])
+        self.assertEqual([i["number"] for i in planned["instances"]], list(range(6)))
+        self.assertEqual(planned["runs"]["node"], [])
+        links = [set(zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"])) for g in (planned, executed)]
+        # First neighbours exchange what they have made of their interface; later ones meet by shifts.
+        registered = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == "refine interface -> register interface")
+        self.assertEqual(*({link for link in some if link[2] == registered} for some in links))
+        self.assertTrue(links[0])
+        self.weft("graph", "run-planned.json", "-o", "plan.svg")
 
     def test_a_run_of_the_whole_mesh_leaves_a_page_too(self):
         self.adapt("--report", "report")

@@ -127,6 +127,32 @@ class Views(PageTest):
             for name, value in entry["counters"].items():
                 self.assert_shows(f"round.{entry['round']}.{name}", value)
 
+    def test_convergence_shows_what_is_wrong_after_each_step(self):
+        self.show("convergence")
+        self.assertGreater(len(self.profile["left"]), 2)
+        for entry in self.profile["left"]:
+            for part in ("interior", "interface"):
+                for name, value in entry[part].items():
+                    self.assert_shows(f"left.{entry['step']}.{part}.{name}", value)
+
+    def test_published_histograms_and_means_are_beside_ones_own(self):
+        self.show("quality")
+        labels = self.browser.run("weft.charts.filter(c => c.canvas.closest('#view-quality')).map(c => c.chart.data.datasets.map(d => d.label))")
+        self.assertEqual(len(labels), 2)
+        for program in ("CDT3D", "refine", "feflo.a"):
+            for chart in labels:
+                self.assertTrue(any(label.startswith(program + ", ") for label in chart), (program, chart))
+        self.assertTrue(any(label.startswith("mean of Mmg") for label in labels[0]), labels[0])
+        # A curve is as high as the histogram would be: its share in a bin adds up to all tets.
+        drawn = self.browser.run("weft.charts.find(c => c.canvas.closest('#view-quality')).chart.data.datasets.find(d => d.label === 'refine, 1 core').data")
+        curve = next(c for c in self.profile["published_curves"] if (c["program"], c["cores"], c["measure"]) == ("refine", 1, "mean_ratio"))
+        widths = [b - a for a, b in zip(curve["edges"], curve["edges"][1:])]
+        bins = len(self.profile["report"]["after"]["quality"]["histogram"]["counts"])
+        self.assertAlmostEqual(sum(p["y"] * w * bins for p, w in zip(drawn, widths)), 100, delta=0.5)
+
+    def test_page_holds_the_document(self):
+        self.assertEqual(self.browser.run("weft.data"), self.profile)
+
     def test_quality_before_and_after(self):
         self.show("quality")
         for when in ("before", "after"):
@@ -286,6 +312,7 @@ class Sizes(unittest.TestCase):
     def test_256_ranks_and_100000_tasks_are_added_up(self):
         sample = Sample(2400, 256, 4, 8, 6)
         self.assertGreater(len(sample.profile["graph"]["runs"]["node"]), 100000)
+        self.assertLess(sample.page.stat().st_size, 10e6)
         browser = self.browse(sample)
         browser.run("document.getElementById('tab-timeline').click()")
         browser.settle()

@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import signal
 import subprocess
 import unittest
 
@@ -129,6 +131,59 @@ class Results(Subdomains):
             self.assertEqual(set(shift), {"shift", "vertices_wanted", "tets_moved", "receivers", "vertices_freed"})
             self.assertEqual(shift["shift"], number)
         self.assertGreater(shifts[0]["tets_moved"], 0)
+
+
+class LookingOn(Subdomains):
+    """What a run tells while it works."""
+
+    def long_run(self, ranks, *words):
+        """A run of some seconds that is under way; its lines on stderr come as they are written."""
+        self.box(4)
+        run = subprocess.Popen([*MPIRUN, "-n", str(ranks), str(WEFT), "adapt", "box.meshb", "--metric-fn", "uniform:0.025",
+                                "--subdomains", "12", "--threads", "1", "-o", "out.meshb", *words], cwd=self.folder,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(run.stdout.close), self.addCleanup(run.stderr.close), self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        return run
+
+    def test_progress_tells_what_is_done_and_what_is_left(self):
+        errors = self.long_run(2, "--progress", "plain").communicate(timeout=SECONDS)[1]
+        lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
+        about = [line for line in lines if re.match(
+            r"weft: (interior|shift \d of at most 8): \d+ of 12 subdomains( \(\d+ at rest\))?, "
+            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all at most [\dmins ]+))"
+            r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
+        self.assertTrue(about, errors)
+        self.assertEqual(len(about), sum("subdomains" in line for line in lines), errors)
+        self.assertTrue(any("wrong as yet" in line for line in about), errors)
+
+    def test_progress_changes_nothing(self):
+        self.box(4)
+        words = ("box.meshb", "--metric-fn", "uniform:0.1", "--subdomains", 6, "--threads", 1)
+        self.run_on(0, *words, "-o", "out.meshb", "--quiet")
+        quiet = self.bytes_of("out.meshb", "out.solb")
+        for ranks in (0, 3):
+            self.run_on(ranks, *words, "-o", "out.meshb", "--progress", "plain")
+            self.assertEqual(self.bytes_of("out.meshb", "out.solb"), quiet)
+
+    def test_none_says_nothing(self):
+        self.assertEqual(self.long_run(2, "--progress", "none").communicate(timeout=SECONDS)[1], "")
+
+    def test_sigusr1_shows_the_state_of_all_ranks_and_the_run_ends_well(self):
+        run = self.long_run(2, "--progress", "plain")
+        for line in run.stderr:  # the subdomains are at work
+            if re.match("weft: (interior|shift)", line):
+                break
+        run.send_signal(signal.SIGUSR1)  # mpirun passes it on
+        errors = run.communicate(timeout=SECONDS)[1]
+        self.assertEqual(run.returncode, 0, errors)
+        for rank in (0, 1):
+            self.assertRegex(errors, rf"(?m)^weft: state of rank {rank} of 2, [\d.]+ s into the run$")
+        self.assertEqual(len(re.findall(r"(?m)^  load: [01] of 1 workers busy", errors)), 2, errors)
+        self.assertEqual(len(re.findall(r"(?m)^  messages: \d+ bytes to be sent", errors)), 2, errors)
+        subdomains = set(map(int, re.findall(r"(?m)^  subdomain (\d+): ", errors)))
+        self.assertGreaterEqual(len(subdomains), 10, errors)  # one may be on its way from rank to rank
+        self.assertRegex(errors, r"(?m)^  subdomain \d+: runs subdomain::\S[^,]* for [\d.]+ s$")
 
 
 class Failures(Subdomains):

@@ -25,6 +25,7 @@ inline constexpr std::array<std::string_view, 10> kOperations = {"interior adapt
                                                                  "misc",
                                                                  "idle"};
 using OperationIndex = std::size_t;
+inline constexpr OperationIndex kInteriorAdaptation = 0, kShiftedAdaptation = 1;
 inline constexpr OperationIndex kConversion = 7, kMisc = 8, kIdle = 9;
 
 /// Seconds of workers by operation.

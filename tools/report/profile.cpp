@@ -2,9 +2,11 @@
 #include "tools/report/profile.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "graph/dataflow/critical_path.h"
@@ -112,24 +114,78 @@ Json critical_path_json(const GraphDump& graph) {
           {"by_operation", parts}};
 }
 
-/// What the nodes have counted, by round: of each subdomain the last value, as several of its nodes may count
-/// the same.
+/// The counters of the nodes that adapt which say how much is left to do, not how much was done.
+constexpr std::array<const char*, 4> kLeft = {"tets", "poor tets", "long edges", "short edges"};
+constexpr std::array<const char*, 2> kParts = {"interior", "interface"};
+std::string left_name(const char* what, const char* part) { return std::string(what) + ", " + part; }
+
+bool says_what_is_left(const std::string& counter) {
+  for (const char* what : kLeft)
+    for (const char* part : kParts)
+      if (counter == left_name(what, part)) return true;
+  return false;
+}
+
+/// What the nodes have done, by round.
 Json convergence_json(const GraphDump& graph) {
-  using Key = std::pair<graph::dataflow::InstanceIndex, std::size_t>;
-  std::map<std::uint64_t, std::map<Key, double>> last;
-  std::map<std::uint64_t, double> spent;
+  struct Round {
+    std::vector<double> counters;
+    double seconds = 0;
+  };
+  std::map<std::uint64_t, Round> rounds;
   for (const DumpedRun& run : graph.runs) {
-    for (std::size_t c = 0; c < run.counters.size(); ++c)
-      if (run.counters[c] != 0) last[run.round][{run.instance, c}] = run.counters[c];
-    spent[run.round] += seconds(run.end - run.begin);
+    Round& round = rounds[run.round];
+    round.counters.resize(graph.counter_names.size());
+    round.seconds += seconds(run.end - run.begin);
+    for (std::size_t c = 0; c < run.counters.size(); ++c) round.counters[c] += run.counters[c];
   }
   Json list = Json::array();
-  for (const auto& [round, time] : spent) {
-    std::vector<double> sums(graph.counter_names.size());
-    for (const auto& [key, value] : last[round]) sums[key.second] += value;
+  for (const auto& [number, round] : rounds) {
     Json counters = Json::object();
-    for (std::size_t c = 0; c < sums.size(); ++c) counters[graph.counter_names[c]] = sums[c];
-    list.push_back({{"round", round}, {"seconds", time}, {"counters", counters}});
+    for (std::size_t c = 0; c < round.counters.size(); ++c)
+      if (!says_what_is_left(graph.counter_names[c])) counters[graph.counter_names[c]] = round.counters[c];
+    list.push_back({{"round", number}, {"seconds", round.seconds}, {"counters", counters}});
+  }
+  return list;
+}
+
+/// 0 for a node that adapts the interior, r + 1 for one that adapts in round r of the shifts; else empty.
+std::optional<std::uint64_t> step_of(const GraphDump& graph, const DumpedRun& run) {
+  const OperationIndex operation = operation_of_node(graph.description.nodes[run.node].name);
+  if (operation == kInteriorAdaptation) return 0;
+  if (operation == kShiftedAdaptation) return run.round + 1;
+  return {};
+}
+
+Json sums_left_json(const GraphDump& graph, const std::vector<std::vector<double>>& latest,
+                    const char* part) {
+  Json json = Json::object();
+  for (const char* what : kLeft) {
+    const auto name =
+        std::find(graph.counter_names.begin(), graph.counter_names.end(), left_name(what, part));
+    const auto place = static_cast<std::size_t>(name - graph.counter_names.begin());
+    double sum = 0;
+    for (const std::vector<double>& counters : latest) sum += place < counters.size() ? counters[place] : 0;
+    json[what] = sum;
+  }
+  return json;
+}
+
+/// What is wrong in the whole mesh after each step: what a subdomain has counted last holds until it counts
+/// again.
+Json left_json(const GraphDump& graph) {
+  std::map<std::uint64_t, std::vector<const DumpedRun*>> by_step;
+  for (const DumpedRun& run : graph.runs)
+    if (const auto step = step_of(graph, run)) by_step[*step].push_back(&run);
+  if (std::none_of(graph.counter_names.begin(), graph.counter_names.end(), says_what_is_left))
+    by_step.clear();
+  Json list = Json::array();
+  std::vector<std::vector<double>> latest(graph.instances.size());
+  for (const auto& [step, runs] : by_step) {
+    for (const DumpedRun* run : runs) latest[run->instance] = run->counters;
+    Json entry = {{"step", step}, {"subdomains", runs.size()}};
+    for (const char* part : kParts) entry[part] = sums_left_json(graph, latest, part);
+    list.push_back(entry);
   }
   return list;
 }
@@ -175,6 +231,7 @@ void put_graph(const ProfileInput& input, const ProfileOptions& options, Json& j
   json["waiting"] = waiting_json(graph, options);
   json["critical_path"] = critical_path_json(graph);
   json["convergence"] = convergence_json(graph);
+  json["left"] = left_json(graph);
   if (graph.runs.size() > options.most_runs) return;
   const GraphDump shown = limited(graph, options);
   json["graph"] = graph::dataflow::json_of(shown);
@@ -244,6 +301,18 @@ Json published_json(const std::string& case_name) {
   return list;
 }
 
+Json published_curves_json(const std::string& case_name) {
+  Json list = Json::array();
+  for (const PublishedCurve& curve : published_curves(case_name)) {
+    list.push_back({{"program", curve.program},
+                    {"cores", curve.cores},
+                    {"measure", curve.measure},
+                    {"edges", curve.edges},
+                    {"densities", curve.densities}});
+  }
+  return list;
+}
+
 }  // namespace
 
 Json profile_json(const ProfileInput& input, const ProfileOptions& options) {
@@ -258,6 +327,7 @@ Json profile_json(const ProfileInput& input, const ProfileOptions& options) {
                {"waiting", nullptr},
                {"critical_path", nullptr},
                {"convergence", Json::array()},
+               {"left", Json::array()},
                {"graph", nullptr},
                {"uses_left_out", 0},
                {"operation_of_node", Json::array()},
@@ -265,6 +335,7 @@ Json profile_json(const ProfileInput& input, const ProfileOptions& options) {
                {"memory", memory_json(input.memory)},
                {"hardware", hardware_json(input.hardware)},
                {"published", published_json(input.case_name)},
+               {"published_curves", published_curves_json(input.case_name)},
                {"mesh", input.mesh.layers.empty() ? Json() : json_of(input.mesh, input.box)}};
   const GraphDump none;
   if (input.engine != nullptr) {

@@ -1,7 +1,10 @@
 #include "tools/report/published.h"
 
 #include <array>
+#include <sstream>
 #include <utility>
+
+#include "tools/report/assets.h"
 
 namespace weft::report {
 namespace {
@@ -42,7 +45,30 @@ constexpr PublishedRun kDelta500[] = {
 constexpr std::array<std::pair<std::string_view, std::span<const PublishedRun>>, 3> kCases = {
     {{"cube-polar2-50000", kCube50}, {"cube-polar2-500000", kCube500}, {"delta-wing-500000", kDelta500}}};
 
+std::vector<double> numbers(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<double> all;
+  for (double x; in >> x;) all.push_back(x);
+  return all;
+}
+
 }  // namespace
+
+std::vector<PublishedCurve> published_curves(std::string_view case_name) {
+  std::istringstream file{std::string(asset("published_curves.csv"))};
+  std::vector<PublishedCurve> curves;
+  std::string line;
+  for (int head = 0; head < 2; ++head) std::getline(file, line);  // the source, the names of the columns
+  while (std::getline(file, line)) {
+    std::istringstream row(line);
+    std::array<std::string, 6> columns;
+    for (std::string& column : columns) std::getline(row, column, ',');
+    const auto& [name, program, cores, measure, edges, densities] = columns;
+    if (name == case_name)
+      curves.push_back({program, std::stoi(cores), measure, numbers(edges), numbers(densities)});
+  }
+  return curves;
+}
 
 std::vector<std::string_view> published_cases() {
   std::vector<std::string_view> names;

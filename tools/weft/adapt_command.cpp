@@ -104,7 +104,8 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::IsMember(cases).description(""))
       ->needs("--report")
       ->group(kGroup);
-  sub.add_option("--graph", command.graph, "the executed task graph: .json, .dot, .graphml or .svg")
+  sub.add_option("--graph", command.graph,
+                 "the executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);

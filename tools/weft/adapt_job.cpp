@@ -124,6 +124,7 @@ class AdaptJob {
     options.interrupt = interrupt_.flag();
     options.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       progress_.update(stage, done, tets);
+      if (state_request_.take()) progress_.say(stage, done, tets);
     };
     meshing::AdaptResult result = naming(request_.input, [&] {
       return meshing::adapt(input_, {&background(), &field_}, options);
@@ -187,6 +188,7 @@ class AdaptJob {
 
   const AdaptRequest& request_;
   InterruptGuard interrupt_;
+  StateRequest state_request_;
   Progress progress_;
   Stopwatch total_, watch_;
   AdaptRun run_;

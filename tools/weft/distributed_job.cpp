@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 
 #include "engine/launch.h"
 #include "engine/mpi_transport.h"
+#include "engine/show_state_on_signal.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
@@ -49,14 +51,21 @@ class DistributedJob {
  public:
   DistributedJob(const AdaptRequest& request, const SubdomainRequest& subdomains,
                  engine::Transport& transport)
-      : request_(request), subdomains_(subdomains) {
+      : request_(request), subdomains_(subdomains), progress_(style_on(transport, request)) {
     graph::adaptation::register_adaptation(registry_);
     engine::RuntimeOptions options;
     options.threads = request.options.threads;
     options.balancer = engine::balancer_by_name(subdomains.balancer);
     options.local = &rank_;
     options.trace.spans = keeps_record();
+    if (request.progress != ProgressStyle::none) options.bulletins = bulletins();
+    options.name_of = [this](engine::ObjectId id) { return name_of(id); };
+    options.on_state = [this](const std::string& text) {
+      progress_.finish();
+      engine::print_state("weft: " + text);
+    };
     runtime_.emplace(transport, registry_, options);
+    show_state_.emplace(*runtime_);
     peers_.emplace(*runtime_);
     if (keeps_record()) memory_.emplace(transport.rank().value);
   }
@@ -78,17 +87,45 @@ class DistributedJob {
   bool first() const { return runtime_->rank().value == 0; }
 
  private:
+  static ProgressStyle style_on(const engine::Transport& transport, const AdaptRequest& request) {
+    return transport.rank().value == 0 ? request.progress : ProgressStyle::none;
+  }
+
+  /// The subdomains' news go to rank 0 twice a second.
+  engine::Bulletins bulletins() {
+    return {
+        std::chrono::milliseconds(500),
+        [this] {
+          const auto news = news_.take();
+          return news.empty() ? engine::Payload{} : engine::packed(news);
+        },
+        [this](engine::Rank, engine::Payload payload) {
+          if (!table_) return;  // a run before or after that of the adaptation
+          if (payload.size() > 0)
+            table_->hear(engine::unpacked<std::vector<graph::adaptation::SubdomainNews>>(std::move(payload)));
+          progress_.update(table_->at(engine::now()));
+        }};
+  }
+
+  std::string name_of(engine::ObjectId id) const {
+    const auto subdomain = subdomain_of(rank_.plan, runtime_->ranks(), id);
+    return subdomain ? fmt::format("subdomain {}", *subdomain)
+                     : fmt::format("mailbox of rank {}", id.home.value);
+  }
+
   void check_outputs() {
     check_writable(run_.outputs.mesh);
     if (fs::path(run_.outputs.mesh).extension() != ".pvtu") check_writable(run_.outputs.solution);
     for (const std::string& path : {request_.graph, request_.trace})
       if (!path.empty()) check_writable(path);
+    if (!request_.graph.empty()) check_writable(planned_path(request_.graph));
     if (request_.report.empty()) return;
     make_folder(request_.report);
     check_writable(run_.report_path);
   }
 
   SliceInput read() {
+    progress_.update("reading", 0, 0);
     SliceInput input = read_slice(*peers_, request_);
     run_.warnings = input.warnings;
     run_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.boundary.triangles.size(),
@@ -128,9 +165,15 @@ class DistributedJob {
     options.hausd = request_.options.hausd;
     options.threads = request_.options.threads;
     options.interrupt = interrupt_.flag();
+    if (request_.progress != ProgressStyle::none) options.news = &news_;
+    options.on_start = [&] {
+      if (first()) table_.emplace(options.decomposition.num_subdomains, options.most_shifts, engine::now());
+    };
+    progress_.update("decomposition", 0, run_.input_counts.tets);
     result_ = naming(request_.input, [&] {
       return adapt_distributed(*runtime_, *peers_, rank_, std::move(input.slice), options);
     });
+    table_.reset();
     run_.warnings.insert(run_.warnings.end(), result_.warnings.begin(), result_.warnings.end());
     run_.target_complexity = rank_.plan.expected_complexity;
     run_.times.metric = result_.decomposition_seconds;
@@ -148,6 +191,8 @@ class DistributedJob {
     const engine::TimePoint clock_offset = keeps_record() ? runtime_->timeline().clock_offset : 0;
     std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
     if (keeps_record()) gather_runs(*dataflow_exchange_, log, clock_offset, rank_.plan, record_);
+    if (!request_.graph.empty())
+      gather_plan(*dataflow_exchange_, std::move(result_.planned), rank_.plan, record_);
     std::vector<graph::adaptation::ShiftRecord> mine;
     for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
     std::vector<graph::adaptation::ShiftRecord> all;
@@ -171,6 +216,7 @@ class DistributedJob {
   }
 
   void measure() {
+    progress_.update("measuring", 1, 0);
     if (!request_.report.empty()) gather_view(*dataflow_exchange_, *peers_, result_.pieces, record_);
     run_.after = partition::measure_pieces(*peers_, result_.pieces);
     account_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
@@ -180,6 +226,7 @@ class DistributedJob {
   }
 
   void write() {
+    progress_.update("writing", 1, run_.output_counts.tets);
     const fs::path mesh = run_.outputs.mesh;
     if (mesh.extension() == ".pvtu" && !request_.fields.given()) {
       partition::write_pieces_as_vtu(*peers_, result_.pieces, mesh);
@@ -215,6 +262,7 @@ class DistributedJob {
   }
 
   int finish() {
+    progress_.finish();
     run_.times.total = total_.lap();
     run_.peak_memory = peak_memory_bytes();
     int code = run_.missed.empty() ? kDone : kGoalNotMet;
@@ -231,7 +279,10 @@ class DistributedJob {
   }
 
   void write_accounts() {
-    if (!request_.graph.empty()) write_graph(request_.graph, record_.graph);
+    if (!request_.graph.empty()) {
+      write_graph(request_.graph, record_.graph);
+      write_planned_graph(planned_path(request_.graph), record_.planned);
+    }
     if (!request_.trace.empty()) write_trace(request_.trace, record_.timelines);
     if (run_.report_path.empty()) return;
     write_text(run_.report_path, json_of(run_).dump(1) + "\n");
@@ -241,10 +292,14 @@ class DistributedJob {
   const AdaptRequest& request_;
   const SubdomainRequest& subdomains_;
   InterruptGuard interrupt_;
+  Progress progress_;
+  graph::adaptation::NewsBoard news_;
+  std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
   Stopwatch total_, watch_;
   RankData rank_;
   engine::Registry registry_;
   std::optional<engine::Runtime> runtime_;
+  std::optional<engine::ShowStateOnSignal> show_state_;
   std::optional<EnginePeers> peers_;
   std::optional<graph::dataflow::RankExchange> dataflow_exchange_;
   DistributedResult result_;

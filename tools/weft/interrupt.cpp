@@ -1,4 +1,5 @@
-// The signal handler; the flag is the one global of the command, because a handler can reach nothing else.
+// The signal handlers; their flags are the only globals of the command, because a handler can reach nothing
+// else.
 #include "tools/weft/interrupt.h"
 
 #include <csignal>
@@ -9,7 +10,10 @@ namespace {
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
+std::atomic<bool> state_wanted = false;
+
 extern "C" void request_end(int) { interrupted.store(true); }
+extern "C" void request_state(int) { state_wanted.store(true); }
 
 void install(void (*handler)(int)) {
   struct sigaction action {};
@@ -30,5 +34,17 @@ InterruptGuard::InterruptGuard() {
 InterruptGuard::~InterruptGuard() { install(SIG_DFL); }
 
 const std::atomic<bool>* InterruptGuard::flag() const { return &interrupted; }
+
+StateRequest::StateRequest() {
+  struct sigaction action {};
+  action.sa_handler = request_state;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+StateRequest::~StateRequest() { std::signal(SIGUSR1, SIG_DFL); }
+
+bool StateRequest::take() { return state_wanted.exchange(false); }
 
 }  // namespace weft::tools

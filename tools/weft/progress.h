@@ -5,9 +5,15 @@
 #include <cstdint>
 #include <string>
 
+#include "graph/adaptation/progress.h"
+
 namespace weft::tools {
 
 enum class ProgressStyle { automatic, plain, none };
+
+/// "shift 2 of at most 8: 100 of 128 subdomains, ...": what a run in subdomains has done, what is wrong as
+/// yet, and how long it takes, as far as that can be told.
+std::string text_of(const graph::adaptation::RunProgress& progress);
 
 class Progress {
  public:
@@ -18,6 +24,10 @@ class Progress {
 
   /// Share done in [0, 1], tets now (0: not known). Prints at most one plain line in two seconds.
   void update(const std::string& stage, double done, std::uint64_t tets);
+  /// The same for a run in subdomains.
+  void update(const graph::adaptation::RunProgress& progress);
+  /// A line at once, whatever the style.
+  void say(const std::string& stage, double done, std::uint64_t tets);
   /// Takes the bar off the terminal, so that the summary starts on a clean line.
   void finish();
 
@@ -28,6 +38,7 @@ class Progress {
   double seconds() const;
   void draw_bar(const std::string& stage, double done, std::uint64_t tets);
   void print_line(const std::string& stage, double done, std::uint64_t tets);
+  bool line_is_due();
 
   Form form_;
   Clock::time_point start_ = Clock::now();

@@ -1,6 +1,7 @@
 #include "tools/weft/run_record.h"
 
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -20,21 +21,18 @@ namespace {
 namespace fs = std::filesystem;
 using graph::dataflow::RankExchange;
 
+/// Vertices of a drawing; more are collapsed.
+constexpr std::size_t kMostDrawn = 500;
+
 /// The values of all ranks at rank 0, in their order; none elsewhere.
 template <class T>
 std::vector<T> gather(RankExchange& exchange, T mine) {
   std::vector<engine::Payload> to_each(static_cast<std::size_t>(exchange.runtime().ranks()));
-  engine::Packer packer(true);
-  packer(mine);
-  to_each[0] = packer.take();
+  to_each[0] = engine::packed(std::move(mine));
   std::vector<engine::Payload> arrived = exchange.exchange(std::move(to_each));
   std::vector<T> all;
   if (exchange.runtime().rank().value != 0) return all;
-  for (engine::Payload& payload : arrived) {
-    engine::Unpacker unpacker(std::move(payload));
-    unpacker(all.emplace_back());
-    unpacker.finish();
-  }
+  for (engine::Payload& payload : arrived) all.push_back(engine::unpacked<T>(std::move(payload)));
   return all;
 }
 
@@ -73,6 +71,30 @@ void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& lo
     timeline.clock_offset = offsets[timeline.rank.index()];
   record.graph = executed_graph(log, plan, runtime.ranks());
   record.start = graph::dataflow::start_of(log);
+}
+
+graph::dataflow::GraphDump planned_graph(const std::vector<graph::adaptation::Neighbours>& neighbours,
+                                         const graph::adaptation::AdaptationPlan& plan, int ranks) {
+  std::vector<graph::dataflow::DumpedInstance> instances;
+  for (partition::SubdomainId s = 0; s < plan.subdomains; ++s) {
+    const engine::ObjectId object = graph::adaptation::object_of(plan, ranks, s).id;
+    instances.push_back({s, object, object.home});
+  }
+  std::vector<std::pair<graph::dataflow::InstanceIndex, graph::dataflow::InstanceIndex>> pairs;
+  for (const graph::adaptation::Neighbours& n : neighbours)
+    for (const partition::SubdomainId other : n.others) pairs.emplace_back(n.subdomain, other);
+  return graph::dataflow::planned_dump(
+      graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description(), std::move(instances),
+      pairs);
+}
+
+void gather_plan(RankExchange& exchange, std::vector<graph::adaptation::Neighbours> mine,
+                 const graph::adaptation::AdaptationPlan& plan, RunRecord& record) {
+  std::vector<graph::adaptation::Neighbours> all;
+  for (auto& part : gather(exchange, std::move(mine)))
+    all.insert(all.end(), std::make_move_iterator(part.begin()), std::make_move_iterator(part.end()));
+  if (exchange.runtime().rank().value == 0)
+    record.planned = planned_graph(all, plan, exchange.runtime().ranks());
 }
 
 void gather_machines(RankExchange& exchange, report::MemorySamples memory, RunRecord& record) {
@@ -127,11 +149,24 @@ void write_record(const AdaptRun& run, const RunRecord& record, const std::strin
 
 void write_graph(const std::string& path, const graph::dataflow::GraphDump& graph) {
   using graph::dataflow::Collapse;
-  constexpr std::size_t kMostRuns = 500;
   const GraphFormat format = graph_format(path).value_or(GraphFormat::json);
   const bool drawn = format == GraphFormat::dot || format == GraphFormat::svg;
-  const bool many = graph.runs.size() > kMostRuns;
+  const bool many = graph.runs.size() > kMostDrawn;
   write_text(path, graph_text(graph, format, drawn && many ? Collapse::rounds : Collapse::none));
+}
+
+std::string planned_path(const std::string& graph_path) {
+  const fs::path path = graph_path;
+  return (path.parent_path() / (path.stem().string() + "-planned" + path.extension().string())).string();
+}
+
+void write_planned_graph(const std::string& path, const graph::dataflow::GraphDump& graph) {
+  using graph::dataflow::Collapse;
+  const std::size_t nodes = graph.instances.size() * graph.description.nodes.size();
+  const GraphFormat format = graph_format(path).value_or(GraphFormat::json);
+  const bool drawn = format == GraphFormat::dot || format == GraphFormat::svg;
+  write_text(path,
+             graph_text(graph, format, drawn && nodes > kMostDrawn ? Collapse::instances : Collapse::none));
 }
 
 void write_trace(const std::string& path, const std::vector<engine::RankTimeline>& timelines) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/chrome_trace.h"
-#include "graph/adaptation/subdomain_task.h"
+#include "graph/adaptation/distributed_adaptation.h"
 #include "graph/dataflow/graph_dump.h"
 #include "graph/dataflow/rank_exchange.h"
 #include "partition/mesh_piece.h"
@@ -23,8 +23,13 @@ namespace weft::tools {
 graph::dataflow::GraphDump executed_graph(const graph::dataflow::ExecutionLog& log,
                                           const graph::adaptation::AdaptationPlan& plan, int ranks);
 
+/// The planned graph: who may send to whom. `neighbours`: of all subdomains.
+graph::dataflow::GraphDump planned_graph(const std::vector<graph::adaptation::Neighbours>& neighbours,
+                                         const graph::adaptation::AdaptationPlan& plan, int ranks);
+
 /// Complete on rank 0 only; elsewhere what was gathered is empty.
 struct RunRecord {
+  graph::dataflow::GraphDump planned;
   graph::dataflow::GraphDump graph;
   engine::TimePoint start = 0;  ///< what the graph's times count from
   std::vector<engine::RankTimeline> timelines;
@@ -40,6 +45,10 @@ struct RunRecord {
 void gather_runs(graph::dataflow::RankExchange& exchange, const graph::dataflow::ExecutionLog& log,
                  engine::TimePoint clock_offset, const graph::adaptation::AdaptationPlan& plan,
                  RunRecord& record);
+
+/// The planned graph. All ranks must call it.
+void gather_plan(graph::dataflow::RankExchange& exchange, std::vector<graph::adaptation::Neighbours> mine,
+                 const graph::adaptation::AdaptationPlan& plan, RunRecord& record);
 
 /// What ranks know of hardware and memory, gathered. All ranks must call it.
 void gather_machines(graph::dataflow::RankExchange& exchange, report::MemorySamples memory,
@@ -58,6 +67,12 @@ void write_record(const AdaptRun& run, const RunRecord& record, const std::strin
 
 /// For --graph: the format is that of the extension. Drawings of more than 500 runs are collapsed by rounds.
 void write_graph(const std::string& path, const graph::dataflow::GraphDump& graph);
+
+/// Where the planned graph is written beside the executed one: "run.svg" -> "run-planned.svg".
+std::string planned_path(const std::string& graph_path);
+
+/// The planned graph; drawings of more than 500 nodes show each subdomain as one.
+void write_planned_graph(const std::string& path, const graph::dataflow::GraphDump& graph);
 
 /// For --trace: Perfetto's format.
 void write_trace(const std::string& path, const std::vector<engine::RankTimeline>& timelines);

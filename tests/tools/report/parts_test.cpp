@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "tools/report/assets.h"
 #include "tools/report/base64.h"
@@ -59,6 +61,30 @@ TEST(Published, FiguresAreOfNamedCasesAndHaveSources) {
       EXPECT_LT(*run.quality_q01, *run.quality_mean);
     }
   }
+}
+
+TEST(Published, CurvesAreDensitiesThatAgreeWithTheFigures) {
+  EXPECT_TRUE(published_curves("").empty());
+  EXPECT_TRUE(published_curves("case").empty()) << "the head of the table is no curve";
+  std::set<std::string> programs;
+  for (const std::string_view name : {"cube-polar2-500000", "delta-wing-500000"}) {
+    for (const PublishedCurve& curve : published_curves(name)) {
+      programs.insert(curve.program);
+      ASSERT_EQ(curve.edges.size(), curve.densities.size() + 1);
+      double all = 0, first_moment = 0;
+      for (std::size_t i = 0; i < curve.densities.size(); ++i) {
+        ASSERT_LT(curve.edges[i], curve.edges[i + 1]);
+        const double share = curve.densities[i] * (curve.edges[i + 1] - curve.edges[i]);
+        all += share, first_moment += share * 0.5 * (curve.edges[i] + curve.edges[i + 1]);
+      }
+      EXPECT_NEAR(all, 1, 2e-3) << curve.program << ' ' << curve.measure;
+      for (const PublishedRun& run : published_runs(name)) {
+        if (run.program == curve.program && run.cores == curve.cores && curve.measure == "mean_ratio")
+          EXPECT_NEAR(first_moment, *run.quality_mean, 2e-3) << curve.program << ' ' << curve.cores;
+      }
+    }
+  }
+  EXPECT_EQ(programs, (std::set<std::string>{"CDT3D", "EPIC", "feflo.a", "refine"}));
 }
 
 TEST(MemorySampler, SeesMemoryThatIsTaken) {

@@ -109,7 +109,7 @@ SampleRun sample_run(const SimulationRules& rules, std::uint32_t cells) {
   std::vector<report::Hardware> hardware;
   for (int r = 0; r < static_cast<int>(rules.ranks); ++r) hardware.push_back(report::this_machine(r));
   sample.profile = report::profile_json({.report = report,
-                                         .case_name = "cube-polar2-50000",
+                                         .case_name = "cube-polar2-500000",
                                          .engine = &sample.simulated.summary,
                                          .graph = &sample.graph,
                                          .timelines = sample.simulated.timelines,

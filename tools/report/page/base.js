@@ -1,6 +1,13 @@
 // What all views use: the data, elements, numbers as text, colours, charts, the theme.
 "use strict";
-const weft = { views: [], data: JSON.parse(document.getElementById("data").textContent) };
+/** The document: JSON, made small by gzip, as base64. */
+async function readData() {
+  const packed = Uint8Array.from(atob(document.getElementById("data").textContent), (c) => c.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).json();
+}
+if (!globalThis.DecompressionStream) document.getElementById("content").textContent = "This browser is too old for this page: it needs one of 2023 or later.";
+const weft = { views: [], data: await readData() };
+globalThis.weft = weft;  // for the console
 
 /** An element: tag, attributes ("on..." are listeners), children (nodes or text). */
 weft.make = function make(tag, attributes = {}, ...children) {

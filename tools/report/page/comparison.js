@@ -34,4 +34,5 @@
     data.ranks.length ? times("By rank, without idle", data.ranks, "rank") : null, measures()].filter((e) => e));
   document.title = "weft: two runs compared" + (faster || slower ? "" : ", as fast");
   weft.startTheme();
+  document.documentElement.dataset.ready = "";
 })();

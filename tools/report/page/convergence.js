@@ -1,22 +1,39 @@
-// What is left to do, round by round.
+// What is left to do, step by step.
 "use strict";
 (() => {
   const { data, make } = weft;
-  const rounds = data.convergence;
+  const rounds = data.convergence, left = data.left || [];
   const names = rounds.length ? Object.keys(rounds[0].counters) : [];
+  const stepName = (s) => (s.step === 0 ? "interior" : `shift ${s.step}`);
+  const wrong = [["long edges", 0], ["short edges", 1], ["poor tets", 2]];
+  const parts = [["interior", []], ["interface", [6, 4]]];
 
-  function counters() {
-    const chart = weft.chart(() => ({
+  /** Counts on a logarithmic axis, where nothing has no place. */
+  function lines(title, axes, labels, datasets) {
+    return weft.chart(() => ({
       type: "line",
-      data: { labels: rounds.map((r) => r.round), datasets: names.map((name, i) => ({ label: name, data: rounds.map((r) => (r.counters[name] > 0 ? r.counters[name] : null)), borderColor: weft.palette[i % weft.palette.length], backgroundColor: weft.palette[i % weft.palette.length], spanGaps: true, pointRadius: 4 })) },
-      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: "round" } }, y: { type: "logarithmic", title: { display: true, text: "sum over the subdomains" } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 12 } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
-    }), 340, "Counters by round");
-    return weft.card("What the nodes counted", chart);
+      data: { labels, datasets: datasets.map(({ label, values, colour, dash }) => ({ label, data: values.map((v) => (v > 0 ? v : null)), borderColor: colour, backgroundColor: colour, borderDash: dash || [], spanGaps: true, pointRadius: 4 })) },
+      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: axes[0] } }, y: { type: "logarithmic", title: { display: true, text: axes[1] } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 24 } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
+    }), 340, title);
+  }
+
+  function whatIsLeft() {
+    const datasets = parts.flatMap(([part, dash]) => wrong.map(([what, i]) => ({ label: `${what}, ${part}`, values: left.map((s) => s[part][what]), colour: weft.palette[i], dash })));
+    const head = ["after", "subdomains adapted", ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `${what}, ${part}`))];
+    const row = (s) => [stepName(s), weft.count(s.subdomains), ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => weft.count(s[part][what])))];
+    const figure = (s) => ["", `left.${s.step}.subdomains`, ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `left.${s.step}.${part}.${what}`))];
+    return weft.card("What is wrong as yet", lines("What is wrong as yet", ["after", "in the whole mesh"], left.map(stepName), datasets),
+      make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric, estimated from the edges of one vertex in eight. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): what has a vertex that is or has been on an interface. An edge that lies on an interface just then counts in each of its subdomains."),
+      weft.table(head, left.map(row), { figures: left.map(figure) }));
+  }
+  function counters() {
+    const datasets = names.map((name, i) => ({ label: name, values: rounds.map((r) => r.counters[name]), colour: weft.palette[i % weft.palette.length] }));
+    return weft.card("What the nodes counted", lines("Counters by round", ["round", "sum over the subdomains"], rounds.map((r) => r.round), datasets));
   }
   function table() {
     const head = ["round", "seconds of work", ...names];
     const rows = rounds.map((r) => [r.round, weft.seconds(r.seconds), ...names.map((n) => weft.count(r.counters[n]))]);
     return weft.card("The same as numbers", weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
   }
-  weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [names.length ? counters() : null, table()] });
+  weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
 })();

@@ -45,4 +45,5 @@
   weft.startTheme();
   const wanted = location.hash.slice(1);
   weft.show(views.some((v) => v.id === wanted) ? wanted : "summary");
+  document.documentElement.dataset.ready = "";
 })();

@@ -35,6 +35,32 @@
     ctx.restore();
   } };
 
+  // Published histograms of other programs. Of each program the run on the fewest cores is shown at once.
+  const published = data.published_curves || [];
+  const programs = [...new Set(published.map((c) => c.program))];
+  const fewest = (program) => Math.min(...published.filter((c) => c.program === program).map((c) => c.cores));
+  const colourOf = (program) => weft.palette[(programs.indexOf(program) + 4) % weft.palette.length];
+  const shownAtOnce = (curve) => curve.program !== "EPIC" && curve.cores === fewest(curve.program);
+
+  /** A curve in % of the values in a bin of the histogram `h`, as wide as that one is at the same place. */
+  function curvePoints(curve, h, logarithmicY) {
+    const width = (x) => (h.logarithmic ? x * (10 ** ((h.hi - h.lo) / h.counts.length) - 1) : (h.hi - h.lo) / h.counts.length);
+    return curve.densities.map((density, i) => {
+      const x = Math.sqrt(curve.edges[i] * curve.edges[i + 1]), y = 100 * density * width(x);
+      return { x, y: logarithmicY && y === 0 ? NaN : y };
+    });
+  }
+  function curves(measure, h, logarithmicY) {
+    return published.filter((c) => c.measure === measure).map((c) => ({ label: `${c.program}, ${c.cores} ${c.cores === 1 ? "core" : "cores"}`, data: curvePoints(c, h, logarithmicY), borderColor: colourOf(c.program), backgroundColor: "transparent", borderDash: c.cores === 1 ? [] : [5, 3], borderWidth: 1.5, pointRadius: 0, pointHitRadius: 4, hidden: !shownAtOnce(c), published: true }));
+  }
+  /** Of those programs whose histograms are not known the mean is a line from the bottom to the top. */
+  function means(h, logarithmicY) {
+    const top = Math.max(...known.flatMap(([, m]) => shares(m.quality.histogram)));
+    return data.published.filter((p) => !programs.includes(p.program) && p.quality_mean !== null).map((p, i) => ({ label: `mean of ${p.program}, ${p.cores} ${p.cores === 1 ? "core" : "cores"}`, data: [{ x: p.quality_mean, y: logarithmicY ? 1e-4 : 0 }, { x: p.quality_mean, y: top }], borderColor: weft.palette[(i + 4 + programs.length) % weft.palette.length], backgroundColor: "transparent", borderDash: [2, 3], borderWidth: 2, pointRadius: 0, pointHitRadius: 4, published: true }));
+  }
+  const others = (group, h, logarithmicY) => (group === "quality" ? [...curves("mean_ratio", h, logarithmicY), ...means(h, logarithmicY)] : curves("edge_length", h, logarithmicY));
+  const sourceOfOthers = (group) => (published.length ? " Curves of other programs: histograms published by the Unstructured Grid Adaptation Working Group; a click in the legend shows or hides one." : "") + (group === "quality" && data.published.some((p) => !programs.includes(p.program)) ? " Of programs without a published histogram the mean quality is a dotted line." : "");
+
   function histogram(title, group, what, unit) {
     let logarithmicX = false, logarithmicY = false;
     const chart = weft.chart(() => {
@@ -42,7 +68,7 @@
       const first = known[0][1][group][key];
       return {
         type: "line",
-        data: { datasets: known.map(([name, m, colour]) => ({ label: name, data: points(m[group][key], logarithmicY), borderColor: colour, backgroundColor: colour + "2e", fill: name === "after", order: name === "after" ? 2 : 1, stepped: true, pointRadius: 0, pointHitRadius: 6, borderWidth: name === "before" ? 1.5 : 2 })) },
+        data: { datasets: known.map(([name, m, colour]) => ({ label: name, data: points(m[group][key], logarithmicY), borderColor: colour, backgroundColor: colour + "2e", fill: name === "after", order: name === "after" ? 2 : 1, stepped: true, pointRadius: 0, pointHitRadius: 6, borderWidth: name === "before" ? 1.5 : 2 })).concat(others(group, first, logarithmicY)) },
         options: { parsing: false, interaction: { mode: "nearest", axis: "x", intersect: false },
           scales: { x: { type: logarithmicX ? "logarithmic" : "linear", min: edge(first, 0), max: edge(first, first.counts.length), title: { display: true, text: what }, ticks: { callback: (v) => weft.digits(v, 2), maxTicksLimit: 11, maxRotation: 0 } }, y: { type: logarithmicY ? "logarithmic" : "linear", title: { display: true, text: `% of the ${unit} in a bin` }, beginAtZero: !logarithmicY } },
           plugins: { legend: { position: "bottom", labels: { boxWidth: 12 } }, tooltip: { callbacks: { title: (c) => `${what} from ${weft.digits(c[0].parsed.x)}`, label: (c) => `${c.dataset.label}: ${weft.digits(c.parsed.y)} %` } } } },
@@ -52,7 +78,7 @@
     const tool = make("div", { class: "tool" }, "Values:", weft.choice("values", [["linear", "linear"], ["log", "logarithmic"]], (v) => { logarithmicX = v === "log"; chart.redraw(); }),
       "Counts:", weft.choice("counts", [["linear", "linear"], ["log", "logarithmic"]], (v) => { logarithmicY = v === "log"; chart.redraw(); }));
     const note = group === "edge_length" ? "Green: unit edges. The outermost bins hold what lies beyond them." : "The outermost bins hold what lies beyond them.";
-    return weft.card(title, tool, chart, make("p", { class: "note" }, note));
+    return weft.card(title, tool, chart, make("p", { class: "note" }, note + sourceOfOthers(group)));
   }
 
   function figures() {

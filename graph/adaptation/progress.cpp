@@ -1,0 +1,96 @@
+// The latest news, and estimates that say what they do not know.
+#include "graph/adaptation/progress.h"
+
+#include <algorithm>
+
+namespace weft::graph::adaptation {
+namespace {
+
+// Before so much has been seen of a step its pace means nothing.
+constexpr double kLeastSeconds = 2, kLeastShare = 0.1;
+
+}  // namespace
+
+void NewsBoard::post(const SubdomainNews& news) {
+  const std::lock_guard lock(mutex_);
+  latest_[news.subdomain] = news;
+}
+
+std::vector<SubdomainNews> NewsBoard::take() {
+  const std::lock_guard lock(mutex_);
+  std::vector<SubdomainNews> news;
+  news.reserve(latest_.size());
+  for (const auto& [subdomain, latest] : latest_) news.push_back(latest);
+  latest_.clear();
+  return news;
+}
+
+ProgressTable::ProgressTable(std::uint32_t subdomains, std::uint32_t most_shifts, engine::TimePoint begin)
+    : subdomains_(subdomains), most_shifts_(most_shifts), begin_(begin) {}
+
+void ProgressTable::hear(const std::vector<SubdomainNews>& news) {
+  for (const SubdomainNews& n : news) {
+    const auto [known, first] = known_.try_emplace(n.subdomain, n);
+    if (!first && n.number > known->second.number) known->second = n;
+  }
+}
+
+/// Those that nobody has heard of have not begun. Never less than it was: one that rests may be woken for a
+/// round that others are already through.
+std::uint32_t ProgressTable::slowest_step() const {
+  if (known_.size() < subdomains_) return 0;
+  std::optional<std::uint32_t> slowest;
+  for (const auto& [subdomain, news] : known_)
+    if (!news.rests) slowest = std::min(slowest.value_or(news.step), news.step);
+  return std::max(step_, slowest.value_or(step_));
+}
+
+double ProgressTable::share_of(std::uint32_t step) const {
+  double all = 0, done = 0;
+  for (const auto& [subdomain, news] : known_) {
+    all += news.predicted_tets;
+    if (news.rests || news.step > step)
+      done += news.predicted_tets;
+    else if (news.step == step)
+      done += static_cast<double>(news.done) * news.predicted_tets;
+  }
+  if (known_.empty() || all == 0) return 0;
+  const double of_those_unheard = static_cast<double>(subdomains_) / static_cast<double>(known_.size());
+  return done / (all * of_those_unheard);
+}
+
+void ProgressTable::estimate(RunProgress& progress) const {
+  const double spent = progress.seconds - step_began_, gained = progress.share - share_at_begin_;
+  if (spent >= kLeastSeconds && gained >= kLeastShare)
+    progress.step_left = spent * (1 - progress.share) / gained;
+  else if (last_shift_)
+    progress.step_left = std::max(0.0, *last_shift_ - spent);
+  if (!last_shift_ || !progress.step_left) return;
+  const std::uint32_t more = most_shifts_ > step_ ? most_shifts_ - step_ : 0;
+  progress.most_left = *progress.step_left + more * *last_shift_;
+}
+
+RunProgress ProgressTable::at(engine::TimePoint time) {
+  RunProgress progress;
+  progress.subdomains = subdomains_;
+  progress.most_shifts = most_shifts_;
+  progress.seconds = 1e-9 * static_cast<double>(time - begin_);
+  if (const std::uint32_t step = slowest_step(); step > step_) {
+    if (step_ > 0) last_shift_ = (progress.seconds - step_began_) / (step - step_);
+    step_ = step;
+    step_began_ = progress.seconds;
+    share_at_begin_ = share_of(step);
+  }
+  progress.step = step_;
+  for (const auto& [subdomain, news] : known_) {
+    progress.done += news.rests || news.step > step_ || (news.step == step_ && news.done >= 1);
+    progress.at_rest += news.rests;
+    progress.adapted += news.rests || news.step > 0 || news.done >= 1;
+    progress.left += news.left;
+  }
+  progress.share = share_of(step_);
+  estimate(progress);
+  return progress;
+}
+
+}  // namespace weft::graph::adaptation

@@ -1,0 +1,81 @@
+// How far a run is: what subdomains tell of themselves, and what rank 0 makes of it. Nothing of the run
+// depends on it.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/trace.h"
+#include "meshing/nonconforming.h"
+#include "partition/global_id.h"
+
+namespace weft::graph::adaptation {
+
+/// A subdomain's own account. Plain data.
+struct SubdomainNews {
+  partition::SubdomainId subdomain = 0;
+  std::uint32_t number = 0;   ///< of this subdomain's news: the highest is the latest, wherever it comes from
+  std::uint32_t step = 0;     ///< 0: adapts its interior; r + 1: in round r of the shifts
+  bool rests = false;         ///< nothing is left to do for it, unless a neighbour wakes it
+  float done = 0;             ///< share of the step, 0 to 1
+  double predicted_tets = 0;  ///< of the adapted subdomain: its weight
+  meshing::Nonconforming left;  ///< after its last adaptation; no tets: it has not been adapted yet
+};
+
+/// The news of the subdomains of one rank; for all threads.
+class NewsBoard {
+ public:
+  void post(const SubdomainNews& news);
+  /// The latest of each subdomain that has posted since the last call.
+  std::vector<SubdomainNews> take();
+
+ private:
+  std::mutex mutex_;
+  std::unordered_map<partition::SubdomainId, SubdomainNews> latest_;
+};
+
+/// What can be said of a run at some time.
+struct RunProgress {
+  std::uint32_t subdomains = 0, most_shifts = 0;
+  std::uint32_t step = 0;  ///< of the slowest subdomain that does not rest: as SubdomainNews::step
+  std::uint32_t done = 0;  ///< subdomains that are through this step, those at rest included
+  std::uint32_t at_rest = 0;
+  double share = 0;             ///< of this step's work that is done, by predicted tets
+  std::uint32_t adapted = 0;    ///< subdomains that `left` is known of
+  meshing::Nonconforming left;  ///< edges of an interface count in each subdomain that has them
+  double seconds = 0;           ///< since the run began
+  /// Until this step is done, at the pace of its work so far (for a shift that has just begun: if it takes as
+  /// long as the one before). Empty: it cannot be told as yet.
+  std::optional<double> step_left;
+  /// If all shifts that are allowed were needed, and took as long as the last one has. Empty before the first
+  /// shift is over.
+  std::optional<double> most_left;
+};
+
+/// Rank 0's view of all subdomains.
+class ProgressTable {
+ public:
+  ProgressTable(std::uint32_t subdomains, std::uint32_t most_shifts, engine::TimePoint begin);
+
+  void hear(const std::vector<SubdomainNews>& news);
+  /// To be called now and then, with ascending times: how long steps take is seen only then.
+  RunProgress at(engine::TimePoint time);
+
+ private:
+  std::uint32_t slowest_step() const;
+  double share_of(std::uint32_t step) const;
+  void estimate(RunProgress& progress) const;
+
+  std::uint32_t subdomains_, most_shifts_;
+  engine::TimePoint begin_;
+  std::unordered_map<partition::SubdomainId, SubdomainNews> known_;
+  std::uint32_t step_ = 0;
+  double step_began_ = 0;             ///< seconds since the run began
+  double share_at_begin_ = 0;         ///< of the step: some subdomains are ahead
+  std::optional<double> last_shift_;  ///< seconds that the last complete shift took
+};
+
+}  // namespace weft::graph::adaptation

@@ -1,0 +1,148 @@
+// Looking on while a run lasts: bulletins to rank 0, and the state that is shown on request.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "engine/runtime.h"
+#include "tests/support/ranks.h"
+
+namespace weft::engine {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using weft::testing::delayed;
+using weft::testing::on_ranks;
+
+class LookingOn : public weft::testing::OnRanks {};
+INSTANTIATE_TEST_SUITE_P(Ranks, LookingOn, ::testing::ValuesIn(weft::testing::rank_counts()),
+                         [](const auto& ranks) { return std::to_string(ranks.param); });
+
+struct Sleeper {
+  void sleep(Context&, int milliseconds) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  }
+};
+
+Registry sleepers() {
+  Registry registry;
+  registry.type<Sleeper>("Sleeper").method<&Sleeper::sleep>("sleep");
+  return registry;
+}
+
+/// Every rank works for a tenth of a second and numbers its bulletins; returns those that rank 0 has read.
+std::map<Rank, std::vector<int>> bulletins_of_a_run(Transport& transport) {
+  std::map<Rank, std::vector<int>> heard;
+  int number = 0;
+  const Registry registry = sleepers();
+  RuntimeOptions options;
+  options.bulletins = {
+      2ms, [&] { return packed(number++); },
+      [&](Rank from, Payload payload) { heard[from].push_back(unpacked<int>(std::move(payload))); }};
+  Runtime runtime(transport, registry, options);
+  runtime.run([](Context& context) { context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 100); });
+  return heard;
+}
+
+TEST_P(LookingOn, RankZeroHearsOfAllWhileTheyWork) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const auto heard = bulletins_of_a_run(transport);
+    EXPECT_EQ(heard.size(), transport.rank() == Rank(0) ? static_cast<std::size_t>(GetParam()) : 0);
+    for (const auto& [from, numbers] : heard)
+      EXPECT_EQ(std::set(numbers.begin(), numbers.end()).size(), numbers.size());
+  });
+}
+
+TEST_P(LookingOn, BulletinsThatAreLateDoNotHoldUpTheEnd) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const auto late = delayed(transport, 20ms, 1);
+    for (int run = 0; run < 3; ++run) bulletins_of_a_run(*late);
+  });
+}
+
+TEST(Bulletins, WhatIsEmptyIsNotSentButRankZeroReadsItsOwn) {
+  on_ranks(2, [&](Transport& transport) {
+    std::set<Rank> heard;
+    const Registry registry = sleepers();
+    RuntimeOptions options;
+    options.bulletins = {2ms, [] { return Payload{}; }, [&](Rank from, Payload) { heard.insert(from); }};
+    Runtime runtime(transport, registry, options);
+    runtime.run([](Context& context) { context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 50); });
+    EXPECT_EQ(heard, transport.rank() == Rank(0) ? std::set{Rank(0)} : std::set<Rank>{});
+  });
+}
+
+/// Waits for a signal that is given when the rank has shown its state.
+struct Waiter {
+  bool met = false;
+  void wait_for(Context& context, ObjectId other) { context.expect<&Waiter::meet>(4, {other}); }
+  void be_busy_and_call(Context& context, std::vector<ObjectId> others) {
+    while (!context.local<std::atomic<bool>>()) std::this_thread::sleep_for(1ms);
+    for (const ObjectId other : others) context.signal<&Waiter::meet>(MobilePtr<Waiter>{other}, 4);
+  }
+  void meet(Context&, std::uint64_t, std::vector<Arrival<Nothing>>) { met = true; }
+  ObjectState describe() const { return {met ? "has met" : "has not met", {}}; }
+};
+
+TEST(State, SaysWhatEachObjectDoesAndForWhomItWaits) {
+  on_ranks(2, [&](Transport& transport) {
+    Registry registry;
+    registry.type<Waiter>("Waiter")
+        .method<&Waiter::wait_for>("wait_for")
+        .method<&Waiter::be_busy_and_call>("be_busy_and_call")
+        .event<&Waiter::meet>("meet");
+    std::atomic<bool> shown{false};
+    std::string state;
+    RuntimeOptions options;
+    options.balancer = no_balancing();
+    options.local = &shown;
+    options.name_of = [](ObjectId id) {
+      return "Waiter " + std::to_string(id.home.value) + std::to_string(id.number);
+    };
+    options.on_state = [&](const std::string& text) { state = text, shown = true; };
+    Runtime runtime(transport, registry, options);
+    const bool waits = transport.rank() == Rank(1);
+    std::jthread asker([&] {
+      std::this_thread::sleep_for(100ms);
+      runtime.request_state();
+    });
+    runtime.run([&](Context& context) {
+      const auto mine = context.create<Waiter>();
+      if (waits) return context.invoke<&Waiter::wait_for>(mine, ObjectId{Rank(0), 1});
+      context.invoke<&Waiter::be_busy_and_call>(mine, std::vector{ObjectId{Rank(1), 1}});
+    });
+    if (waits) {
+      EXPECT_THAT(
+          state,
+          AllOf(HasSubstr("state of rank 1 of 2"), HasSubstr("0 of 1 workers busy"),
+                HasSubstr("Waiter 11: has not met, no message to handle; waits in Waiter::meet, round 4, for "
+                          "Waiter 01 (rank 0)")));
+    } else {
+      EXPECT_THAT(state, AllOf(HasSubstr("state of rank 0 of 2"), HasSubstr("1 of 1 workers busy"),
+                               HasSubstr("Waiter 01: runs Waiter::be_busy_and_call for 0.")));
+    }
+  });
+}
+
+TEST(State, IsShownInTheNextRunWhenAskedForBetweenRuns) {
+  on_ranks(1, [&](Transport& transport) {
+    const Registry registry = sleepers();
+    int shown = 0;
+    RuntimeOptions options;
+    options.on_state = [&](const std::string&) { ++shown; };
+    Runtime runtime(transport, registry, options);
+    runtime.request_state();
+    EXPECT_EQ(shown, 0);
+    runtime.run([](Context& context) { context.create<Sleeper>(); });
+    runtime.run();
+    EXPECT_EQ(shown, 1);
+  });
+}
+
+}  // namespace
+}  // namespace weft::engine
