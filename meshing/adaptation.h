@@ -20,8 +20,8 @@ enum class Extent : std::uint8_t {
 using BeforeLevel = std::function<void(double long_edge)>;
 
 /// Runs the stages collapse, create points, reconnect and smooth, improve, and adds them to `report`. Frozen
-/// vertices stay. Vertices must have their metrics; ids change (holes are closed) unless the extent is `fresh`
-/// and few entities are dead.
+/// vertices stay. Vertices must have their metrics; ids change (holes are closed) unless the extent is
+/// `fresh` and few entities are dead.
 void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report,
                     const BeforeLevel& before_level = {});
 

@@ -2,11 +2,11 @@
 // point, because the decision rests on nothing but what all of them hold.
 //
 // Longest edge first (in the metric; ties by global ids), until none is long. That may be interrupted at any
-// length, to adapt what is not frozen, and gone on with: the order of the splits is the same. Two subdomains that share a
-// face see the same edges of it appear in the same order, whatever happens elsewhere: the longest edge of the
-// face is split before all others of it, and splits in other faces do not change them. Metrics at new
-// vertices are interpolated along the edge, which is what the background has there: interface faces are faces
-// of the background's tets.
+// length, to adapt what is not frozen, and gone on with: the order of the splits is the same. Two subdomains
+// that share a face see the same edges of it appear in the same order, whatever happens elsewhere: the
+// longest edge of the face is split before all others of it, and splits in other faces do not change them.
+// Metrics at new vertices are interpolated along the edge, which is what the background has there: interface
+// faces are faces of the background's tets.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +47,10 @@ class InterfaceRefinement {
  public:
   InterfaceRefinement(Subdomain& subdomain, const Geometry& geometry);
 
-  /// Splits all edges of the interface's faces longer than `longest` (in the metric), except required ones and
-  /// those between vertices of curved boundary, and those inside a face that have no end as long as a side of
-  /// it must stay. New vertices are frozen. Throws std::runtime_error should a split fail that must not.
+  /// Splits all edges of the interface's faces longer than `longest` (in the metric), except required ones
+  /// and those between vertices of curved boundary, and those inside a face that have no end as long as a
+  /// side of it must stay. New vertices are frozen. Throws std::runtime_error should a split fail that must
+  /// not.
   void refine(double longest);
 
   /// For each of the interface's neighbours, the new vertices that it may have too.

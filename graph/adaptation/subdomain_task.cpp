@@ -115,8 +115,7 @@ void SubdomainTask::adapt_interior(NodeContext& context) {
   tell(rank);
   partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
   meshing::BeforeLevel before_level;
-  if (rank.plan.refine_interface)
-    before_level = [&](double long_edge) { refinement.refine(long_edge); };
+  if (rank.plan.refine_interface) before_level = [&](double long_edge) { refinement.refine(long_edge); };
   adapt(context, meshing::Extent::everything, before_level);
   const std::vector<Ref> to = neighbours(context);
   std::vector<partition::InterfaceVertices> created = refinement.created();
@@ -200,8 +199,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   neighbourhood_wants_ = !wants_.empty();
   for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
   const std::vector<Ref> to = neighbours(context);
-  std::vector<partition::Parcel> parcels = partition::gather(
-      subdomain_, priority_, wants_, proposals, rank_data(context).plan.shift.in_round(round));
+  std::vector<partition::Parcel> parcels = partition::gather(subdomain_, priority_, wants_, proposals,
+                                                             rank_data(context).plan.shift.in_round(round));
   ShiftRecord record;
   record.round = round;
   record.wanted = wants_.size();

@@ -195,7 +195,8 @@ TEST(RefineInterface, IsTheSameWhateverIsAdaptedBetweenLevels) {
     const Scene scene = random_scene(seed, seed % 2 == 0 ? 1.5 : 3);
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name);
     const Cut cut = scene.cut();
-    Rounds at_once = refined(scene, cut), by_levels(cut, scene.hausd(), {}), interrupted(cut, scene.hausd(), {});
+    Rounds at_once = refined(scene, cut), by_levels(cut, scene.hausd(), {}),
+           interrupted(cut, scene.hausd(), {});
     std::atomic<bool> interrupt{true};
     interrupted.options().interrupt = &interrupt;
     by_levels.adapt_interiors();

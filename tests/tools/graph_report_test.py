@@ -222,7 +222,7 @@ class Runs(SampleTest):
         self.assertEqual(planned["runs"]["node"], [])
         links = [set(zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"])) for g in (planned, executed)]
         # First neighbours exchange what they have made of their interface; later ones meet by shifts.
-        registered = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == "refine interface -> register interface")
+        registered = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == "adapt interior -> register interface")
         self.assertEqual(*({link for link in some if link[2] == registered} for some in links))
         self.assertTrue(links[0])
         self.weft("graph", "run-planned.json", "-o", "plan.svg")

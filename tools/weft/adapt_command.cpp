@@ -142,7 +142,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
                  "bisection (default), graph, pqr:PxQxR or pqr:PxQxR:principal")
       ->type_name("NAME")
       ->group(kGroup);
-  sub.add_option("--layers", request.layers, "layers of tets handed over in a shift; default 3")
+  sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 3")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
