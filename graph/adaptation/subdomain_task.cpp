@@ -140,19 +140,25 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent,
     news_.done = static_cast<float>(done);
     tell(rank);
   };
-  counts_ += partition::adapt_subdomain(subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options,
-                                        before_level)
-                 .counts;
-  count_what_is_left(context);
+  const meshing::AdaptReport report = partition::adapt_subdomain(
+      subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options, before_level);
+  counts_ += report.counts;
+  const bool same_tets = !shifts_.empty() && shifts_.back().sent + shifts_.back().received == 0;
+  if (!(same_tets && report.stages.empty())) count_what_is_left();
+  tell_log_what_is_left(context);
   news_.done = 1;
   tell(rank);
 }
 
-/// The report and the progress show it.
-void SubdomainTask::count_what_is_left(NodeContext& context) {
-  const meshing::NonconformingParts parts = partition::count_nonconforming(subdomain_);
-  news_.left = parts.plain;
-  news_.left += parts.flagged;
+void SubdomainTask::count_what_is_left() {
+  left_ = partition::count_nonconforming(subdomain_);
+  news_.left = left_.plain;
+  news_.left += left_.flagged;
+}
+
+/// The report shows it.
+void SubdomainTask::tell_log_what_is_left(NodeContext& context) {
+  const meshing::NonconformingParts& parts = left_;
   const auto count = [&](const char* name, std::uint64_t in_interior, std::uint64_t at_interface) {
     context.count(engine::text(name, ", interior"), static_cast<double>(in_interior));
     context.count(engine::text(name, ", interface"), static_cast<double>(at_interface));

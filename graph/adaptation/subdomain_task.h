@@ -77,7 +77,7 @@ class SubdomainTask {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
-            counts_, news_);
+            counts_, left_, news_);
   }
 
   // The nodes.
@@ -99,7 +99,8 @@ class SubdomainTask {
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
   void adapt(dataflow::NodeContext& context, meshing::Extent extent,
              const meshing::BeforeLevel& before_level = {});
-  void count_what_is_left(dataflow::NodeContext& context);
+  void count_what_is_left();
+  void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);
 
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
@@ -114,6 +115,7 @@ class SubdomainTask {
       kNever;  ///< a round that a neighbour has proposed while this one was in the last
   std::vector<ShiftRecord> shifts_;
   meshing::OperationCounts counts_;
+  meshing::NonconformingParts left_;  ///< after the last adaptation
   SubdomainNews news_;
 };
 

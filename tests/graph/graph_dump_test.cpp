@@ -294,7 +294,7 @@ TEST(GraphJson, RefusesWhatIsNoDump) {
   expect_refused(good, "/runs/node/0", 99, "runs.node");
   expect_refused(good, "/runs/node/0", -1, "runs.node[0]");
   expect_refused(good, "/runs/rank", {0}, "runs.rank");
-  expect_refused(good, "/runs/counters/tets/0", "many", "runs.counters.tets[0]");
+  expect_refused(good, "/runs/counters/tets sent/0", "many", "runs.counters.tets sent[0]");
   expect_refused(good, "/uses/to/0", 1000000, "uses.to");
   expect_refused(good, "/uses/time_ns/0", 1e15, "uses.time_ns");
   expect_refused(good, "/uses/time_ns/0", 1'000'000'000'000'000, "uses.time_ns[0]");

@@ -105,7 +105,7 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
       ->needs("--report")
       ->group(kGroup);
   sub.add_option("--graph", command.graph,
-                 "the executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
+                 "executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
