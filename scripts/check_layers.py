@@ -24,7 +24,7 @@ LIBRARIES = {
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk_xml.", "graph/dataflow/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
-    "zlib": (re.compile(r"zlib"), ["meshing/io/vtk_xml."]),
+    "zlib": (re.compile(r"zlib"), ["meshing/io/vtk_xml.", "tools/report/gzip.cpp"]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
     "METIS": (re.compile(r"metis\.h$"), ["partition/cluster_graph.cpp"]),
