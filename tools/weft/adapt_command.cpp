@@ -105,7 +105,7 @@ void add_account(CLI::App& sub, AdaptCommand& command) {
       ->needs("--report")
       ->group(kGroup);
   sub.add_option("--graph", command.graph,
-                 "the executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
+                 "the task graph, executed and as planned: .json, .dot, .graphml or .svg")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
