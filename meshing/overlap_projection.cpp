@@ -265,14 +265,17 @@ std::vector<double> project(const Background& from, const ValueTable& old, const
   const Demands demands = demands_of(from, old, to, places, table);
   const MassMatrix mass(to);
   mass.solve(demands.loads, table.columns, table.values);
-  constexpr double kToDo = -1;
-  std::vector<double> beyond(table.columns, kToDo);
+  std::vector<double> beyond(table.columns, 0);
+  std::vector<bool> of_tensor(table.columns,
+                              false);  // these are limited together; their eigenvalues only bound them
   for (const TensorColumns& t : tensors) {
     const auto change = limit_tensors(mass, t, demands.loads, demands.lo, demands.hi, wanted, table);
     std::ranges::copy(change, beyond.begin() + static_cast<std::ptrdiff_t>(t.first));
+    for (std::size_t c = 0; c < 6; ++c) of_tensor[t.first + c] = true;
+    of_tensor[t.least] = of_tensor[t.largest] = true;
   }
   for (std::size_t c = 0; c < table.columns; ++c)
-    if (beyond[c] == kToDo) beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
+    if (!of_tensor[c]) beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
   return beyond;
 }
 

@@ -30,10 +30,6 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
   return values;
 }
 
-}  // namespace
-
-namespace {
-
 /// The first subdomain whose home is this rank.
 SubdomainId first_of(const AdaptationPlan& plan, int ranks, int home) {
   const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
