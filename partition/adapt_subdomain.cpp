@@ -8,6 +8,12 @@ using meshing::VertexId;
 
 namespace {
 
+bool has_tets(const meshing::TetMesh& mesh) {
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.alive(TetId(i))) return true;
+  return false;
+}
+
 bool has_fresh_tets(const meshing::TetMesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
     if (mesh.alive(TetId(i)) && mesh.marks(TetId(i)) & meshing::kFresh) return true;
@@ -26,7 +32,7 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
                                      meshing::Extent extent, const meshing::AdaptOptions& options,
                                      const meshing::BeforeLevel& before_level) {
   meshing::AdaptReport report;
-  if (s.live_tets() == 0) return report;
+  if (!has_tets(*s.mesh)) return report;
   if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
   meshing::Kernel kernel{*s.mesh, s.background.background(), surface, {}};
   kernel.limits.hausd = hausd;

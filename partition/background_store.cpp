@@ -112,6 +112,13 @@ std::vector<std::shared_ptr<const BackgroundPiece>> BackgroundStore::pieces(
   return found;
 }
 
+std::vector<std::uint64_t> BackgroundStore::piece_ids() const {
+  std::vector<std::uint64_t> ids;
+  for (const auto& piece : pieces_) ids.push_back(piece->id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
 BackgroundTet BackgroundStore::name_of(std::uint32_t tet) const {
   const auto after = std::upper_bound(begins_.begin(), begins_.end(), tet);
   const std::size_t at = static_cast<std::size_t>(after - begins_.begin()) - 1;

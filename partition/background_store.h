@@ -56,6 +56,8 @@ class BackgroundStore {
   bool has(std::uint64_t piece) const { return place_.contains(piece); }
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces(std::span<const std::uint64_t> ids) const;
   std::span<const std::shared_ptr<const BackgroundPiece>> all_pieces() const { return pieces_; }
+  /// Of all pieces, ascending.
+  std::vector<std::uint64_t> piece_ids() const;
 
   BackgroundTet name_of(std::uint32_t tet) const;
   std::uint32_t tet_of(const BackgroundTet& name) const { return place_.at(name.piece) + name.tet; }

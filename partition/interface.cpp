@@ -6,7 +6,7 @@
 namespace weft::partition {
 
 void sort_unique(std::vector<Holder>& lines) {
-  std::sort(lines.begin(), lines.end());
+  if (!std::is_sorted(lines.begin(), lines.end())) std::sort(lines.begin(), lines.end());
   lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
 }
 
@@ -14,14 +14,14 @@ Interface::Interface(std::vector<Holder> lines) : lines_(std::move(lines)) {
   sort_unique(lines_);
   begins_.clear();
   for (std::uint32_t i = 0; i < lines_.size(); ++i) {
-    neighbours_.push_back(lines_[i].subdomain);
+    const auto neighbour = std::lower_bound(neighbours_.begin(), neighbours_.end(), lines_[i].subdomain);
+    if (neighbour == neighbours_.end() || *neighbour != lines_[i].subdomain)
+      neighbours_.insert(neighbour, lines_[i].subdomain);
     if (i > 0 && lines_[i].vertex == lines_[i - 1].vertex) continue;
     ids_.push_back(lines_[i].vertex);
     begins_.push_back(i);
   }
   begins_.push_back(static_cast<std::uint32_t>(lines_.size()));
-  std::sort(neighbours_.begin(), neighbours_.end());
-  neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
   locals_.resize(ids_.size());
 }
 

@@ -1,6 +1,7 @@
 // Joining of parcels by global ids, and who holds which vertex afterwards.
 #include <algorithm>
-#include <unordered_map>
+#include <array>
+#include <iterator>
 
 #include "partition/shift.h"
 
@@ -14,29 +15,60 @@ using meshing::VertexId;
 
 namespace {
 
-using FaceName = std::array<std::uint32_t, 3>;
-struct FaceNameHash {
-  std::size_t operator()(const FaceName& f) const noexcept {
-    std::uint64_t h = f[0];
-    h = h * 0x9E3779B97F4A7C15ull + f[1];
-    h = h * 0x9E3779B97F4A7C15ull + f[2];
-    return h ^ h >> 29;
-  }
-};
-
-/// Puts tets of parcels into the mesh.
+/// Puts the tets of parcels into the mesh.
 class Joining {
  public:
-  explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh) {
-    for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-      if (const VertexId v = s.interface.local(i); v.valid() && mesh_.alive(v))
-        vertices_.emplace(s.interface.id(i), v);
+  explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh), first_tet_(mesh_.tet_slots()) {}
+
+  void add(std::span<const Parcel> parcels) {
+    name_vertices(parcels);
+    for (std::size_t p = 0; p < parcels.size(); ++p) add(parcels[p], names_[p]);
+    join_faces();
   }
 
-  /// After all parcels have been added the faces between them and with the mesh are joined.
-  void add(const Parcel& parcel) {
+  const std::vector<VertexId>& arrived() const { return arrived_; }
+
+ private:
+  using FaceName = std::array<std::uint32_t, 3>;
+  struct OpenFace {
+    FaceName name;
+    TetFace face;
+  };
+
+  /// Equal ids get one number; the interface's have a vertex here already.
+  void name_vertices(std::span<const Parcel> parcels) {
+    struct Arriving {
+      GlobalId id;
+      std::uint32_t parcel, index;
+    };
+    std::vector<Arriving> all;
+    names_.resize(parcels.size());
+    for (std::uint32_t p = 0; p < parcels.size(); ++p) {
+      names_[p].resize(parcels[p].vertices.size());
+      for (std::uint32_t i = 0; i < names_[p].size(); ++i) all.push_back({parcels[p].vertices[i].id, p, i});
+    }
+    std::sort(all.begin(), all.end(), [](const Arriving& a, const Arriving& b) { return a.id < b.id; });
+    std::uint32_t in_interface = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const GlobalId id = all[k].id;
+      if (k == 0 || id != all[k - 1].id) {
+        while (in_interface < s_.interface.size() && s_.interface.id(in_interface) < id) ++in_interface;
+        const bool known = in_interface < s_.interface.size() && s_.interface.id(in_interface) == id;
+        const VertexId v = known ? s_.interface.local(in_interface) : VertexId();
+        vertex_of_name_.push_back(v.valid() && mesh_.alive(v) ? v : VertexId());
+      }
+      names_[all[k].parcel][all[k].index] = static_cast<std::uint32_t>(vertex_of_name_.size()) - 1;
+    }
+  }
+
+  void add(const Parcel& parcel, const std::vector<std::uint32_t>& names) {
     std::vector<VertexId> local;
-    for (const Parcel::Vertex& v : parcel.vertices) local.push_back(vertex(v));
+    local.reserve(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      VertexId& v = vertex_of_name_[names[i]];
+      if (!v.valid()) v = create(parcel.vertices[i]);
+      local.push_back(v);
+    }
     const std::uint32_t first = mesh_.take_tet_slots(static_cast<std::uint32_t>(parcel.tets.size()));
     for (std::uint32_t k = 0; k < parcel.tets.size(); ++k) {
       const Parcel::Tet& t = parcel.tets[k];
@@ -56,23 +88,7 @@ class Joining {
       mesh_.set_curve(local[e.ends[0]], local[e.ends[1]], e.curve);
   }
 
-  /// Every open face may be one that has its other side here now, unless a vertex of it was nobody else's.
-  void join_faces() {
-    known_.assign(mesh_.vertex_slots(), 0);
-    for (const auto& [id, v] : vertices_) known_[v.value] = 1;
-    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
-      if (!mesh_.alive(TetId(i))) continue;
-      for (int f = 0; f < 4; ++f)
-        if (!mesh_.neighbour(TetId(i), f).valid()) join(TetFace(TetId(i), f));
-    }
-  }
-
-  const std::vector<VertexId>& arrived() const { return arrived_; }
-
- private:
-  VertexId vertex(const Parcel::Vertex& v) {
-    const auto [at, is_new] = vertices_.try_emplace(v.id);
-    if (!is_new) return at->second;
+  VertexId create(const Parcel::Vertex& v) {
     const VertexId x(mesh_.take_vertex_slots(1));
     arrived_.push_back(x);
     mesh_.set_point(x, v.point);
@@ -83,28 +99,45 @@ class Joining {
     mesh_.set_ref(x, v.ref);
     mesh_.set_surface_hint(x, v.surface_hint);
     mesh_.set_background_hint(x, s_.background.tet_of(v.background));
-    return at->second = x;
+    return x;
   }
 
-  void join(TetFace face) {
-    FaceName name;
-    for (int i = 0; i < 3; ++i) {
-      name[i] = mesh_.vertex(face.tet(), meshing::kTetFaces[face.face()][i]).value;
-      if (!known_[name[i]]) return;
+  /// An open face of a tet that has arrived may have its other side in another parcel, or here.
+  void join_faces() {
+    std::vector<OpenFace> open;
+    std::vector<std::uint8_t> touched(mesh_.vertex_slots(), 0);
+    for (std::uint32_t i = first_tet_; i < mesh_.tet_slots(); ++i)
+      for (int f = 0; f < 4; ++f) {
+        if (mesh_.neighbour(TetId(i), f).valid()) continue;
+        open.push_back(open_face(TetId(i), f));
+        for (const std::uint32_t v : open.back().name) touched[v] = 1;
+      }
+    for (std::uint32_t i = 0; i < first_tet_; ++i) {
+      if (!mesh_.alive(TetId(i))) continue;
+      for (int f = 0; f < 4; ++f) {
+        if (mesh_.neighbour(TetId(i), f).valid()) continue;
+        const OpenFace face = open_face(TetId(i), f);
+        if (touched[face.name[0]] && touched[face.name[1]] && touched[face.name[2]]) open.push_back(face);
+      }
     }
-    std::sort(name.begin(), name.end());
-    const auto [at, is_new] = open_.try_emplace(name, face);
-    if (is_new) return;
-    mesh_.glue(face, at->second);
-    open_.erase(at);
+    std::sort(open.begin(), open.end(), [](const OpenFace& a, const OpenFace& b) { return a.name < b.name; });
+    for (std::size_t i = 1; i < open.size(); ++i)
+      if (open[i].name == open[i - 1].name) mesh_.glue(open[i].face, open[i - 1].face);
+  }
+
+  OpenFace open_face(TetId t, int f) const {
+    OpenFace open{{}, TetFace(t, f)};
+    for (int i = 0; i < 3; ++i) open.name[i] = mesh_.vertex(t, meshing::kTetFaces[f][i]).value;
+    std::sort(open.name.begin(), open.name.end());
+    return open;
   }
 
   Subdomain& s_;
   TetMesh& mesh_;
-  std::unordered_map<GlobalId, VertexId> vertices_;
+  const std::uint32_t first_tet_;                  ///< of the parcels'
+  std::vector<std::vector<std::uint32_t>> names_;  ///< [parcel][vertex]: a number
+  std::vector<VertexId> vertex_of_name_;
   std::vector<VertexId> arrived_;
-  std::unordered_map<FaceName, TetFace, FaceNameHash> open_;
-  std::vector<std::uint8_t> known_;  ///< vertices of the interface or of parcels
 };
 
 bool by_vertex(const Holder& a, const Holder& b) { return a.vertex < b.vertex; }
@@ -120,24 +153,39 @@ void for_each_vertex(std::span<const Holder> lines, F f) {
   }
 }
 
-/// All holders, this subdomain included, of the vertices of the old interface and of those that tets have
-/// left.
+/// All holders, this subdomain included, of the vertices that somebody says something of; all others keep
+/// theirs.
 class NewHolders {
  public:
-  NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s) {
+  NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s), mentioned_(s.interface.size(), 0) {
     lines_ = s.departures;
-    for (const Parcel& p : parcels) lines_.insert(lines_.end(), p.now.begin(), p.now.end());
-    for (std::uint32_t i = 0; i < s.interface.size(); ++i) add_those_who_stayed(i, parcels);
+    mention(s.departures);
+    for (const Parcel& p : parcels) {
+      lines_.insert(lines_.end(), p.now.begin(), p.now.end());
+      mention(p.now);
+    }
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i)
+      if (mentioned_[i]) add_those_who_stayed(i, parcels);
     sort_unique(lines_);
   }
 
   std::span<const Holder> lines() const { return lines_; }
+  /// Of a vertex of the interface.
+  bool mentioned(std::uint32_t i) const { return mentioned_[i]; }
   std::span<const Holder> of(GlobalId vertex) const {
     const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, 0}, by_vertex);
     return {first, last};
   }
 
  private:
+  void mention(std::span<const Holder> lines) {
+    std::uint32_t i = 0;
+    for (const Holder& line : lines) {  // both are sorted
+      while (i < mentioned_.size() && s_.interface.id(i) < line.vertex) ++i;
+      if (i < mentioned_.size() && s_.interface.id(i) == line.vertex) mentioned_[i] = 1;
+    }
+  }
+
   /// A holder that says nothing of a vertex keeps all its tets around it.
   void add_those_who_stayed(std::uint32_t i, std::span<const Parcel> parcels) {
     const GlobalId id = s_.interface.id(i);
@@ -153,6 +201,7 @@ class NewHolders {
   }
 
   const Subdomain& s_;
+  std::vector<std::uint8_t> mentioned_;  ///< by place in the interface
   std::vector<Holder> lines_;
 };
 
@@ -161,7 +210,7 @@ class NewHolders {
 std::vector<Scattered::Addressed> write_notices(const Subdomain& s, const NewHolders& now) {
   std::vector<std::pair<SubdomainId, Holder>> lines;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
-    if (s.interface.others(i).front().subdomain < s.id) continue;
+    if (!now.mentioned(i) || s.interface.others(i).front().subdomain < s.id) continue;
     const auto holders = now.of(s.interface.id(i));
     for (const Holder& h : holders)
       if (h.subdomain != s.id && !s.interface.held_by(i, h.subdomain))
@@ -192,11 +241,11 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
                                         std::span<const VertexId> arrived) {
   std::vector<VertexId> thawed;
   TetMesh& mesh = *s.mesh;
-  s.interface = std::move(interface);
-  const auto settle = [&](VertexId v) {
-    const std::uint32_t at = s.interface.find(s.global_id(v));
+  std::vector<std::uint8_t> settled(mesh.vertex_slots(), 0);
+  const auto settle = [&](VertexId v, std::uint32_t at) {
+    settled[v.value] = 1;
     if (at != Interface::kNone) {
-      s.interface.set_local(at, v);
+      interface.set_local(at, v);
       mesh.freeze(v);
     } else if (mesh.frozen(v)) {
       mesh.thaw(v);
@@ -204,9 +253,18 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
       thawed.push_back(v);
     }
   };
-  for (const VertexId v : arrived) settle(v);
+  std::uint32_t at = 0;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {  // both are sorted
+    const VertexId v = s.interface.local(i);
+    while (at < interface.size() && interface.id(at) < s.interface.id(i)) ++at;
+    if (!v.valid() || !mesh.alive(v)) continue;
+    settle(v, at < interface.size() && interface.id(at) == s.interface.id(i) ? at : Interface::kNone);
+  }
+  for (const VertexId v : arrived) settle(v, interface.find(s.global_id(v)));
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (mesh.frozen(VertexId(i)) && mesh.alive(VertexId(i))) settle(VertexId(i));
+    if (const VertexId v(i); mesh.frozen(v) && !settled[i] && mesh.alive(v))
+      settle(v, interface.find(s.global_id(v)));
+  s.interface = std::move(interface);
   return thawed;
 }
 
@@ -224,6 +282,26 @@ void freshen(TetMesh& mesh, std::span<const VertexId> vertices) {
   }
 }
 
+/// The lines of the new interface. Vertices of which the last word is not known yet keep those who held them
+/// `before`, and stay frozen.
+std::vector<Holder> new_lines(const Subdomain& s, const NewHolders& now, std::span<const Holder> before) {
+  std::vector<Holder> changed(before.begin(), before.end());
+  for_each_vertex(now.lines(), [&](GlobalId, std::span<const Holder> holders) {
+    if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; }))
+      return;
+    for (const Holder& h : holders)
+      if (h.subdomain != s.id) changed.push_back(h);
+  });
+  sort_unique(changed);
+  std::vector<Holder> kept;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i)
+    if (!now.mentioned(i))
+      kept.insert(kept.end(), s.interface.others(i).begin(), s.interface.others(i).end());
+  std::vector<Holder> lines;
+  std::merge(kept.begin(), kept.end(), changed.begin(), changed.end(), std::back_inserter(lines));
+  return lines;
+}
+
 }  // namespace
 
 Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
@@ -237,11 +315,8 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
         pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
   if (!pieces.empty()) s.background.add(pieces);
   Joining joining(s);
-  for (const Parcel& p : parcels) {
-    joining.add(p);
-    result.received += p.tets.size();
-  }
-  if (result.received > 0) joining.join_faces();
+  joining.add(parcels);
+  for (const Parcel& p : parcels) result.received += p.tets.size();
 
   const NewHolders now(s, parcels);
   result.notices = write_notices(s, now);
@@ -250,16 +325,8 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   sort_unique(before);
   result.expected = notices_expected(before);
 
-  // Vertices of which the last word is not known yet keep those who held them before, and stay frozen.
-  std::vector<Holder> lines;
-  for_each_vertex(now.lines(), [&](GlobalId, std::span<const Holder> holders) {
-    if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; }))
-      return;
-    for (const Holder& h : holders)
-      if (h.subdomain != s.id) lines.push_back(h);
-  });
-  lines.insert(lines.end(), before.begin(), before.end());
-  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), joining.arrived());
+  const std::vector<VertexId> thawed =
+      replace_interface(s, Interface(new_lines(s, now, before)), joining.arrived());
   s.departures.clear();
   result.thawed = thawed.size();
   if (result.thawed > 0) freshen(*s.mesh, thawed);

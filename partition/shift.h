@@ -29,10 +29,12 @@ namespace weft::partition {
 struct Proposal {
   Priority priority;
   std::vector<GlobalId> wants;  ///< shared with the neighbour, to be freed; ascending
+  /// Of the background, those that it has (BackgroundPiece::id), which need not be sent again; ascending.
+  std::vector<std::uint64_t> pieces;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(priority, wants);
+    archive(priority, wants, pieces);
   }
 };
 
@@ -65,7 +67,7 @@ struct Parcel {
   std::vector<Vertex> vertices;
   std::vector<Tet> tets;
   std::vector<FeatureEdge> feature_edges;
-  std::vector<BackgroundPiece> pieces;  ///< of the background
+  std::vector<BackgroundPiece> pieces;  ///< of the background, those that the receiver lacks
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
   /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody
   /// else had any.

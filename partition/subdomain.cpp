@@ -78,7 +78,22 @@ void name_new_vertices(Subdomain& s) {
       s.mesh->set_label(VertexId(i), GlobalId(s.id, s.next_local++).value());
 }
 
+namespace {
+
+bool is_located(const Subdomain& s) {
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const VertexId v = s.interface.local(i);
+    if (!v.valid() || v.value >= s.mesh->vertex_slots() || !s.mesh->alive(v) ||
+        s.global_id(v) != s.interface.id(i))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 void locate_interface(Subdomain& s) {
+  if (is_located(s)) return;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) s.interface.set_local(i, VertexId());
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
     const VertexId v(i);

@@ -1,0 +1,134 @@
+// Copies of tets and of what belongs to them.
+#include "partition/packing.h"
+
+#include <algorithm>
+
+namespace weft::partition {
+
+using meshing::TetFace;
+using meshing::TetId;
+using meshing::TetVertices;
+using meshing::VertexId;
+using meshing::VertexKind;
+
+Packing::Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
+                 std::vector<std::uint32_t>& place_of_tet)
+    : s_(s), mesh_(*s.mesh), to_(to), interface_index_(interface_index), place_of_tet_(place_of_tet) {
+  parcel_.from = s.id;
+}
+
+void Packing::reserve(std::size_t tets) {
+  if (tets == 0) return;
+  places_.assign(mesh_.vertex_slots(), kNoPlace);
+  parcel_.tets.reserve(tets);
+  tets_.reserve(tets);
+}
+
+void Packing::add(TetId t) {
+  Parcel::Tet packed;
+  const TetVertices v = mesh_.vertices(t);
+  for (int i = 0; i < 4; ++i) {
+    packed.vertices[i] = place_of(v[i]);
+    packed.patches[i] = mesh_.patch(t, i);
+  }
+  packed.ref = mesh_.ref(t);
+  packed.quality = mesh_.quality(t);
+  place_of_tet_[t.value] = static_cast<std::uint32_t>(parcel_.tets.size());
+  parcel_.tets.push_back(packed);
+  tets_.push_back(t);
+  add_features(v);
+  add_background(v);
+}
+
+Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures, const Choice& choice,
+                       std::span<const std::uint64_t> pieces) {
+  name_neighbours(chosen);
+  for (const Departure& d : departures)
+    if (concerns_receiver(d.vertex))
+      parcel_.now.push_back({s_.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
+  sort_unique(parcel_.now);
+  for (const std::uint32_t v : vertices_) add_previous_holders(v);
+  add_pieces(pieces);
+  return std::move(parcel_);
+}
+
+std::uint32_t Packing::place_of(VertexId v) {
+  std::uint32_t& place = places_[v.value];
+  if (place != kNoPlace) return place;
+  place = static_cast<std::uint32_t>(parcel_.vertices.size());
+  const BackgroundTet background = s_.background.name_of(mesh_.background_hint(v));
+  if (pieces_.empty() || pieces_.back() != background.piece) pieces_.push_back(background.piece);
+  vertices_.push_back(v.value);
+  parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
+                              mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
+                              static_cast<std::uint8_t>(mesh_.flags(v) & ~meshing::kFrozen)});
+  return place;
+}
+
+void Packing::add_features(const TetVertices& v) {
+  for (const auto& e : meshing::kTetEdges) {
+    const VertexId a = v[e[0]], b = v[e[1]];
+    if (mesh_.kind(a) < VertexKind::ridge || mesh_.kind(b) < VertexKind::ridge) continue;
+    const meshing::CurveId curve = mesh_.curve(a, b);
+    if (!curve.valid()) continue;
+    const std::uint64_t key = std::uint64_t{std::min(a, b).value} << 32 | std::max(a, b).value;
+    if (features_.insert(key).second) parcel_.feature_edges.push_back({{place_of(a), place_of(b)}, curve});
+  }
+}
+
+/// A tet that is larger than the pieces may cover one that none of its vertices is in.
+void Packing::add_background(const TetVertices& v) {
+  std::array<std::uint64_t, 4> piece;
+  for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_[v[i].value]].background.piece;
+  const auto differs =
+      std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
+  if (differs == piece.end()) return;
+  const std::uint64_t other = *differs;
+  meshing::Point centre;
+  for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
+  look_up(centre, v[0]);
+  if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4)
+    return;
+  for (const auto& e : meshing::kTetEdges)
+    if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
+}
+
+void Packing::look_up(const meshing::Point& p, VertexId near) {
+  const auto place = s_.background.background().locate(p, mesh_.background_hint(near));
+  pieces_.push_back(s_.background.name_of(place.tet).piece);
+}
+
+void Packing::name_neighbours(const Chosen& chosen) {
+  for (std::size_t i = 0; i < tets_.size(); ++i)
+    for (int f = 0; f < 4; ++f) {
+      const TetFace n = mesh_.neighbour(tets_[i], f);
+      parcel_.tets[i].neighbours[f] =
+          n.valid() && chosen.to[n.tet().value] == chosen.to[tets_[i].value]
+              ? 4 * place_of_tet_[n.tet().value] + static_cast<std::uint32_t>(n.face())
+              : meshing::kNoNeighbour;
+    }
+}
+
+bool Packing::concerns_receiver(std::uint32_t vertex) const {
+  if (!places_.empty() && places_[vertex] != kNoPlace) return true;
+  const std::uint32_t i = interface_index_[vertex];
+  return i != Interface::kNone && s_.interface.held_by(i, to_);
+}
+
+void Packing::add_previous_holders(std::uint32_t vertex) {
+  const std::uint32_t i = interface_index_[vertex];
+  if (i == Interface::kNone || s_.interface.held_by(i, to_)) return;
+  parcel_.before.push_back({s_.interface.id(i), s_.id});
+  for (const Holder& h : s_.interface.others(i)) parcel_.before.push_back(h);
+}
+
+void Packing::add_pieces(std::span<const std::uint64_t> there) {
+  std::sort(pieces_.begin(), pieces_.end());
+  pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
+  std::vector<std::uint64_t> missing;
+  std::set_difference(pieces_.begin(), pieces_.end(), there.begin(), there.end(),
+                      std::back_inserter(missing));
+  for (const auto& piece : s_.background.pieces(missing)) parcel_.pieces.push_back(*piece);
+}
+
+}  // namespace weft::partition
