@@ -139,6 +139,13 @@ Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
   }
 }
 
+Background::WalkEnd Background::walk_towards(const Point& p, std::uint32_t hint) const {
+  WalkEnd end{hint == kNoHint ? 0 : hint, false};
+  Barycentric l;
+  end.reached = walk(p, end.tet, l);
+  return end;
+}
+
 Background::Sample Background::at(const Point& p, std::uint32_t hint) const {
   std::uint32_t tet = hint == kNoHint ? 0 : hint;
   Barycentric l;

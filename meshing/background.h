@@ -41,6 +41,13 @@ class Background {
   /// Where `p` is, or the point of the mesh closest to it; needs no metrics.
   Place locate(const Point& p, std::uint32_t hint) const;
 
+  struct WalkEnd {
+    std::uint32_t tet;
+    bool reached;  ///< the tet has the point; otherwise the boundary was in the way
+  };
+  /// Where the walk from tet `hint` towards `p` ends. Cheap: nothing is searched for beyond the boundary.
+  WalkEnd walk_towards(const Point& p, std::uint32_t hint) const;
+
   /// A tet that has this vertex of the background mesh.
   std::uint32_t tet_of(std::uint32_t vertex) const { return vertex_tets_[vertex]; }
   const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }

@@ -2,6 +2,7 @@
 #include "partition/background_store.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "meshing/tet_tables.h"
 
@@ -59,18 +60,21 @@ BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing:
 
 void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces) {
   Adjacency adjacency;
+  std::vector<OpenFace> open;
   if (background_) adjacency = background_->release_adjacency();
   for (const auto& piece : pieces) {
     if (has(piece->id)) continue;
     place_.emplace(piece->id, static_cast<std::uint32_t>(mesh_->tets.size()));
     begins_.push_back(static_cast<std::uint32_t>(mesh_->tets.size()));
     pieces_.push_back(piece);
-    append(*piece, adjacency);
+    append(*piece, adjacency, open);
   }
+  join_faces(std::move(open), adjacency);
   background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
 }
 
-void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency) {
+void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency,
+                             std::vector<OpenFace>& open) {
   const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
   const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
   mesh_->points.insert(mesh_->points.end(), piece.points.begin(), piece.points.end());
@@ -85,23 +89,33 @@ void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency)
     adjacency.neighbours.push_back(n);
   }
   for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
-    for (int f = 0; f < 4; ++f)
-      if (piece.neighbours[t][f] == kNoNeighbour) join_face(piece, t, f, adjacency, first_tet);
+    for (int f = 0; f < 4; ++f) {
+      if (piece.neighbours[t][f] != kNoNeighbour) continue;
+      OpenFace face{{}, 4 * (first_tet + t) + static_cast<std::uint32_t>(f)};
+      for (int i = 0; i < 3; ++i) face.name[i] = piece.ids[piece.tets[t][meshing::kTetFaces[f][i]]];
+      std::sort(face.name.begin(), face.name.end());
+      open.push_back(face);
+    }
 }
 
-/// Joins an open face of a piece with its other side, or remembers it until that comes.
-void BackgroundStore::join_face(const BackgroundPiece& piece, std::uint32_t tet, int face,
-                                Adjacency& adjacency, std::uint32_t first) {
-  Face name;
-  for (int i = 0; i < 3; ++i) name[i] = piece.ids[piece.tets[tet][meshing::kTetFaces[face][i]]];
-  std::sort(name.begin(), name.end());
-  const std::uint32_t code = 4 * (first + tet) + static_cast<std::uint32_t>(face);
-  const auto [at, is_new] = border_.try_emplace(name, code);
-  if (is_new) return;
-  const std::uint32_t other = at->second;
-  adjacency.neighbours[code >> 2][code & 3] = other;
-  adjacency.neighbours[other >> 2][other & 3] = code;
-  border_.erase(at);
+/// Joins open faces with their other sides, among them or in the border; the rest becomes border.
+void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacency) {
+  const auto by_name = [](const OpenFace& a, const OpenFace& b) { return a.name < b.name; };
+  std::sort(open.begin(), open.end(), by_name);
+  std::vector<OpenFace> all;
+  all.reserve(border_.size() + open.size());
+  std::merge(border_.begin(), border_.end(), open.begin(), open.end(), std::back_inserter(all), by_name);
+  border_.clear();
+  for (const OpenFace& face : all) {
+    if (border_.empty() || border_.back().name != face.name) {
+      border_.push_back(face);
+      continue;
+    }
+    const std::uint32_t a = face.code, b = border_.back().code;
+    adjacency.neighbours[a >> 2][a & 3] = b;
+    adjacency.neighbours[b >> 2][b & 3] = a;
+    border_.pop_back();
+  }
 }
 
 std::vector<std::shared_ptr<const BackgroundPiece>> BackgroundStore::pieces(

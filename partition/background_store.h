@@ -65,23 +65,19 @@ class BackgroundStore {
   const meshing::Background& background() const { return *background_; }
 
  private:
-  using Face = std::array<GlobalId, 3>;
-  struct FaceHash {
-    std::size_t operator()(const Face& f) const noexcept {
-      return std::hash<GlobalId>{}(f[0]) * 31 + std::hash<GlobalId>{}(f[1]) * 17 +
-             std::hash<GlobalId>{}(f[2]);
-    }
+  /// A face of a piece with nothing on the other side yet.
+  struct OpenFace {
+    std::array<GlobalId, 3> name;  ///< its vertices, ascending
+    std::uint32_t code;            ///< as in meshing::Adjacency
   };
 
-  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
-  void join_face(const BackgroundPiece& piece, std::uint32_t tet, int face, meshing::Adjacency& adjacency,
-                 std::uint32_t first);
+  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency, std::vector<OpenFace>& open);
+  void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
 
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;
   std::vector<std::uint32_t> begins_;                       ///< piece -> its first tet
   std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
-  std::unordered_map<Face, std::uint32_t, FaceHash>
-      border_;  ///< faces with nothing on the other side yet -> code
+  std::vector<OpenFace> border_;                            ///< by name
   // Held by pointer: the background refers to them, and the store may move.
   std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
   std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =

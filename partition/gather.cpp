@@ -16,7 +16,7 @@ bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHas
 
 /// Frozen vertices of poor tets, by slot.
 std::vector<std::uint8_t> at_poor_tets(const TetMesh& mesh) {
-  constexpr float kPoor = 0.45f;
+  constexpr float kPoor = 0.5f;
   std::vector<std::uint8_t> poor(mesh.vertex_slots(), 0);
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
     if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i)))

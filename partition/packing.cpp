@@ -94,8 +94,8 @@ void Packing::add_background(const TetVertices& v) {
 }
 
 void Packing::look_up(const meshing::Point& p, VertexId near) {
-  const auto place = s_.background.background().locate(p, mesh_.background_hint(near));
-  pieces_.push_back(s_.background.name_of(place.tet).piece);
+  const auto end = s_.background.background().walk_towards(p, mesh_.background_hint(near));
+  pieces_.push_back(s_.background.name_of(end.tet).piece);
 }
 
 void Packing::name_neighbours(const Chosen& chosen) {

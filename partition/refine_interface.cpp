@@ -139,8 +139,16 @@ class Level {
     at.x = mesh_.point(e.a) + share * d;
     at.log_metric = (1 - share) * mesh_.log_metric(e.a) + share * mesh_.log_metric(e.b);
     at.curve = mesh_.curve(e.a, e.b);
-    at.background_hint = s_.background.background().at(at.x, mesh_.background_hint(e.a)).tet;
+    at.background_hint = background_tet(at.x, e);
     return at;
+  }
+
+  /// The background has corners that stand in the way from one end more often than from both.
+  std::uint32_t background_tet(const Point& x, const Edge& e) const {
+    const meshing::Background& background = s_.background.background();
+    for (const VertexId v : {e.a, e.b})
+      if (const auto end = background.walk_towards(x, mesh_.background_hint(v)); end.reached) return end.tet;
+    return background.at(x, mesh_.background_hint(e.a)).tet;
   }
 
   /// The tets around an edge: one of each set of joined ones (every set has two of the faces, at its ends),
