@@ -45,16 +45,16 @@ std::uint64_t peak_rss_of_process() {
   return 0;
 }
 
-TimeSummary times_of(const Trace& trace, double wall) {
+TimeSummary times_of(const Trace& trace, const RunFacts& facts) {
   TimeSummary times;
   for (int i = 0; i < trace.workers(); ++i) {
     const Lane& lane = trace.worker_lane(i);
     times.compute += seconds(lane.time(Activity::compute).total);
     times.unpack += seconds(lane.time(Activity::unpack).total);
   }
-  times.idle = std::max(0.0, trace.workers() * wall - times.compute - times.unpack);
+  times.idle = std::max(0.0, trace.workers() * facts.wall - times.compute - times.unpack);
   for (const Lane& lane : trace.lanes()) times.pack += seconds(lane.time(Activity::pack).total);
-  times.communication = seconds(trace.communication_lane().time(Activity::communicate).total);
+  times.communication = facts.communication;
   return times;
 }
 
@@ -269,7 +269,7 @@ RankSummary summarize(const Trace& trace, const RunFacts& facts) {
   summary.rank = trace.rank();
   summary.workers = trace.workers();
   summary.wall = facts.wall;
-  summary.times = times_of(trace, facts.wall);
+  summary.times = times_of(trace, facts);
   for (int i = 0; i < trace.workers(); ++i) {
     summary.worker_compute.push_back(seconds(trace.worker_lane(i).time(Activity::compute).total));
   }

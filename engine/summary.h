@@ -10,7 +10,7 @@
 //      "compute": 2.0, "unpack": 0.01,    of all workers
 //      "idle": 0.49,                      of all workers: the rest of workers * wall
 //      "pack": 0.02,
-//      "communication": 0.1,              the communication thread awake, packing included
+//      "communication": 0.1,              processor time of the communication thread, packing included
 //      "worker_compute": [1.1, 0.9],
 //      "methods": [{"name": "Part::refine", "count": 40, "seconds": 2.0, "longest": 0.2, VOLUME}],
 //                                         those that ran or had messages; "": the engine's own
@@ -82,7 +82,7 @@ struct TimeSummary {
   double unpack = 0;         ///< workers
   double idle = 0;           ///< workers: what is left of workers * wall
   double pack = 0;           ///< communication thread
-  double communication = 0;  ///< communication thread, awake; includes pack
+  double communication = 0;  ///< communication thread, processor time; includes pack
   template <class Archive>
   void serialize(Archive& archive) {
     archive(compute, unpack, idle, pack, communication);
@@ -119,6 +119,7 @@ struct RankSummary {
 /// What a trace does not know of its rank.
 struct RunFacts {
   double wall = 0;                        ///< seconds of the engine's loop
+  double communication = 0;               ///< seconds of processor time of the communication thread in it
   std::vector<std::string> method_names;  ///< by index in the registry
   std::vector<std::pair<std::string, long>> network_calls;
   long collective_calls = 0;  ///< how many of them are collective

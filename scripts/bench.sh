@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds, then times `weft adapt` (and Mmg, where it is installed) on the benchmark cases; see bench.py --help.
 # `bench.sh tracing` measures what tracing, report and progress cost; see bench_tracing.py --help.
+# `bench.sh distributed` measures subdomains beside one mesh; see bench_distributed.py --help.
 # `bench.sh engine [PART...]` measures the engine instead; see tools/bench/engine/run_benchmarks.py --help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -19,5 +20,9 @@ scripts/build.sh release --no-tests
 if [[ ${1:-} == tracing ]]; then
   shift
   exec python3 -B scripts/bench_tracing.py "$@"
+fi
+if [[ ${1:-} == distributed ]]; then
+  shift
+  exec python3 -B scripts/bench_distributed.py "$@"
 fi
 exec python3 -B scripts/bench.py "$@"

@@ -45,8 +45,10 @@ TEST(RankSummary, WorkersAreIdleWhenTheyNeitherComputeNorUnpack) {
   trace.worker_lane(0).span(span_of(Activity::unpack, 0, 1));
   trace.worker_lane(1).span(span_of(Activity::compute, 0, 2));
   trace.communication_lane().span(span_of(Activity::pack, 0, 1));
-  trace.communication_lane().span(span_of(Activity::communicate, Span::kNoName, 4));
-  const RankSummary summary = summarize(trace, facts_of(10));
+  trace.communication_lane().span(span_of(Activity::communicate, Span::kNoName, 7));
+  RunFacts facts = facts_of(10);
+  facts.communication = 4;
+  const RankSummary summary = summarize(trace, facts);
   EXPECT_DOUBLE_EQ(summary.times.compute, 5);
   EXPECT_DOUBLE_EQ(summary.times.unpack, 1);
   EXPECT_DOUBLE_EQ(summary.times.idle, 2 * 10 - 5 - 1);

@@ -47,7 +47,7 @@ std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& lo
   seconds["conversion"] = summary.times.unpack + summary.times.pack;
   seconds["misc"] = std::max(0.0, summary.times.compute - in_nodes);
   seconds["idle"] = summary.times.idle;
-  seconds["communication"] = summary.times.communication - summary.times.pack;
+  seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
   return seconds;
 }
 
@@ -87,8 +87,7 @@ SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
   account.sum = in_order(sum);
   double busy = 0, adapting = 0;
   for (const OperationTime& t : account.sum) {
-    // The communication thread is awake, not at work, while workers have its core.
-    if (t.name == "idle" || t.name == "communication") continue;
+    if (t.name == "idle") continue;
     busy += t.seconds;
     if (is_adaptation(t.name)) adapting += t.seconds;
   }
@@ -107,7 +106,7 @@ std::string subdomains_text(const SubdomainAccount& a) {
   for (const OperationTime& t : a.sum)
     text += fmt::format("  {:<28}{:>10.2f} s{:>8}\n", t.name, t.seconds,
                         percent(total > 0 ? t.seconds / total : 0));
-  text += fmt::format("{} of the workers' busy time is not adaptation; {}\n", percent(a.beside_adaptation),
+  text += fmt::format("{} of the busy time is not adaptation; {}\n", percent(a.beside_adaptation),
                       a.engine.verdict());
   text += fmt::format("{:<8}{:>16}{:>14}{:>12}{:>16}\n", "shift", "vertices wanted", "tets moved",
                       "receivers", "vertices freed");

@@ -41,7 +41,7 @@ struct SubdomainAccount {
   std::vector<ShiftAccount> shifts;
   std::vector<RankAccount> by_rank;
   std::vector<OperationTime> sum;      ///< of all ranks
-  double beside_adaptation = 0;        ///< share of the workers' busy time that is not spent adapting
+  double beside_adaptation = 0;        ///< share of the busy time that is not spent adapting
   meshing::Measures former_interface;  ///< tets with a vertex that has been one of an interface
   engine::RunSummary engine;
 };
