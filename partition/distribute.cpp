@@ -104,7 +104,7 @@ std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, c
   std::vector<double> work;
   std::vector<std::uint64_t> numbers;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    work.push_back(kTetsPerComplexity * measures.complexities[t] + kHandling);
+    work.push_back(options.equal_tets ? 1 : kTetsPerComplexity * measures.complexities[t] + kHandling);
     numbers.push_back(slice.first_tet + t);
   }
   return decompose(peers, {measures.centres, work, numbers, slice.tets}, options.num_subdomains,

@@ -86,6 +86,27 @@ TEST_P(Distribute, DoesNotDependOnTheNumberOfRanks) {
   }
 }
 
+/// Work piles up in a corner: parts of equal work there have few of the input's tets.
+TEST(Distribute, DividesWorkOrTets) {
+  MetricMesh whole = support::random_metric_mesh(1);
+  for (std::size_t v = 0; v < whole.mesh.points.size(); ++v)
+    whole.log_metrics[v] = meshing::LogMetric(
+        meshing::identity_tensor(norm(whole.mesh.points[v] - whole.mesh.points[0]) < 0.3 ? 8 : 0));
+  auto options = options_of(8);
+  const auto most_and_least = [&] {
+    std::vector<std::size_t> tets;
+    for (const SubdomainStart& start : distribute_on(2, whole, options).starts)
+      tets.push_back(start.tets.size());
+    const auto [least, most] = std::minmax_element(tets.begin(), tets.end());
+    return std::pair(*most, *least);
+  };
+  const auto [most, least] = most_and_least();
+  EXPECT_GT(most, 2 * least);
+  options.equal_tets = true;
+  const auto [most_tets, least_tets] = most_and_least();
+  EXPECT_LE(most_tets, least_tets + 3);  // half a tet for each of three cuts, on either side
+}
+
 /// Compares the starts of one distribution with the kernel's own import of the whole mesh.
 class Comparison {
  public:

@@ -84,7 +84,7 @@ class Results(Subdomains):
     def test_all_options(self):
         self.box(4)
         for words in (["--shifts", 0], ["--shifts", 1, "--layers", 0], ["--layers-by", "faces"], ["--balancer", "none"],
-                      ["--balancer", "diffusion"], ["--no-interface-refinement"]):
+                      ["--balancer", "diffusion"], ["--equal", "tets"], ["--no-interface-refinement"]):
             self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 4, *words, "-o", "out.meshb", "--quiet")
             self.weft("verify", "out.meshb", "--against", "box.meshb")
 
@@ -193,7 +193,8 @@ class Failures(Subdomains):
         for words, says in ((["--partitioner", "nonsense"], "nonsense"), (["--partitioner", "pqr:3x1x1"], "makes 3"),
                             (["--partitioner", "pqr:2x2"], "pqr:2x2"), (["--shifts", "x"], "--shifts"),
                             (["--shifts", "-1"], "--shifts"), (["--layers", "-1"], "--layers"),
-                            (["--layers-by", "edges"], "--layers-by"), (["--balancer", "rotate"], "--balancer")):
+                            (["--layers-by", "edges"], "--layers-by"), (["--equal", "parts"], "--equal"),
+                            (["--balancer", "rotate"], "--balancer")):
             self.assert_fails(*adapt, *words, says=says, code=64)
 
     def test_damaged_input(self):

@@ -142,6 +142,12 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
                  "bisection (default), graph, pqr:PxQxR or pqr:PxQxR:principal")
       ->type_name("NAME")
       ->group(kGroup);
+  static const std::map<std::string, bool> shares = {{"work", false}, {"tets", true}};
+  sub.add_option("--equal", request.equal_tets,
+                 "parts of equal predicted work (default) or of equally many tets of the input")
+      ->transform(CLI::CheckedTransformer(shares).description(""))
+      ->type_name("WHAT")
+      ->group(kGroup);
   sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 3")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))

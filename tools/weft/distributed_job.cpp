@@ -155,6 +155,7 @@ class DistributedJob {
     options.decomposition.num_subdomains = number_of_subdomains();
     options.decomposition.partitioner =
         partition::parse_partitioner(subdomains_.partitioner, options.decomposition.num_subdomains);
+    options.decomposition.equal_tets = subdomains_.equal_tets;
     options.decomposition.ridge_angle_degrees = request_.options.ridge_angle_degrees;
     options.decomposition.target_complexity = input.target_complexity;
     options.shift = {subdomains_.layers, subdomains_.by_faces};

@@ -11,6 +11,7 @@ namespace weft::tools {
 struct SubdomainRequest {
   std::uint32_t subdomains = 0;  ///< 0: not asked for; then under mpirun a few for each thread
   std::string partitioner = "bisection";
+  bool equal_tets = false;
   int layers = 3;
   bool by_faces = false;
   std::string shifts = "auto";  ///< or the largest number of them
