@@ -123,6 +123,8 @@ class Results(Subdomains):
         for rank in report["by_rank"]:
             self.assertEqual(set(rank["seconds_by_operation"]), OPERATIONS)
         self.check_shifts(report["shifts"])
+        lanes = json.loads((self.folder / "r/profile.json").read_text())["timeline"]["lanes"]
+        self.assertEqual({lane["name"].split()[0] for lane in lanes}, {"worker"}, "which worker ran a task is known of all")
         self.assertGreater(report["former_interface"]["tets"], 0)
 
     def check_shifts(self, shifts):
