@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import time
 import unittest
 import xml.etree.ElementTree as xml
 
@@ -109,6 +110,16 @@ class Graphs(SampleTest):
         for edge in edges:
             self.assertIn(edge.get("source"), ids)
             self.assertIn(edge.get("target"), ids)
+
+    def test_the_network_of_many_subdomains_is_drawn_in_time(self):
+        """In layers Graphviz had not finished it after ten minutes."""
+        self.sample(subdomains=128, rounds=6)
+        begin = time.monotonic()
+        self.weft("graph", "graph.json", "--collapse", "subdomains", "-o", "network.svg")
+        self.assertLess(time.monotonic() - begin, 60)
+        text = "".join(xml.parse(self.folder / "network.svg").getroot().itertext())
+        for subdomain in (0, 64, 127):
+            self.assertIn(f"subdomain {subdomain}", text)
 
     def test_svg_is_drawn_by_graphviz(self):
         self.sample()
