@@ -74,7 +74,7 @@ weft.table = function table(head, rows, options = {}) {
     weft.make("tr", { class: options.classOf ? options.classOf(r) : null },
       row.map((cell, c) => weft.make("td", { class: typeof cell === "object" && !(cell instanceof Node) ? cell.class : null, "data-figure": options.figures && options.figures[r][c] },
         typeof cell === "object" && !(cell instanceof Node) ? cell.text : cell))));
-  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col", class: h === "source" ? "text" : null }, h)))),
+  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col", class: h === "source" || h === "what for" ? "text" : null }, h)))),
     weft.make("tbody", {}, body));
   return weft.make("div", { class: "scroll" }, element);
 };
