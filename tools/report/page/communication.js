@@ -43,11 +43,15 @@
       }
       c.fillStyle = weft.css("--soft");
       c.font = "11px system-ui, sans-serif";
-      const step = Math.max(1, Math.ceil(18 / size));
+      const step = Math.max(1, Math.ceil((ranks > 100 ? 30 : 22) / size));
       for (let r = 0; r < ranks; r += step) {
-        c.fillText(r, margin + (r + 0.5) * size - 4, margin - 6);
-        c.fillText(r, margin - 22, margin + (r + 0.5) * size + 4);
+        const at = margin + (r + 0.5) * size;
+        c.textAlign = "center";
+        c.fillText(r, at, margin - 6);
+        c.textAlign = "right";
+        c.fillText(r, margin - 6, at + 4);
       }
+      c.textAlign = "left";
       c.fillText(what === "waiting" ? "waited for →" : "to rank →", margin, 14);
       c.save();
       c.translate(12, margin + 70);

@@ -15,7 +15,7 @@
     return weft.chart(() => ({
       type: "line",
       data: { labels, datasets: datasets.map(({ label, values, colour, dash }) => ({ label, data: values.map((v) => (v > 0 ? v : null)), borderColor: colour, backgroundColor: colour, borderDash: dash, spanGaps: true, pointRadius: 4 })) },
-      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: axes[0] } }, y: { type: "logarithmic", title: { display: true, text: axes[1] } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 34, usePointStyle: true, pointStyle: "line" } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
+      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: axes[0] } }, y: { type: "logarithmic", title: { display: true, text: axes[1] } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 34, usePointStyle: true, pointStyle: "line", generateLabels: (chart) => Chart.defaults.plugins.legend.labels.generateLabels(chart).map((item) => ({ ...item, lineWidth: 3, lineDash: datasets[item.datasetIndex].dash, pointStyle: "line" })) } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
     }), 340, title);
   }
 
