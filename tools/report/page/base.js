@@ -104,6 +104,17 @@ weft.tip = function showTip(event, text) {
 
 // --- Charts
 
+/** Round ticks of a logarithmic axis; Chart.js takes any digit, and its labels run into each other. */
+weft.logarithmicTicks = function logarithmicTicks(axis) {
+  const digits = Math.log10(axis.max / axis.min) > 3.5 ? [1] : [1, 2, 5];
+  axis.ticks = [];
+  for (let power = Math.floor(Math.log10(axis.min)); power <= Math.log10(axis.max); ++power)
+    for (const digit of digits) {
+      const value = Number(`${digit}e${power}`);
+      if (value >= axis.min && value <= axis.max) axis.ticks.push({ value });
+    }
+};
+
 weft.charts = [];
 /** A Chart.js chart whose colours follow the theme: `configure` is called again when that changes. */
 weft.chart = function chart(configure, height = 320, label = "") {
