@@ -48,6 +48,7 @@ struct Cell {
   double queued_seconds = 0;
   std::uint32_t runs = 0;    ///< while running: hash of the method's name
   TimePoint runs_since = 0;  ///< while running
+  std::uint32_t lane = 0;    ///< while running: the worker's, by Trace::lanes()
   std::deque<Task> mailbox;
   std::unordered_map<ObjectId, Inbound> inbound;
   std::unordered_map<ObjectId, std::uint64_t> outbound;  ///< sequence number of the next message to each

@@ -105,7 +105,7 @@ void Scheduler::send(Cell& from, Request request, ObjectId target, std::uint32_t
     const Lock lock(mutex_);
     task.envelope.sequence = from.outbound[target]++;
     task.envelope.id = static_cast<std::uint64_t>(options_.rank.value) << 40 | ++messages_;
-    if (trace_.keeps_spans()) trace_.communication_lane().departure({now(), task.envelope.id});
+    if (trace_.keeps_spans()) trace_.communication_lane().departure({now(), task.envelope.id, from.lane});
     if (Cell* cell = find(target)) return accept(*cell, std::move(task));
     if (directory_.is_gone(target, created_)) {
       throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
@@ -410,6 +410,7 @@ void Scheduler::drain(Lane& lane) {
     }
     cell.runs = task.envelope.method;
     cell.runs_since = now();
+    cell.lane = trace_.index_of(lane);
     ++busy_;
     lock.unlock();
     consume(task);

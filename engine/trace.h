@@ -50,10 +50,11 @@ struct Span {
       0;  ///< id of the message that this span handles; 0: none. Joined to the Departure with this id.
 };
 
-/// A message left this lane: the start of an arrow in a timeline.
+/// A message was sent: the start of an arrow in a timeline.
 struct Departure {
   TimePoint time = 0;
-  std::uint64_t id = 0;  ///< unique in the run
+  std::uint64_t id = 0;    ///< unique in the run
+  std::uint32_t lane = 0;  ///< of the rank, by Trace::lanes(): where it was sent from
 };
 
 /// Number and bytes of messages.
@@ -190,6 +191,8 @@ class Trace {
 
   Lane& communication_lane() { return lanes_.front(); }
   const Lane& communication_lane() const { return lanes_.front(); }
+  /// The place of one of lanes().
+  std::uint32_t index_of(const Lane& lane) const { return static_cast<std::uint32_t>(&lane - lanes_.data()); }
   /// `index`: 0 to workers() - 1.
   Lane& worker_lane(int index) { return lanes_[static_cast<std::size_t>(index) + 1]; }
   const Lane& worker_lane(int index) const { return lanes_[static_cast<std::size_t>(index) + 1]; }

@@ -47,11 +47,14 @@ struct RunProgress {
   std::uint32_t adapted = 0;    ///< subdomains that `left` is known of
   meshing::Nonconforming left;  ///< edges of an interface count in each subdomain that has them
   double seconds = 0;           ///< since the run began
-  /// Until this step is done, at the pace of its work so far (for a shift that has just begun: if it takes as
-  /// long as the one before). Empty: it cannot be told as yet.
+  /// Until this step is done, at the pace of its work so far (for a shift that has just begun: going by those
+  /// before). Empty: it cannot be told as yet.
   std::optional<double> step_left;
-  /// If all shifts that are allowed were needed, and took as long as the last one has. Empty before the first
-  /// shift is over.
+  /// Until all is done, if shifts go on getting shorter as they have, or as they use to where too few have
+  /// been seen. Empty before the first shift is under way: how much it will have to do is not known.
+  std::optional<double> all_left;
+  /// A bound of that: if all shifts that are allowed were needed, and got shorter as slowly as any so far
+  /// have, or not at all where too few have been seen. Empty where all_left is.
   std::optional<double> most_left;
 };
 
@@ -67,15 +70,17 @@ class ProgressTable {
  private:
   std::uint32_t slowest_step() const;
   double share_of(std::uint32_t step) const;
+  double usual_ratio() const;
+  double slowest_ratio() const;
   void estimate(RunProgress& progress) const;
 
   std::uint32_t subdomains_, most_shifts_;
   engine::TimePoint begin_;
   std::unordered_map<partition::SubdomainId, SubdomainNews> known_;
   std::uint32_t step_ = 0;
-  double step_began_ = 0;             ///< seconds since the run began
-  double share_at_begin_ = 0;         ///< of the step: some subdomains are ahead
-  std::optional<double> last_shift_;  ///< seconds that the last complete shift took
+  double step_began_ = 0;       ///< seconds since the run began
+  double share_at_begin_ = 0;   ///< of the step: some subdomains are ahead
+  std::vector<double> shifts_;  ///< seconds that the complete shifts took
 };
 
 }  // namespace weft::graph::adaptation

@@ -111,8 +111,15 @@ void SubdomainTask::adapt_interior(NodeContext& context) {
   tell(rank);
   partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
   meshing::BeforeLevel before_level;
-  if (rank.plan.refine_interface) before_level = [&](double long_edge) { refinement.refine(long_edge); };
+  engine::TimePoint refining = 0;
+  if (rank.plan.refine_interface)
+    before_level = [&](double long_edge) {
+      const engine::TimePoint begin = engine::now();
+      refinement.refine(long_edge);
+      refining += engine::now() - begin;
+    };
   adapt(context, meshing::Extent::everything, before_level);
+  context.count("interface refinement, seconds", 1e-9 * static_cast<double>(refining));
   const std::vector<Ref> to = neighbours(context);
   std::vector<partition::InterfaceVertices> created = refinement.created();
   for (std::size_t i = 0; i < to.size(); ++i)

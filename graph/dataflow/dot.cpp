@@ -39,44 +39,80 @@ std::string number(double value) {
   return text;
 }
 
-std::string vertex_line(const DrawnVertex& vertex) {
-  std::string line = quoted(vertex.id) + " [label=" + label_of(vertex.label);
-  if (vertex.node) line += std::string(", fillcolor=\"") + kFills[*vertex.node % kFills.size()] + '"';
+/// How a drawing is laid out. Graphviz's layers suit what has a direction. A network of many subdomains has
+/// none, and layers of it take hours: there springs pull neighbours together. They know no clusters, so
+/// colours tell these. Where there are many edges their labels, which would cover each other, become
+/// tooltips.
+struct Layout {
+  bool springs = false;
+  bool arrows = true;
+  bool edge_labels = true;
+};
+
+Layout layout_of(const Drawing& drawing) {
+  constexpr std::size_t kMostInLayers = 24, kMostLabels = 40;
+  constexpr std::size_t kMostLabelsInLayers = 400;  // 4,000 take 2 s without, minutes with them
+  if (!drawing.network) return {false, true, drawing.edges.size() <= kMostLabelsInLayers};
+  return {drawing.vertices.size() > kMostInLayers, false, drawing.edges.size() <= kMostLabels};
+}
+
+std::string fill(std::size_t i) { return std::string(", fillcolor=\"") + kFills[i % kFills.size()] + '"'; }
+
+std::string vertex_line(const Drawing& drawing, const DrawnVertex& vertex, const Layout& layout) {
+  std::vector<std::string> label = vertex.label;
+  const bool by_cluster = layout.springs && vertex.cluster;
+  if (by_cluster && drawing.clusters.size() > 1) label.push_back(drawing.clusters[*vertex.cluster]);
+  std::string line = quoted(vertex.id) + " [label=" + label_of(label);
+  if (vertex.node) line += fill(*vertex.node);
+  if (by_cluster) line += fill(*vertex.cluster);
   if (!vertex.node) line += ", shape=ellipse, margin=" + number(0.02 + 0.12 * vertex.weight);
   if (vertex.critical) line += std::string(", color=\"") + kCritical + "\", penwidth=2.5";
   return line + "];\n";
 }
 
-std::string edge_line(const Drawing& drawing, const DrawnEdge& edge) {
+std::string edge_line(const Drawing& drawing, const DrawnEdge& edge, const Layout& layout) {
   std::string line = quoted(drawing.vertices[edge.from].id) + " -> " + quoted(drawing.vertices[edge.to].id);
-  line += " [label=" + quoted(edge.label);
-  if (edge.kind == DrawnEdgeKind::remote) line += ", style=dashed";
+  line += layout.edge_labels ? " [label=" : " [tooltip=";
+  line += quoted(edge.label);
+  if (!layout.arrows)
+    line += ", dir=none";
+  else if (edge.kind == DrawnEdgeKind::remote)
+    line += ", style=dashed";
   if (edge.kind == DrawnEdgeKind::wake || edge.kind == DrawnEdgeKind::order) line += ", style=dotted";
   if (edge.critical) line += std::string(", color=\"") + kCritical + "\", penwidth=2.5";
   return line + "];\n";
 }
 
+std::string clusters_text(const Drawing& drawing, const Layout& layout) {
+  std::vector<std::string> inside(drawing.clusters.size());
+  std::string text;
+  for (const DrawnVertex& vertex : drawing.vertices) {
+    if (vertex.cluster && !layout.springs)
+      inside[*vertex.cluster] += "    " + vertex_line(drawing, vertex, layout);
+    else
+      text += "  " + vertex_line(drawing, vertex, layout);
+  }
+  for (std::size_t c = 0; c < inside.size() && !layout.springs; ++c) {
+    text += "  subgraph cluster_" + std::to_string(c) + " {\n    label=" + quoted(drawing.clusters[c]) +
+            "; style=rounded; color=\"#999999\";\n" + inside[c] + "  }\n";
+  }
+  return text;
+}
+
 }  // namespace
 
-std::string dot_of(const Drawing& drawing) {
-  std::string text = "digraph " + quoted(drawing.name) + " {\n";
-  text += "  graph [rankdir=LR, fontname=\"Helvetica\", fontsize=12, nodesep=0.25, ranksep=0.6];\n";
+std::string dot_of(const Drawing& any_drawing) {
+  const Drawing drawing = any_drawing.network ? joined_edges(any_drawing) : any_drawing;
+  const Layout layout = layout_of(drawing);
+  std::string text = "digraph " + quoted(drawing.name) + " {\n  graph [fontname=\"Helvetica\", fontsize=12, ";
+  text += layout.springs ? "layout=sfdp, overlap=prism, splines=line, outputorder=edgesfirst];\n"
+                         : "rankdir=LR, nodesep=0.25, ranksep=0.6];\n";
   text +=
       "  node [shape=box, style=\"rounded,filled\", fillcolor=\"#ffffff\", fontname=\"Helvetica\", "
       "fontsize=11];\n";
   text += "  edge [fontname=\"Helvetica\", fontsize=9, color=\"#555555\"];\n";
-  std::vector<std::string> inside(drawing.clusters.size());
-  for (const DrawnVertex& vertex : drawing.vertices) {
-    if (vertex.cluster)
-      inside[*vertex.cluster] += "    " + vertex_line(vertex);
-    else
-      text += "  " + vertex_line(vertex);
-  }
-  for (std::size_t c = 0; c < drawing.clusters.size(); ++c) {
-    text += "  subgraph cluster_" + std::to_string(c) + " {\n    label=" + quoted(drawing.clusters[c]) +
-            "; style=rounded; color=\"#999999\";\n" + inside[c] + "  }\n";
-  }
-  for (const DrawnEdge& edge : drawing.edges) text += "  " + edge_line(drawing, edge);
+  text += clusters_text(drawing, layout);
+  for (const DrawnEdge& edge : drawing.edges) text += "  " + edge_line(drawing, edge, layout);
   return text + "}\n";
 }
 

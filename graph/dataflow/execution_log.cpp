@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/runtime.h"
+#include "graph/dataflow/common_clock.h"
 #include "graph/dataflow/rank_exchange.h"
 
 namespace weft::graph::dataflow {
@@ -21,11 +22,6 @@ std::uint32_t intern(std::vector<std::string>& names, std::string_view name) {
 template <class T>
 void append_to(std::vector<T>& all, const std::vector<T>& more) {
   all.insert(all.end(), more.begin(), more.end());
-}
-
-void shift_times(ExecutionLog& log, engine::TimePoint offset) {
-  for (NodeRun& run : log.runs) run.begin += offset, run.end += offset;
-  for (EdgeUse& use : log.uses) use.time += offset;
 }
 
 }  // namespace
@@ -78,22 +74,25 @@ std::vector<NodeSum> sums_of(const GraphDescription& graph, const ExecutionLog& 
 ExecutionLog gather_log(RankExchange& exchange, ExecutionLog mine) {
   engine::Runtime& runtime = exchange.runtime();
   runtime.gather_summaries();  // compares the clocks
-  shift_times(mine, runtime.timeline().clock_offset);
+  engine::TimePoint offset = runtime.timeline().clock_offset;
   std::vector<engine::Payload> to_each(static_cast<std::size_t>(runtime.ranks()));
   for (engine::Payload& payload : to_each) {
     ExecutionLog part = std::exchange(mine, {});  // all of it to rank 0, empty logs to the others
     engine::Packer packer(true);
-    packer(part);
+    packer(offset, part);
     payload = packer.take();
   }
   ExecutionLog all;
+  std::vector<engine::TimePoint> offset_of_rank;
   for (engine::Payload& payload : exchange.exchange(std::move(to_each))) {
     ExecutionLog part;
     engine::Unpacker unpacker(std::move(payload));
-    unpacker(part);
+    unpacker(offset, part);
     unpacker.finish();
+    offset_of_rank.push_back(offset);
     all.append(std::move(part));
   }
+  to_common_clock(offset_of_rank, all);
   return all;
 }
 

@@ -266,7 +266,7 @@ std::map<InstanceIndex, std::size_t> add_instances(const GraphDump& dump, const 
 }
 
 Drawing instances_drawing(const GraphDump& dump, const std::string& instance_word) {
-  Drawing drawing{dump.description.name, {}, {}, {}};
+  Drawing drawing{dump.description.name, {}, {}, {}, true};
   const auto vertex_of = add_instances(dump, instance_word, drawing);
   if (dump.executed()) {
     std::vector<std::size_t> group_of;
@@ -285,6 +285,19 @@ Drawing instances_drawing(const GraphDump& dump, const std::string& instance_wor
   }
   return drawing;
 }
+
+struct Exchange {
+  std::uint64_t values = 0, bytes = 0;
+  bool critical = false;
+
+  void add(const DrawnEdge& edge) {
+    critical |= edge.critical;
+    for (const auto& [name, value] : edge.attributes) {
+      if (name == "values") values += static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+      if (name == "bytes") bytes += static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+    }
+  }
+};
 
 // --- Planned
 
@@ -355,6 +368,23 @@ const char* name_of(DrawnEdgeKind kind) {
       return "order";
   }
   return "";
+}
+
+Drawing joined_edges(const Drawing& network) {
+  std::map<std::pair<std::size_t, std::size_t>, Exchange> exchanges;
+  for (const DrawnEdge& edge : network.edges)
+    if (edge.from != edge.to) exchanges[std::minmax(edge.from, edge.to)].add(edge);
+  Drawing joined = network;
+  joined.edges.clear();
+  for (const auto& [pair, exchange] : exchanges) {
+    joined.edges.push_back({pair.first,
+                            pair.second,
+                            DrawnEdgeKind::remote,
+                            exchange.values > 0 ? bytes_text(exchange.bytes) : "",
+                            exchange.critical,
+                            {{"values", integer(exchange.values)}, {"bytes", integer(exchange.bytes)}}});
+  }
+  return joined;
 }
 
 Drawing drawing_of(const GraphDump& dump, Collapse collapse, const std::string& instance_word) {

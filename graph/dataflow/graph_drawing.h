@@ -42,7 +42,12 @@ struct Drawing {
   std::vector<std::string> clusters;  ///< their titles
   std::vector<DrawnVertex> vertices;
   std::vector<DrawnEdge> edges;
+  bool network = false;  ///< vertices are instances
 };
+
+/// A network for the eye: one edge without direction between two instances, for all that they exchange, its
+/// label the sum of bytes. Subdomains exchange four values a round in either direction.
+Drawing joined_edges(const Drawing& network);
 
 /// What becomes one vertex.
 enum class Collapse : std::uint8_t {

@@ -131,18 +131,35 @@ std::string index_text(const SolutionData& fields, const std::vector<std::string
   return xml + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
-}  // namespace
-
-MeshContents read_pvtu(const fs::path& path) {
+/// The pieces of each file that the index names.
+std::vector<std::vector<MeshPiece>> read_sources(const fs::path& path) {
   const VtkDocument index(path, "PUnstructuredGrid");
-  std::vector<MeshPiece> pieces;
+  std::vector<std::vector<MeshPiece>> sources;
   for (const pugi::xml_node piece : index.grid().children("Piece")) {
     const std::string source = piece.attribute("Source").value();
     if (source.empty()) index.fail("Piece", "has no Source");
-    std::ranges::move(read_vtu_pieces(path.parent_path() / source), std::back_inserter(pieces));
+    sources.push_back(read_vtu_pieces(path.parent_path() / source));
   }
-  if (pieces.empty()) index.fail("Piece", "is missing");
+  if (sources.empty()) index.fail("Piece", "is missing");
+  return sources;
+}
+
+MeshContents merged(std::vector<std::vector<MeshPiece>> sources) {
+  std::vector<MeshPiece> pieces;
+  for (auto& of_source : sources) std::ranges::move(of_source, std::back_inserter(pieces));
   return merge_pieces(std::move(pieces));
+}
+
+}  // namespace
+
+MeshContents read_pvtu(const fs::path& path) { return merged(read_sources(path)); }
+
+MeshContents read_pvtu_by_piece(const fs::path& path) {
+  std::vector<std::vector<MeshPiece>> sources = read_sources(path);
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    for (MeshPiece& piece : sources[i])
+      std::ranges::fill(piece.contents.mesh.tet_refs, static_cast<std::int32_t>(i));
+  return merged(std::move(sources));
 }
 
 void write_pvtu(const fs::path& path, const MeshView& contents, const WriteOptions& options) {

@@ -14,6 +14,9 @@ namespace weft::meshing {
 /// left out.
 MeshContents read_pvtu(const std::filesystem::path& path);
 
+/// The same with the numbers of the pieces, in the order of the index from 0, as references of the tets.
+MeshContents read_pvtu_by_piece(const std::filesystem::path& path);
+
 /// Writes NAME_0.vtu, NAME_1.vtu, ... beside NAME.pvtu, the index last: tets, triangles and edges in equal
 /// shares of their order, points with global IDs.
 void write_pvtu(const std::filesystem::path& path, const MeshView& contents,

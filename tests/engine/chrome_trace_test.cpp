@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -21,14 +22,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::string written(const std::vector<RankTimeline>& ranks) {
+std::string written(const std::vector<RankTimeline>& ranks, const Annotations& annotations = {}) {
   std::ostringstream out;
-  write_chrome_trace(out, ranks);
+  write_chrome_trace(out, ranks, annotations);
   return out.str();
 }
 
-std::vector<Json> events(const std::vector<RankTimeline>& ranks, const std::string& phase) {
-  const Json trace = Json::parse(written(ranks));
+std::vector<Json> events(const std::vector<RankTimeline>& ranks, const std::string& phase,
+                         const Annotations& annotations = {}) {
+  const Json trace = Json::parse(written(ranks, annotations));
   std::vector<Json> found;
   for (const Json& event : trace["traceEvents"]) {
     if (event["ph"] == phase) found.push_back(event);
@@ -159,6 +161,82 @@ TEST(ChromeTrace, DrawsAnArrowFromADepartureToEachSpanItCaused) {
   EXPECT_EQ(from.size(), 2u) << "each arrow its own number";
   EXPECT_EQ(from, to);
   EXPECT_EQ(nanoseconds(heads[0]["ts"]), 200);
+}
+
+/// Viewers bind an arrow to the slice around its start: it must be on the thread that sent the message.
+TEST(ChromeTrace, StartsAnArrowOnTheLaneThatSentTheMessage) {
+  RankTimeline rank = rank_with(0, {compute(0, 100), compute(200, 210, 7)});
+  rank.lanes[0].departures = {{50, 7, 1}};  // kept by the communication thread's lane, which has the lock
+  EXPECT_EQ(events({rank}, "s").at(0)["tid"], 1);
+}
+
+TEST(ChromeTrace, AnArrowNeverEndsBeforeItStarts) {
+  const std::vector<RankTimeline> ranks = {rank_with(0, {compute(0, 100)}, {{50, 7}}),
+                                           rank_with(1, {compute(40, 60, 7)})};  // its clock is off
+  EXPECT_EQ(nanoseconds(events(ranks, "s").at(0)["ts"]), 40);
+}
+
+/// Two handlers on two ranks, with a node in each; the second rank's clock is behind by 1,000.
+struct Annotated {
+  std::vector<RankTimeline> ranks = {rank_with(0, {compute(0, 100)}), rank_with(1, {compute(-800, -700)})};
+  Annotations annotations;
+
+  Annotated() {
+    ranks[1].clock_offset = 1000;
+    annotations.object_kind = "subdomain";
+    annotations.number_of = [](ObjectId object) {
+      return object.number == 17 ? std::optional(4u) : std::nullopt;
+    };
+    annotations.names = {"propose", "gather", "propose -> gather"};
+    annotations.steps = {{Rank(0), 1, 0, 100, 0, 4, 2}, {Rank(1), 1, 210, 290, 1, 5, 2}};
+    annotations.links = {{0, 1, 60, 2}};
+  }
+};
+
+TEST(ChromeTrace, CallsObjectsAsTheProgramDoes) {
+  Annotated a;
+  a.ranks[0].lanes[1].spans.push_back({150, 160, ObjectId{Rank(3), 18}, 0, Activity::compute, 0});
+  const auto slices = events(a.ranks, "X", a.annotations);
+  EXPECT_EQ(slices.at(0)["args"], (Json{{"subdomain", 4}}));
+  EXPECT_EQ(slices.at(2)["args"], (Json{{"object", "3.18"}})) << "no subdomain";
+}
+
+TEST(ChromeTrace, ShowsStepsInsideTheirHandlers) {
+  const Annotated a;
+  const auto slices = events(a.ranks, "X", a.annotations);
+  ASSERT_EQ(slices.size(), 4u);
+  EXPECT_EQ(slices[0]["name"], "Part::refine") << "the handler, which is as long, is the outer one";
+  EXPECT_EQ(slices[1]["name"], "propose");
+  EXPECT_EQ(slices[1]["args"], (Json{{"subdomain", 4}, {"round", 2}, {"run", 0}}));
+  EXPECT_EQ(slices[3]["name"], "gather");
+  EXPECT_EQ(slices[3]["pid"], 1);
+  EXPECT_EQ(slices[3]["tid"], 1);
+  EXPECT_EQ(nanoseconds(slices[3]["ts"]), 210);
+  EXPECT_EQ(nanoseconds(slices[3]["dur"]), 80);
+}
+
+TEST(ChromeTrace, DrawsLinksBetweenSteps) {
+  Annotated a;
+  const auto tails = events(a.ranks, "s", a.annotations), heads = events(a.ranks, "f", a.annotations);
+  ASSERT_EQ(tails.size(), 1u);
+  ASSERT_EQ(heads.size(), 1u);
+  for (const char* same : {"id", "cat", "name"}) EXPECT_EQ(tails[0][same], heads[0][same]);
+  EXPECT_EQ(tails[0]["name"], "propose -> gather");
+  EXPECT_EQ(nanoseconds(tails[0]["ts"]), 60);
+  EXPECT_EQ(nanoseconds(heads[0]["ts"]), 210);
+  EXPECT_EQ(heads[0]["pid"], 1);
+  a.annotations.steps[1].lane = Annotations::Step::kNoLane;
+  EXPECT_TRUE(events(a.ranks, "s", a.annotations).empty()) << "one end is not shown";
+  EXPECT_EQ(events(a.ranks, "X", a.annotations).size(), 3u);
+}
+
+TEST(ChromeTrace, NumbersLinksAndMessagesApart) {
+  Annotated a;
+  a.ranks[0].lanes[0].departures = {{50, 7, 1}};
+  a.ranks[1].lanes[1].spans[0].cause = 7;
+  std::set<Json> ids;
+  for (const Json& tail : events(a.ranks, "s", a.annotations)) ids.insert(tail["id"]);
+  EXPECT_EQ(ids.size(), 2u);
 }
 
 TEST(ChromeTrace, LeavesOutArrowsThatLackAnEnd) {

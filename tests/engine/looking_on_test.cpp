@@ -77,12 +77,12 @@ TEST(Bulletins, WhatIsEmptyIsNotSentButRankZeroReadsItsOwn) {
   });
 }
 
-/// Waits for a signal that is given when the rank has shown its state.
+/// Waits for a signal that is given when both ranks have shown their states.
 struct Waiter {
   bool met = false;
   void wait_for(Context& context, ObjectId other) { context.expect<&Waiter::meet>(4, {other}); }
   void be_busy_and_call(Context& context, std::vector<ObjectId> others) {
-    while (!context.local<std::atomic<bool>>()) std::this_thread::sleep_for(1ms);
+    while (context.local<std::atomic<int>>() < 2) std::this_thread::sleep_for(1ms);
     for (const ObjectId other : others) context.signal<&Waiter::meet>(MobilePtr<Waiter>{other}, 4);
   }
   void meet(Context&, std::uint64_t, std::vector<Arrival<Nothing>>) { met = true; }
@@ -90,13 +90,13 @@ struct Waiter {
 };
 
 TEST(State, SaysWhatEachObjectDoesAndForWhomItWaits) {
+  std::atomic<int> shown{0};  // ranks
   on_ranks(2, [&](Transport& transport) {
     Registry registry;
     registry.type<Waiter>("Waiter")
         .method<&Waiter::wait_for>("wait_for")
         .method<&Waiter::be_busy_and_call>("be_busy_and_call")
         .event<&Waiter::meet>("meet");
-    std::atomic<bool> shown{false};
     std::string state;
     RuntimeOptions options;
     options.balancer = no_balancing();
@@ -104,7 +104,7 @@ TEST(State, SaysWhatEachObjectDoesAndForWhomItWaits) {
     options.name_of = [](ObjectId id) {
       return "Waiter " + std::to_string(id.home.value) + std::to_string(id.number);
     };
-    options.on_state = [&](const std::string& text) { state = text, shown = true; };
+    options.on_state = [&](const std::string& text) { state = text, ++shown; };
     Runtime runtime(transport, registry, options);
     const bool waits = transport.rank() == Rank(1);
     std::jthread asker([&] {

@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 #include <tuple>
 
+#include "graph/dataflow/common_clock.h"
 #include "graph/dataflow/rank_exchange.h"
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"
@@ -185,6 +187,25 @@ TEST(ExecutionLog, JoinsCountersByName) {
   EXPECT_EQ(all.counter(all.runs[1], "edges"), 7);
   EXPECT_EQ(all.counter(all.runs[1], "faces"), 2);
   EXPECT_EQ(all.counter(all.runs[1], "tets"), 0);
+}
+
+/// An instance that moves takes its log along.
+TEST(CommonClock, ShiftsWhatHappenedByTheRankWhereItDid) {
+  ExecutionLog log;
+  log.runs.resize(2);
+  log.runs[0].rank = engine::Rank(1), log.runs[0].begin = 5, log.runs[0].end = 9;
+  log.runs[1].rank = engine::Rank(0), log.runs[1].begin = 1020, log.runs[1].end = 1030;
+  log.uses.resize(2);
+  log.uses[0].rank = engine::Rank(1), log.uses[0].time = 8;
+  log.uses[1].rank = engine::Rank(0), log.uses[1].time = 1021;
+  to_common_clock({0, 1000}, log);
+  EXPECT_EQ(log.runs[0].begin, 1005);
+  EXPECT_EQ(log.runs[0].end, 1009);
+  EXPECT_EQ(log.runs[1].begin, 1020);
+  EXPECT_EQ(log.runs[1].end, 1030);
+  EXPECT_EQ(log.uses[0].time, 1008);
+  EXPECT_EQ(log.uses[1].time, 1021);
+  EXPECT_THROW(to_common_clock({0}, log), std::out_of_range) << "there is no rank 1";
 }
 
 }  // namespace

@@ -86,6 +86,36 @@ TEST(GraphDrawing, KeepsTheSumsWhereRunsAreCollapsed) {
   EXPECT_EQ(drawing_of(dump, Collapse::instances, "subdomain").vertices.size(), dump.instances.size());
 }
 
+TEST(GraphDrawing, JoinsWhatTwoInstancesExchange) {
+  const GraphDump dump = sample();
+  const Drawing network = drawing_of(dump, Collapse::instances, "subdomain");
+  const Drawing joined = joined_edges(network);
+  double sent = 0, between = 0;
+  for (const DrawnEdge& edge : network.edges)
+    if (edge.from != edge.to) sent += attribute(edge.attributes, "bytes");
+  std::set<std::pair<std::size_t, std::size_t>> pairs;
+  for (const DrawnEdge& edge : joined.edges) {
+    EXPECT_LT(edge.from, edge.to);
+    pairs.insert({edge.from, edge.to});
+    between += attribute(edge.attributes, "bytes");
+  }
+  EXPECT_EQ(pairs.size(), joined.edges.size()) << "one a pair";
+  EXPECT_LT(joined.edges.size(), network.edges.size() / 2);
+  EXPECT_EQ(between, sent);
+}
+
+TEST(Dot, LaysOutLargeNetworksBySprings) {
+  GraphDump dump = sample();
+  EXPECT_NE(dot_of(drawing_of(dump, Collapse::instances, "subdomain")).find("cluster_0"), std::string::npos);
+  while (dump.instances.size() < 100) dump.instances.push_back({dump.instances.size(), {}, engine::Rank(1)});
+  std::vector<std::pair<InstanceIndex, InstanceIndex>> neighbours;
+  for (InstanceIndex i = 1; i < dump.instances.size(); ++i) neighbours.emplace_back(i - 1, i);
+  const GraphDump plan = planned_dump(dump.description, dump.instances, neighbours);
+  const std::string text = dot_of(drawing_of(plan, Collapse::instances, "subdomain"));
+  EXPECT_NE(text.find("sfdp"), std::string::npos);
+  EXPECT_NE(text.find("rank 1"), std::string::npos) << "said by the labels, as there are no clusters";
+}
+
 TEST(GraphDrawing, ShowsAPlannedGraphByNodesOrByInstances) {
   const GraphDump dump = sample();
   const GraphDump plan = planned_dump(dump.description, dump.instances, {{0, 1}, {1, 0}, {2, 0}});

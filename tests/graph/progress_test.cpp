@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 namespace weft::graph::adaptation {
 namespace {
 
@@ -74,24 +77,59 @@ TEST(ProgressTable, ExtrapolatesTheInteriorAndNothingBeyondIt) {
   EXPECT_DOUBLE_EQ(progress.share, 0.25);
   ASSERT_TRUE(progress.step_left);
   EXPECT_NEAR(*progress.step_left, 30, 1e-6);
-  EXPECT_FALSE(progress.most_left) << "no shift has been seen";
+  EXPECT_FALSE(progress.all_left) << "no shift has been seen";
+  EXPECT_FALSE(progress.most_left);
   scene.at_step(1, 0, 0.5);
   EXPECT_NEAR(scene.at(10).share, 0.375, 1e-9) << "the share that one has done of its step counts";
 }
 
-TEST(ProgressTable, BoundsTheRestByTheLastShiftOnceThereWasOne) {
+TEST(ProgressTable, EstimatesAndBoundsTheRestOnceThereWasAShift) {
   Scene scene(2, 5);
   for (std::uint32_t s : {0u, 1u}) scene.at_step(s, 1);
   EXPECT_FALSE(scene.at(20).step_left) << "the first shift has just begun";
   for (std::uint32_t s : {0u, 1u}) scene.at_step(s, 2);
   const RunProgress begun = scene.at(30);  // the first took 10 s
   EXPECT_EQ(begun.step, 2u);
-  EXPECT_NEAR(*begun.step_left, 10, 1e-6);
-  EXPECT_NEAR(*begun.most_left, 10 + 3 * 10, 1e-6);
+  EXPECT_NEAR(*begun.step_left, 5.5, 1e-6) << "shifts use to get shorter";
+  EXPECT_NEAR(*begun.all_left, 5.5 * (1 + 0.55 + 0.55 * 0.55 + 0.55 * 0.55 * 0.55), 1e-6);
+  EXPECT_NEAR(*begun.most_left, 10 + 3 * 10, 1e-6) << "whether these do has not been seen";
   scene.at_step(0, 3);
   const RunProgress half = scene.at(34);
   EXPECT_NEAR(*half.step_left, 4, 1e-6) << "by its own pace";
-  EXPECT_NEAR(*half.most_left, 4 + 3 * 10, 1e-6);
+  EXPECT_NEAR(*half.most_left, 4 + 3 * 8, 1e-6);
+}
+
+TEST(ProgressTable, EstimatesByThePaceOfTheFirstShift) {
+  Scene scene(2, 2);
+  for (std::uint32_t s : {0u, 1u}) scene.at_step(s, 1);
+  scene.at(20);
+  scene.at_step(0, 2);
+  const RunProgress half = scene.at(24);
+  EXPECT_NEAR(*half.step_left, 4, 1e-6);
+  EXPECT_NEAR(*half.all_left, 4 + 0.55 * 8, 1e-6);
+  EXPECT_NEAR(*half.most_left, 4 + 8, 1e-6);
+}
+
+TEST(ProgressTable, GoesByHowMuchShorterShiftsHaveBecome) {
+  Scene scene(1, 5);
+  for (const auto& [step, begin] : {std::pair(1u, 0.0), {2u, 40.0}, {3u, 60.0}, {4u, 70.0}}) {
+    scene.at_step(0, step);
+    scene.at(begin);
+  }
+  const RunProgress progress = scene.at(70);  // they took 40, 20 and 10 s
+  const double usual = std::cbrt(0.55 * 0.25);
+  EXPECT_NEAR(*progress.step_left, 10 * usual, 1e-6);
+  EXPECT_NEAR(*progress.all_left, 10 * usual * (1 + usual), 1e-6);
+  EXPECT_NEAR(*progress.most_left, 10 + 7.5, 1e-6);
+}
+
+TEST(ProgressTable, BoundsByTheSlowestDecayThatWasSeen) {
+  Scene scene(1, 4);
+  for (const auto& [step, begin] : {std::pair(1u, 0.0), {2u, 10.0}, {3u, 19.0}}) {
+    scene.at_step(0, step);
+    scene.at(begin);
+  }
+  EXPECT_NEAR(*scene.at(19).most_left, 9 + 9 * 0.9, 1e-6);
 }
 
 TEST(ProgressTable, ThoseAtRestAreDoneAndHoldNobodyUp) {
@@ -119,6 +157,7 @@ TEST(ProgressTable, NoTimeIsLeftBelowZero) {
   scene.at_step(0, 2), scene.at(2);
   const RunProgress late = scene.at(50);  // nothing heard since
   EXPECT_EQ(*late.step_left, 0);
+  EXPECT_EQ(*late.all_left, 0);
   EXPECT_EQ(*late.most_left, 0);
 }
 

@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import time
 import unittest
 import xml.etree.ElementTree as xml
 
@@ -110,6 +111,16 @@ class Graphs(SampleTest):
             self.assertIn(edge.get("source"), ids)
             self.assertIn(edge.get("target"), ids)
 
+    def test_the_network_of_many_subdomains_is_drawn_in_time(self):
+        """In layers Graphviz had not finished it after ten minutes."""
+        self.sample(subdomains=128, rounds=6)
+        begin = time.monotonic()
+        self.weft("graph", "graph.json", "--collapse", "subdomains", "-o", "network.svg")
+        self.assertLess(time.monotonic() - begin, 60)
+        text = "".join(xml.parse(self.folder / "network.svg").getroot().itertext())
+        for subdomain in (0, 64, 127):
+            self.assertIn(f"subdomain {subdomain}", text)
+
     def test_svg_is_drawn_by_graphviz(self):
         self.sample()
         self.weft("graph", "profile.json", "--collapse", "rounds", "-o", "rounds.svg")
@@ -159,6 +170,23 @@ class Reports(SampleTest):
         self.weft("report", "profile.json", "-o", "again.html")
         self.assertEqual((self.folder / "again.html").read_bytes(), (self.folder / "report.html").read_bytes())
 
+    def test_profiles_of_older_versions_are_read(self):
+        """What was added to the document later may be missing; the rest must be there."""
+        profile = self.sample()
+        for added in ("left", "published_curves"):
+            del profile[added]
+        self.write("older.json", json.dumps(profile))
+        self.weft("report", "older.json", "-o", "older.html")
+        self.assertIn("as fast as", self.weft("report", "older.json", "profile.json").stdout)
+        self.assertIn("as fast as", self.weft("report", "profile.json", "older.json").stdout)
+        self.weft("graph", "older.json", "--collapse", "rounds", "-o", "older.dot")
+        del profile["waiting"]
+        self.write("damaged.json", json.dumps(profile))
+        self.assert_fails("report", "damaged.json", "-o", "page.html", says=["damaged.json", "waiting", "version"])
+        del profile["ranks"]
+        self.write("damaged.json", json.dumps(profile))
+        self.assert_fails("report", "profile.json", "damaged.json", says=["damaged.json", "ranks", "version"])
+
     def test_page_asks_for_nothing(self):
         self.sample()
         page = (self.folder / "report.html").read_text()
@@ -201,9 +229,45 @@ class Runs(SampleTest):
         self.assertIn("digraph", (self.folder / "graph.dot").read_text())
         self.assertIn("digraph", (self.folder / "graph-planned.dot").read_text())
         self.check_what_is_left(profile)
-        events = json.loads((self.folder / "trace.json").read_text())["traceEvents"]
-        handlers = {e["name"] for e in events if e["ph"] == "X"}
-        self.assertIn("subdomain::gather", handlers)
+        self.check_trace(json.loads((self.folder / "trace.json").read_text())["traceEvents"], graph)
+        refining = graph["runs"]["counters"]["interface refinement, seconds"]
+        self.assertGreater(sum(refining), 0)
+        nodes = [n["name"] for n in graph["graph"]["nodes"]]
+        registering = sum(d for n, d in zip(graph["runs"]["node"], graph["runs"]["duration_ns"]) if nodes[n] == "register interface")
+        self.assertAlmostEqual(profile["total"]["seconds"]["interface refinement"], sum(refining) + 1e-9 * registering, places=6)
+
+    def check_trace(self, events, graph):
+        """Slices nest, arrows go forward from slice to slice, and runs are those of the graph."""
+        slices = [e for e in events if e["ph"] == "X"]
+        threads = {}
+        for e in slices:
+            threads.setdefault((e["pid"], e["tid"]), []).append((round(1000 * e["ts"]), round(1000 * (e["ts"] + e["dur"]))))
+        for spans in threads.values():
+            self.assertEqual(spans, sorted(spans, key=lambda s: (s[0], -s[1])), "outermost first")
+            open_until = []
+            for begin, end in spans:
+                while open_until and open_until[-1] <= begin:
+                    open_until.pop()
+                self.assertTrue(not open_until or end <= open_until[-1], "a slice ends after the one around it")
+                open_until.append(end)
+        runs, nodes = graph["runs"], [n["name"] for n in graph["graph"]["nodes"]]
+        shown = sorted((e["args"]["run"], e["name"], e["args"]["subdomain"], e["args"]["round"], e["pid"]) for e in slices if e["cat"] == "node")
+        numbers = [i["number"] for i in graph["instances"]]
+        self.assertEqual(shown, [(r, nodes[runs["node"][r]], numbers[runs["instance"][r]], runs["round"][r], runs["rank"][r]) for r in range(len(runs["node"]))])
+        self.assertEqual({e["args"]["subdomain"] for e in slices if e["name"] == "subdomain::gather"}, set(numbers))
+        self.check_arrows(events, threads, graph)
+
+    def check_arrows(self, events, threads, graph):
+        tails, heads = ({(e["cat"], e["name"], e["id"]): e for e in events if e["ph"] == phase} for phase in "sf")
+        self.assertEqual(set(tails), set(heads))
+        self.assertEqual(len(tails), sum(e["ph"] == "s" for e in events), "each arrow has its own number")
+        remote = {i for i, e in enumerate(graph["graph"]["edges"]) if e["kind"] == "remote"}
+        self.assertEqual(sum(cat == "edge" for cat, _, _ in tails), sum(e in remote for e in graph["uses"]["edge"]))
+        for key, tail in tails.items():
+            self.assertLessEqual(tail["ts"], heads[key]["ts"])
+            for end in (tail, heads[key]):
+                at = round(1000 * end["ts"])
+                self.assertTrue(any(begin <= at <= until for begin, until in threads[end["pid"], end["tid"]]), end)
 
     def check_what_is_left(self, profile):
         """After the last step nothing is counted that the measures of the result do not know of."""

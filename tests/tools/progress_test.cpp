@@ -36,10 +36,12 @@ TEST(ProgressText, GivesARangeAfterAShift) {
   progress.done = 3;
   progress.at_rest = 1;
   progress.step_left = 4;
+  progress.all_left = 9;
   progress.most_left = 200;
-  EXPECT_EQ(text_of(progress),
-            "shift 2 of at most 8: 3 of 4 subdomains (1 at rest), this step about 4 s more, all at most 3 "
-            "min, 0.00 s");
+  EXPECT_EQ(
+      text_of(progress),
+      "shift 2 of at most 8: 3 of 4 subdomains (1 at rest), this step about 4 s more, all about 9 s (at "
+      "most 3 min), 0.00 s");
 }
 
 }  // namespace

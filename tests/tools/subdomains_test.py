@@ -123,6 +123,8 @@ class Results(Subdomains):
         for rank in report["by_rank"]:
             self.assertEqual(set(rank["seconds_by_operation"]), OPERATIONS)
         self.check_shifts(report["shifts"])
+        lanes = json.loads((self.folder / "r/profile.json").read_text())["timeline"]["lanes"]
+        self.assertEqual({lane["name"].split()[0] for lane in lanes}, {"worker"}, "which worker ran a task is known of all")
         self.assertGreater(report["former_interface"]["tets"], 0)
 
     def check_shifts(self, shifts):
@@ -151,11 +153,13 @@ class LookingOn(Subdomains):
         lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
         about = [line for line in lines if re.match(
             r"weft: (interior|shift \d of at most 8): \d+ of 12 subdomains( \(\d+ at rest\))?, "
-            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all at most [\dmins ]+))"
+            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
             r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
         self.assertTrue(about, errors)
         self.assertEqual(len(about), sum("subdomains" in line for line in lines), errors)
         self.assertTrue(any("wrong as yet" in line for line in about), errors)
+        for step, all_left, most in re.findall(r"about (\d+) s more, all about (\d+) s \(at most (\d+) s\)", errors):
+            self.assertTrue(int(step) <= int(all_left) <= int(most), errors)
 
     def test_progress_changes_nothing(self):
         self.box(4)

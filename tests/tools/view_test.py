@@ -146,6 +146,14 @@ class View(CommandTest):
         whole_tets = self.view(mesh, "--color-by", "subdomain", "--from", "-y", "--clip", "y=0.5")
         self.assertGreater(min(whole_tets.count(BLUE), whole_tets.count(ORANGE)), 200)
 
+    def test_pieces_are_subdomains(self):
+        """Their tets have one reference, which is what a .vtu of them all shows."""
+        self.box(4)
+        for name, colours in (("whole.vtu", 1), ("pieces.pvtu", 2)):
+            self.weft("convert", "box.meshb", name, *(["--pieces", 2] if name.endswith(".pvtu") else []))
+            picture = self.view(name, "--color-by", "subdomain", "--from", "-y")
+            self.assertEqual(sum(picture.count(c) > 100 for c in (BLUE, ORANGE)), colours, name)
+
     def test_references_of_the_surface(self):
         self.box()
         left = self.view("box.meshb", "--color-by", "ref", "--from", "-x")

@@ -103,14 +103,18 @@ std::vector<ShownFace> Surface::behind(const Plane& plane) const {
   return shown;
 }
 
+std::optional<Section> section(const MeshData& mesh, std::uint32_t tet, const Plane& plane) {
+  std::array<double, 4> distances;
+  for (std::size_t i = 0; i < 4; ++i) distances[i] = plane.distance(mesh.points[mesh.tets[tet][i]]);
+  const auto in_front = std::ranges::count_if(distances, [](double d) { return d > 0; });
+  if (in_front == 0 || in_front == 4) return {};
+  return section_of(mesh, tet, distances);
+}
+
 std::vector<Section> sections(const MeshData& mesh, const Plane& plane) {
   std::vector<Section> all;
-  for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet) {
-    std::array<double, 4> distances;
-    for (std::size_t i = 0; i < 4; ++i) distances[i] = plane.distance(mesh.points[mesh.tets[tet][i]]);
-    const auto in_front = std::ranges::count_if(distances, [](double d) { return d > 0; });
-    if (in_front > 0 && in_front < 4) all.push_back(section_of(mesh, tet, distances));
-  }
+  for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet)
+    if (const auto found = section(mesh, tet, plane)) all.push_back(*found);
   return all;
 }
 

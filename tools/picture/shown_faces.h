@@ -59,6 +59,9 @@ struct Section {
   std::array<Corner, 4> corners;  ///< in cyclic order
 };
 
+/// The section of one tet; none where no vertex lies in front of the plane, or all do.
+std::optional<Section> section(const meshing::MeshData& mesh, std::uint32_t tet, const Plane& plane);
+
 /// The sections of all tets that have vertices both in front of the plane and not. Together they cover the
 /// section of the mesh once, also where the plane contains faces.
 std::vector<Section> sections(const meshing::MeshData& mesh, const Plane& plane);

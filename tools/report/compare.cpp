@@ -29,10 +29,17 @@ struct Document {
   }
 };
 
+std::string lacks(const std::string& name, const std::string& member) {
+  return name + " has no \"" + member + "\": it is damaged, or of another version of weft";
+}
+
 Document document(const std::string& name, const Json& json) {
   const std::string schema = json.is_object() ? json.value("schema", "") : "";
   if (schema != "weft-profile-1" && schema != "weft-report-1")
     throw std::invalid_argument(name + " is neither a profile (weft-profile-1) nor a report (weft-report-1)");
+  if (schema == "weft-profile-1")
+    for (const char* member : {"report", "total", "ranks"})
+      if (!json.contains(member)) throw std::invalid_argument(lacks(name, member));
   return {name, json};
 }
 

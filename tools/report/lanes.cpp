@@ -35,7 +35,8 @@ struct Handlers {
 using HandlersOf = std::map<std::pair<engine::Rank, engine::ObjectId>, Handlers>;
 
 void add_lanes(const engine::RankTimeline& timeline, TimePoint start, Lanes& lanes, HandlersOf& handlers) {
-  for (const engine::LaneTimeline& lane : timeline.lanes) {
+  for (std::uint32_t thread = 0; thread < timeline.lanes.size(); ++thread) {
+    const engine::LaneTimeline& lane = timeline.lanes[thread];
     const auto index = static_cast<std::uint32_t>(lanes.lanes.size());
     bool works = false;
     for (const engine::Span& span : lane.spans) {
@@ -44,7 +45,7 @@ void add_lanes(const engine::RankTimeline& timeline, TimePoint start, Lanes& lan
       handlers[{timeline.rank, span.object}].entries.push_back(
           {span.begin + timeline.clock_offset - start, span.end + timeline.clock_offset - start, index});
     }
-    if (works) lanes.lanes.push_back({timeline.rank, lane.name});
+    if (works) lanes.lanes.push_back({timeline.rank, lane.name, thread});
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@ namespace weft::report {
 
 struct Lane {
   engine::Rank rank;
-  std::string name;  ///< "worker 0"
+  std::string name;                          ///< "worker 0"
+  std::optional<std::uint32_t> thread = {};  ///< in engine::RankTimeline::lanes; none for a "row"
 };
 
 struct Lanes {

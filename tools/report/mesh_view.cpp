@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <unordered_map>
 
 #include "meshing/measures.h"
 #include "tools/picture/shown_faces.h"
 #include "tools/report/base64.h"
+#include "tools/report/flat_index.h"
 
 namespace weft::report {
 namespace {
@@ -20,42 +19,56 @@ using meshing::MeshData;
 using meshing::Point;
 using Corner = std::array<float, 3>;
 
+/// How far a length is from 1, by ratio.
+float off_unit(float length) { return std::max(length, 1 / length); }
+
+float worse_length(float a, float b) { return off_unit(a) >= off_unit(b) ? a : b; }
+
 /// Values of tets, worked out where they are asked for.
 class TetValues {
  public:
   TetValues(const MeshData& mesh, std::span<const LogMetric> log_metrics)
-      : mesh_(mesh), log_metrics_(log_metrics) {}
+      : mesh_(mesh), log_metrics_(log_metrics), numbers_(mesh.points.size() / 8) {}
 
-  void fill(std::uint32_t tet, ViewFacet& facet) const {
+  void fill(std::uint32_t tet, ViewFacet& facet) {
     if (tet >= mesh_.tets.size()) return;
     std::array<Point, 4> points;
-    std::array<LogMetric, 4> metrics;
+    std::array<LogMetric, 4> log_metrics;
+    std::array<meshing::Metric, 4> metrics;
     for (std::size_t i = 0; i < 4; ++i) {
-      points[i] = mesh_.points[mesh_.tets[tet][i]];
-      metrics[i] = log_metrics_[mesh_.tets[tet][i]];
+      const std::uint32_t vertex = mesh_.tets[tet][i];
+      points[i] = mesh_.points[vertex];
+      log_metrics[i] = log_metrics_[vertex];
+      metrics[i] = metric_at(vertex);
     }
-    facet.quality = static_cast<float>(meshing::mean_ratio(points, metrics));
-    double off = 1;
+    facet.quality = static_cast<float>(meshing::mean_ratio(points, log_metrics));
+    facet.length = 1;
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) {
-        const double length = meshing::edge_length(points[j] - points[i], meshing::exp_fast(metrics[i]),
-                                                   meshing::exp_fast(metrics[j]));
-        if (std::abs(std::log(length)) > std::abs(std::log(off))) off = length;
+        const double length = meshing::edge_length(points[j] - points[i], metrics[i], metrics[j]);
+        facet.length = worse_length(facet.length, static_cast<float>(length));
       }
-    facet.length = static_cast<float>(off);
   }
 
  private:
+  /// Kept: a vertex is asked for by several tets, and an exponential costs as much as all the rest.
+  const meshing::Metric& metric_at(std::uint32_t vertex) {
+    const std::uint32_t number = numbers_.number_of({vertex});
+    if (number == metrics_.size()) metrics_.push_back(meshing::exp_fast(log_metrics_[vertex]));
+    return metrics_[number];
+  }
+
   const MeshData& mesh_;
   std::span<const LogMetric> log_metrics_;
+  FlatIndex<std::uint32_t, 1> numbers_;  // of vertices in metrics_
+  std::vector<meshing::Metric> metrics_;
 };
 
 Corner corner_of(const Point& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-ViewLayer surface_layer(const MeshData& mesh, const TetValues& values, std::uint32_t subdomain,
-                        bool is_piece) {
+ViewLayer surface_layer(const MeshData& mesh, TetValues& values, std::uint32_t subdomain, bool is_piece) {
   ViewLayer layer;
   for (const picture::ShownFace& face : picture::Surface(mesh).faces()) {
     if (is_piece && !face.ref) continue;  // a face that another piece has too
@@ -81,52 +94,89 @@ void add_section(const MeshData& mesh, const picture::Section& section, ViewFace
   }
 }
 
-ViewLayer section_layer(const MeshData& mesh, const TetValues& values, std::uint32_t subdomain, int axis,
-                        double position) {
-  ViewLayer layer{axis, position, {}, false};
-  picture::Plane plane{{0, 0, 0}, position};
-  plane.normal[axis] = 1;
-  for (const picture::Section& section : picture::sections(mesh, plane)) {
+/// Planes across one axis, at equal distances.
+struct Planes {
+  double lo, distance;
+  int count;
+
+  Planes(const Box& box, int axis, int planes)
+      : lo(box.lo[axis]), distance((box.hi[axis] - box.lo[axis]) / (planes + 1)), count(planes) {}
+
+  /// Of plane `i`, from 0: not at round shares of the box, where structured meshes have their faces.
+  double position(int i) const { return lo + (i + 1 + 1e-3) * distance; }
+  /// The first plane that is not before x.
+  int first_from(double x) const {
+    if (!(distance > 0)) return count;
+    int i = static_cast<int>(std::clamp((x - lo) / distance - 2, 0.0, 1.0 * count));  // before it
+    while (i < count && position(i) < x) ++i;
+    return i;
+  }
+};
+
+/// Adds the sections of one tet by the planes across an axis to `layers`, one layer a plane.
+void add_sections(const MeshData& mesh, TetValues& values, std::uint32_t tet, std::uint32_t subdomain,
+                  int axis, const Planes& planes, std::span<ViewLayer> layers) {
+  double lo = mesh.points[mesh.tets[tet][0]][axis], hi = lo;
+  for (const std::uint32_t v : mesh.tets[tet]) {
+    lo = std::min(lo, mesh.points[v][axis]);
+    hi = std::max(hi, mesh.points[v][axis]);
+  }
+  for (int i = planes.first_from(lo); i < planes.count && planes.position(i) < hi; ++i) {
+    picture::Plane plane{{0, 0, 0}, planes.position(i)};
+    plane.normal[axis] = 1;
+    const auto section = picture::section(mesh, tet, plane);
+    if (!section) continue;
     ViewFacet facet;
     facet.subdomain = subdomain;
-    values.fill(section.tet, facet);
-    add_section(mesh, section, facet, layer);
+    values.fill(tet, facet);
+    add_section(mesh, *section, facet, layers[static_cast<std::size_t>(i)]);
   }
-  return layer;
 }
 
 // --- Thinning
 
-float worse_length(float a, float b) { return std::abs(std::log(a)) >= std::abs(std::log(b)) ? a : b; }
+/// The cells of a grid as vertices: the first point met in a cell stands for all of it.
+class GridVertices {
+ public:
+  GridVertices(const Box& box, double cell, std::size_t expected)
+      : box_(box), cells_in_one_(1 / cell), numbers_(expected) {}
+
+  std::uint32_t number_of(const Corner& corner) {
+    std::array<std::int32_t, 3> cell;
+    for (int a = 0; a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      cell[i] = static_cast<std::int32_t>(std::floor((corner[i] - box_.lo[a]) * cells_in_one_));
+    }
+    const std::uint32_t number = numbers_.number_of(cell);
+    if (number == points_.size()) points_.push_back(corner);
+    return number;
+  }
+  const Corner& point(std::uint32_t number) const { return points_[number]; }
+
+ private:
+  const Box& box_;
+  double cells_in_one_;
+  FlatIndex<std::int32_t, 3> numbers_;
+  std::vector<Corner> points_;
+};
 
 /// Joins vertices in the cells of a grid; facets that collapse go, equal ones become one.
 std::vector<ViewFacet> joined(const std::vector<ViewFacet>& facets, const Box& box, double cell) {
-  using Cell = std::array<std::int32_t, 3>;
-  std::map<Cell, std::uint32_t> number;
-  std::vector<Corner> representative;
-  const auto vertex = [&](const Corner& corner) {
-    Cell at;
-    for (int a = 0; a < 3; ++a)
-      at[static_cast<std::size_t>(a)] =
-          static_cast<std::int32_t>(std::floor((corner[static_cast<std::size_t>(a)] - box.lo[a]) / cell));
-    const auto [found, is_new] = number.try_emplace(at, static_cast<std::uint32_t>(representative.size()));
-    if (is_new) representative.push_back(corner);
-    return found->second;
-  };
-  std::map<std::array<std::uint32_t, 3>, std::size_t> known;
+  GridVertices vertices(box, cell, facets.size());
+  FlatIndex<std::uint32_t, 3> known(facets.size());
   std::vector<ViewFacet> left;
   for (const ViewFacet& facet : facets) {
-    std::array<std::uint32_t, 3> v = {vertex(facet.corners[0]), vertex(facet.corners[1]),
-                                      vertex(facet.corners[2])};
+    std::array<std::uint32_t, 3> v;
+    for (std::size_t i = 0; i < 3; ++i) v[i] = vertices.number_of(facet.corners[i]);
     if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
     std::array<std::uint32_t, 3> key = v;
     std::ranges::sort(key);
-    const auto [found, is_new] = known.try_emplace(key, left.size());
-    if (is_new) {
+    const std::uint32_t number = known.number_of(key);
+    if (number == left.size()) {
       left.push_back(facet);
-      for (std::size_t i = 0; i < 3; ++i) left.back().corners[i] = representative[v[i]];
+      for (std::size_t i = 0; i < 3; ++i) left.back().corners[i] = vertices.point(v[i]);
     } else {
-      ViewFacet& other = left[found->second];
+      ViewFacet& other = left[number];
       other.quality = std::min(other.quality, facet.quality);
       other.length = worse_length(other.length, facet.length);
     }
@@ -134,12 +184,17 @@ std::vector<ViewFacet> joined(const std::vector<ViewFacet>& facets, const Box& b
   return left;
 }
 
+/// On a surface the number of facets goes at most with the square of the cells' size, once these are larger
+/// than the facets: the step to the next grid is as large as that allows.
 void thin_out(ViewLayer& layer, const Box& box, std::size_t most) {
+  constexpr double kLeastStep = 1.1;
   const meshing::Vec size = box.size();
-  const double largest = std::max({size.x, size.y, size.z});
-  for (double cell = largest / 1024; layer.facets.size() > most; cell *= 1.3) {
+  double cell = std::max({size.x, size.y, size.z}) / 1024;
+  while (layer.facets.size() > most) {
     layer.facets = joined(layer.facets, box, cell);
     layer.thinned = true;
+    const double excess = static_cast<double>(layer.facets.size()) / static_cast<double>(most);
+    cell *= std::max(kLeastStep, std::sqrt(excess));
   }
 }
 
@@ -161,7 +216,7 @@ bool is_unit(float length) {
 
 /// Vertices that facets share are written once.
 nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
-  std::map<std::array<std::uint16_t, 3>, std::uint32_t> number;
+  FlatIndex<std::uint16_t, 3> numbers(layer.facets.size());
   std::vector<std::uint16_t> positions, subdomains;
   std::vector<std::uint32_t> corners;
   std::vector<std::uint8_t> qualities, lengths, conforming;
@@ -171,9 +226,9 @@ nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
       for (int a = 0; a < 3; ++a)
         at[static_cast<std::size_t>(a)] =
             sixteen_bits(corner[static_cast<std::size_t>(a)], box.lo[a], box.hi[a]);
-      const auto [found, is_new] = number.try_emplace(at, static_cast<std::uint32_t>(number.size()));
-      if (is_new) positions.insert(positions.end(), at.begin(), at.end());
-      corners.push_back(found->second);
+      const std::size_t known = numbers.size();
+      corners.push_back(numbers.number_of(at));
+      if (numbers.size() > known) positions.insert(positions.end(), at.begin(), at.end());
     }
     subdomains.push_back(static_cast<std::uint16_t>(facet.subdomain & 0xFFFF));
     qualities.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(facet.quality, 0.0F, 1.0F))));
@@ -197,15 +252,15 @@ nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
 MeshView mesh_view(const MeshData& mesh, std::span<const LogMetric> log_metrics, std::uint32_t subdomain,
                    const Box& box, bool is_piece, const MeshViewOptions& options) {
   MeshView view;
-  const TetValues values(mesh, log_metrics);
+  TetValues values(mesh, log_metrics);
   view.layers.push_back(surface_layer(mesh, values, subdomain, is_piece));
   for (int axis = 0; axis < 3; ++axis) {
-    for (int i = 1; i <= options.sections; ++i) {
-      // Not at round shares of the box, where structured meshes have their faces.
-      const double share = (i + 1e-3) / (options.sections + 1);
-      view.layers.push_back(
-          section_layer(mesh, values, subdomain, axis, box.lo[axis] + share * (box.hi[axis] - box.lo[axis])));
-    }
+    const Planes planes(box, axis, options.sections);
+    const std::size_t first = view.layers.size();
+    for (int i = 0; i < planes.count; ++i) view.layers.push_back({axis, planes.position(i), {}, false});
+    const std::span<ViewLayer> mine = std::span(view.layers).subspan(first);
+    for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet)
+      add_sections(mesh, values, tet, subdomain, axis, planes, mine);
   }
   return view;
 }

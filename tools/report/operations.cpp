@@ -14,6 +14,17 @@ OperationIndex operation_of_node(std::string_view name) {
   return found == std::end(kNodes) ? kMisc : found->second;
 }
 
+void add_seconds(std::string_view node, double took, double refining, OperationSeconds& seconds) {
+  seconds[operation_of_node(node)] += took - refining;
+  seconds[kInterfaceRefinement] += refining;
+}
+
+double refining_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run) {
+  const auto name = std::find(graph.counter_names.begin(), graph.counter_names.end(), kRefinementCounter);
+  const auto place = static_cast<std::size_t>(name - graph.counter_names.begin());
+  return place < run.counters.size() ? run.counters[place] : 0;
+}
+
 OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
                                  const graph::dataflow::GraphDump& graph) {
   OperationSeconds seconds{};
@@ -21,7 +32,7 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
   for (const graph::dataflow::DumpedRun& run : graph.runs) {
     if (run.rank != summary.rank) continue;
     const double took = 1e-9 * static_cast<double>(run.end - run.begin);
-    seconds[operation_of_node(graph.description.nodes[run.node].name)] += took;
+    add_seconds(graph.description.nodes[run.node].name, took, refining_seconds(graph, run), seconds);
     in_nodes += took;
   }
   seconds[kConversion] += summary.times.unpack;

@@ -96,18 +96,24 @@ Json waiting_json(const GraphDump& graph, const ProfileOptions& options) {
 }
 
 Json critical_path_json(const GraphDump& graph) {
-  std::map<OperationIndex, std::pair<engine::TimePoint, std::uint64_t>> sums;
-  for (const auto& share : graph::dataflow::shares_of(graph)) {
-    auto& [worked, runs] = sums[operation_of_node(graph.description.nodes[share.node].name)];
-    worked += share.worked, runs += share.runs;
+  const auto& path = graph.critical_path;
+  OperationSeconds worked{};
+  std::array<std::uint64_t, kOperations.size()> runs{};
+  for (const auto& step : path.steps) {
+    const DumpedRun& run = graph.runs[step.run];
+    const std::string& node = graph.description.nodes[run.node].name;
+    // A run's refinement counts by as much of the run as the path has.
+    const double share = run.end > run.begin ? seconds(step.worked) / seconds(run.end - run.begin) : 0;
+    const double refining = share * refining_seconds(graph, run);
+    add_seconds(node, seconds(step.worked), refining, worked);
+    ++runs[operation_of_node(node)];
+    runs[kInterfaceRefinement] += refining > 0 && operation_of_node(node) != kInterfaceRefinement;
   }
   Json parts = Json::array();
-  for (const auto& [operation, sum] : sums) {
-    parts.push_back({{"operation", std::string(kOperations[operation])},
-                     {"seconds", seconds(sum.first)},
-                     {"runs", sum.second}});
-  }
-  const auto& path = graph.critical_path;
+  for (OperationIndex o = 0; o < kOperations.size(); ++o)
+    if (runs[o] > 0)
+      parts.push_back(
+          {{"operation", std::string(kOperations[o])}, {"seconds", worked[o]}, {"runs", runs[o]}});
   return {{"seconds", seconds(path.length)},
           {"wall", seconds(path.wall)},
           {"share_of_wall", path.wall > 0 ? seconds(path.length) / seconds(path.wall) : 0.0},
@@ -119,7 +125,9 @@ constexpr std::array<const char*, 4> kLeft = {"tets", "poor tets", "long edges",
 constexpr std::array<const char*, 2> kParts = {"interior", "interface"};
 std::string left_name(const char* what, const char* part) { return std::string(what) + ", " + part; }
 
-bool says_what_is_left(const std::string& counter) {
+/// Whether the document has a counter elsewhere than among those of the rounds.
+bool has_its_place(const std::string& counter) {
+  if (counter == kRefinementCounter) return true;
   for (const char* what : kLeft)
     for (const char* part : kParts)
       if (counter == left_name(what, part)) return true;
@@ -143,7 +151,7 @@ Json convergence_json(const GraphDump& graph) {
   for (const auto& [number, round] : rounds) {
     Json counters = Json::object();
     for (std::size_t c = 0; c < round.counters.size(); ++c)
-      if (!says_what_is_left(graph.counter_names[c])) counters[graph.counter_names[c]] = round.counters[c];
+      if (!has_its_place(graph.counter_names[c])) counters[graph.counter_names[c]] = round.counters[c];
     list.push_back({{"round", number}, {"seconds", round.seconds}, {"counters", counters}});
   }
   return list;
@@ -177,8 +185,8 @@ Json left_json(const GraphDump& graph) {
   std::map<std::uint64_t, std::vector<const DumpedRun*>> by_step;
   for (const DumpedRun& run : graph.runs)
     if (const auto step = step_of(graph, run)) by_step[*step].push_back(&run);
-  if (std::none_of(graph.counter_names.begin(), graph.counter_names.end(), says_what_is_left))
-    by_step.clear();
+  const auto is_left = [](const std::string& counter) { return counter == left_name(kLeft[0], kParts[0]); };
+  if (std::none_of(graph.counter_names.begin(), graph.counter_names.end(), is_left)) by_step.clear();
   Json list = Json::array();
   std::vector<std::vector<double>> latest(graph.instances.size());
   for (const auto& [step, runs] : by_step) {

@@ -39,11 +39,25 @@ std::string filled_in(std::string_view template_name, const std::string& data, c
   return page;
 }
 
+/// With what older versions did not write, empty. Throws for what all of them wrote.
+nlohmann::ordered_json completed(nlohmann::ordered_json profile) {
+  for (const char* added : {"left", "published_curves"})
+    if (!profile.contains(added)) profile[added] = nlohmann::ordered_json::array();
+  for (const char* member : {"case", "report", "operations", "total", "ranks", "engine", "messages",
+                             "waiting", "critical_path", "convergence", "graph", "uses_left_out",
+                             "operation_of_node", "timeline", "memory", "hardware", "published", "mesh"})
+    if (!profile.contains(member))
+      throw std::invalid_argument(std::string("has no \"") + member +
+                                  "\": it is damaged, or of another version of weft");
+  return profile;
+}
+
 }  // namespace
 
-std::string report_page(const nlohmann::ordered_json& profile) {
-  if (!profile.is_object() || profile.value("schema", "") != "weft-profile-1")
+std::string report_page(const nlohmann::ordered_json& any_profile) {
+  if (!any_profile.is_object() || any_profile.value("schema", "") != "weft-profile-1")
     throw std::invalid_argument("no weft-profile-1 document");
+  const nlohmann::ordered_json profile = completed(any_profile);
   std::string scripts = script(asset("chart.min.js"));
   if (!profile.at("mesh").is_null())
     scripts += script(asset("three.min.js")) + script(asset("OrbitControls.js"));

@@ -284,7 +284,7 @@ class DistributedJob {
       write_graph(request_.graph, record_.graph);
       write_planned_graph(planned_path(request_.graph), record_.planned);
     }
-    if (!request_.trace.empty()) write_trace(request_.trace, record_.timelines);
+    if (!request_.trace.empty()) write_trace(request_.trace, record_, rank_.plan);
     if (run_.report_path.empty()) return;
     write_text(run_.report_path, json_of(run_).dump(1) + "\n");
     write_record(run_, record_, request_.case_name);

@@ -37,6 +37,9 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+constexpr int kMostSeconds = 60;
+constexpr int kTimedOut = 124;  // as coreutils' timeout says it
+
 std::string text_in(const fs::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
@@ -50,7 +53,12 @@ std::string svg_of(const std::string& dot) {
   std::ofstream(folder.path() / "graph.dot", std::ios::binary) << dot;
   const std::atomic<bool> never = false;
   const ShellResult result =
-      run_shell("exec dot -Tsvg -o graph.svg graph.dot", folder.path(), folder.path() / "log", never);
+      run_shell("exec timeout " + std::to_string(kMostSeconds) + " dot -Tsvg -o graph.svg graph.dot",
+                folder.path(), folder.path() / "log", never);
+  if (result.status == kTimedOut)
+    throw InputError("", "",
+                     "is too large for Graphviz, which had not drawn it after a minute: filter it, use "
+                     "--collapse, or write .dot for another program");
   if (result.status == 127) throw InputError("", "", "SVG needs Graphviz's `dot`, which is not installed");
   if (result.status != 0) throw InputError("", "", "Graphviz failed: " + text_in(folder.path() / "log"));
   return text_in(folder.path() / "graph.svg");

@@ -35,8 +35,8 @@ std::string about(double seconds) {
 std::string time_left_text(const RunProgress& progress) {
   std::string text = progress.step_left ? fmt::format("this step about {} more", about(*progress.step_left))
                                         : "time left unknown as yet";
-  if (progress.most_left)
-    text += fmt::format(", all at most {}", about(*progress.most_left));
+  if (progress.all_left && progress.most_left)
+    text += fmt::format(", all about {} (at most {})", about(*progress.all_left), about(*progress.most_left));
   else if (progress.step_left)
     text += ", then shifts";
   return text;

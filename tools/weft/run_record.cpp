@@ -9,6 +9,7 @@
 #include "engine/serialize.h"
 #include "graph/dataflow/graph_json.h"
 #include "partition/reduce.h"
+#include "tools/report/lanes.h"
 #include "tools/report/profile.h"
 #include "tools/report/report_page.h"
 #include "tools/weft/graph_output.h"
@@ -169,9 +170,37 @@ void write_planned_graph(const std::string& path, const graph::dataflow::GraphDu
              graph_text(graph, format, drawn && nodes > kMostDrawn ? Collapse::instances : Collapse::none));
 }
 
-void write_trace(const std::string& path, const std::vector<engine::RankTimeline>& timelines) {
+engine::Annotations trace_annotations(const RunRecord& record,
+                                      const graph::adaptation::AdaptationPlan& plan) {
+  using graph::dataflow::EdgeKind;
+  const graph::dataflow::GraphDump& graph = record.graph;
+  const int ranks = static_cast<int>(record.timelines.size());
+  engine::Annotations annotations;
+  annotations.object_kind = graph.description.name;
+  annotations.number_of = [plan, ranks](engine::ObjectId object) -> std::optional<std::uint64_t> {
+    return subdomain_of(plan, ranks, object);
+  };
+  for (const auto& node : graph.description.nodes) annotations.names.push_back(node.name);
+  for (const auto& edge : graph.description.edges) annotations.names.push_back(edge.name);
+  const report::Lanes lanes = report::lanes_of(graph, record.timelines, record.start);
+  for (std::size_t r = 0; r < graph.runs.size(); ++r) {
+    const graph::dataflow::DumpedRun& run = graph.runs[r];
+    const auto thread = lanes.lanes[lanes.of_run[r]].thread;
+    annotations.steps.push_back({run.rank, thread.value_or(engine::Annotations::Step::kNoLane),
+                                 run.begin + record.start, run.end + record.start, run.node,
+                                 graph.instances[run.instance].number, run.round});
+  }
+  const auto nodes = static_cast<std::uint32_t>(graph.description.nodes.size());
+  for (const graph::dataflow::DumpedUse& use : graph.uses)
+    if (graph.description.edges[use.edge].kind == EdgeKind::remote)
+      annotations.links.push_back({use.from, use.to, use.time + record.start, nodes + use.edge});
+  return annotations;
+}
+
+void write_trace(const std::string& path, const RunRecord& record,
+                 const graph::adaptation::AdaptationPlan& plan) {
   std::ostringstream text;
-  engine::write_chrome_trace(text, timelines);
+  engine::write_chrome_trace(text, record.timelines, trace_annotations(record, plan));
   write_text(path, text.str());
 }
 

@@ -74,7 +74,12 @@ std::string planned_path(const std::string& graph_path);
 /// The planned graph; drawings of more than 500 nodes show each subdomain as one.
 void write_planned_graph(const std::string& path, const graph::dataflow::GraphDump& graph);
 
+/// What the trace says of subdomains: their numbers, and the runs of the graph with its edges between
+/// subdomains. Runs have the places that they have in graph.json.
+engine::Annotations trace_annotations(const RunRecord& record, const graph::adaptation::AdaptationPlan& plan);
+
 /// For --trace: Perfetto's format.
-void write_trace(const std::string& path, const std::vector<engine::RankTimeline>& timelines);
+void write_trace(const std::string& path, const RunRecord& record,
+                 const graph::adaptation::AdaptationPlan& plan);
 
 }  // namespace weft::tools

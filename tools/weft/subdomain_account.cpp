@@ -35,15 +35,18 @@ std::vector<OperationTime> in_order(const std::map<std::string, double>& seconds
 std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& log,
                                          const engine::RankSummary& summary) {
   static const graph::dataflow::GraphDescription graph = SubdomainTask::blueprint().description();
-  std::map<std::string, double> seconds;
+  report::OperationSeconds of_nodes{};
   double in_nodes = 0;
   for (const graph::dataflow::NodeRun& run : log.runs) {
     if (run.rank != summary.rank) continue;
     const double took = static_cast<double>(run.end - run.begin) * 1e-9;
-    const report::OperationIndex operation = report::operation_of_node(graph.nodes[run.node].name);
-    seconds[std::string(report::kOperations[operation])] += took;
+    report::add_seconds(graph.nodes[run.node].name, took, log.counter(run, report::kRefinementCounter),
+                        of_nodes);
     in_nodes += took;
   }
+  std::map<std::string, double> seconds;
+  for (std::size_t o = 0; o < of_nodes.size(); ++o)
+    seconds[std::string(report::kOperations[o])] = of_nodes[o];
   seconds["conversion"] = summary.times.unpack + summary.times.pack;
   seconds["misc"] = std::max(0.0, summary.times.compute - in_nodes);
   seconds["idle"] = summary.times.idle;

@@ -10,6 +10,7 @@
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/io/pvtu.h"
 #include "tools/picture/mesh_picture.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
@@ -39,7 +40,7 @@ which the normal N points from P, and leaves whole tets, or with --slice a plane
 count from x towards y, elevations from there up to z, in degrees. --color-by takes
   none           the surface in one colour, what a cut lays bare in another (default)
   ref            references of the triangles
-  subdomain      references of the tets
+  subdomain      references of the tets; of a .pvtu, its pieces: those of a run in subdomains
   quality        mean ratio of the tets, in the metric where one is given
   length         length of the edges in the metric: each colours the third of a face beside it
   nonconforming  in red the tets with an edge outside [1/√2, √2] in the metric
@@ -162,13 +163,20 @@ std::pair<std::vector<double>, std::string> colour_field(const ViewCommand& comm
                                         wanted.empty() ? "" : " '" + wanted + "'", known));
 }
 
+/// What a run in subdomains writes into one file does not tell them any more; pieces do.
+MeshData mesh_to_show(const ViewCommand& command, ColourBy by, meshing::RefNames& names) {
+  if (by == ColourBy::subdomain && std::filesystem::path(command.mesh).extension() == ".pvtu")
+    return meshing::read_pvtu_by_piece(command.mesh).mesh;
+  return meshing::read_mesh(command.mesh, &names);
+}
+
 int run_view(const ViewCommand& command) {
   const ColourBy by = colourings().at(kind_of(command.colour_by));
   check_needs(command, by);
   const picture::PictureOptions options = picture_options(command, by);
   check_writable(command.output);
   meshing::RefNames names;
-  const MeshData mesh = meshing::read_mesh(command.mesh, &names);
+  const MeshData mesh = mesh_to_show(command, by, names);
   meshing::LogMetricField metric;
   if (command.metric.given()) metric = make_metric(command.metric, mesh, command.mesh).field;
   std::vector<double> field;

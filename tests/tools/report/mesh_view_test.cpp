@@ -139,6 +139,17 @@ TEST(MeshView, IsThinnedOutToItsLimits) {
   for (std::size_t l = 1; l < view.layers.size(); ++l) EXPECT_LE(view.layers[l].facets.size(), 100u);
 }
 
+TEST(MeshView, KeepsMostOfWhatItMayWhereItIsThinnedOut) {
+  const Shaken s = shaken_box(40, 3);
+  const MeshViewOptions options{.sections = 3, .surface_facets = 10'000, .section_facets = 2'000};
+  MeshView view = whole_view(s, options);
+  thin_out(view, s.box, options);
+  for (const ViewLayer& layer : view.layers) {
+    EXPECT_TRUE(layer.thinned);
+    EXPECT_GT(layer.facets.size(), layer.axis < 0 ? 5'000u : 1'000u);
+  }
+}
+
 /// Every facet that stays has at most the quality of the best that it can stand for, and a mesh with nothing
 /// but facets that do not conform keeps only such.
 TEST(MeshView, StaysRedWhereItIsThinnedOut) {

@@ -74,7 +74,7 @@ weft.table = function table(head, rows, options = {}) {
     weft.make("tr", { class: options.classOf ? options.classOf(r) : null },
       row.map((cell, c) => weft.make("td", { class: typeof cell === "object" && !(cell instanceof Node) ? cell.class : null, "data-figure": options.figures && options.figures[r][c] },
         typeof cell === "object" && !(cell instanceof Node) ? cell.text : cell))));
-  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col", class: h === "source" ? "text" : null }, h)))),
+  const element = weft.make("table", {}, weft.make("thead", {}, weft.make("tr", {}, head.map((h) => weft.make("th", { scope: "col", class: h === "source" || h === "what for" ? "text" : null }, h)))),
     weft.make("tbody", {}, body));
   return weft.make("div", { class: "scroll" }, element);
 };
@@ -103,6 +103,17 @@ weft.tip = function showTip(event, text) {
 };
 
 // --- Charts
+
+/** Round ticks of a logarithmic axis; Chart.js takes any digit, and its labels run into each other. */
+weft.logarithmicTicks = function logarithmicTicks(axis) {
+  const digits = Math.log10(axis.max / axis.min) > 3.5 ? [1] : [1, 2, 5];
+  axis.ticks = [];
+  for (let power = Math.floor(Math.log10(axis.min)); power <= Math.log10(axis.max); ++power)
+    for (const digit of digits) {
+      const value = Number(`${digit}e${power}`);
+      if (value >= axis.min && value <= axis.max) axis.ticks.push({ value });
+    }
+};
 
 weft.charts = [];
 /** A Chart.js chart whose colours follow the theme: `configure` is called again when that changes. */

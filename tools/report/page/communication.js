@@ -16,7 +16,7 @@
     let what = "bytes", dense = [], most = 0;
     const margin = 44, status = make("p", { class: "note", role: "status" });
     const geometry = () => {
-      const width = Math.min(canvas.parentElement.clientWidth, 720), size = (width - margin) / ranks;
+      const width = Math.min(canvas.parentElement.clientWidth, 720, margin + 160 * ranks), size = (width - margin) / ranks;
       return { width, size };
     };
     function draw() {
@@ -43,11 +43,15 @@
       }
       c.fillStyle = weft.css("--soft");
       c.font = "11px system-ui, sans-serif";
-      const step = Math.max(1, Math.ceil(18 / size));
+      const step = Math.max(1, Math.ceil((ranks > 100 ? 30 : 22) / size));
       for (let r = 0; r < ranks; r += step) {
-        c.fillText(r, margin + (r + 0.5) * size - 4, margin - 6);
-        c.fillText(r, margin - 22, margin + (r + 0.5) * size + 4);
+        const at = margin + (r + 0.5) * size;
+        c.textAlign = "center";
+        c.fillText(r, at, margin - 6);
+        c.textAlign = "right";
+        c.fillText(r, margin - 6, at + 4);
       }
+      c.textAlign = "left";
       c.fillText(what === "waiting" ? "waited for →" : "to rank →", margin, 14);
       c.save();
       c.translate(12, margin + 70);
@@ -72,15 +76,17 @@
     return card;
   }
 
+  const meanings = { invoke: "values and calls for subdomains", signal: "arrivals for events", migrate: "subdomains that moved to another rank", forward: "sent on, as the subdomain had moved" };
+
   function volumes() {
-    const kinds = Object.entries(data.engine.traffic).map(([kind, v]) => [kind, weft.count(v.sent.messages), weft.bytes(v.sent.bytes), weft.count(v.received.messages), weft.bytes(v.received.bytes)]);
-    const figures = Object.keys(data.engine.traffic).map((kind) => ["", `traffic.${kind}.messages`, "", "", ""]);
+    const kinds = Object.entries(data.engine.traffic).map(([kind, v]) => [kind, { class: "text", text: meanings[kind] || "" }, weft.count(v.sent.messages), weft.bytes(v.sent.bytes), weft.count(v.received.messages), weft.bytes(v.received.bytes)]);
+    const figures = Object.keys(data.engine.traffic).map((kind) => ["", "", `traffic.${kind}.messages`, "", "", ""]);
     const same = data.engine.consistent, whole = same.messages && same.bytes && same.pairs;
     const methods = data.engine.methods.filter((m) => m.sent.messages > 0).sort((a, b) => b.sent.bytes - a.sent.bytes).map((m) => [m.name || "(engine)", weft.count(m.sent.messages), weft.bytes(m.sent.bytes)]);
-    return [weft.card("By kind", weft.table(["kind", "sent", "bytes", "received", "bytes"], kinds, { figures }),
+    return [weft.card("By kind", weft.table(["kind", "what for", "messages sent", "bytes sent", "messages received", "bytes received"], kinds, { figures }),
       make("p", { class: whole ? "note" : "worse" }, whole ? "As many messages and bytes were received as were sent, between each two ranks." : "Messages or bytes that were sent were not received: the record is incomplete.")),
     methods.length ? weft.card("By what is called", weft.table(["method", "messages", "bytes"], methods)) : null];
   }
 
-  weft.views.push({ id: "communication", title: "Communication", shown: () => data.engine !== null, build: () => [make("div", { class: "two" }, matrix(), make("div", {}, volumes()))] });
+  weft.views.push({ id: "communication", title: "Communication", shown: () => data.engine !== null, build: () => (data.ranks.length === 1 ? [weft.card("From rank to rank", weft.empty("One rank: nothing was sent. Subdomains passed values to each other in its memory; who waited for whom is under Time."))] : [make("div", { class: "two" }, matrix(), make("div", {}, volumes()))]) });
 })();

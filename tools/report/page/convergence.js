@@ -8,12 +8,14 @@
   const wrong = [["long edges", 0], ["short edges", 1], ["poor tets", 2]];
   const parts = [["interior", []], ["interface", [6, 4]]];
 
+  const dashes = [[], [7, 5], [2, 4], [10, 3, 2, 3]];
+
   /** Counts on a logarithmic axis, where nothing has no place. */
   function lines(title, axes, labels, datasets) {
     return weft.chart(() => ({
       type: "line",
-      data: { labels, datasets: datasets.map(({ label, values, colour, dash }) => ({ label, data: values.map((v) => (v > 0 ? v : null)), borderColor: colour, backgroundColor: colour, borderDash: dash || [], spanGaps: true, pointRadius: 4 })) },
-      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: axes[0] } }, y: { type: "logarithmic", title: { display: true, text: axes[1] } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 24 } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
+      data: { labels, datasets: datasets.map(({ label, values, colour, dash }) => ({ label, data: values.map((v) => (v > 0 ? v : null)), borderColor: colour, backgroundColor: colour, borderDash: dash, spanGaps: true, pointRadius: 4 })) },
+      options: { interaction: { mode: "index", intersect: false }, scales: { x: { title: { display: true, text: axes[0] } }, y: { type: "logarithmic", title: { display: true, text: axes[1] } } }, plugins: { legend: { position: "bottom", labels: { boxWidth: 34, usePointStyle: true, pointStyle: "line", generateLabels: (chart) => Chart.defaults.plugins.legend.labels.generateLabels(chart).map((item) => ({ ...item, lineWidth: 3, lineDash: datasets[item.datasetIndex].dash, pointStyle: "line" })) } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.count(c.raw)}` } } } },
     }), 340, title);
   }
 
@@ -27,13 +29,17 @@
       weft.table(head, left.map(row), { figures: left.map(figure) }));
   }
   function counters() {
-    const datasets = names.map((name, i) => ({ label: name, values: rounds.map((r) => r.counters[name]), colour: weft.palette[i % weft.palette.length] }));
-    return weft.card("What the nodes counted", lines("Counters by round", ["round", "sum over the subdomains"], rounds.map((r) => r.round), datasets));
+    // What is sent is received: lines of the same numbers are one, which is called by all their names.
+    const column = (name) => rounds.map((r) => r.counters[name]).join();
+    const same = (name) => names.filter((other) => column(other) === column(name));
+    const datasets = names.filter((name) => same(name)[0] === name).map((name, i) => ({ label: same(name).join(" and "), values: rounds.map((r) => r.counters[name]), colour: weft.palette[i % weft.palette.length], dash: dashes[i % dashes.length] }));
+    return weft.card("What the shifts moved", lines("Counters by round", ["round", "sum over the subdomains"], rounds.map((r) => r.round), datasets),
+      make("p", { class: "note" }, "Round 0 holds the first shift, and so on. Lines end where nothing is left: a logarithmic axis has no zero."));
   }
   function table() {
-    const head = ["round", "seconds of work", ...names];
+    const head = ["round", "work", ...names];
     const rows = rounds.map((r) => [r.round, weft.seconds(r.seconds), ...names.map((n) => weft.count(r.counters[n]))]);
-    return weft.card("The same as numbers", weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
+    return weft.card("The same as numbers", make("p", { class: "note" }, "Work: of all workers; that of round 0 has the adaptation of the interior in it."), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
   }
   weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
 })();

@@ -30,7 +30,7 @@
   function calls() {
     if (!data.engine) return null;
     const rows = Object.entries(data.engine.network_calls).sort((a, b) => b[1] - a[1]).map(([name, n]) => [name, weft.count(n)]);
-    const counters = Object.entries(data.engine.counters).map(([name, c]) => [name, weft.digits(c.sum), weft.digits(c.min), weft.digits(c.max)]);
+    const counters = Object.entries(data.engine.counters).map(([name, c]) => [name.replaceAll("_", " "), weft.digits(c.sum), weft.digits(c.min), weft.digits(c.max)]);
     return make("div", { class: "two" }, weft.card("MPI calls", make("p", { class: "note", "data-figure": "collective_calls" }, `Collective calls in the loop: ${weft.count(data.engine.collective_calls)}`), rows.length ? weft.table(["function", "calls"], rows) : weft.empty("One process: none.")),
       counters.length ? weft.card("Counters of the engine", weft.table(["counter", "sum", "least of a rank", "most"], counters)) : null);
   }

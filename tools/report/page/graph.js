@@ -55,7 +55,7 @@
       const [x0, y0] = at[e.from], [x1, y1] = at[e.to], low = total[1] - 8;
       if (woken.has(e.to)) return `M${x0 + width / 2},${y0 + height} C${x0 + width / 2},${y1 + height / 2} ${x1 + width + 20},${y1 + height / 2} ${x1 + width},${y1 + height / 2}`;
       if (woken.has(e.from)) return `M${x0 + width / 3},${y0} L${x1 + 0.8 * width},${y1 + height}`;
-      if (e.next_round || x1 <= x0) return `M${x0 + width / 2},${y0 + height} C${x0 + width / 2},${low + 20} ${x1 + width / 3},${low + 20} ${x1 + width / 3},${y1 + height}`;
+      if (e.next_round || x1 <= x0) return `M${x0 + width / 2},${y0 + height} C${x0 + width / 2},${low + 20} ${x1 + width / 6 - 60},${low + 20} ${x1 + width / 6},${y1 + height}`;
       return `M${x0 + width},${y0 + height / 2} C${x0 + width + 32},${y0 + height / 2} ${x1 - 32},${y1 + height / 2} ${x1},${y1 + height / 2}`;
     }
     const edges = plan.edges.map((e) => make("path", { class: "edge", d: way(e), "marker-end": "url(#arrow)", "stroke-width": 1.6, "stroke-dasharray": e.kind === "remote" ? "6 4" : e.kind === "wake" ? "2 4" : null },

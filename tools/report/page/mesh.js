@@ -23,8 +23,8 @@
   };
   const keys = {
     plain: [], subdomain: ["a colour a subdomain"],
-    quality: [["#440154", "0"], ["#1f9e89", "0.5"], ["#fde725", "1"], "quality (mean ratio)"],
-    length: [["#2166ac", "¼ or less"], ["#ebebeb", "1"], ["#b2182b", "4 or more"], "edge farthest from length 1"],
+    quality: ["quality (mean ratio): 0", { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) }, "1"],
+    length: ["edge of the tet that is farthest from length 1 in the metric: ¼ or less", { scale: ["#2166ac", "#ebebeb", "#b2182b"] }, "4 or more"],
     conforming: [["#d6dce4", "conforming"], ["#d7191c", "an edge outside [1/√2, √2]"]],
   };
 
@@ -120,7 +120,7 @@
 
   let view = null;
   function keyOf(by) {
-    return make("div", { class: "legend" }, keys[by].map((k) => (typeof k === "string" ? make("span", {}, k) : make("span", {}, make("i", { style: `background:${k[0]}` }), k[1]))));
+    return make("div", { class: "legend" }, keys[by].map((k) => (typeof k === "string" ? make("span", {}, k) : k.scale ? make("span", {}, make("i", { class: "scale", style: `background:linear-gradient(to right,${k.scale})` })) : make("span", {}, make("i", { style: `background:${k[0]}` }), k[1]))));
   }
   function build() {
     if (!supported()) return [weft.card("Mesh", weft.empty("This browser has no WebGL. `weft view` draws the mesh into a file."))];

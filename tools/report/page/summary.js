@@ -32,7 +32,7 @@
       const sent = data.engine.traffic, bytes = Object.values(sent).reduce((s, t) => s + t.sent.bytes, 0);
       const messages = Object.values(sent).reduce((s, t) => s + t.sent.messages, 0);
       list.push(tile("Balance", weft.percent(1 - data.engine.balance_saving, 0), "balance", data.engine.verdict));
-      list.push(tile("Sent between subdomains", weft.bytes(bytes), "bytes_sent", `${weft.count(messages)} messages, ${weft.count(data.engine.collective_calls)} collective calls`));
+      list.push(tile("Sent between ranks", weft.bytes(bytes), "bytes_sent", `${weft.count(messages)} messages, ${weft.count(data.engine.collective_calls)} collective calls`));
     }
     if (data.critical_path) {
       const path = data.critical_path, most = path.by_operation.reduce((a, b) => (a.seconds > b.seconds ? a : b));

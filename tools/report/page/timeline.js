@@ -38,11 +38,11 @@
   };
 
   let view = { t0: 0, t1: wall, y: 0, row: 0 };
-  let selected = -1, hidden = new Set(), onlyCritical = false, canvas, details, status, axisHeight = 26, labelWidth = 96;
+  let selected = -1, hidden = new Set(), onlyCritical = false, canvas, details, status, axisHeight = 26, labelWidth = 118;
   const frame = () => canvas.getBoundingClientRect();
   const plotWidth = () => canvas.clientWidth - labelWidth;
   const plotHeight = () => canvas.clientHeight - axisHeight;
-  const fitRow = () => Math.max(2, Math.min(26, plotHeight() / lanes.length));
+  const fitRow = () => Math.max(2, Math.min(44, plotHeight() / lanes.length));
   const x = (t) => labelWidth + ((t - view.t0) / (view.t1 - view.t0)) * plotWidth();
   const time = (px) => view.t0 + ((px - labelWidth) / plotWidth()) * (view.t1 - view.t0);
   const rowY = (lane) => axisHeight + lane * view.row - view.y;
@@ -164,7 +164,7 @@
       const newRank = lanes[lane].rank !== previous;
       previous = lanes[lane].rank;
       if (y < axisHeight + 8 || y - lastY < 13) continue;
-      if (view.row >= 13) c.fillText(newRank ? `${lanes[lane].rank}: ${lanes[lane].name}` : `    ${lanes[lane].name}`, 6, y, labelWidth - 10);
+      if (view.row >= 13) c.fillText(newRank ? `rank ${lanes[lane].rank}, ${lanes[lane].name}` : lanes[lane].name, newRank ? 6 : 6 + c.measureText(`rank ${lanes[lane].rank}, `).width, y, labelWidth - 10);
       else if (newRank) c.fillText("rank " + lanes[lane].rank, 6, y);
       else continue;
       lastY = y;
@@ -255,7 +255,7 @@
     bringIntoView(r);
     const rows = [["subdomain", instances[runs.instance[r]].number], ["round", runs.round[r]], ["where", `rank ${runs.rank[r]}, ${lanes[laneOf[r]].name}`], ["begin", weft.seconds(begin[r] * 1e-9)], ["took", weft.seconds(runs.duration_ns[r] * 1e-9)]];
     if (runs.bytes_received[r]) rows.push(["received", weft.bytes(runs.bytes_received[r])]);
-    for (const [name, column] of Object.entries(runs.counters)) if (column[r]) rows.push([name, weft.count(column[r])]);
+    for (const [name, column] of Object.entries(runs.counters)) if (column[r]) rows.push(name.endsWith(", seconds") ? [name.slice(0, -", seconds".length), weft.seconds(column[r])] : [name, weft.count(column[r])]);
     if (critical[r]) rows.push(["critical path", "yes"]);
     details.append(make("h2", {}, nodes[runs.node[r]].name), make("dl", {}, rows.map(([k, v]) => [make("dt", {}, k), make("dd", {}, String(v))])),
       ...[links("Got values from", weft.runs.into(r), uses.from), links("Sent values to", weft.runs.outOf(r), uses.to)].flat().filter((e) => e));
@@ -320,7 +320,7 @@
   }
 
   function build() {
-    canvas = make("canvas", { class: "plot", id: "timeline", tabindex: 0, role: "application", style: `height:${Math.max(240, Math.min(620, 30 + 26 * lanes.length))}px`, "aria-label": "Timeline. Arrow keys move, plus and minus zoom, Home shows all, n and p follow the critical path." });
+    canvas = make("canvas", { class: "plot", id: "timeline", tabindex: 0, role: "application", style: `height:${Math.min(620, 30 + Math.max(90, (lanes.length <= 8 ? 45 : 26) * lanes.length))}px`, "aria-label": "Timeline. Arrow keys move, plus and minus zoom, Home shows all, n and p follow the critical path." });
     details = make("div", { class: "card", id: "task" });
     status = make("p", { class: "note", id: "timeline-status", role: "status" });
     const only = make("input", { type: "checkbox", id: "only-critical", onchange: (event) => { onlyCritical = event.target.checked; later(); } });
