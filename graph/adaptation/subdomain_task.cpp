@@ -1,6 +1,8 @@
 // The nodes of a subdomain's graph, and the graph.
 #include "graph/adaptation/subdomain_task.h"
 
+#include <algorithm>
+
 #include "engine/text.h"
 #include "partition/adapt_subdomain.h"
 #include "partition/distribute.h"
@@ -195,6 +197,12 @@ void SubdomainTask::propose(NodeContext& context) {
   context.count("vertices wanted", static_cast<double>(wants_.size()));
 }
 
+/// How many neighbours come before this subdomain: 0 where it receives from all (Luby's independent set).
+double SubdomainTask::colour(std::span<const partition::Proposal> proposals) const {
+  return static_cast<double>(std::count_if(proposals.begin(), proposals.end(),
+                                           [&](const auto& p) { return priority_ < p.priority; }));
+}
+
 std::optional<engine::Nothing> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
   woken_for_ = round;
   if (!rests_) return {};
@@ -221,6 +229,7 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   const double tets = neighbourhood_wants_ ? kShareShifted * predicted_tets_ : 0;
   context.expect<&SubdomainTask::scatter>(round, to, seconds_to_adapt(tets));
   context.count("tets sent", static_cast<double>(record.sent));
+  context.count("colour", colour(proposals));
 }
 
 void SubdomainTask::scatter(NodeContext& context, std::uint64_t round,

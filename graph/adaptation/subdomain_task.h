@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,7 @@ class SubdomainTask {
   void adapt(dataflow::NodeContext& context, meshing::Extent extent,
              const meshing::BeforeLevel& before_level = {});
   void count_what_is_left();
+  double colour(std::span<const partition::Proposal> proposals) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);
 

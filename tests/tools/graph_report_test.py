@@ -235,6 +235,16 @@ class Runs(SampleTest):
         nodes = [n["name"] for n in graph["graph"]["nodes"]]
         registering = sum(d for n, d in zip(graph["runs"]["node"], graph["runs"]["duration_ns"]) if nodes[n] == "register interface")
         self.assertAlmostEqual(profile["total"]["seconds"]["interface refinement"], sum(refining) + 1e-9 * registering, places=6)
+        self.check_colours(graph["runs"], nodes.index("gather"))
+
+    def check_colours(self, runs, gather):
+        """Who sends in a round is not first among its neighbours, and somebody is."""
+        for this_round in sorted({r for r, node in zip(runs["round"], runs["node"]) if node == gather}):
+            mine = [i for i, (r, node) in enumerate(zip(runs["round"], runs["node"])) if (r, node) == (this_round, gather)]
+            colours = [runs["counters"]["colour"][i] for i in mine]
+            self.assertEqual(min(colours), 0)
+            for i, colour in zip(mine, colours):
+                self.assertTrue(colour > 0 or runs["counters"]["tets sent"][i] == 0, (this_round, i))
 
     def check_trace(self, events, graph):
         """Slices nest, arrows go forward from slice to slice, and runs are those of the graph."""

@@ -125,9 +125,9 @@ constexpr std::array<const char*, 4> kLeft = {"tets", "poor tets", "long edges",
 constexpr std::array<const char*, 2> kParts = {"interior", "interface"};
 std::string left_name(const char* what, const char* part) { return std::string(what) + ", " + part; }
 
-/// Whether the document has a counter elsewhere than among those of the rounds.
+/// Whether the document has a counter elsewhere than among those of the rounds, or its sum means nothing.
 bool has_its_place(const std::string& counter) {
-  if (counter == kRefinementCounter) return true;
+  if (counter == kRefinementCounter || counter == "colour") return true;
   for (const char* what : kLeft)
     for (const char* part : kParts)
       if (counter == left_name(what, part)) return true;
