@@ -15,6 +15,7 @@ class MeshBox(CommandTest):
         self.assertEqual(stat["tets"], 6 * 2 * 3 * 4)
         self.assertEqual(stat["bounding_box"], [[-1, -1, -1], [1, 1, 1000]])
         self.assertEqual(sorted(stat["area_by_ref"]), list("123456"))
+        self.assertIn("least dihedral angle", self.weft("stat", "b.meshb").stdout)
         self.assertAlmostEqual(stat["volume_by_ref"]["1"], 4004, places=8)
 
 
