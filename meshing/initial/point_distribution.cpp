@@ -57,16 +57,16 @@ double PointDistribution::steepest(const Source& from) const {
   return std::max(slope_, std::min(slope, kSteepest));
 }
 
+/// What is nearer than one edge counts as one edge away: stretched triangles have ends of tiny edges whose
+/// mean lengths differ, and nothing grows there.
 void PointDistribution::search_steepest(std::size_t node, std::size_t begin, std::size_t end,
                                         const Source& from, double& best) const {
+  const auto far = [&](double distance) { return std::max(distance, from.size); };
   const Node& n = nodes_[node];
-  const double rise = n.largest_size - from.size;
-  if (rise <= best * std::sqrt(n.box.distance2(from.at))) return;
+  if (n.largest_size - from.size <= best * far(std::sqrt(n.box.distance2(from.at)))) return;
   if (end - begin <= kLeaf) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double distance = norm(sources_[i].at - from.at);
-      if (distance > 0) best = std::max(best, (sources_[i].size - from.size) / distance);
-    }
+    for (std::size_t i = begin; i < end; ++i)
+      best = std::max(best, (sources_[i].size - from.size) / far(norm(sources_[i].at - from.at)));
     return;
   }
   const std::size_t middle = begin + (end - begin) / 2;

@@ -17,7 +17,7 @@ namespace weft::meshing {
 ///
 /// A surface that is kept may grow faster than `growth`, or be fine on one side of a thin gap and coarse on
 /// the other; its large triangles must not stand among points that are far too dense for them. For such, s_w
-/// is at least the steepest way from w to any surface vertex v, (h_v - h_w) / |v - w|, up to 0.6
+/// is at least the steepest way from w to any surface vertex v, (h_v - h_w) / max(|v - w|, h_w), up to 0.6
 /// (sample_inside).
 class PointDistribution {
  public:
