@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds, then times `weft adapt` (and Mmg, where it is installed) on the benchmark cases; see bench.py --help.
 # `bench.sh tracing` measures what tracing, report and progress cost; see bench_tracing.py --help.
+# `bench.sh meshing [SURFACE...]` compares initial meshes with TetGen's and Gmsh's; see bench_meshing.py --help.
 # `bench.sh engine [PART...]` measures the engine instead; see tools/bench/engine/run_benchmarks.py --help.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -19,5 +20,9 @@ scripts/build.sh release --no-tests
 if [[ ${1:-} == tracing ]]; then
   shift
   exec python3 -B scripts/bench_tracing.py "$@"
+fi
+if [[ ${1:-} == meshing ]]; then
+  shift
+  exec python3 -B scripts/bench_meshing.py "$@"
 fi
 exec python3 -B scripts/bench.py "$@"
