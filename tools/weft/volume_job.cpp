@@ -122,10 +122,7 @@ void add_volume_output(CLI::App& command, VolumeRequest& request) {
   command.add_option("-o,-x,--out", request.output, "the mesh (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name());
-  request.fill.adapt.threads = default_threads();
-  command.add_option("--threads", request.fill.adapt.threads, "threads; default: the cores of this machine")
-      ->type_name("T")
-      ->check(CLI::Range(1, 1024).description(""));
+  add_threads(command, request.fill.adapt.threads);
   command.add_option("--progress", request.progress, "auto (a bar on a terminal, else lines), plain or none")
       ->transform(CLI::CheckedTransformer(styles).description(""))
       ->type_name("STYLE");
