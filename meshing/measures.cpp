@@ -9,9 +9,12 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include "meshing/adjacency.h"
 #include "meshing/measure_totals.h"
+#include "meshing/metric_field.h"
+#include "meshing/tet_tables.h"
 
 namespace weft::meshing {
 namespace {
@@ -71,6 +74,32 @@ std::size_t select_quantile(std::vector<double>& values, std::size_t end, double
   const auto place = static_cast<std::ptrdiff_t>(quantile_place(values.size(), q));
   std::nth_element(values.begin(), values.begin() + place, values.begin() + static_cast<std::ptrdiff_t>(end));
   return static_cast<std::size_t>(place);
+}
+
+/// The largest cosine of an angle between two faces of a tet; faces without area count for nothing.
+double largest_dihedral_cosine(const Tet& tet, std::span<const Point> points) {
+  std::array<Vec, 4> normals;
+  for (std::size_t f = 0; f < 4; ++f) {
+    const auto& w = kTetFaces[f];
+    const Point& a = points[tet[w[0]]];
+    const Vec normal = cross(points[tet[w[1]]] - a, points[tet[w[2]]] - a);
+    normals[f] = (1 / norm(normal)) * normal;
+  }
+  double largest = -1;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) largest = std::max(largest, -dot(normals[i], normals[j]));
+  return largest;
+}
+
+double least_dihedral_degrees(const MeshData& mesh) {
+  struct Largest {
+    double cosine = -1;
+    Largest& operator+=(const Largest& o) { return cosine = std::max(cosine, o.cosine), *this; }
+  };
+  const auto largest = reduce<Largest>(mesh.tets.size(), [&](Largest& all, std::size_t t) {
+    all += {largest_dihedral_cosine(mesh.tets[t], mesh.points)};
+  });
+  return std::acos(std::clamp(largest.cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
 void measure_tets(const MeshData& mesh, std::span<const LogMetric> log_metrics, Measures& m) {
@@ -183,6 +212,13 @@ Measures measure(const MeshData& mesh, std::span<const LogMetric> log_metrics) {
   measure_tets(mesh, log_metrics, m);
   put_edges(sum_edges(unique_edges(mesh.tets, mesh.points.size()), {}, mesh.points, log_metrics), m);
   return m;
+}
+
+ShapeMeasures measure_shape(const MeshData& mesh) {
+  if (mesh.tets.empty()) return {};
+  Measures m;
+  measure_tets(mesh, LogMetricField(mesh.points.size()), m);
+  return {m.quality_mean, m.quality_min, m.quality_q01, least_dihedral_degrees(mesh)};
 }
 
 double complexity(const MeshData& mesh, std::span<const LogMetric> log_metrics) {

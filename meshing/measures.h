@@ -49,6 +49,15 @@ Measures measure(const MeshData& mesh, std::span<const LogMetric> log_metrics);
 /// Complexity alone: sum of sqrt(det M_i) V_i over the vertices.
 double complexity(const MeshData& mesh, std::span<const LogMetric> log_metrics);
 
+/// Shapes of the tets as they are, without a metric.
+struct ShapeMeasures {
+  double quality_mean = 0, quality_min = 0, quality_q01 = 0;  ///< mean ratio; q01: 1 % quantile
+  double least_dihedral_degrees = 0;                          ///< smallest angle between two faces of a tet
+};
+
+/// All zero without tets.
+ShapeMeasures measure_shape(const MeshData& mesh);
+
 /// Mean ratio of one tet in the log-Euclidean mean of its vertices' metrics: 36 / 3^(1/3) (V sqrt(det
 /// M))^(2/3) over the sum of its squared edge lengths; 1 for a regular unit tet, negative for an inverted
 /// one.

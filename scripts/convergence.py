@@ -60,13 +60,20 @@ def rate(rows):
     return -sum((a - mx) * (b - my) for a, b in zip(x, y)) / sum((a - mx) ** 2 for a in x)
 
 
+def raised(exponent):
+    """An exponent as SVG text, with a true minus."""
+    return f'<tspan dy="-5" font-size="9">{str(exponent).replace("-", chr(0x2212))}</tspan>'
+
+
 class Plot:
     """A plot with logarithmic axes as SVG."""
 
-    WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 640, 440, 70, 150, 30, 50
+    WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 660, 440, 70, 170, 16, 50
+    THEORY_STYLE = 'stroke="#888" stroke-dasharray="5 4"'
     COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"]
 
-    def __init__(self, xs, ys):
+    def __init__(self, xs, ys, x_name, y_name):
+        self.x_name, self.y_name = x_name, y_name
         self.x0, self.x1 = math.log10(min(xs)) - 0.1, math.log10(max(xs)) + 0.1
         self.y0, self.y1 = math.log10(min(ys)) - 0.2, math.log10(max(ys)) + 0.2
         self.parts, self.labels = [], 0
@@ -85,31 +92,63 @@ class Plot:
         self.parts.append(f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}">{text}</text>')
 
     def axes(self):
-        grid, right, bottom = 'stroke="#ddd"', self.WIDTH - self.RIGHT, self.HEIGHT - self.BOTTOM
-        for e in range(math.ceil(self.x0), math.floor(self.x1) + 1):
-            self.line(self.x(10**e), self.TOP, self.x(10**e), bottom, grid)
-            self.text(self.x(10**e), bottom + 18, f"{10**e:,}")
-        for e in range(math.ceil(self.y0), math.floor(self.y1) + 1):
-            self.line(self.LEFT, self.y(10.0**e), right, self.y(10.0**e), grid)
-            self.text(self.LEFT - 8, self.y(10.0**e) + 4, f"1e{e}", "end")
-        self.text((self.LEFT + right) / 2, self.HEIGHT - 10, "complexity")
-        self.text(self.LEFT, self.TOP - 10, "L2 error", "middle")
+        """A frame with a tick for every digit, grid lines at the powers of ten."""
+        right, bottom = self.WIDTH - self.RIGHT, self.HEIGHT - self.BOTTOM
+        for axis, low, high in (("x", self.x0, self.x1), ("y", self.y0, self.y1)):
+            for e in range(math.floor(low), math.ceil(high) + 1):
+                for value in (digit * 10.0**e for digit in range(1, 10)):
+                    if low <= math.log10(value) <= high:
+                        self.tick(axis, value, e if value == 10.0**e else None)
+        self.parts.append(f'<rect x="{self.LEFT}" y="{self.TOP}" width="{right - self.LEFT}" '
+                          f'height="{bottom - self.TOP}" fill="none" stroke="#222"/>')
+        self.text((self.LEFT + right) / 2, self.HEIGHT - 10, self.x_name)
+        middle = (self.TOP + bottom) / 2
+        self.parts.append(f'<text x="18" y="{middle}" text-anchor="middle" fill="#222" '
+                          f'transform="rotate(-90 18 {middle})">{self.y_name}</text>')
 
-    def curve(self, name, points, style='stroke-width="2"'):
+    def tick(self, axis, value, exponent):
+        """A short line, or a line through the plot with its label where `exponent` is given."""
+        major, right, bottom = exponent is not None, self.WIDTH - self.RIGHT, self.HEIGHT - self.BOTTOM
+        style = 'stroke="#ddd"' if major else 'stroke="#222" stroke-width="0.6"'
+        power = "10" + raised(exponent) if major else ""
+        if axis == "x":
+            self.line(self.x(value), bottom, self.x(value), self.TOP if major else bottom - 4, style)
+            self.text(self.x(value), bottom + 18, power)
+        else:
+            self.line(self.LEFT, self.y(value), right if major else self.LEFT + 4, self.y(value), style)
+            self.text(self.LEFT - 8, self.y(value) + 4, power, "end")
+
+    def curve(self, name, points):
         colour = self.COLOURS[self.labels % len(self.COLOURS)]
-        path = " ".join(f"{self.x(x):.1f},{self.y(y):.1f}" for x, y in points)
-        self.parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" {style}/>')
-        for x, y in points:
-            self.parts.append(f'<circle cx="{self.x(x):.1f}" cy="{self.y(y):.1f}" r="3" fill="{colour}"/>')
-        self.text(self.x(points[-1][0]) + 8, self.y(points[-1][1]) + 4, name, "start", colour)
         self.theory(points[-1], points[0][0])
+        path = " ".join(f"{self.x(x):.1f},{self.y(y):.1f}" for x, y in points)
+        self.parts.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>')
+        for x, y in points:
+            self.mark(self.labels, self.x(x), self.y(y), colour)
+        self.text(self.x(points[-1][0]) + 20, self.y(points[-1][1]) + 4, name, "start", colour)
         self.labels += 1
 
+    def mark(self, kind, x, y, colour):
+        """A circle, square, triangle or diamond, so that curves differ in print too."""
+        outlines = [None, [(-1, -1), (1, -1), (1, 1), (-1, 1)], [(-1.2, 1), (1.2, 1), (0, -1.2)],
+                    [(-1.3, 0), (0, -1.3), (1.3, 0), (0, 1.3)]]
+        outline = outlines[kind % len(outlines)]
+        if outline:
+            path = " ".join(f"{x + 3.2 * dx:.1f},{y + 3.2 * dy:.1f}" for dx, dy in outline)
+            self.parts.append(f'<polygon points="{path}" fill="{colour}"/>')
+        else:
+            self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{colour}"/>')
+
     def theory(self, end, start):
-        """The slope of theory through a curve's last point."""
+        """The slope of theory through a curve's last point, as far as the plot reaches."""
+        start = max(start, end[0] * (end[1] / 10**self.y1) ** (1 / THEORY))
         y = end[1] * (end[0] / start) ** THEORY
-        if math.log10(y) < self.y1:
-            self.line(self.x(start), self.y(y), self.x(end[0]), self.y(end[1]), 'stroke="#888" stroke-dasharray="5 4"')
+        self.line(self.x(start), self.y(y), self.x(end[0]), self.y(end[1]), self.THEORY_STYLE)
+
+    def legend(self):
+        left, y = self.WIDTH - self.RIGHT + 14, self.TOP + 14
+        self.line(left, y - 4, left + 26, y - 4, self.THEORY_STYLE)
+        self.text(left + 32, y, "theory: C" + raised("-2/3"), "start")
 
     def write(self, path):
         body = "\n".join(self.parts)
@@ -118,11 +157,13 @@ class Plot:
                         f"{body}\n</svg>\n")
 
 
-def plot(rows, rates, path):
-    chart = Plot([float(row["complexity"]) for row in rows], [row["l2_error"] for row in rows])
+def plot(rows, rates, error, path):
+    chart = Plot([float(row["complexity"]) for row in rows], [row["l2_error"] for row in rows],
+                 "complexity of the metric", error)
     for field, value in rates.items():
         mine = [(float(row["complexity"]), row["l2_error"]) for row in rows if row["field"] == field]
-        chart.curve(f"{field}: rate {value:.2f}", mine)
+        chart.curve(f"{field}: C{raised(f'{-value:.2f}')}", mine)
+    chart.legend()
     chart.write(path)
 
 
@@ -159,7 +200,8 @@ def main():
         table = csv.DictWriter(file, COLUMNS)
         table.writeheader()
         table.writerows(rows)
-    plot(rows, rates, options.out / "convergence.svg")
+    error = {"sample": "L2 error of linear interpolation", "poisson": "L2 error of the solution"}[options.method]
+    plot(rows, rates, error, options.out / "convergence.svg")
     print(f"{options.out / 'convergence.csv'}, {options.out / 'convergence.svg'}")
     return 0 if min(rates.values()) >= options.least * THEORY else 1
 

@@ -36,13 +36,17 @@ void restore_lists(const MeshData& grid, MeshData& mesh) {
   for (const std::uint32_t v : grid.corners) mesh.corners.push_back(merger.index(grid.points[v]));
 }
 
+/// A surface that is adapted has lost its own sizes after the coarse pass; one that is kept has them still.
 AdaptResult fill_by_distribution(const MeshData& start, const FillOptions& options) {
-  const PointDistribution sizes(start, options.growth, options.size);
+  const PointDistribution of_start(start, options.growth, options.size);
   AdaptResult result;
   result.mesh = start;
   for (const double factor : {4.0, 1.0}) {
     const MeshData input = std::move(result.mesh);
-    const LogMetricField metric = sizes.sample(input.points, factor);
+    const LogMetricField metric =
+        options.remesh_surface
+            ? of_start.sample(input.points, factor)
+            : PointDistribution(input, options.growth, options.size).sample_inside(input, factor);
     result = adapt(input, {&input, &metric}, options.adapt);
     if (result.report.interrupted) break;
   }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <system_error>
 
+#include "meshing/printable.h"
+
 namespace weft::meshing {
 namespace {
 
@@ -43,10 +45,7 @@ std::optional<double> parse_real(std::string_view word) {
 std::string quoted(std::string_view word) {
   constexpr std::size_t kLongest = 40;
   if (word.empty()) return "the end of the file";
-  std::string text(word.substr(0, kLongest));
-  // Binary data read as text must not reach a terminal.
-  std::ranges::replace_if(
-      text, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
+  const std::string text = printable(word.substr(0, kLongest));
   return "'" + text + (word.size() > kLongest ? "...'" : "'");
 }
 

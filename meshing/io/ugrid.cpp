@@ -76,6 +76,7 @@ class Reader {
   }
 
   void read() {
+    refuse_binary_as_text();
     const Counts counts = read_counts();
     read_points(counts.points);
     read_elements("triangle", counts.triangles, mesh_.triangles);
@@ -94,6 +95,13 @@ class Reader {
   }
 
  private:
+  /// Some programs (CGNS' cgns_to_aflr3) give binary files the name of text; their seven counts have zero
+  /// bytes.
+  void refuse_binary_as_text() {
+    if (encoding_.ascii && in_.rest().substr(0, 28).find('\0') != std::string_view::npos)
+      in_.fail("is binary: call it .b8.ugrid, or .lb8.ugrid if its bytes are little-endian");
+  }
+
   std::int64_t integer() {
     if (encoding_.ascii) return in_.text_integer();
     return encoding_.integer_size == 8 ? in_.value<std::int64_t>() : in_.value<std::int32_t>();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "meshing/check_mesh.h"
 #include "meshing/initial/point_distribution.h"
@@ -34,6 +35,21 @@ TEST(FillVolume, KeepsTheSurfaceAndMakesGoodTets) {
 TEST(FillVolume, OpensTetsThatFacetsHoldFlat) {
   const MeshData grid = grid_of(together(box_surface({-2, -2, -2}, {2, 2, 2}, 6), ball(0.2)));
   EXPECT_GT(shapes(fill_volume(grid, {}).mesh).quality_min, 0.1);
+}
+
+/// Tets whose middle lies at x > 0.
+std::size_t count_right(const MeshData& mesh) {
+  return static_cast<std::size_t>(std::count_if(mesh.tets.begin(), mesh.tets.end(), [&](const auto& t) {
+    return mesh.points[t[0]].x + mesh.points[t[1]].x + mesh.points[t[2]].x + mesh.points[t[3]].x > 0;
+  }));
+}
+
+TEST(FillVolume, SizesDoNotCrossAThinGap) {
+  const MeshData fine = box_surface({-1.005, 0, 0}, {-0.005, 1, 1}, 16);
+  const MeshData coarse = box_surface({0, 0, 0}, {1, 1, 1}, 3);
+  const MeshData beside = fill_volume(grid_of(together(fine, coarse)), {}).mesh;
+  EXPECT_TRUE(check_mesh(beside).ok());
+  EXPECT_LE(count_right(beside), fill_volume(grid_of(coarse), {}).mesh.tets.size() * 3 / 2);
 }
 
 TEST(FillVolume, GrowsFromTheSurfaceUpToTheLargestSize) {
@@ -78,6 +94,19 @@ TEST(FillVolume, KeepsListedEdgesAndCorners) {
   EXPECT_EQ(mesh.points[mesh.edges[0][0]], surface.points[0]);
   EXPECT_EQ(mesh.points[mesh.corners.at(0)], surface.points[0]);
   EXPECT_TRUE(mesh.required_triangles.empty());
+}
+
+TEST(PointDistribution, AKeptSurfaceHasItsOwnSizesWhereTheyGrowNotTooFast) {
+  const MeshData grid =
+      grid_of(together(box_surface({}, {1, 1, 1}, 4), box_surface({1.5, 0, 0}, {1.6, 0.1, 0.1}, 4)));
+  const PointDistribution sizes(grid, 1.01, 0);
+  const LogMetricField inside = sizes.sample_inside(grid, 1), everywhere = sizes.sample(grid.points, 1);
+  const auto size = [](const LogMetric& m) { return std::exp(-trace(m) / 6); };
+  for (std::size_t v = 0; v < grid.points.size(); ++v) {
+    EXPECT_GE(size(inside[v]), size(everywhere[v]) * (1 - 1e-12));
+    EXPECT_GT(size(inside[v]), grid.points[v].x <= 1 ? 0.25 : 0.025);
+  }
+  EXPECT_LT(size(everywhere[0]), 0.05);  // what the small box would have made of the large one
 }
 
 TEST(PointDistribution, IsTheLeastOverAllSurfaceVertices) {

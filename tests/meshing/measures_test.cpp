@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -50,6 +51,19 @@ TEST(Measures, ARegularUnitTetIsPerfect) {
   EXPECT_EQ(m.quality_above_08, 1);
   EXPECT_EQ(m.quality.counts.back(), 1u);
   EXPECT_EQ(m.quality_log.counts.back() + m.quality_log.above, 1u);
+}
+
+TEST(Measures, ShapesOfARegularTetAndOfACornerOfACube) {
+  const ShapeMeasures regular = measure_shape(regular_tet(1e-5));
+  EXPECT_NEAR(regular.quality_min, 1, 1e-12);
+  EXPECT_NEAR(regular.least_dihedral_degrees, std::acos(1.0 / 3) * 180 / std::numbers::pi, 1e-9);
+  MeshData corner = regular_tet();
+  corner.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const ShapeMeasures right = measure_shape(corner);
+  EXPECT_NEAR(right.least_dihedral_degrees, std::acos(1 / std::sqrt(3.0)) * 180 / std::numbers::pi, 1e-9);
+  EXPECT_NEAR(right.quality_mean, 36 / std::cbrt(3.0) * std::pow(1.0 / 6, 2.0 / 3) / 9, 1e-12);
+  EXPECT_EQ(right.quality_mean, right.quality_q01);
+  EXPECT_EQ(measure_shape(MeshData{}).least_dihedral_degrees, 0);
 }
 
 TEST(Measures, ASmallRegularTetIsPerfectInItsOwnMetric) {

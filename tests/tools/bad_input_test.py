@@ -35,6 +35,14 @@ class BadInput(CommandTest):
             (self.folder / "bad.meshb").write_bytes(whole[:at] + bytes([whole[at] ^ 0xFF]) + whole[at + 1 :])
             self.weft("stat", "bad.meshb", expect=(0, 2))
 
+    def test_messages_are_text(self):
+        """Whatever lies in the file: no byte of it may do anything to a terminal."""
+        (self.folder / "a.mesh").write_bytes(ONE_TET.replace("0 0 1", "0 0 \x9b1m", 1).encode("latin-1"))
+        self.refuse("a.mesh", says=["a.mesh: Vertices", "found '?1m'"])
+        piece = b'<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid><Piece Source="p\xe5.vtu"/></PUnstructuredGrid></VTKFile>'
+        (self.folder / "a.pvtu").write_bytes(piece)
+        self.refuse("a.pvtu", says="p?.vtu")
+
     def test_count_beyond_the_file(self):
         self.box(1)
         data = bytearray((self.folder / "box.meshb").read_bytes())

@@ -15,6 +15,7 @@ class MeshBox(CommandTest):
         self.assertEqual(stat["tets"], 6 * 2 * 3 * 4)
         self.assertEqual(stat["bounding_box"], [[-1, -1, -1], [1, 1, 1000]])
         self.assertEqual(sorted(stat["area_by_ref"]), list("123456"))
+        self.assertIn("least dihedral angle", self.weft("stat", "b.meshb").stdout)
         self.assertAlmostEqual(stat["volume_by_ref"]["1"], 4004, places=8)
 
 
@@ -153,6 +154,13 @@ class Convert(CommandTest):
         for name in ("bottom", "other_sides"):
             self.assertIn(f"MARKER_TAG= {name}\n", text)
         self.weft("verify", "fine.su2", "--against", "box.su2")
+
+    def test_binary_ugrid_under_the_name_of_text(self):
+        """As cgns_to_aflr3 of the CGNS tools writes it."""
+        self.box(1)
+        self.weft("convert", "box.meshb", "a.b8.ugrid")
+        (self.folder / "a.b8.ugrid").rename(self.folder / "b.ugrid")
+        self.assert_fails("stat", "b.ugrid", says=["b.ugrid", "is binary: call it .b8.ugrid"])
 
     def test_other_volume_elements_are_dropped_by_convert_only(self):
         self.write("a.ugrid", "4 0 0 1 1 0 0\n0 0 0 1 0 0 0 1 0 0 0 1\n1 2 3 4\n1 2 3 4 4\n")

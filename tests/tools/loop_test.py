@@ -106,7 +106,10 @@ class Resumption(LoopTest):
         self.assertIn("still runs", self.weft("loop", "run.json", expect=2).stderr)
         os.kill(solver, signal.SIGKILL)
         time.sleep(0.2)
+        for name in (".weft-1-cycles.csv", "002/.weft-1-2.tmp"):  # as if killed while writing
+            self.write("run/" + name, "half")
         self.go_on()
+        self.assertEqual(list((self.folder / "run").rglob(".weft-*")), [])
 
     def test_after_an_interruption(self):
         process, solver = self.start_slow()

@@ -31,6 +31,14 @@ class Metric(CommandTest):
         self.box(cells, "box.mesh")
         return self.solution(lambda x, y, z: math.tanh(12 * (x - 0.5)))
 
+    def test_threads_do_not_matter(self):
+        self.shock()
+        for threads in (1, 3):
+            self.weft("metric", "box.mesh", "--sol", "s.sol", "--complexity", 700, "--hgrad", 1.4, "--threads", threads,
+                      "-o", f"m{threads}.solb")
+        self.assertEqual((self.folder / "m1.solb").read_bytes(), (self.folder / "m3.solb").read_bytes())
+        self.assert_fails("metric", "box.mesh", "--sol", "s.sol", "--threads", 0, "-o", "x.solb", says="--threads", code=64)
+
     def test_a_solution_becomes_a_metric_of_the_complexity_asked_for(self):
         self.shock()
         for options in ([], ["--recovery", "l2"], ["--norm", "inf"], ["--norm", 4, "--hgrad", 1.5],

@@ -12,6 +12,7 @@
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/printable.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/interrupt.h"
 #include "tools/weft/named_error.h"
@@ -181,7 +182,7 @@ class AdaptJob {
       if (request_.page) write_record(run_, record_of(mesh_, log_metrics_), request_.case_name);
       return kDone;
     } catch (const InputError& error) {
-      fmt::print(stderr, "weft: {}\n", error.what());
+      fmt::print(stderr, "weft: {}\n", meshing::printable(error.what()));
       return kGoalNotMet;
     }
   }

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "meshing/error.h"
+#include "meshing/printable.h"
 #include "tools/weft/arguments.h"
 #include "tools/weft/commands.h"
 #include "tools/weft/exit_codes.h"
@@ -68,7 +69,7 @@ int run_action(const Action& action) {
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "weft: out of memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "weft: {}\n", error.what());
+    fmt::print(stderr, "weft: {}\n", meshing::printable(error.what()));
   }
   return kNoMesh;
 }

@@ -20,6 +20,7 @@
 #include "graph/adaptation/distributed_adaptation.h"
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/printable.h"
 #include "partition/agreement.h"
 #include "partition/measure_pieces.h"
 #include "partition/merge_pieces.h"
@@ -272,7 +273,7 @@ class DistributedJob {
       try {
         write_accounts();
       } catch (const meshing::InputError& error) {
-        fmt::print(stderr, "weft: {}\n", error.what());
+        fmt::print(stderr, "weft: {}\n", meshing::printable(error.what()));
         code = kGoalNotMet;
       }
     }
@@ -313,7 +314,7 @@ class DistributedJob {
 };
 
 int refuse(const engine::Transport& transport, const std::exception& error) {
-  if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", error.what());
+  if (transport.rank().value == 0) fmt::print(stderr, "weft: {}\n", meshing::printable(error.what()));
   return kNoMesh;
 }
 

@@ -1,5 +1,6 @@
 // `weft interpolate`: fields of one mesh at the vertices of another.
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -34,10 +35,13 @@ norm and the largest one, as shares of the field's own.)";
 struct InterpolateCommand {
   std::string from, to, output;
   FieldRequest fields;
+  int threads = 1;
 };
 
 int run_interpolate(const InterpolateCommand& command) {
   check_writable(command.output);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(command.threads));
   const MeshData from = meshing::read_mesh(command.from), to = meshing::read_mesh(command.to);
   const SolutionData fields = read_fields(command.fields, from.points.size(), command.from);
   const meshing::Transfer result =
@@ -65,6 +69,7 @@ void add_interpolate_command(CLI::App& app, Action& action) {
       ->type_name("FILE")
       ->check(solution_name())
       ->required();
+  add_threads(*sub, command->threads);
   sub->callback([command, &action] { action = [command] { return run_interpolate(*command); }; });
 }
 

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
@@ -66,6 +67,7 @@ class Loop {
     const std::size_t first = count_finished();
     if (first > 0) fmt::print("cycles 0 to {} are done already\n", first - 1);
     forget_from(first);
+    remove_half_written(config_.folder);
     for (std::size_t cycle = first; cycle < cycles(); ++cycle)
       if (!do_cycle(cycle)) return interrupted(cycle);
     write_table();
@@ -125,10 +127,19 @@ class Loop {
     for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) fs::remove(files(cycle).marker);
   }
 
+  /// What a killed run was writing still has its temporary name; the lock says that nobody writes it now.
+  static void remove_half_written(const fs::path& folder) {
+    std::vector<fs::path> left;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(".weft-")) left.push_back(entry.path());
+    for (const fs::path& path : left) fs::remove(path);
+  }
+
   /// False when interrupted.
   bool do_cycle(std::size_t cycle) {
     const CycleFiles f = files(cycle);
     make_folder(f.folder.string());
+    remove_half_written(f.folder);
     fs::remove(f.solution);  // a solver that writes none must not seem to have
     Json marker = {
         {"schema", kSchema}, {"cycle", cycle}, {"settings", config_.settings(cycle)}, {"goal_met", true}};

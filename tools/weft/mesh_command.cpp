@@ -27,8 +27,9 @@ constexpr const char* kFooter = R"(Examples:
 
 SURFACE is any mesh file with triangles. They must close one or several volumes; shared faces divide
 materials, which get the references 1, 2 ... of tets. The triangles stay as they are, and sizes grow
-from theirs into the volume. Repaired with a note: points at the same place, triangles without area
-or given twice, orientations. Refused: open and self-intersecting surfaces.)";
+from theirs into the volume, faster than --growth where theirs do. Repaired with a note: points at the
+same place, triangles without area or given twice, orientations. Refused: open and self-intersecting
+surfaces.)";
 
 constexpr const char* kBoxFooter = R"(Example:
   weft mesh box -o cube.meshb --cells 8 8 8

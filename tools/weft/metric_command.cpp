@@ -1,5 +1,6 @@
 // `weft metric`: makes a metric, limits, grades and scales it, without adapting to it.
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -28,6 +29,7 @@ not scaled, and within the limits, gradation among them.)";
 struct MetricCommand {
   std::string mesh, output;
   MetricRequest metric;
+  int threads = 1;
 };
 
 int run_metric(const MetricCommand& command) {
@@ -37,6 +39,8 @@ int run_metric(const MetricCommand& command) {
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
   check_writable(command.output);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(command.threads));
   const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
   const auto [field, warnings] = make_metric(command.metric, mesh, command.mesh);
   meshing::write_solution(command.output, meshing::solution_from_metric(field));
@@ -61,6 +65,7 @@ void add_metric_command(CLI::App& app, Action& action) {
   add_metric_source(*sub, command->metric);
   add_metric_construction(*sub, command->metric);
   add_metric_processing(*sub, command->metric);
+  add_threads(*sub, command->threads);
   sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
 }
 

@@ -78,4 +78,11 @@ CLI::Validator solution_name() {
 
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
+void add_threads(CLI::App& command, int& threads) {
+  threads = default_threads();
+  command.add_option("--threads", threads, "threads; default: the cores of this machine")
+      ->type_name("T")
+      ->check(CLI::Range(1, 1024).description(""));
+}
+
 }  // namespace weft::tools

@@ -23,5 +23,7 @@ CLI::Validator solution_name();
 
 /// The cores of this machine.
 int default_threads();
+/// Declares --threads, of which the default is all of them.
+void add_threads(CLI::App& command, int& threads);
 
 }  // namespace weft::tools

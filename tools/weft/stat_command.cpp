@@ -33,8 +33,8 @@ constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
   weft stat wing.meshb --metric wing.solb --plot wing.pdf
 
-Without a metric: counts, volumes, bounding box and areas by reference. With one: mean ratios of the
-tets and lengths of the edges in it, as `weft adapt` reports them.)";
+Without a metric: counts, shapes of the tets, bounding box, volumes and areas by reference. With one:
+mean ratios of the tets and lengths of the edges in it, as `weft adapt` reports them.)";
 
 struct StatCommand {
   std::string mesh;
@@ -46,11 +46,13 @@ struct StatCommand {
 /// What can be said of a mesh without a metric.
 struct Geometry {
   Point min, max;
+  meshing::ShapeMeasures shape;
   std::map<std::int32_t, double> volume_by_ref, area_by_ref;
 };
 
 Geometry geometry_of(const MeshData& mesh) {
   Geometry g;
+  g.shape = meshing::measure_shape(mesh);
   if (!mesh.points.empty()) g.min = g.max = mesh.points.front();
   for (const Point& p : mesh.points)
     for (int axis = 0; axis < 3; ++axis) {
@@ -88,6 +90,12 @@ Json json_of(const MeshData& mesh, const Geometry& g) {
            {{"vertices", mesh.required_points.size()},
             {"edges", mesh.required_edges.size()},
             {"triangles", mesh.required_triangles.size()}}},
+          {"shape",
+           {{"quality",
+             {{"mean", g.shape.quality_mean},
+              {"min", g.shape.quality_min},
+              {"quantile_0.01", g.shape.quality_q01}}},
+            {"least_dihedral_degrees", g.shape.least_dihedral_degrees}}},
           {"bounding_box", {{g.min.x, g.min.y, g.min.z}, {g.max.x, g.max.y, g.max.z}}},
           {"volume_by_ref", json_of(g.volume_by_ref)},
           {"area_by_ref", json_of(g.area_by_ref)}};
@@ -118,6 +126,7 @@ std::string geometry_text(const MeshData& mesh, const Geometry& g) {
   line("required vertices", mesh.required_points.size());
   line("required edges", mesh.required_edges.size());
   line("required triangles", mesh.required_triangles.size());
+  if (!mesh.tets.empty()) text += fmt::format("  {}\n", shape_text(g.shape));
   text += fmt::format("  box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", g.min.x, g.min.y,
                       g.min.z, g.max.x, g.max.y, g.max.z);
   return text + by_ref_text("volume", g.volume_by_ref) + by_ref_text("area  ", g.area_by_ref);

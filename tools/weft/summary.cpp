@@ -156,6 +156,11 @@ std::string measures_table(const std::vector<MeasuresColumn>& columns) {
   return text;
 }
 
+std::string shape_text(const meshing::ShapeMeasures& shape) {
+  return fmt::format("shape: Q mean {:.3f}, 1 % {:.3f}, min {:.2g}; least dihedral angle {:.2g} degrees",
+                     shape.quality_mean, shape.quality_q01, shape.quality_min, shape.least_dihedral_degrees);
+}
+
 std::string histogram_text(const std::string& title, const meshing::Histogram& histogram) {
   constexpr double kWidth = 60;
   const std::vector<Bar> bars = bars_of(histogram);

@@ -14,6 +14,9 @@ namespace weft::tools {
 using MeasuresColumn = std::pair<std::string, const meshing::Measures*>;
 std::string measures_table(const std::vector<MeasuresColumn>& columns);
 
+/// One line, without its end.
+std::string shape_text(const meshing::ShapeMeasures& shape);
+
 /// Bars of a histogram, one line a bin.
 std::string histogram_text(const std::string& title, const meshing::Histogram& histogram);
 

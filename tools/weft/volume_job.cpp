@@ -6,42 +6,22 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cmath>
 #include <map>
-#include <numbers>
 
 #include "meshing/io/mesh_file.h"
 #include "meshing/measures.h"
-#include "meshing/tet_tables.h"
 #include "tools/weft/exit_codes.h"
 #include "tools/weft/interrupt.h"
 #include "tools/weft/named_error.h"
 #include "tools/weft/option_checks.h"
 #include "tools/weft/outputs.h"
+#include "tools/weft/summary.h"
 #include "tools/weft/text.h"
 
 namespace weft::tools {
 namespace {
 
 using meshing::MeshData;
-
-/// The smallest angle between two faces of a tet, in degrees.
-double least_dihedral(const MeshData& mesh) {
-  double largest_cosine = -1;
-  for (const auto& v : mesh.tets) {
-    std::array<meshing::Vec, 4> normals;
-    for (std::size_t f = 0; f < 4; ++f) {
-      const auto& w = meshing::kTetFaces[f];
-      const meshing::Point& a = mesh.points[v[w[0]]];
-      normals[f] = meshing::cross(mesh.points[v[w[1]]] - a, mesh.points[v[w[2]]] - a);
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        largest_cosine =
-            std::max(largest_cosine, -dot(normals[i], normals[j]) / (norm(normals[i]) * norm(normals[j])));
-  }
-  return std::acos(std::clamp(largest_cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-}
 
 class VolumeJob {
  public:
@@ -113,13 +93,11 @@ class VolumeJob {
 
   void print_summary() const {
     const MeshData& mesh = result_.mesh;
-    const meshing::Measures shapes = meshing::measure(mesh, meshing::LogMetricField(mesh.points.size()));
     for (const std::string& w : warnings_) fmt::print("note: {}\n", w);
     fmt::print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request_.output,
                grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
                grouped(std::uint64_t{mesh.triangles.size()}), grid_.regions, grid_.regions == 1 ? "" : "s");
-    fmt::print("shape: Q mean {:.3f}, 1 % {:.3f}, min {:.2g}; least dihedral angle {:.2g} degrees\n",
-               shapes.quality_mean, shapes.quality_q01, shapes.quality_min, least_dihedral(mesh));
+    fmt::print("{}\n", shape_text(meshing::measure_shape(mesh)));
     fmt::print("surface and initial grid {}, filling {}\n", seconds_text(grid_seconds_),
                seconds_text(fill_seconds_));
   }
@@ -144,10 +122,7 @@ void add_volume_output(CLI::App& command, VolumeRequest& request) {
   command.add_option("-o,-x,--out", request.output, "the mesh (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name());
-  request.fill.adapt.threads = default_threads();
-  command.add_option("--threads", request.fill.adapt.threads, "threads; default: the cores of this machine")
-      ->type_name("T")
-      ->check(CLI::Range(1, 1024).description(""));
+  add_threads(command, request.fill.adapt.threads);
   command.add_option("--progress", request.progress, "auto (a bar on a terminal, else lines), plain or none")
       ->transform(CLI::CheckedTransformer(styles).description(""))
       ->type_name("STYLE");
