@@ -197,6 +197,7 @@ class Adaptation {
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
       if (improve_pass(crew_, kPoor) == 0) return;
       smooth_poor(crew_, kPoor);
+      collapse_pass(crew_);
     }
   }
 

@@ -192,9 +192,27 @@ Verdict relocate_any(Worker& w, TetId t) {
   return Verdict::worsens_quality;
 }
 
+/// Splits an edge that is too long and that vertices crowd round: they kept it from being split for its
+/// length, and collapse into the new one afterwards.
+Verdict split_any(Worker& w, TetId t) {
+  constexpr double kShortest = 0.25;
+  const Limits& limits = w.kernel.limits;
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const auto edges = edges_by_length(w.mesh, v);
+  for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
+    const auto& e = kTetEdges[edges[i].edge];
+    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], {.shortest = kShortest, .must_improve = true});
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::split, r);
+    w.counts.add(Operator::split, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
 Verdict improve(Worker& w, TetId t, double quality) {
   if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
-  for (const auto& operation : {swap_any, relocate_any, collapse_any})
+  for (const auto& operation : {swap_any, relocate_any, collapse_any, split_any})
     if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
   return Verdict::worsens_quality;
 }

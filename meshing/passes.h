@@ -21,7 +21,8 @@ std::uint64_t swap_pass(Crew& crew, double quality, double quality_at_frozen = 1
 std::uint64_t smooth_pass(Crew& crew);
 /// Smooths the vertices of tets with a mean ratio below `quality` that have changed.
 std::uint64_t smooth_poor(Crew& crew, double quality);
-/// Repairs marked tets with a mean ratio below `quality` by whatever helps: swap, relocation, collapse.
+/// Repairs marked tets with a mean ratio below `quality` by whatever helps: swap, relocation, collapse,
+/// split.
 std::uint64_t improve_pass(Crew& crew, double quality);
 
 }  // namespace weft::meshing

@@ -16,6 +16,7 @@ struct SplitBounds {
   double shortest;  ///< no new edge shorter than this
   double keep_share =
       0.8;  ///< no new tet worse than limits.split_quality unless better than this share of the worst before
+  bool must_improve = false;  ///< instead, all new tets are better than the worst before
 };
 
 /// Splits edge (a, b) of the claimed tet `t` at its middle in the metric; on curved boundary the new vertex
