@@ -32,6 +32,18 @@ struct BackgroundPiece {
   }
 };
 
+/// Packs copies of shared pieces, or unpacks pieces to be shared.
+template <class Archive>
+void serialize_pieces(Archive& archive, std::vector<std::shared_ptr<const BackgroundPiece>>& pieces) {
+  std::vector<BackgroundPiece> copies;
+  if constexpr (Archive::kPacks)
+    for (const auto& piece : pieces) copies.push_back(*piece);
+  archive(copies);
+  if constexpr (!Archive::kPacks)
+    for (BackgroundPiece& piece : copies)
+      pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+}
+
 /// A tet of the background, named so that every subdomain understands it.
 struct BackgroundTet {
   std::uint64_t piece = 0;

@@ -128,7 +128,7 @@ void Packing::add_pieces(std::span<const std::uint64_t> there) {
   std::vector<std::uint64_t> missing;
   std::set_difference(pieces_.begin(), pieces_.end(), there.begin(), there.end(),
                       std::back_inserter(missing));
-  for (const auto& piece : s_.background.pieces(missing)) parcel_.pieces.push_back(*piece);
+  parcel_.pieces = s_.background.pieces(missing);
 }
 
 }  // namespace weft::partition

@@ -310,9 +310,8 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   if (s.departures.empty() && std::all_of(parcels.begin(), parcels.end(), says_nothing)) return result;
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (Parcel& p : parcels)
-    for (BackgroundPiece& piece : p.pieces)
-      if (!s.background.has(piece.id))
-        pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+    for (auto& piece : p.pieces)
+      if (!s.background.has(piece->id)) pieces.push_back(std::move(piece));
   if (!pieces.empty()) s.background.add(pieces);
   Joining joining(s);
   joining.add(parcels);

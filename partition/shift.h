@@ -67,7 +67,8 @@ struct Parcel {
   std::vector<Vertex> vertices;
   std::vector<Tet> tets;
   std::vector<FeatureEdge> feature_edges;
-  std::vector<BackgroundPiece> pieces;  ///< of the background, those that the receiver lacks
+  /// Of the background, those that the receiver lacks; never changed, so shared within a rank.
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
   /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody
   /// else had any.
@@ -77,7 +78,8 @@ struct Parcel {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(from, vertices, tets, feature_edges, pieces, now, before);
+    archive(from, vertices, tets, feature_edges, now, before);
+    serialize_pieces(archive, pieces);
   }
 };
 

@@ -12,18 +12,16 @@ inline std::size_t vertex_capacity(std::size_t tet_capacity) { return tet_capaci
 template <class Archive>
 void Subdomain::serialize(Archive& archive) {
   meshing::TetMeshArrays arrays;
-  std::vector<BackgroundPiece> pieces;
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   if constexpr (Archive::kPacks) {
     arrays = meshing::to_arrays(*mesh);
-    for (const auto& piece : background.all_pieces()) pieces.push_back(*piece);
+    pieces.assign(background.all_pieces().begin(), background.all_pieces().end());
   }
-  archive(id, tet_capacity, next_local, interface, departures, arrays, pieces);
+  archive(id, tet_capacity, next_local, interface, departures, arrays);
+  serialize_pieces(archive, pieces);
   if constexpr (!Archive::kPacks) {
     mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);
-    std::vector<std::shared_ptr<const BackgroundPiece>> shared;
-    for (BackgroundPiece& piece : pieces)
-      shared.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
-    background.add(shared);
+    background.add(pieces);
   }
 }
 

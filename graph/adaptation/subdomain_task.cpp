@@ -197,6 +197,14 @@ void SubdomainTask::propose(NodeContext& context) {
   context.count("vertices wanted", static_cast<double>(wants_.size()));
 }
 
+/// The wanted share of the interface, at most 1: what is wanted on both sides counts twice.
+double SubdomainTask::share_wanted(std::span<const partition::Proposal> proposals) const {
+  std::size_t wanted = wants_.size();
+  for (const partition::Proposal& p : proposals) wanted += p.wants.size();
+  const std::size_t all = std::max<std::size_t>(subdomain_.interface.size(), 1);
+  return std::min(1.0, static_cast<double>(wanted) / static_cast<double>(all));
+}
+
 /// How many neighbours come before this subdomain: 0 where it receives from all (Luby's independent set).
 double SubdomainTask::colour(std::span<const partition::Proposal> proposals) const {
   return static_cast<double>(std::count_if(proposals.begin(), proposals.end(),
@@ -226,8 +234,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
     context.send<&SubdomainTask::scatter>(to[i], round, std::move(parcels[i]));
   }
   shifts_.push_back(record);
-  const double tets = neighbourhood_wants_ ? kShareShifted * predicted_tets_ : 0;
-  context.expect<&SubdomainTask::scatter>(round, to, seconds_to_adapt(tets));
+  context.expect<&SubdomainTask::scatter>(
+      round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * predicted_tets_));
   context.count("tets sent", static_cast<double>(record.sent));
   context.count("colour", colour(proposals));
 }

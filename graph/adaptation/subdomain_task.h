@@ -101,6 +101,7 @@ class SubdomainTask {
   void adapt(dataflow::NodeContext& context, meshing::Extent extent,
              const meshing::BeforeLevel& before_level = {});
   void count_what_is_left();
+  double share_wanted(std::span<const partition::Proposal> proposals) const;
   double colour(std::span<const partition::Proposal> proposals) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);
