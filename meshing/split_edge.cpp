@@ -61,11 +61,11 @@ Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBoun
     const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
     const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
     if (qa < 0 || qb < 0) return Verdict::inverts;
-    const double enough = bounds.must_improve
-                              ? worst_before
-                              : std::min(w.kernel.limits.split_quality, bounds.keep_share * worst_before);
-    if (std::min(qa, qb) < enough || (bounds.must_improve && std::min(qa, qb) == enough))
-      return Verdict::worsens_quality;
+    const double worst = std::min(qa, qb);
+    const bool enough = bounds.must_improve ? worst > worst_before
+                                            : worst >= std::min(w.kernel.limits.split_quality,
+                                                                bounds.keep_share * worst_before);
+    if (!enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(qa));
     w.qualities.push_back(static_cast<float>(qb));
   }

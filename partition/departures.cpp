@@ -28,9 +28,9 @@ class Targets {
     if (last == to) return;
     if (last == kNobody) {
       vertices_.push_back(v.value);
-      if (interface_index_[v.value] != Interface::kNone) mark_several(v.value);
+      if (interface_index_[v.value] != Interface::kNone) several_[v.value] = 1;
     } else if (!several_[v.value]) {
-      mark_several(v.value);
+      several_[v.value] = 1;
       found_.push_back({v.value, last});
     }
     if (several_[v.value]) found_.push_back({v.value, to});
@@ -45,8 +45,6 @@ class Targets {
   }
 
  private:
-  void mark_several(std::uint32_t v) { several_[v] = 1; }
-
   const std::vector<std::uint32_t>& interface_index_;
   std::vector<Rank> last_;
   std::vector<std::uint8_t> several_;  ///< to be listed: of the interface now, or after this

@@ -66,12 +66,6 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
   }
 }
 
-std::uint64_t Subdomain::live_tets() const {
-  std::uint64_t n = 0;
-  for (std::uint32_t i = 0; i < mesh->tet_slots(); ++i) n += mesh->alive(TetId(i));
-  return n;
-}
-
 void name_new_vertices(Subdomain& s) {
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
     if (s.mesh->alive(VertexId(i)) && s.mesh->label(VertexId(i)) == 0)

@@ -42,7 +42,6 @@ struct Subdomain {
   std::vector<Holder> departures;
 
   GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
-  std::uint64_t live_tets() const;
 
   /// Packs or unpacks everything: a subdomain moves between ranks.
   template <class Archive>
