@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "partition/cluster_graph.h"
+#include "partition/graph_partition.h"
 #include "partition/ordered_cuts.h"
 #include "partition/slabs.h"
 
@@ -20,12 +20,12 @@ std::vector<SubdomainId> decompose(Peers& peers, const Items& items, std::uint32
     throw std::invalid_argument(fmt::format("a decomposition into {}x{}x{} slabs has {} subdomains, not {}",
                                             slabs[0], slabs[1], slabs[2], product, num_subdomains));
   const std::vector<std::uint64_t> weights = integer_weights(peers, items.work);
-  const WeightedItems weighted{items.centres, weights, items.numbers};
+  const WeightedItems weighted{items.centres, weights, items.numbers, items.cut_tensors};
   switch (partitioner.kind) {
     case Partitioner::Kind::pqr:
       return pqr_decomposition(peers, weighted, num_subdomains, slabs, partitioner.principal_axes);
     case Partitioner::Kind::graph:
-      return graph_partition(peers, weighted, items.vertices, num_subdomains);
+      return graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains);
     case Partitioner::Kind::bisection:
       break;
   }

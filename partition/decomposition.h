@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/metric.h"
 #include "meshing/point.h"
 #include "partition/global_id.h"
 #include "partition/partitioner.h"
@@ -16,10 +17,11 @@ namespace weft::partition {
 /// This rank's tets, one entry each in every array.
 struct Items {
   std::span<const meshing::Point> centres;
-  std::span<const double> work;            ///< any unit; negative and NaN count as 0
-  std::span<const std::uint64_t> numbers;  ///< in the whole input; settle ties
-  std::span<const std::array<std::uint32_t, 4>>
-      vertices;  ///< in the whole input; of the graph partitioner only
+  std::span<const double> work;                            ///< any unit; negative and NaN count as 0
+  std::span<const std::uint64_t> numbers;                  ///< in the whole input; settle ties
+  std::span<const meshing::SymTensor> cut_tensors;         ///< cut_tensor of each
+  std::span<const std::array<std::uint32_t, 4>> vertices;  ///< in the whole input
+  std::span<const std::array<float, 4>> face_areas;        ///< in the metric; face i is opposite vertex i
 };
 
 /// The subdomain, 0 to num_subdomains - 1, of each of this rank's tets; all ranks call together. Depends on
@@ -28,7 +30,7 @@ struct Items {
 ///
 /// PQR and bisection: every cut leaves each side with its share of the work to within half a tet, so that
 /// parts are balanced to one tet a cut; subdomains may be empty where tets are fewer or much work is in one
-/// tet. Graph: to a few percent of a part; may leave a subdomain empty or in pieces.
+/// tet. Graph: to 3 % of a part; may leave a subdomain empty or in pieces.
 ///
 /// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs.
 std::vector<SubdomainId> decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,

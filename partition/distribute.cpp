@@ -19,6 +19,7 @@
 #include "partition/refine_interface.h"
 #include "partition/slice_checks.h"
 #include "partition/start_builder.h"
+#include "partition/tet_measures.h"
 #include "partition/whole_boundary.h"
 
 namespace weft::partition {
@@ -57,7 +58,9 @@ class TetPoints {
 struct TetMeasures {
   std::vector<Point> centres;
   std::vector<double> complexities;
-  meshing::Box box;  ///< of the whole mesh
+  std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
+  std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
+  meshing::Box box;                              ///< of the whole mesh
 };
 
 TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
@@ -68,6 +71,11 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
     for (const PointRecord* corner : p) density += 0.25 * std::exp(0.5 * trace(corner->log_metric));
     const double volume = six_volume(p[0]->point, p[1]->point, p[2]->point, p[3]->point) / 6;
     m.complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
+    meshing::LogMetric mean;
+    for (const PointRecord* corner : p) mean = mean + 0.25 * corner->log_metric;
+    const TetCorners corners{p[0]->point, p[1]->point, p[2]->point, p[3]->point};
+    m.cut_tensors.push_back(cut_tensor(corners, mean));
+    m.face_areas.push_back(face_areas(corners, mean));
     m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
   }
   std::vector<Point> all;
@@ -96,6 +104,9 @@ double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& 
       (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
   for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
   for (double& c : measures.complexities) c *= factor;
+  const auto area_factor = static_cast<float>(std::pow(factor, 2.0 / 3));
+  for (auto& areas : measures.face_areas)
+    for (float& area : areas) area *= area_factor;
   return target;
 }
 
@@ -107,8 +118,9 @@ std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, c
     work.push_back(options.equal_tets ? 1 : kTetsPerComplexity * measures.complexities[t] + kHandling);
     numbers.push_back(slice.first_tet + t);
   }
-  return decompose(peers, {measures.centres, work, numbers, slice.tets}, options.num_subdomains,
-                   options.partitioner);
+  return decompose(peers,
+                   {measures.centres, work, numbers, measures.cut_tensors, slice.tets, measures.face_areas},
+                   options.num_subdomains, options.partitioner);
 }
 
 std::shared_ptr<Geometry> build_geometry(const WholeBoundary& boundary, double ridge_angle_degrees) {

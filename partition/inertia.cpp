@@ -2,6 +2,7 @@
 // their order.
 #include "partition/inertia.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -16,6 +17,10 @@ using meshing::SymTensor;
 using meshing::Vec;
 
 std::int64_t moment(std::uint64_t weight, double x) { return std::llround(static_cast<double>(weight) * x); }
+
+Eigen::Matrix3d matrix(const SymTensor& t) {
+  return Eigen::Matrix3d{{t.xx, t.xy, t.xz}, {t.xy, t.yy, t.yz}, {t.xz, t.yz, t.zz}};
+}
 
 /// Longest side of a box; 1 for a box without extent, which has nothing to be scaled by it.
 double extent(const Box& box) {
@@ -104,15 +109,52 @@ Axes principal_axes(const SymTensor& covariance) {
   return axes;
 }
 
-Vec cutting_axis(const SymTensor& c) {
-  constexpr double kNearly = 0.9;
-  const std::array<double, 3> variances{c.xx, c.yy, c.zz};
-  const auto widest = std::max_element(variances.begin(), variances.end());
-  const Vec principal = principal_axes(c)[0];
-  if (*widest < kNearly * squared_length(c, principal)) return principal;
-  Vec axis;
-  axis[static_cast<int>(widest - variances.begin())] = 1;
-  return axis;
+std::vector<SymTensor> mean_cut_tensors(Peers& peers, const WeightedItems& items,
+                                        std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
+  std::vector<double> greatest(num_groups, 0);
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    greatest[groups[i]] = std::max(greatest[groups[i]], trace(items.cut_tensors[i]));
+  greatest = partition::max(peers, greatest);
+  std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const SymTensor s = (1 / greatest[groups[i]]) * items.cut_tensors[i];
+    std::int64_t* sum = &sums[6 * std::size_t{groups[i]}];
+    for (const double entry : {s.xx, s.xy, s.yy, s.xz, s.yz, s.zz}) *sum++ += moment(items.weights[i], entry);
+  }
+  sums = partition::sum(peers, sums);
+  std::vector<SymTensor> result;
+  for (std::uint32_t g = 0; g < num_groups; ++g) {
+    const auto entry = [&](std::size_t k) { return static_cast<double>(sums[6 * std::size_t{g} + k]); };
+    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
+  }
+  return result;
+}
+
+Vec cutting_axis(const SymTensor& covariance, const SymTensor& cut_tensor) {
+  constexpr double kNearly = 0.9, kFlattest = 1e-12;
+  const double size = trace(cut_tensor);
+  const SymTensor s =
+      size > 0 ? (1 / size) * cut_tensor + meshing::identity_tensor(kFlattest) : meshing::identity_tensor();
+  const auto width = [&](const Vec& n) { return squared_length(covariance, n) / squared_length(s, n); };
+  using Solver = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
+  const Eigen::Matrix3d to_cuts = Solver(matrix(s)).operatorInverseSqrt();
+  const Eigen::Matrix3d in_cuts = to_cuts * matrix(covariance) * to_cuts;
+  const Eigen::Vector3d widest = (to_cuts * Solver(in_cuts).eigenvectors().col(2)).normalized();
+  Vec best{widest[0], widest[1], widest[2]};
+  if (!(norm(best) > 0.5)) best = {1, 0, 0};  // not solvable: as good as any
+  Vec axis{1, 0, 0};
+  for (const Vec& other : {Vec{0, 1, 0}, Vec{0, 0, 1}})
+    if (width(other) > width(axis)) axis = other;
+  return width(axis) < kNearly * width(best) ? best : axis;
+}
+
+std::vector<Vec> cutting_axes(Peers& peers, const WeightedItems& items, std::span<const std::uint32_t> groups,
+                              std::uint32_t num_groups) {
+  const std::vector<SymTensor> spread = covariances(peers, items, groups, num_groups);
+  const std::vector<SymTensor> cut_tensors = mean_cut_tensors(peers, items, groups, num_groups);
+  std::vector<Vec> axes;
+  for (std::uint32_t g = 0; g < num_groups; ++g) axes.push_back(cutting_axis(spread[g], cut_tensors[g]));
+  return axes;
 }
 
 }  // namespace weft::partition

@@ -11,10 +11,10 @@ namespace weft::partition {
 struct Partitioner {
   enum class Kind {
     pqr,        ///< sorted by a coordinate into P slabs, each into Q, each into R
-    bisection,  ///< cut in two across the longest principal axis, again and again
+    bisection,  ///< cut in two across the axis that is longest in wanted sizes, again and again
     graph       ///< METIS on clusters of tets
   };
-  Kind kind = Kind::bisection;
+  Kind kind = Kind::graph;
   std::array<std::uint32_t, 3> slabs{0, 0, 0};  ///< of pqr: P, Q, R; zero: to be chosen by the shape
   bool principal_axes = false;                  ///< of pqr: along the work's principal axes, not x, y, z
 };

@@ -6,6 +6,7 @@
 
 #include "partition/inertia.h"
 #include "partition/ordered_cuts.h"
+#include "partition/reduce.h"
 
 namespace weft::partition {
 namespace {
@@ -60,26 +61,34 @@ std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& it
   return groups;
 }
 
-std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains) {
-  std::vector<std::uint32_t> groups(items.centres.size(), 0);
-  std::vector<std::uint32_t> sizes{num_subdomains};  // subdomains that each group becomes
+Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
+                const std::function<bool(std::uint64_t, std::uint32_t)>& cut) {
+  Bisected b{std::vector<std::uint32_t>(items.centres.size(), 0), {num_subdomains}};
   std::vector<std::uint64_t> keys(items.centres.size());
-  while (sizes.size() < num_subdomains) {
-    std::vector<Vec> axes;
-    for (const auto& c : covariances(peers, items, groups, static_cast<std::uint32_t>(sizes.size())))
-      axes.push_back(cutting_axis(c));
-    for (std::size_t i = 0; i < keys.size(); ++i)
-      keys[i] = ordered_key(dot(axes[groups[i]], items.centres[i]));
+  for (;;) {
+    std::vector<std::uint64_t> counts(b.sizes.size(), 0);
+    for (const std::uint32_t g : b.groups) ++counts[g];
+    counts = partition::sum(peers, counts);
     std::vector<std::vector<std::uint32_t>> shares;
-    std::vector<std::uint32_t> halves;
-    for (const std::uint32_t size : sizes) {
-      shares.push_back(size == 1 ? std::vector{1u} : std::vector{size / 2, size - size / 2});
-      halves.insert(halves.end(), shares.back().begin(), shares.back().end());
+    std::vector<std::uint32_t> sizes;
+    for (std::size_t g = 0; g < counts.size(); ++g) {
+      const std::uint32_t size = b.sizes[g];
+      shares.push_back(size > 1 && cut(counts[g], size) ? std::vector{size / 2, size - size / 2}
+                                                        : std::vector{size});
+      sizes.insert(sizes.end(), shares.back().begin(), shares.back().end());
     }
-    groups = cut_groups(peers, {keys, items.numbers, items.weights}, groups, shares);
-    sizes = std::move(halves);
+    if (sizes.size() == b.sizes.size()) return b;
+    const std::vector<Vec> axes =
+        cutting_axes(peers, items, b.groups, static_cast<std::uint32_t>(b.sizes.size()));
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      keys[i] = ordered_key(dot(axes[b.groups[i]], items.centres[i]));
+    b.groups = cut_groups(peers, {keys, items.numbers, items.weights}, b.groups, shares);
+    b.sizes = std::move(sizes);
   }
-  return groups;
+}
+
+std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains) {
+  return bisect(peers, items, num_subdomains, [](std::uint64_t, std::uint32_t) { return true; }).groups;
 }
 
 }  // namespace weft::partition

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "meshing/point.h"
@@ -19,8 +20,19 @@ std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& it
                                            std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
                                            bool along_principal_axes);
 
-/// Halves (as nearly as the number of subdomains allows) across the longest axis of each part's weights
-/// (cutting_axis), until each part is one subdomain.
+/// Items in groups, each of which is to become one or more subdomains.
+struct Bisected {
+  std::vector<std::uint32_t> groups;  ///< of each of this rank's items
+  std::vector<std::uint32_t> sizes;   ///< subdomains of each group; they are numbered on through the groups
+};
+
+/// Halves (as nearly as the number of subdomains allows) the groups of more than one subdomain for which
+/// cut(number of items, number of subdomains) holds, across the axis that is longest in wanted sizes
+/// (cutting_axis).
+Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
+                const std::function<bool(std::uint64_t, std::uint32_t)>& cut);
+
+/// Halves everything until each part is one subdomain.
 std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains);
 
 /// The P, Q, R of product `num_subdomains` that cut a box of these sides with the least area of interfaces;

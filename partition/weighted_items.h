@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "meshing/metric.h"
 #include "meshing/point.h"
 
 namespace weft::partition {
@@ -11,8 +12,9 @@ namespace weft::partition {
 /// This rank's tets, one entry each in every array.
 struct WeightedItems {
   std::span<const meshing::Point> centres;
-  std::span<const std::uint64_t> weights;  ///< at least 1; all ranks' together below 2^62
-  std::span<const std::uint64_t> numbers;  ///< different for each item of all ranks
+  std::span<const std::uint64_t> weights;           ///< at least 1; all ranks' together below 2^62
+  std::span<const std::uint64_t> numbers;           ///< different for each item of all ranks
+  std::span<const meshing::SymTensor> cut_tensors;  ///< cut_tensor of each; not read by PQR
 };
 
 }  // namespace weft::partition

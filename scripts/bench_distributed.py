@@ -68,7 +68,7 @@ def main():
     parser.add_argument("--complexity", type=int, default=100_000, help="(default 100000)")
     parser.add_argument("--subdomains", nargs="+", type=int, default=[2, 16, 128], help="(default 2 16 128)")
     parser.add_argument("--ranks", nargs="+", type=int, default=[2], help="(default 2)")
-    parser.add_argument("--partitioners", nargs="+", default=["bisection"], help="slabs (pqr:Nx1x1), bisection, graph")
+    parser.add_argument("--partitioners", nargs="+", default=["graph"], help="slabs (pqr:Nx1x1), bisection, graph")
     parser.add_argument("--paired", action="store_true", help="run the one mesh again before each row")
     options = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)

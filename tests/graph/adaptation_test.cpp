@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Ranks, AdaptationOnRanks, ::testing::ValuesIn(weft::tes
 
 struct Setting {
   std::uint32_t subdomains = 5;
-  std::string partitioner = "bisection";
+  std::string partitioner = "graph";
   int threads = 1;
   engine::BalancerFactory balancer = engine::work_stealing();
   std::chrono::microseconds delay{0};
@@ -210,7 +210,7 @@ TEST_P(AdaptationOnRanks, MoreSubdomainsThanTets) {
 
 TEST_P(AdaptationOnRanks, SubdomainsMayFallApart) {
   const MetricMesh whole = metric_mesh(two_bodies(3), 0.3);
-  for (const char* partitioner : {"graph", "pqr:1x1x4"}) {
+  for (const char* partitioner : {"bisection", "pqr:1x1x4"}) {
     SCOPED_TRACE(partitioner);
     Setting setting;
     setting.subdomains = 4;

@@ -139,7 +139,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
   sub.add_option("--partitioner", request.partitioner,
-                 "bisection (default), graph, pqr:PxQxR or pqr:PxQxR:principal")
+                 "graph (default), bisection, pqr:PxQxR or pqr:PxQxR:principal")
       ->type_name("NAME")
       ->group(kGroup);
   static const std::map<std::string, bool> shares = {{"work", false}, {"tets", true}};

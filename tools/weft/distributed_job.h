@@ -10,7 +10,7 @@ namespace weft::tools {
 /// What `weft adapt` is told beside an AdaptRequest when it works in subdomains.
 struct SubdomainRequest {
   std::uint32_t subdomains = 0;  ///< 0: not asked for; then under mpirun a few for each thread
-  std::string partitioner = "bisection";
+  std::string partitioner = "graph";
   bool equal_tets = false;
   int layers = 3;
   bool by_faces = false;

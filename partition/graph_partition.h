@@ -1,0 +1,28 @@
+// The graph partitioner: METIS on the dual graph of the tets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "partition/global_id.h"
+#include "partition/peers.h"
+#include "partition/weighted_items.h"
+
+namespace weft::partition {
+
+/// What the dual graph needs of each item.
+struct ItemFaces {
+  std::span<const std::array<std::uint32_t, 4>> vertices;  ///< numbered alike on all ranks
+  std::span<const std::array<float, 4>> areas;             ///< DualVertex::face_areas
+};
+
+/// Bisects the items until every part has at most `most_in_graph`; METIS then divides each part's dual graph
+/// into its share of the subdomains, so that interfaces have few vertices. The graphs are dealt out to the
+/// ranks: about 300 bytes a tet there while it lasts. Where there are fewer than 8 items a subdomain
+/// bisection alone decides. All ranks throw meshing::InputError when METIS fails on one.
+std::vector<SubdomainId> graph_partition(Peers& peers, const WeightedItems& items, const ItemFaces& faces,
+                                         std::uint32_t num_subdomains, std::uint64_t most_in_graph = 500'000);
+
+}  // namespace weft::partition
