@@ -7,6 +7,10 @@
 namespace weft::engine {
 namespace {
 
+/// An object moves only for this many times the seconds that moving it takes: who is idle for a moment gets
+/// work from its messages soon, and what it would take for so little is missed where it was.
+constexpr double kLeastGain = 8;
+
 class WorkStealing final : public Balancer {
  public:
   WorkStealing(Rank rank, int ranks)
@@ -91,7 +95,7 @@ class WorkStealing final : public Balancer {
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
     const double wanted = (load.queued_seconds - their_seconds) / 2;
-    const double worth_it = actions.move_seconds();
+    const double worth_it = kLeastGain * actions.move_seconds();
     double given = 0;
     std::ptrdiff_t number = 0;
     for (auto object = ready.rbegin(); object != ready.rend() && number < spare; ++object) {

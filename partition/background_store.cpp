@@ -17,6 +17,27 @@ namespace {
 /// pieces, which have to be matched, are few.
 constexpr std::size_t kTetsOfPiece = 512;
 
+bool by_name(const BackgroundPiece::OpenFace& a, const BackgroundPiece::OpenFace& b) {
+  return a.name < b.name;
+}
+
+/// The faces without a neighbour in the piece; ids[i] is the name of its point i.
+std::vector<BackgroundPiece::OpenFace> border_of(const BackgroundPiece& piece,
+                                                 std::span<const GlobalId> ids) {
+  std::vector<BackgroundPiece::OpenFace> border;
+  for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (piece.neighbours[t][f] != kNoNeighbour) continue;
+      std::array<GlobalId, 3> v;
+      for (std::size_t i = 0; i < 3; ++i) v[i] = ids[piece.tets[t][meshing::kTetFaces[f][i]]];
+      std::sort(v.begin(), v.end());
+      const GlobalId name = GlobalId::derived_from(GlobalId::derived_from(v[0], v[1]), v[2]);
+      border.push_back({name.value(), 4 * t + f});
+    }
+  std::sort(border.begin(), border.end(), by_name);
+  return border;
+}
+
 /// Tets [first, first + count) as a piece of their own.
 std::shared_ptr<const BackgroundPiece> cut_piece(std::uint64_t id, std::span<const meshing::Point> points,
                                                  std::span<const meshing::LogMetric> log_metrics,
@@ -25,6 +46,7 @@ std::shared_ptr<const BackgroundPiece> cut_piece(std::uint64_t id, std::span<con
   auto piece = std::make_shared<BackgroundPiece>();
   piece->id = id;
   std::unordered_map<std::uint32_t, std::uint32_t> local;
+  std::vector<GlobalId> names;
   piece->tets.reserve(tets.size());
   for (const auto& t : tets) {
     std::array<std::uint32_t, 4> mine;
@@ -33,13 +55,14 @@ std::shared_ptr<const BackgroundPiece> cut_piece(std::uint64_t id, std::span<con
       if (is_new) {
         piece->points.push_back(points[t[i]]);
         piece->log_metrics.push_back(log_metrics[t[i]]);
-        piece->ids.push_back(ids[t[i]]);
+        names.push_back(ids[t[i]]);
       }
       mine[i] = at->second;
     }
     piece->tets.push_back(mine);
   }
   piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
+  piece->border = border_of(*piece, names);
   return piece;
 }
 
@@ -88,19 +111,11 @@ void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency,
       if (code != kNoNeighbour) code += 4 * first_tet;
     adjacency.neighbours.push_back(n);
   }
-  for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
-    for (int f = 0; f < 4; ++f) {
-      if (piece.neighbours[t][f] != kNoNeighbour) continue;
-      OpenFace face{{}, 4 * (first_tet + t) + static_cast<std::uint32_t>(f)};
-      for (int i = 0; i < 3; ++i) face.name[i] = piece.ids[piece.tets[t][meshing::kTetFaces[f][i]]];
-      std::sort(face.name.begin(), face.name.end());
-      open.push_back(face);
-    }
+  for (const OpenFace& face : piece.border) open.push_back({face.name, face.code + 4 * first_tet});
 }
 
 /// Joins open faces with their other sides, among them or in the border; the rest becomes border.
 void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacency) {
-  const auto by_name = [](const OpenFace& a, const OpenFace& b) { return a.name < b.name; };
   std::sort(open.begin(), open.end(), by_name);
   std::vector<OpenFace> all;
   all.reserve(border_.size() + open.size());
@@ -111,7 +126,7 @@ void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacenc
       border_.push_back(face);
       continue;
     }
-    const std::uint32_t a = face.code, b = border_.back().code;
+    const auto a = static_cast<std::uint32_t>(face.code), b = static_cast<std::uint32_t>(border_.back().code);
     adjacency.neighbours[a >> 2][a & 3] = b;
     adjacency.neighbours[b >> 2][b & 3] = a;
     border_.pop_back();

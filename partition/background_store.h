@@ -18,17 +18,23 @@ namespace weft::partition {
 /// Some hundreds of tets of the input with their metric, cut out once and never changed: the unit in which
 /// the background travels with the tets that cover it. Plain arrays.
 struct BackgroundPiece {
+  /// A face that has its other side, if any, in another piece.
+  struct OpenFace {
+    std::uint64_t name = 0;  ///< a hash of its vertices' global ids: the same on the other side
+    std::uint64_t code = 0;  ///< as in meshing::Adjacency
+  };
+
   std::uint64_t id = 0;
   std::vector<meshing::Point> points;
   std::vector<meshing::LogMetric> log_metrics;
-  std::vector<GlobalId> ids;  ///< of the points: by them pieces are joined again
+  std::vector<OpenFace> border;  ///< by name
   std::vector<std::array<std::uint32_t, 4>> tets;
   std::vector<std::array<std::uint32_t, 4>>
       neighbours;  ///< as meshing::Adjacency; kNoNeighbour at the piece's border
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, points, log_metrics, ids, tets, neighbours);
+    archive(id, points, log_metrics, border, tets, neighbours);
   }
 };
 
@@ -77,11 +83,7 @@ class BackgroundStore {
   const meshing::Background& background() const { return *background_; }
 
  private:
-  /// A face of a piece with nothing on the other side yet.
-  struct OpenFace {
-    std::array<GlobalId, 3> name;  ///< its vertices, ascending
-    std::uint32_t code;            ///< as in meshing::Adjacency
-  };
+  using OpenFace = BackgroundPiece::OpenFace;
 
   void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency, std::vector<OpenFace>& open);
   void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
@@ -89,7 +91,7 @@ class BackgroundStore {
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;
   std::vector<std::uint32_t> begins_;                       ///< piece -> its first tet
   std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
-  std::vector<OpenFace> border_;                            ///< by name
+  std::vector<OpenFace> border_;                            ///< what is still open, by name
   // Held by pointer: the background refers to them, and the store may move.
   std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
   std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =

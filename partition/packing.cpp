@@ -37,7 +37,6 @@ void Packing::add(TetId t) {
   parcel_.tets.push_back(packed);
   tets_.push_back(t);
   add_features(v);
-  add_background(v);
 }
 
 Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures, const Choice& choice,
@@ -48,6 +47,7 @@ Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& depar
       parcel_.now.push_back({s_.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
   sort_unique(parcel_.now);
   for (const std::uint32_t v : vertices_) add_previous_holders(v);
+  for (std::size_t i = 0; i < tets_.size(); ++i) add_background(i);
   add_pieces(pieces);
   return std::move(parcel_);
 }
@@ -57,7 +57,8 @@ std::uint32_t Packing::place_of(VertexId v) {
   if (place != kNoPlace) return place;
   place = static_cast<std::uint32_t>(parcel_.vertices.size());
   const BackgroundTet background = s_.background.name_of(mesh_.background_hint(v));
-  if (pieces_.empty() || pieces_.back() != background.piece) pieces_.push_back(background.piece);
+  slot_of_vertex_.push_back(slot_of(background.piece));
+  ++covered_[slot_of_vertex_.back()].vertices;
   vertices_.push_back(v.value);
   parcel_.vertices.push_back({s_.global_id(v), mesh_.point(v), mesh_.log_metric(v), background,
                               mesh_.surface_hint(v), mesh_.ref(v), mesh_.kind(v),
@@ -76,26 +77,39 @@ void Packing::add_features(const TetVertices& v) {
   }
 }
 
-/// A tet that is larger than the pieces may cover one that none of its vertices is in.
-void Packing::add_background(const TetVertices& v) {
-  std::array<std::uint64_t, 4> piece;
-  for (int i = 0; i < 4; ++i) piece[i] = parcel_.vertices[places_[v[i].value]].background.piece;
-  const auto differs =
-      std::find_if(piece.begin(), piece.end(), [&](std::uint64_t p) { return p != piece[0]; });
-  if (differs == piece.end()) return;
-  const std::uint64_t other = *differs;
+std::uint32_t Packing::slot_of(std::uint64_t piece) {
+  if (!slot_of_vertex_.empty() && covered_[slot_of_vertex_.back()].piece == piece)
+    return slot_of_vertex_.back();
+  const auto [at, is_new] = slots_.try_emplace(piece, static_cast<std::uint32_t>(covered_.size()));
+  if (is_new) covered_.push_back({piece, 0});
+  return at->second;
+}
+
+/// A tet that is larger than the pieces may cover one that none of its vertices is in. Not one between
+/// pieces that have many vertices each.
+void Packing::add_background(std::size_t tet) {
+  constexpr std::uint32_t kMany = 32;  // a piece has about a hundred of its own
+  const std::array<std::uint32_t, 4>& places = parcel_.tets[tet].vertices;
+  std::array<std::uint32_t, 4> slot;
+  for (std::size_t i = 0; i < 4; ++i) slot[i] = slot_of_vertex_[places[i]];
+  const auto differs = std::find_if(slot.begin(), slot.end(), [&](std::uint32_t s) { return s != slot[0]; });
+  if (differs == slot.end()) return;
+  if (std::all_of(slot.begin(), slot.end(), [&](std::uint32_t s) { return covered_[s].vertices >= kMany; }))
+    return;
+  const std::uint32_t other = *differs;
+  const TetVertices v = mesh_.vertices(tets_[tet]);
   meshing::Point centre;
   for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
   look_up(centre, v[0]);
-  if (std::count(piece.begin(), piece.end(), piece[0]) + std::count(piece.begin(), piece.end(), other) == 4)
+  if (std::count(slot.begin(), slot.end(), slot[0]) + std::count(slot.begin(), slot.end(), other) == 4)
     return;
   for (const auto& e : meshing::kTetEdges)
-    if (piece[e[0]] != piece[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
+    if (slot[e[0]] != slot[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
 }
 
 void Packing::look_up(const meshing::Point& p, VertexId near) {
-  const auto end = s_.background.background().walk_towards(p, mesh_.background_hint(near));
-  pieces_.push_back(s_.background.name_of(end.tet).piece);
+  slot_of(s_.background.name_of(s_.background.background().walk_towards(p, mesh_.background_hint(near)).tet)
+              .piece);
 }
 
 void Packing::name_neighbours(const Chosen& chosen) {
@@ -123,11 +137,11 @@ void Packing::add_previous_holders(std::uint32_t vertex) {
 }
 
 void Packing::add_pieces(std::span<const std::uint64_t> there) {
-  std::sort(pieces_.begin(), pieces_.end());
-  pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
+  std::vector<std::uint64_t> pieces;
+  for (const Covered& c : covered_) pieces.push_back(c.piece);
+  std::sort(pieces.begin(), pieces.end());
   std::vector<std::uint64_t> missing;
-  std::set_difference(pieces_.begin(), pieces_.end(), there.begin(), there.end(),
-                      std::back_inserter(missing));
+  std::set_difference(pieces.begin(), pieces.end(), there.begin(), there.end(), std::back_inserter(missing));
   parcel_.pieces = s_.background.pieces(missing);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -30,7 +31,8 @@ class Packing {
 
   std::uint32_t place_of(meshing::VertexId v);
   void add_features(const meshing::TetVertices& v);
-  void add_background(const meshing::TetVertices& v);
+  std::uint32_t slot_of(std::uint64_t piece);
+  void add_background(std::size_t tet);
   void look_up(const meshing::Point& p, meshing::VertexId near);
   void name_neighbours(const Chosen& chosen);
   bool concerns_receiver(std::uint32_t vertex) const;
@@ -47,7 +49,13 @@ class Packing {
   std::vector<std::uint32_t> vertices_;  ///< of the parcel
   std::vector<std::uint32_t> places_;    ///< vertex -> its place in the parcel; empty while that is
   std::unordered_set<std::uint64_t> features_;
-  std::vector<std::uint64_t> pieces_;
+  struct Covered {
+    std::uint64_t piece;
+    std::uint32_t vertices;  ///< of the parcel, in this piece
+  };
+  std::vector<Covered> covered_;
+  std::unordered_map<std::uint64_t, std::uint32_t> slots_;  ///< piece -> its place in covered_
+  std::vector<std::uint32_t> slot_of_vertex_;               ///< by place in the parcel
 };
 
 }  // namespace weft::partition

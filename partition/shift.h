@@ -94,7 +94,7 @@ struct Notice {
 };
 
 struct ShiftOptions {
-  int layers = 5;         ///< of tets, point-connected, handed over beyond those at the interface
+  int layers = 2;         ///< of tets, point-connected, handed over beyond those at the interface
   bool by_faces = false;  ///< layers grow through faces instead of points
 
   /// The first shift moves the interface away; later ones free what is left of it, mostly where three

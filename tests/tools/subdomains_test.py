@@ -116,7 +116,7 @@ class Results(Subdomains):
                     "--quiet")
         report = json.loads((self.folder / "r/report.json").read_text())["subdomains"]
         self.assertEqual(set(report), SUBDOMAIN_KEYS)
-        self.assertEqual((report["subdomains"], report["ranks"], report["layers"]), (5, 2, 3))
+        self.assertEqual((report["subdomains"], report["ranks"], report["layers"]), (5, 2, 2))
         self.assertEqual(report["engine"]["collective_calls"], 0)
         self.assertEqual(set(report["seconds_by_operation"]), OPERATIONS)
         self.assertEqual([rank["rank"] for rank in report["by_rank"]], [0, 1])

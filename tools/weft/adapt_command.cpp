@@ -148,7 +148,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 3")
+  sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 2")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);

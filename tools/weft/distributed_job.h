@@ -12,7 +12,7 @@ struct SubdomainRequest {
   std::uint32_t subdomains = 0;  ///< 0: not asked for; then under mpirun a few for each thread
   std::string partitioner = "graph";
   bool equal_tets = false;
-  int layers = 3;
+  int layers = 2;
   bool by_faces = false;
   std::string shifts = "auto";  ///< or the largest number of them
   bool refine_interface = true;
