@@ -86,23 +86,27 @@ class WorkStealing final : public Balancer {
     actions.tell(from, {static_cast<std::uint32_t>(Kind::ask), load.queued_seconds});
   }
 
-  /// Gives `to` about half of what this rank has more, the objects last in the queue; at least one if there
-  /// is any that is worth its way.
+  /// Gives `to` about half of what this rank has more, in few objects: those of most work, of equal ones the
+  /// last in the queue; at least one if there is any that is worth its way.
   bool give(Rank to, double their_seconds, BalanceActions& actions) {
-    const std::vector<ReadyObject> ready = actions.ready_objects();
+    std::vector<ReadyObject> ready = actions.ready_objects();
+    std::reverse(ready.begin(), ready.end());
+    std::stable_sort(ready.begin(), ready.end(),
+                     [](const ReadyObject& a, const ReadyObject& b) { return a.seconds > b.seconds; });
     const Load load = actions.load();
     // An object that a free worker here is about to take is none to spare.
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
-    const double wanted = (load.queued_seconds - their_seconds) / 2;
+    const double more = load.queued_seconds - their_seconds, wanted = more / 2;
     const double worth_it = kLeastGain * actions.move_seconds();
     double given = 0;
     std::ptrdiff_t number = 0;
-    for (auto object = ready.rbegin(); object != ready.rend() && number < spare; ++object) {
-      if (object->seconds < worth_it) continue;
-      if (number > 0 && given + object->seconds > wanted) continue;
-      actions.move(object->id, to);
-      given += object->seconds;
+    for (const ReadyObject& object : ready) {
+      if (number == spare || object.seconds < worth_it) break;
+      // The first one may be all that this rank has more: better done there at once than here later.
+      if (given + object.seconds > (number == 0 ? more : wanted)) continue;
+      actions.move(object.id, to);
+      given += object.seconds;
       ++number;
       if (given >= wanted) break;
     }
