@@ -74,8 +74,9 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
     meshing::LogMetric mean;
     for (const PointRecord* corner : p) mean = mean + 0.25 * corner->log_metric;
     const TetCorners corners{p[0]->point, p[1]->point, p[2]->point, p[3]->point};
-    m.cut_tensors.push_back(cut_tensor(corners, mean));
-    m.face_areas.push_back(face_areas(corners, mean));
+    const meshing::SymTensor inverse = unit_inverse(mean);
+    m.cut_tensors.push_back(cut_tensor(corners, inverse));
+    m.face_areas.push_back(face_areas(corners, inverse, std::exp(trace(mean) / 3)));
     m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
   }
   std::vector<Point> all;

@@ -2,7 +2,6 @@
 #include "partition/dual_graph.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <tuple>
 

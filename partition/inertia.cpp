@@ -22,6 +22,26 @@ Eigen::Matrix3d matrix(const SymTensor& t) {
   return Eigen::Matrix3d{{t.xx, t.xy, t.xz}, {t.xy, t.yy, t.yz}, {t.xz, t.yz, t.zz}};
 }
 
+/// Sum of weight times tensor(i) in each group.
+template <class Tensor>
+std::vector<SymTensor> sums_of(Peers& peers, const WeightedItems& items,
+                               std::span<const std::uint32_t> groups, std::uint32_t num_groups,
+                               const Tensor& tensor) {
+  std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const SymTensor t = tensor(i);
+    std::int64_t* sum = &sums[6 * std::size_t{groups[i]}];
+    for (const double entry : {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz}) *sum++ += moment(items.weights[i], entry);
+  }
+  sums = partition::sum(peers, sums);
+  std::vector<SymTensor> result;
+  for (std::uint32_t g = 0; g < num_groups; ++g) {
+    const auto entry = [&](std::size_t k) { return static_cast<double>(sums[6 * std::size_t{g} + k]); };
+    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
+  }
+  return result;
+}
+
 /// Longest side of a box; 1 for a box without extent, which has nothing to be scaled by it.
 double extent(const Box& box) {
   const Vec size = box.size();
@@ -76,23 +96,15 @@ std::vector<SymTensor> covariances(Peers& peers, const WeightedItems& items,
                                    std::span<const std::uint32_t> groups, std::uint32_t num_groups) {
   const std::vector<Box> boxes = group_boxes(peers, items.centres, groups, num_groups);
   const std::vector<Mean> mean = means(peers, items, groups, boxes);
-  std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
-  for (std::size_t i = 0; i < groups.size(); ++i) {
+  std::vector<SymTensor> result = sums_of(peers, items, groups, num_groups, [&](std::size_t i) {
     const Box& box = boxes[groups[i]];
     const Vec d = (1 / extent(box)) * (items.centres[i] - box.lo) - mean[groups[i]].mean;
-    std::int64_t* s = &sums[6 * std::size_t{groups[i]}];
-    int k = 0;
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b <= a; ++b) s[k++] += moment(items.weights[i], d[a] * d[b]);
-  }
-  sums = partition::sum(peers, sums);
-  std::vector<SymTensor> result;
-  for (std::uint32_t g = 0; g < num_groups; ++g) {
-    const auto entry = [&](std::size_t k) {
-      return static_cast<double>(sums[6 * std::size_t{g} + k]) / mean[g].weight;
-    };
-    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
-  }
+    return SymTensor{d.x * d.x, d.x * d.y, d.y * d.y, d.x * d.z, d.y * d.z, d.z * d.z};
+  });
+  for (std::uint32_t g = 0; g < num_groups; ++g)
+    for (double* entry :
+         {&result[g].xx, &result[g].xy, &result[g].yy, &result[g].xz, &result[g].yz, &result[g].zz})
+      *entry /= mean[g].weight;
   return result;
 }
 
@@ -115,19 +127,8 @@ std::vector<SymTensor> mean_cut_tensors(Peers& peers, const WeightedItems& items
   for (std::size_t i = 0; i < groups.size(); ++i)
     greatest[groups[i]] = std::max(greatest[groups[i]], trace(items.cut_tensors[i]));
   greatest = partition::max(peers, greatest);
-  std::vector<std::int64_t> sums(6 * std::size_t{num_groups}, 0);
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const SymTensor s = (1 / greatest[groups[i]]) * items.cut_tensors[i];
-    std::int64_t* sum = &sums[6 * std::size_t{groups[i]}];
-    for (const double entry : {s.xx, s.xy, s.yy, s.xz, s.yz, s.zz}) *sum++ += moment(items.weights[i], entry);
-  }
-  sums = partition::sum(peers, sums);
-  std::vector<SymTensor> result;
-  for (std::uint32_t g = 0; g < num_groups; ++g) {
-    const auto entry = [&](std::size_t k) { return static_cast<double>(sums[6 * std::size_t{g} + k]); };
-    result.push_back({entry(0), entry(1), entry(2), entry(3), entry(4), entry(5)});
-  }
-  return result;
+  return sums_of(peers, items, groups, num_groups,
+                 [&](std::size_t i) { return (1 / greatest[groups[i]]) * items.cut_tensors[i]; });
 }
 
 Vec cutting_axis(const SymTensor& covariance, const SymTensor& cut_tensor) {

@@ -40,10 +40,8 @@ SymTensor unit_inverse(const LogMetric& log_metric) {
   return meshing::exp_fast(meshing::identity_tensor(trace(log_metric) / 3) - log_metric);
 }
 
-std::array<float, 4> face_areas(const TetCorners& tet, const LogMetric& log_metric) {
+std::array<float, 4> face_areas(const TetCorners& tet, const SymTensor& inverse, double scale) {
   // Of a face with normal n (its area long): sqrt(det M n.M^-1.n), and M^-1 = S / det(M)^(1/3).
-  const SymTensor inverse = unit_inverse(log_metric);
-  const double scale = std::exp(trace(log_metric) / 3);
   std::array<float, 4> areas;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto& f = meshing::kTetFaces[i];
@@ -53,12 +51,12 @@ std::array<float, 4> face_areas(const TetCorners& tet, const LogMetric& log_metr
   return areas;
 }
 
-SymTensor cut_tensor(const TetCorners& tet, const LogMetric& log_metric) {
+SymTensor cut_tensor(const TetCorners& tet, const SymTensor& inverse) {
   const auto usable = [](const SymTensor& t) { return trace(t) > 0 && std::isfinite(trace(t)); };
-  const SymTensor s = unit_inverse(log_metric), implied = implied_inverse(tet);
-  if (!usable(s)) return meshing::identity_tensor();
-  const SymTensor isotropic = trace_of_quotient(s, implied) * implied;
-  return usable(isotropic) ? s + isotropic : s;
+  const SymTensor implied = implied_inverse(tet);
+  if (!usable(inverse)) return meshing::identity_tensor();
+  const SymTensor isotropic = trace_of_quotient(inverse, implied) * implied;
+  return usable(isotropic) ? inverse + isotropic : inverse;
 }
 
 }  // namespace weft::partition

@@ -13,15 +13,15 @@ using TetCorners = std::array<meshing::Point, 4>;
 /// M^-1 of determinant 1, from log M.
 meshing::SymTensor unit_inverse(const meshing::LogMetric& log_metric);
 
-/// Areas of the faces opposite each corner in the metric.
-std::array<float, 4> face_areas(const TetCorners& tet, const meshing::LogMetric& log_metric);
+/// Areas of the faces opposite each corner in M: `inverse` is its unit_inverse, `scale` det(M)^(1/3).
+std::array<float, 4> face_areas(const TetCorners& tet, const meshing::SymTensor& inverse, double scale);
 
 /// T such that n.T.n is in proportion to the square of the metric area of a cut with normal n through a mesh
 /// of tets like this, per unit of area. A cut follows faces. Where the tet is equilateral these turn to all
 /// sides of the cut, so that the faces' metric areas squared, which are quadratic in their normals, are in
-/// the mean those of n and as much again of an isotropic share: T = S + tr(S M0) M0^-1, S = unit_inverse, M0
-/// the metric in which the tet is equilateral. Without the second term cuts through a mesh of isotropic tets
-/// would be planned for a plane that its faces cannot follow.
-meshing::SymTensor cut_tensor(const TetCorners& tet, const meshing::LogMetric& log_metric);
+/// the mean those of n and as much again of an isotropic share: T = S + tr(S M0) M0^-1, S = `inverse`, M's
+/// unit_inverse, M0 the metric in which the tet is equilateral. Without the second term cuts through a mesh
+/// of isotropic tets would be planned for a plane that its faces cannot follow.
+meshing::SymTensor cut_tensor(const TetCorners& tet, const meshing::SymTensor& inverse);
 
 }  // namespace weft::partition

@@ -45,8 +45,9 @@ Whole whole_of(const MeshData& mesh, const std::function<Metric(const Point&)>& 
     w.centres.push_back(0.25 * (tet[0] + tet[1] + tet[2] + tet[3]));
     const Metric m = metric(w.centres.back());
     w.work.push_back(six_volume(tet[0], tet[1], tet[2], tet[3]) * std::sqrt(determinant(m)));
-    w.cut_tensors.push_back(cut_tensor(tet, log_of(m)));
-    w.face_areas.push_back(face_areas(tet, log_of(m)));
+    const SymTensor inverse = unit_inverse(log_of(m));
+    w.cut_tensors.push_back(cut_tensor(tet, inverse));
+    w.face_areas.push_back(face_areas(tet, inverse, std::cbrt(determinant(m))));
   }
   w.vertices = mesh.tets;
   return w;

@@ -44,7 +44,8 @@ TEST(TetMeasures, FaceAreasAreThoseOfTheMetric) {
     const TetCorners tet{random_vec(random), random_vec(random), random_vec(random), random_vec(random)};
     const LogMetric log_metric = random_log_metric(random);
     const SymTensor m = meshing::exp_exact(log_metric);
-    const std::array<float, 4> areas = face_areas(tet, log_metric);
+    const std::array<float, 4> areas =
+        face_areas(tet, unit_inverse(log_metric), std::exp(trace(log_metric) / 3));
     for (std::size_t f = 0; f < 4; ++f) {
       const auto& face = meshing::kTetFaces[f];
       const Vec u = tet[face[1]] - tet[face[0]], v = tet[face[2]] - tet[face[0]];
@@ -63,13 +64,13 @@ TEST(TetMeasures, CutsThroughATetThatSuitsTheMetricCostWhatThePlaneCosts) {
         meshing::exp_exact(-0.5 * log_metric);  // a regular tet becomes one in the metric
     TetCorners tet = kRegular;
     for (Point& p : tet) p = apply(to_physical, p) + Point{7, 8, 9};
-    expect_proportional(cut_tensor(tet, log_metric), unit_inverse(log_metric));
+    expect_proportional(cut_tensor(tet, unit_inverse(log_metric)), unit_inverse(log_metric));
   }
 }
 
 TEST(TetMeasures, CutsThroughARegularTetAreLessThanTwiceAsDearInTheWorstDirection) {
   const LogMetric thin{0, 0, 0, 0, 0, std::log(1e4)};  // sizes 1, 1, 0.01
-  const SymTensor t = cut_tensor(kRegular, thin);
+  const SymTensor t = cut_tensor(kRegular, unit_inverse(thin));
   const double across_thin = squared_length(t, {0, 0, 1}), along = squared_length(t, {1, 0, 0});
   EXPECT_GT(along, across_thin);
   EXPECT_LT(along, 2 * across_thin);
@@ -85,7 +86,7 @@ TEST(TetMeasures, CutTensorsArePositiveAndFiniteForTetsBeyondAllMeasure) {
   const LogMetric extreme{700, 0, -700, 0, 0, -700};
   for (const TetCorners& tet : {kRegular, flat, tiny, huge})
     for (const LogMetric& log_metric : {LogMetric{}, extreme}) {
-      const double size = trace(cut_tensor(tet, log_metric));
+      const double size = trace(cut_tensor(tet, unit_inverse(log_metric)));
       EXPECT_TRUE(size > 0 && size <= std::numeric_limits<double>::max()) << size;
     }
 }
