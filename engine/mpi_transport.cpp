@@ -36,7 +36,7 @@ constexpr std::size_t kInlineSizes = 64;
 constexpr std::size_t kTested = 64;
 
 /// With all peers on this node every event rings, and waking up now and then is a safety net only.
-constexpr std::chrono::nanoseconds kLongestSleep = 5ms;
+constexpr std::chrono::nanoseconds kLongestSleep = 50ms;
 /// No bell rings for peers on other nodes.
 constexpr std::chrono::nanoseconds kLongestRemoteSleep = 500us;
 constexpr std::chrono::nanoseconds kShortestSleep = 20us;

@@ -98,12 +98,11 @@ class Runtime::Implementation final : private BalanceActions {
   Load load() const override { return scheduler_.load(); }
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
-  double move_seconds() const override {
+  std::optional<double> move_seconds() const override {
     constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
     const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
-    return packing.count == 0
-               ? 0
-               : kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
+    if (packing.count == 0) return std::nullopt;
+    return kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
   }
   void move(ObjectId id, Rank to) override { scheduler_.move(id, to); }
   void tell(Rank to, const BalanceMessage& message) override {

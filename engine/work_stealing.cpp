@@ -98,11 +98,14 @@ class WorkStealing final : public Balancer {
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
     const double more = load.queued_seconds - their_seconds, wanted = more / 2;
-    const double worth_it = kLeastGain * actions.move_seconds();
+    const std::optional<double> move_seconds = actions.move_seconds();
+    const double worth_it = kLeastGain * move_seconds.value_or(0);
+    // None has moved as yet: the first shows what moving takes.
+    const std::ptrdiff_t most = move_seconds ? spare : 1;
     double given = 0;
     std::ptrdiff_t number = 0;
     for (const ReadyObject& object : ready) {
-      if (number == spare || object.seconds < worth_it) break;
+      if (number == most || object.seconds < worth_it) break;
       // The first one may be all that this rank has more: better done there at once than here later.
       if (given + object.seconds > (number == 0 ? more : wanted)) continue;
       actions.move(object.id, to);

@@ -1,0 +1,71 @@
+// What a rank gives to one that asks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "engine/balancer.h"
+
+namespace weft::engine {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr Rank kMe{0}, kOther{1};
+
+/// A rank with one worker, busy, and objects that wait; notes what moves and what is told.
+class BusyRank final : public BalanceActions {
+ public:
+  BusyRank(std::vector<double> seconds, std::optional<double> move_seconds) : move_seconds_(move_seconds) {
+    for (std::uint32_t i = 0; i < seconds.size(); ++i) ready_.push_back({ObjectId{kMe, i + 1}, seconds[i]});
+  }
+
+  Rank rank() const override { return kMe; }
+  int ranks() const override { return 2; }
+  Load load() const override {
+    Load load{1, 1, ready_.size(), 0, 0};
+    for (const ReadyObject& object : ready_) load.queued_seconds += object.seconds;
+    return load;
+  }
+  std::vector<ReadyObject> ready_objects() const override { return ready_; }
+  std::optional<double> move_seconds() const override { return move_seconds_; }
+  double load_of(Rank) const override { return 0; }
+  void move(ObjectId id, Rank to) override {
+    EXPECT_EQ(to, kOther);
+    moved.push_back(id.number);
+  }
+  void tell(Rank, const BalanceMessage&) override {}
+  void wake_when_ready(bool) override {}
+
+  std::vector<std::uint32_t> moved;
+
+ private:
+  std::vector<ReadyObject> ready_;
+  std::optional<double> move_seconds_;
+};
+
+/// What `rank` gives to another that has nothing to do.
+std::vector<std::uint32_t> given_by(BusyRank rank) {
+  constexpr BalanceMessage kAsk{0, 0};
+  work_stealing()(kMe, 2)->told(kOther, kAsk, rank);
+  return rank.moved;
+}
+
+TEST(WorkStealing, GivesHalfOfTheWorkInTheLargestObjects) {
+  EXPECT_THAT(given_by({{1, 1, 4, 1, 1}, 0.0}), ElementsAre(3));
+  EXPECT_THAT(given_by({{1, 1, 1, 1, 1, 1}, 0.0}), ElementsAre(6, 5, 4));
+}
+
+TEST(WorkStealing, WhatIsNotWorthItsWayStays) {
+  EXPECT_THAT(given_by({{2, 0.1, 0.1, 2, 0.1}, 0.1}), ElementsAre(4));
+  EXPECT_THAT(given_by({{0.1, 0.1, 0.1}, 0.1}), IsEmpty());
+}
+
+TEST(WorkStealing, OneGoesFirstToShowWhatMovingTakes) {
+  EXPECT_THAT(given_by({std::vector<double>(60, 0.001), std::nullopt}), ElementsAre(60));
+}
+
+}  // namespace
+}  // namespace weft::engine
