@@ -21,13 +21,7 @@ std::array<double, 4> clamped(std::array<double, 4> l) {
 }  // namespace
 
 Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
-    : mesh_(mesh),
-      log_metrics_(log_metrics),
-      adjacency_(std::move(adjacency)),
-      vertex_tets_(mesh.points.size(), 0) {
-  for (std::uint32_t t = 0; t < mesh.tets.size(); ++t)
-    for (std::uint32_t v : mesh.tets[t]) vertex_tets_[v] = t;
-}
+    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(std::move(adjacency)) {}
 
 Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& p) const {
   const auto& v = mesh_.tets[tet];

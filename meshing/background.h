@@ -48,8 +48,6 @@ class Background {
   /// Where the walk from tet `hint` towards `p` ends. Cheap: nothing is searched for beyond the boundary.
   WalkEnd walk_towards(const Point& p, std::uint32_t hint) const;
 
-  /// A tet that has this vertex of the background mesh.
-  std::uint32_t tet_of(std::uint32_t vertex) const { return vertex_tets_[vertex]; }
   const LogMetric& log_metric(std::uint32_t vertex) const { return log_metrics_[vertex]; }
   const MeshData& mesh() const { return mesh_; }
   const Adjacency& adjacency() const { return adjacency_; }
@@ -67,7 +65,6 @@ class Background {
   const MeshData& mesh_;
   std::span<const LogMetric> log_metrics_;
   Adjacency adjacency_;
-  std::vector<std::uint32_t> vertex_tets_;
   // Built when a walk first ends at the boundary too far from its point: many backgrounds never need it.
   mutable std::once_flag tree_built_;
   mutable std::unique_ptr<ClosestForest> tree_;

@@ -277,7 +277,7 @@ void read_metric(TetMesh& mesh, const Background& background, bool background_is
   if (background_is_input) {
     tbb::parallel_for(0u, mesh.vertex_slots(), [&](std::uint32_t i) {
       mesh.set_metric(VertexId(i), background.log_metric(i), exp_fast(background.log_metric(i)));
-      mesh.set_background_hint(VertexId(i), background.tet_of(i));
+      mesh.set_background_hint(VertexId(i), mesh.tet_of(VertexId(i)).value);  // numbered alike
     });
     return;
   }

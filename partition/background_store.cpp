@@ -2,7 +2,10 @@
 #include "partition/background_store.h"
 
 #include <algorithm>
+#include <bit>
 #include <iterator>
+#include <numeric>
+#include <utility>
 
 #include "meshing/tet_tables.h"
 
@@ -17,14 +20,30 @@ namespace {
 /// pieces, which have to be matched, are few.
 constexpr std::size_t kTetsOfPiece = 512;
 
-bool by_name(const BackgroundPiece::OpenFace& a, const BackgroundPiece::OpenFace& b) {
-  return a.name < b.name;
+using OpenFace = BackgroundPiece::OpenFace;
+
+bool by_name(const OpenFace& a, const OpenFace& b) { return a.name < b.name; }
+
+/// Names are hashes: with a bucket for each, by their leading bits (the first one is set in all), they are
+/// nearly in order; a quarter of the time of std::sort.
+std::vector<OpenFace> in_order(const std::vector<OpenFace>& faces) {
+  if (faces.size() < 2) return faces;
+  const int bits = std::bit_width(faces.size() - 1);
+  const auto bucket = [&](const OpenFace& f) { return f.name << 1 >> (64 - bits); };
+  std::vector<std::uint32_t> begins((std::size_t{1} << bits) + 1, 0);
+  for (const OpenFace& f : faces) ++begins[bucket(f) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<OpenFace> sorted(faces.size());
+  for (const OpenFace& f : faces) sorted[begins[bucket(f)]++] = f;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    for (std::size_t k = i; k > 0 && by_name(sorted[k], sorted[k - 1]); --k)
+      std::swap(sorted[k], sorted[k - 1]);
+  return sorted;
 }
 
 /// The faces without a neighbour in the piece; ids[i] is the name of its point i.
-std::vector<BackgroundPiece::OpenFace> border_of(const BackgroundPiece& piece,
-                                                 std::span<const GlobalId> ids) {
-  std::vector<BackgroundPiece::OpenFace> border;
+std::vector<OpenFace> border_of(const BackgroundPiece& piece, std::span<const GlobalId> ids) {
+  std::vector<OpenFace> border;
   for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
     for (std::size_t f = 0; f < 4; ++f) {
       if (piece.neighbours[t][f] != kNoNeighbour) continue;
@@ -34,37 +53,54 @@ std::vector<BackgroundPiece::OpenFace> border_of(const BackgroundPiece& piece,
       const GlobalId name = GlobalId::derived_from(GlobalId::derived_from(v[0], v[1]), v[2]);
       border.push_back({name.value(), 4 * t + f});
     }
-  std::sort(border.begin(), border.end(), by_name);
-  return border;
+  return in_order(border);
 }
 
-/// Tets [first, first + count) as a piece of their own.
-std::shared_ptr<const BackgroundPiece> cut_piece(std::uint64_t id, std::span<const meshing::Point> points,
-                                                 std::span<const meshing::LogMetric> log_metrics,
-                                                 std::span<const GlobalId> ids,
-                                                 std::span<const std::array<std::uint32_t, 4>> tets) {
-  auto piece = std::make_shared<BackgroundPiece>();
-  piece->id = id;
-  std::unordered_map<std::uint32_t, std::uint32_t> local;
-  std::vector<GlobalId> names;
-  piece->tets.reserve(tets.size());
-  for (const auto& t : tets) {
-    std::array<std::uint32_t, 4> mine;
-    for (int i = 0; i < 4; ++i) {
-      const auto [at, is_new] = local.try_emplace(t[i], static_cast<std::uint32_t>(piece->points.size()));
-      if (is_new) {
-        piece->points.push_back(points[t[i]]);
-        piece->log_metrics.push_back(log_metrics[t[i]]);
-        names.push_back(ids[t[i]]);
-      }
-      mine[i] = at->second;
+/// Cuts tets of a mesh out of it, as pieces of their own.
+class PieceCutter {
+ public:
+  PieceCutter(std::span<const meshing::Point> points, std::span<const meshing::LogMetric> log_metrics,
+              std::span<const GlobalId> ids)
+      : points_(points), log_metrics_(log_metrics), ids_(ids), place_(points.size(), kNowhere) {}
+
+  std::shared_ptr<const BackgroundPiece> cut(std::uint64_t id,
+                                             std::span<const std::array<std::uint32_t, 4>> tets) {
+    auto piece = std::make_shared<BackgroundPiece>();
+    piece->id = id;
+    vertices_.clear();
+    piece->tets.reserve(tets.size());
+    for (const auto& t : tets)
+      piece->tets.push_back({place_of(t[0]), place_of(t[1]), place_of(t[2]), place_of(t[3])});
+    std::vector<GlobalId> names;
+    for (const std::uint32_t v : vertices_) {
+      piece->points.push_back(points_[v]);
+      piece->log_metrics.push_back(log_metrics_[v]);
+      names.push_back(ids_[v]);
+      place_[v] = kNowhere;
     }
-    piece->tets.push_back(mine);
+    piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
+    piece->border = border_of(*piece, names);
+    return piece;
   }
-  piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
-  piece->border = border_of(*piece, names);
-  return piece;
-}
+
+ private:
+  static constexpr std::uint32_t kNowhere = 0xFFFFFFFFu;
+
+  std::uint32_t place_of(std::uint32_t vertex) {
+    std::uint32_t& place = place_[vertex];
+    if (place == kNowhere) {
+      place = static_cast<std::uint32_t>(vertices_.size());
+      vertices_.push_back(vertex);
+    }
+    return place;
+  }
+
+  std::span<const meshing::Point> points_;
+  std::span<const meshing::LogMetric> log_metrics_;
+  std::span<const GlobalId> ids_;
+  std::vector<std::uint32_t> place_;     ///< vertex -> its place in the piece that is being cut
+  std::vector<std::uint32_t> vertices_;  ///< of that piece
+};
 
 }  // namespace
 
@@ -72,11 +108,11 @@ BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing:
                                  std::span<const meshing::LogMetric> log_metrics,
                                  std::span<const GlobalId> ids,
                                  std::span<const std::array<std::uint32_t, 4>> tets) {
+  PieceCutter cutter(points, log_metrics, ids);
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece) {
     const std::uint64_t id = std::uint64_t{subdomain} << 32 | pieces.size();
-    pieces.push_back(cut_piece(id, points, log_metrics, ids,
-                               tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
+    pieces.push_back(cutter.cut(id, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
   }
   add(pieces);
 }
@@ -90,33 +126,30 @@ void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>
     place_.emplace(piece->id, static_cast<std::uint32_t>(mesh_->tets.size()));
     begins_.push_back(static_cast<std::uint32_t>(mesh_->tets.size()));
     pieces_.push_back(piece);
-    append(*piece, adjacency, open);
+    for (const OpenFace& face : piece->border)
+      open.push_back({face.name, face.code + 4 * std::uint64_t{begins_.back()}});
+    append(*piece, adjacency);
   }
   join_faces(std::move(open), adjacency);
   background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
 }
 
-void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency,
-                             std::vector<OpenFace>& open) {
+void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency) {
   const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
   const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
   mesh_->points.insert(mesh_->points.end(), piece.points.begin(), piece.points.end());
   log_metrics_->insert(log_metrics_->end(), piece.log_metrics.begin(), piece.log_metrics.end());
-  for (std::array<std::uint32_t, 4> t : piece.tets) {
-    for (std::uint32_t& v : t) v += first_point;
-    mesh_->tets.push_back(t);
-  }
-  for (std::array<std::uint32_t, 4> n : piece.neighbours) {
-    for (std::uint32_t& code : n)
-      if (code != kNoNeighbour) code += 4 * first_tet;
-    adjacency.neighbours.push_back(n);
-  }
-  for (const OpenFace& face : piece.border) open.push_back({face.name, face.code + 4 * first_tet});
+  mesh_->tets.insert(mesh_->tets.end(), piece.tets.begin(), piece.tets.end());
+  for (auto& tet : std::span(mesh_->tets).subspan(first_tet))
+    for (std::uint32_t& v : tet) v += first_point;
+  adjacency.neighbours.insert(adjacency.neighbours.end(), piece.neighbours.begin(), piece.neighbours.end());
+  for (auto& tet : std::span(adjacency.neighbours).subspan(first_tet))
+    for (std::uint32_t& code : tet) code += code == kNoNeighbour ? 0 : 4 * first_tet;
 }
 
 /// Joins open faces with their other sides, among them or in the border; the rest becomes border.
 void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacency) {
-  std::sort(open.begin(), open.end(), by_name);
+  open = in_order(open);
   std::vector<OpenFace> all;
   all.reserve(border_.size() + open.size());
   std::merge(border_.begin(), border_.end(), open.begin(), open.end(), std::back_inserter(all), by_name);

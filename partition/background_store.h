@@ -41,13 +41,17 @@ struct BackgroundPiece {
 /// Packs copies of shared pieces, or unpacks pieces to be shared.
 template <class Archive>
 void serialize_pieces(Archive& archive, std::vector<std::shared_ptr<const BackgroundPiece>>& pieces) {
-  std::vector<BackgroundPiece> copies;
-  if constexpr (Archive::kPacks)
-    for (const auto& piece : pieces) copies.push_back(*piece);
-  archive(copies);
-  if constexpr (!Archive::kPacks)
-    for (BackgroundPiece& piece : copies)
-      pieces.push_back(std::make_shared<const BackgroundPiece>(std::move(piece)));
+  std::uint64_t count = pieces.size();
+  archive(count);
+  if constexpr (Archive::kPacks) {
+    for (const auto& piece : pieces) archive(*piece);
+  } else {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      auto piece = std::make_shared<BackgroundPiece>();
+      archive(*piece);
+      pieces.push_back(std::move(piece));
+    }
+  }
 }
 
 /// A tet of the background, named so that every subdomain understands it.
@@ -85,7 +89,7 @@ class BackgroundStore {
  private:
   using OpenFace = BackgroundPiece::OpenFace;
 
-  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency, std::vector<OpenFace>& open);
+  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
   void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
 
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;

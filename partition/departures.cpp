@@ -2,6 +2,7 @@
 #include "partition/departures.h"
 
 #include <algorithm>
+#include <span>
 #include <unordered_set>
 
 namespace weft::partition {
@@ -38,18 +39,18 @@ class Targets {
   }
 
   std::vector<std::uint32_t> take_vertices() { return std::move(vertices_); }
-  std::vector<Departure> take_found() {
-    std::sort(found_.begin(), found_.end());
-    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
-    return std::move(found_);
-  }
+  struct Found {
+    std::uint32_t vertex;
+    Rank to;
+  };
+  std::span<const Found> found() const { return found_; }
 
  private:
   const std::vector<std::uint32_t>& interface_index_;
   std::vector<Rank> last_;
   std::vector<std::uint8_t> several_;  ///< to be listed: of the interface now, or after this
   std::vector<std::uint32_t> vertices_;
-  std::vector<Departure> found_;
+  std::vector<Found> found_;  ///< some repeatedly
 };
 
 std::uint64_t edge_key(VertexId a, VertexId b) {
@@ -82,7 +83,7 @@ void forget_features(TetMesh& mesh, const std::vector<std::uint32_t>& vertices) 
 
 }  // namespace
 
-Departures find_departures(const Subdomain& s, const Chosen& chosen, Rank self,
+Departures find_departures(const Subdomain& s, const Choice& choice, const Chosen& chosen,
                            const std::vector<std::uint32_t>& interface_index) {
   const TetMesh& mesh = *s.mesh;
   Departures departures;
@@ -95,12 +96,17 @@ Departures find_departures(const Subdomain& s, const Chosen& chosen, Rank self,
     if (chosen.leaves(t) || !mesh.alive(t)) continue;
     for (const VertexId v : mesh.vertices(t)) {
       if (!targets.known(v)) continue;
-      targets.note(v, self);
+      targets.note(v, choice.self());
       departures.staying[v.value] = t;
     }
   }
   departures.vertices = targets.take_vertices();
-  departures.of_interface = targets.take_found();
+  for (const Targets::Found& found : targets.found())
+    departures.of_interface.push_back(
+        {s.global_id(VertexId(found.vertex)), choice.subdomain(found.to), found.vertex});
+  std::sort(departures.of_interface.begin(), departures.of_interface.end());
+  departures.of_interface.erase(std::unique(departures.of_interface.begin(), departures.of_interface.end()),
+                                departures.of_interface.end());
   return departures;
 }
 

@@ -9,10 +9,11 @@
 
 namespace weft::partition {
 
-/// A vertex with a subdomain that tets around it go to (or stay in).
+/// A vertex with a subdomain that tets around it go to (or stay in). Ordered by global id.
 struct Departure {
+  GlobalId id;
+  SubdomainId to;
   std::uint32_t vertex;
-  Rank to;
   friend auto operator<=>(const Departure&, const Departure&) = default;
 };
 
@@ -27,7 +28,7 @@ struct Departures {
 };
 
 /// `interface_index`: by vertex slot, Interface::kNone for vertices that are not of the interface.
-Departures find_departures(const Subdomain& subdomain, const Chosen& chosen, Rank self,
+Departures find_departures(const Subdomain& subdomain, const Choice& choice, const Chosen& chosen,
                            const std::vector<std::uint32_t>& interface_index);
 
 /// Removes the tets that leave, and the vertices that have none left.

@@ -61,7 +61,7 @@ std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen&
   for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
   std::vector<Parcel> parcels;
   for (std::size_t n = 0; n < packing.size(); ++n)
-    parcels.push_back(packing[n].finish(chosen, departures, choice, proposals[n].pieces));
+    parcels.push_back(packing[n].finish(chosen, departures, proposals[n].pieces));
   return parcels;
 }
 
@@ -102,13 +102,12 @@ std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const G
   const Chosen chosen = choice.choose(wanted, proposals, options);
   if (chosen.leaving.empty()) return empty_parcels(s);
   const std::vector<std::uint32_t> index = interface_index(s);
-  const Departures departures = find_departures(s, chosen, choice.self(), index);
+  const Departures departures = find_departures(s, choice, chosen, index);
   std::vector<Parcel> parcels = pack(s, choice, chosen, departures.of_interface, index, proposals);
   for (const Departure& d : departures.of_interface) {
-    s.departures.push_back({s.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
+    s.departures.push_back({d.id, d.to});
     s.mesh->freeze(VertexId(d.vertex));
   }
-  sort_unique(s.departures);
   remove_leaving(s, chosen, departures);
   return parcels;
 }

@@ -2,12 +2,32 @@
 #include "partition/interface.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace weft::partition {
 
 void sort_unique(std::vector<Holder>& lines) {
   if (!std::is_sorted(lines.begin(), lines.end())) std::sort(lines.begin(), lines.end());
   lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+}
+
+std::vector<Holder> merge_unique(std::vector<std::vector<Holder>> lists) {
+  while (lists.size() > 1) {  // pairs, then pairs of pairs
+    std::size_t merged = 0;
+    for (std::size_t i = 0; i < lists.size(); i += 2, ++merged) {
+      std::vector<Holder> both = std::move(lists[i]);
+      if (i + 1 < lists.size()) {
+        const std::vector<Holder> first = std::exchange(both, {});
+        both.reserve(first.size() + lists[i + 1].size());
+        std::set_union(first.begin(), first.end(), lists[i + 1].begin(), lists[i + 1].end(),
+                       std::back_inserter(both));
+      }
+      lists[merged] = std::move(both);
+    }
+    lists.resize(merged);
+  }
+  return lists.empty() ? std::vector<Holder>{} : std::move(lists.front());
 }
 
 Interface::Interface(std::vector<Holder> lines) : lines_(std::move(lines)) {

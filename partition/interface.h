@@ -20,6 +20,9 @@ struct Holder {
 /// Sorts the lines and drops repeated ones.
 void sort_unique(std::vector<Holder>& lines);
 
+/// All lines of several sorted lists, sorted, none twice.
+std::vector<Holder> merge_unique(std::vector<std::vector<Holder>> lists);
+
 /// The interface of one subdomain: a table of vertices sorted by id, each with the other subdomains that hold
 /// it, ascending.
 class Interface {

@@ -22,6 +22,10 @@ void Packing::reserve(std::size_t tets) {
   places_.assign(mesh_.vertex_slots(), kNoPlace);
   parcel_.tets.reserve(tets);
   tets_.reserve(tets);
+  const std::size_t vertices = tets / 3;  // rather more than there are
+  parcel_.vertices.reserve(vertices);
+  vertices_.reserve(vertices);
+  slot_of_vertex_.reserve(vertices);
 }
 
 void Packing::add(TetId t) {
@@ -39,13 +43,11 @@ void Packing::add(TetId t) {
   add_features(v);
 }
 
-Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures, const Choice& choice,
+Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures,
                        std::span<const std::uint64_t> pieces) {
   name_neighbours(chosen);
   for (const Departure& d : departures)
-    if (concerns_receiver(d.vertex))
-      parcel_.now.push_back({s_.global_id(VertexId(d.vertex)), choice.subdomain(d.to)});
-  sort_unique(parcel_.now);
+    if (concerns_receiver(d.vertex)) parcel_.now.push_back({d.id, d.to});
   for (const std::uint32_t v : vertices_) add_previous_holders(v);
   for (std::size_t i = 0; i < tets_.size(); ++i) add_background(i);
   add_pieces(pieces);
@@ -88,7 +90,7 @@ std::uint32_t Packing::slot_of(std::uint64_t piece) {
 /// A tet that is larger than the pieces may cover one that none of its vertices is in. Not one between
 /// pieces that have many vertices each.
 void Packing::add_background(std::size_t tet) {
-  constexpr std::uint32_t kMany = 32;  // a piece has about a hundred of its own
+  constexpr std::uint32_t kMany = 8;  // a piece has about a hundred of its own
   const std::array<std::uint32_t, 4>& places = parcel_.tets[tet].vertices;
   std::array<std::uint32_t, 4> slot;
   for (std::size_t i = 0; i < 4; ++i) slot[i] = slot_of_vertex_[places[i]];

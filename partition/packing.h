@@ -23,7 +23,7 @@ class Packing {
   void add(meshing::TetId t);
 
   /// `pieces`: of the background, those that the receiver has already; ascending.
-  Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures, const Choice& choice,
+  Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures,
                 std::span<const std::uint64_t> pieces);
 
  private:

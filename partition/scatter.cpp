@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <tuple>
+#include <utility>
 
 #include "partition/shift.h"
 
@@ -18,7 +20,7 @@ namespace {
 /// Puts the tets of parcels into the mesh.
 class Joining {
  public:
-  explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh), first_tet_(mesh_.tet_slots()) {}
+  explicit Joining(Subdomain& s) : s_(s), mesh_(*s.mesh) {}
 
   void add(std::span<const Parcel> parcels) {
     name_vertices(parcels);
@@ -26,13 +28,25 @@ class Joining {
     join_faces();
   }
 
-  const std::vector<VertexId>& arrived() const { return arrived_; }
+  /// The vertices that were not here before, ascending by id.
+  std::vector<VertexId> arrived() const {
+    std::vector<VertexId> vertices;
+    for (const Named& n : named_)
+      if (n.is_new) vertices.push_back(n.vertex);
+    return vertices;
+  }
 
  private:
-  using FaceName = std::array<std::uint32_t, 3>;
   struct OpenFace {
-    FaceName name;
+    std::uint64_t first_two;  ///< of its vertices, in ascending order
+    std::uint32_t third;
     TetFace face;
+    friend bool operator<(const OpenFace& a, const OpenFace& b) {
+      return std::tie(a.first_two, a.third) < std::tie(b.first_two, b.third);
+    }
+    friend bool operator==(const OpenFace& a, const OpenFace& b) {
+      return a.first_two == b.first_two && a.third == b.third;
+    }
   };
 
   /// Equal ids get one number; the interface's have a vertex here already.
@@ -55,9 +69,12 @@ class Joining {
         while (in_interface < s_.interface.size() && s_.interface.id(in_interface) < id) ++in_interface;
         const bool known = in_interface < s_.interface.size() && s_.interface.id(in_interface) == id;
         const VertexId v = known ? s_.interface.local(in_interface) : VertexId();
-        vertex_of_name_.push_back(v.valid() && mesh_.alive(v) ? v : VertexId());
+        const bool here = v.valid() && mesh_.alive(v);
+        named_.push_back({here ? v : VertexId(), !here, here});
+      } else {
+        named_.back().met = true;
       }
-      names_[all[k].parcel][all[k].index] = static_cast<std::uint32_t>(vertex_of_name_.size()) - 1;
+      names_[all[k].parcel][all[k].index] = static_cast<std::uint32_t>(named_.size()) - 1;
     }
   }
 
@@ -65,7 +82,7 @@ class Joining {
     std::vector<VertexId> local;
     local.reserve(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
-      VertexId& v = vertex_of_name_[names[i]];
+      VertexId& v = named_[names[i]].vertex;
       if (!v.valid()) v = create(parcel.vertices[i]);
       local.push_back(v);
     }
@@ -90,7 +107,6 @@ class Joining {
 
   VertexId create(const Parcel::Vertex& v) {
     const VertexId x(mesh_.take_vertex_slots(1));
-    arrived_.push_back(x);
     mesh_.set_point(x, v.point);
     mesh_.set_metric(x, v.log_metric, meshing::exp_fast(v.log_metric));
     mesh_.set_label(x, v.id.value());
@@ -102,42 +118,45 @@ class Joining {
     return x;
   }
 
-  /// An open face of a tet that has arrived may have its other side in another parcel, or here.
+  /// An open face of a tet that has arrived may have its other side in another parcel, or here: if all its
+  /// vertices have.
   void join_faces() {
+    std::vector<std::uint8_t> met(mesh_.vertex_slots(), 0);
+    for (const Named& n : named_) met[n.vertex.value] = n.met;
     std::vector<OpenFace> open;
-    std::vector<std::uint8_t> touched(mesh_.vertex_slots(), 0);
-    for (std::uint32_t i = first_tet_; i < mesh_.tet_slots(); ++i)
-      for (int f = 0; f < 4; ++f) {
-        if (mesh_.neighbour(TetId(i), f).valid()) continue;
-        open.push_back(open_face(TetId(i), f));
-        for (const std::uint32_t v : open.back().name) touched[v] = 1;
-      }
-    for (std::uint32_t i = 0; i < first_tet_; ++i) {
-      if (!mesh_.alive(TetId(i))) continue;
-      for (int f = 0; f < 4; ++f) {
-        if (mesh_.neighbour(TetId(i), f).valid()) continue;
-        const OpenFace face = open_face(TetId(i), f);
-        if (touched[face.name[0]] && touched[face.name[1]] && touched[face.name[2]]) open.push_back(face);
-      }
-    }
-    std::sort(open.begin(), open.end(), [](const OpenFace& a, const OpenFace& b) { return a.name < b.name; });
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+      if (mesh_.alive(TetId(i))) add_open_faces(TetId(i), met, open);
+    std::sort(open.begin(), open.end());
     for (std::size_t i = 1; i < open.size(); ++i)
-      if (open[i].name == open[i - 1].name) mesh_.glue(open[i].face, open[i - 1].face);
+      if (open[i] == open[i - 1]) mesh_.glue(open[i].face, open[i - 1].face);
   }
 
-  OpenFace open_face(TetId t, int f) const {
-    OpenFace open{{}, TetFace(t, f)};
-    for (int i = 0; i < 3; ++i) open.name[i] = mesh_.vertex(t, meshing::kTetFaces[f][i]).value;
-    std::sort(open.name.begin(), open.name.end());
-    return open;
+  void add_open_faces(TetId t, const std::vector<std::uint8_t>& met, std::vector<OpenFace>& open) const {
+    const TetVertices v = mesh_.vertices(t);
+    std::array<std::uint8_t, 4> is_met;
+    for (std::size_t i = 0; i < 4; ++i) is_met[i] = met[v[i].value];
+    if (is_met[0] + is_met[1] + is_met[2] + is_met[3] < 3) return;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto& corners = meshing::kTetFaces[f];
+      if (!(is_met[corners[0]] && is_met[corners[1]] && is_met[corners[2]]) ||
+          mesh_.neighbour(t, static_cast<int>(f)).valid())
+        continue;
+      std::array<std::uint32_t, 3> name;
+      for (std::size_t i = 0; i < 3; ++i) name[i] = v[corners[i]].value;
+      std::sort(name.begin(), name.end());
+      open.push_back({std::uint64_t{name[0]} << 32 | name[1], name[2], TetFace(t, static_cast<int>(f))});
+    }
   }
 
   Subdomain& s_;
   TetMesh& mesh_;
-  const std::uint32_t first_tet_;                  ///< of the parcels'
   std::vector<std::vector<std::uint32_t>> names_;  ///< [parcel][vertex]: a number
-  std::vector<VertexId> vertex_of_name_;
-  std::vector<VertexId> arrived_;
+  struct Named {
+    VertexId vertex;
+    bool is_new;
+    bool met;  ///< here already, or in several parcels
+  };
+  std::vector<Named> named_;  ///< by name; ids ascend
 };
 
 bool by_vertex(const Holder& a, const Holder& b) { return a.vertex < b.vertex; }
@@ -158,15 +177,13 @@ void for_each_vertex(std::span<const Holder> lines, F f) {
 class NewHolders {
  public:
   NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s), mentioned_(s.interface.size(), 0) {
-    lines_ = s.departures;
-    mention(s.departures);
-    for (const Parcel& p : parcels) {
-      lines_.insert(lines_.end(), p.now.begin(), p.now.end());
-      mention(p.now);
-    }
+    std::vector<std::vector<Holder>> runs{s.departures};
+    for (const Parcel& p : parcels) runs.push_back(p.now);
+    for (const auto& run : runs) mention(run);
+    std::vector<Holder>& stayed = runs.emplace_back();
     for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-      if (mentioned_[i]) add_those_who_stayed(i, parcels);
-    sort_unique(lines_);
+      if (mentioned_[i]) add_those_who_stayed(i, parcels, stayed);
+    lines_ = merge_unique(std::move(runs));
   }
 
   std::span<const Holder> lines() const { return lines_; }
@@ -187,17 +204,23 @@ class NewHolders {
   }
 
   /// A holder that says nothing of a vertex keeps all its tets around it.
-  void add_those_who_stayed(std::uint32_t i, std::span<const Parcel> parcels) {
+  void add_those_who_stayed(std::uint32_t i, std::span<const Parcel> parcels,
+                            std::vector<Holder>& stayed) const {
     const GlobalId id = s_.interface.id(i);
     const auto silent = [&](std::span<const Holder> lines) {
       return !std::binary_search(lines.begin(), lines.end(), Holder{id, 0}, by_vertex);
     };
-    if (silent(s_.departures)) lines_.push_back({id, s_.id});
+    bool has_self = !silent(s_.departures);
+    const auto add_self = [&] {
+      if (!std::exchange(has_self, true)) stayed.push_back({id, s_.id});
+    };
     for (const Holder& h : s_.interface.others(i)) {
+      if (s_.id < h.subdomain) add_self();
       const auto at = std::lower_bound(parcels.begin(), parcels.end(), h.subdomain,
                                        [](const Parcel& p, SubdomainId other) { return p.from < other; });
-      if (silent(at->now)) lines_.push_back(h);
+      if (silent(at->now)) stayed.push_back(h);
     }
+    add_self();
   }
 
   const Subdomain& s_;
@@ -236,7 +259,7 @@ std::vector<SubdomainId> notices_expected(std::span<const Holder> before) {
 }
 
 /// Freezes the vertices of the new interface, which are among the frozen ones and those that have just
-/// arrived; thaws what was frozen and is none of them, and returns that.
+/// arrived (ascending by id); thaws what was frozen and is none of them, and returns that.
 std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
                                         std::span<const VertexId> arrived) {
   std::vector<VertexId> thawed;
@@ -260,7 +283,12 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
     if (!v.valid() || !mesh.alive(v)) continue;
     settle(v, at < interface.size() && interface.id(at) == s.interface.id(i) ? at : Interface::kNone);
   }
-  for (const VertexId v : arrived) settle(v, interface.find(s.global_id(v)));
+  at = 0;
+  for (const VertexId v : arrived) {
+    const GlobalId id = s.global_id(v);
+    while (at < interface.size() && interface.id(at) < id) ++at;
+    settle(v, at < interface.size() && interface.id(at) == id ? at : Interface::kNone);
+  }
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
     if (const VertexId v(i); mesh.frozen(v) && !settled[i] && mesh.alive(v))
       settle(v, interface.find(s.global_id(v)));
@@ -275,9 +303,9 @@ void freshen(TetMesh& mesh, std::span<const VertexId> vertices) {
   for (const VertexId v : vertices) thawed[v.value] = 1;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const TetId t(i);
-    if (!mesh.alive(t)) continue;
     const TetVertices v = mesh.vertices(t);
-    if (thawed[v[0].value] | thawed[v[1].value] | thawed[v[2].value] | thawed[v[3].value])
+    if ((thawed[v[0].value] | thawed[v[1].value] | thawed[v[2].value] | thawed[v[3].value]) != 0 &&
+        mesh.alive(t))
       mesh.mark(t, meshing::kFresh);
   }
 }
