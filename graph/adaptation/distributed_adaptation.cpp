@@ -19,10 +19,13 @@ double seconds_since(Clock::time_point t) { return std::chrono::duration<double>
 
 /// Twelve times its complexity, as in partition/distribute.h.
 double predicted_tets(const SubdomainStart& s) {
+  std::vector<double> densities;
+  densities.reserve(s.log_metrics.size());
+  for (const meshing::LogMetric& l : s.log_metrics) densities.push_back(std::exp(0.5 * trace(l)));
   double complexity = 0;
   for (const auto& t : s.tets) {
     double density = 0;
-    for (const std::uint32_t v : t) density += 0.25 * std::exp(0.5 * trace(s.log_metrics[v]));
+    for (const std::uint32_t v : t) density += 0.25 * densities[v];
     const auto& p = s.points;
     complexity += density / 6 * dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
   }
