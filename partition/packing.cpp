@@ -22,7 +22,7 @@ void Packing::reserve(std::size_t tets) {
   places_.assign(mesh_.vertex_slots(), kNoPlace);
   parcel_.tets.reserve(tets);
   tets_.reserve(tets);
-  const std::size_t vertices = tets / 3;  // rather more than there are
+  const std::size_t vertices = tets / 3;  // a few layers of tets have fewer
   parcel_.vertices.reserve(vertices);
   vertices_.reserve(vertices);
   slot_of_vertex_.reserve(vertices);

@@ -1,6 +1,7 @@
 // From a start to a subdomain, names of new vertices, and the piece that is left at the end.
 #include "partition/subdomain.h"
 
+#include "meshing/adjacency.h"
 #include "meshing/import_mesh.h"
 #include "meshing/renumber.h"
 
@@ -27,8 +28,8 @@ void fill_vertices(const SubdomainStart& s, meshing::TetMesh& mesh) {
   }
 }
 
-/// The background's tets are these, in the same order.
-void fill_tets(const SubdomainStart& s, const meshing::Adjacency& adjacency, meshing::TetMesh& mesh) {
+void fill_tets(const SubdomainStart& s, meshing::TetMesh& mesh) {
+  const meshing::Adjacency adjacency = meshing::build_adjacency(s.tets, s.points.size());
   mesh.take_tet_slots(static_cast<std::uint32_t>(s.tets.size()));
   for (std::uint32_t i = 0; i < s.tets.size(); ++i) {
     const TetId t(i);
@@ -37,7 +38,7 @@ void fill_tets(const SubdomainStart& s, const meshing::Adjacency& adjacency, mes
       mesh.set_vertex(t, f, v);
       mesh.set_neighbour(t, f, TetFace(adjacency.neighbours[i][f]));
       mesh.set_tet_of(v, t);
-      mesh.set_background_hint(v, i);
+      mesh.set_background_hint(v, i);  // the background's tets are these, in the same order
     }
     mesh.set_ref(t, s.tet_refs[i]);
     mesh.set_quality(t, 1);  // not judged yet
@@ -55,7 +56,7 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
       mesh(std::make_unique<meshing::TetMesh>(vertex_capacity(capacity), capacity, meshing::Pages::small)),
       background(start.subdomain, start.points, start.log_metrics, start.ids, start.tets) {
   fill_vertices(start, *mesh);
-  fill_tets(start, background.background().adjacency(), *mesh);
+  fill_tets(start, *mesh);
   std::vector<Holder> lines;
   for (const auto& [vertex, other] : start.shared) lines.push_back({start.ids[vertex], other});
   interface = Interface(std::move(lines));
