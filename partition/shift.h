@@ -107,7 +107,7 @@ struct ShiftOptions {
 /// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and
 /// those of poor tets. The latter only in the first kRoundsForQuality rounds: there are tets that no shift
 /// can mend.
-inline constexpr std::uint64_t kRoundsForQuality = 6;
+inline constexpr std::uint64_t kRoundsForQuality = 10;
 std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 
 /// One proposal for each of the interface's neighbours, in their order.

@@ -18,7 +18,7 @@ namespace weft::graph::adaptation {
 struct DistributedOptions {
   partition::DecompositionOptions decomposition;
   partition::ShiftOptions shift;
-  std::uint32_t most_shifts = 8;
+  std::uint32_t most_shifts = 12;
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal

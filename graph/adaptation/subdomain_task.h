@@ -31,7 +31,7 @@ namespace weft::graph::adaptation {
 struct AdaptationPlan {
   std::uint32_t subdomains = 1;
   std::uint32_t first_object = 0;  ///< number of the first subdomain's object on every rank
-  std::uint32_t most_shifts = 8;
+  std::uint32_t most_shifts = 12;
   partition::ShiftOptions shift;
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
