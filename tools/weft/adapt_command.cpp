@@ -157,7 +157,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->type_name("KIND")
       ->group(kGroup);
   sub.add_option("--shifts", request.shifts,
-                 "auto (default: until all of the interface has been free, at most 12) or at most N")
+                 "auto (default: until all the interface has been free, at most 12) or at most N")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
