@@ -152,7 +152,7 @@ class LookingOn(Subdomains):
         errors = self.long_run(2, "--progress", "plain").communicate(timeout=SECONDS)[1]
         lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
         about = [line for line in lines if re.match(
-            r"weft: (interior|shift \d of at most 8): \d+ of 12 subdomains( \(\d+ at rest\))?, "
+            r"weft: (interior|shift \d+ of at most 12): \d+ of 12 subdomains( \(\d+ at rest\))?, "
             r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
             r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
         self.assertTrue(about, errors)
