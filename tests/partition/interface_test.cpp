@@ -35,6 +35,22 @@ Table table_of(const std::vector<Holder>& lines) {
   return table;
 }
 
+TEST(Holders, MergedListsAreAllTheirLinesSorted) {
+  EXPECT_THAT(merge_unique({}), IsEmpty());
+  for (unsigned lists = 1; lists < 12; ++lists) {
+    std::vector<std::vector<Holder>> sorted;
+    std::vector<Holder> all;
+    for (unsigned i = 0; i < lists; ++i) {
+      std::vector<Holder> lines = random_lines(100 * lists + i);
+      all.insert(all.end(), lines.begin(), lines.end());
+      sort_unique(lines);
+      sorted.push_back(std::move(lines));
+    }
+    sort_unique(all);
+    EXPECT_EQ(merge_unique(std::move(sorted)), all) << lists << " lists";
+  }
+}
+
 TEST(Interface, EmptyHasNothing) {
   for (const Interface& interface : {Interface(), Interface(std::vector<Holder>{})}) {
     EXPECT_EQ(interface.size(), 0u);
