@@ -16,12 +16,12 @@ std::vector<Holder> merge_unique(std::vector<std::vector<Holder>> lists) {
   while (lists.size() > 1) {  // pairs, then pairs of pairs
     std::size_t merged = 0;
     for (std::size_t i = 0; i < lists.size(); i += 2, ++merged) {
-      std::vector<Holder> both = std::move(lists[i]);
-      if (i + 1 < lists.size()) {
-        const std::vector<Holder> first = std::exchange(both, {});
-        both.reserve(first.size() + lists[i + 1].size());
-        std::set_union(first.begin(), first.end(), lists[i + 1].begin(), lists[i + 1].end(),
-                       std::back_inserter(both));
+      std::vector<Holder> both;
+      if (i + 1 == lists.size()) {
+        both = std::move(lists[i]);
+      } else {
+        both.reserve(lists[i].size() + lists[i + 1].size());
+        std::ranges::set_union(lists[i], lists[i + 1], std::back_inserter(both));
       }
       lists[merged] = std::move(both);
     }

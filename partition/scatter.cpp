@@ -17,6 +17,21 @@ using meshing::VertexId;
 
 namespace {
 
+/// Finds vertices in an interface, as Interface::find, when they are asked for in ascending order.
+class AscendingFinder {
+ public:
+  explicit AscendingFinder(const Interface& interface) : interface_(interface) {}
+
+  std::uint32_t find(GlobalId id) {
+    while (at_ < interface_.size() && interface_.id(at_) < id) ++at_;
+    return at_ < interface_.size() && interface_.id(at_) == id ? at_ : Interface::kNone;
+  }
+
+ private:
+  const Interface& interface_;
+  std::uint32_t at_ = 0;
+};
+
 /// Puts the tets of parcels into the mesh.
 class Joining {
  public:
@@ -62,13 +77,12 @@ class Joining {
       for (std::uint32_t i = 0; i < names_[p].size(); ++i) all.push_back({parcels[p].vertices[i].id, p, i});
     }
     std::sort(all.begin(), all.end(), [](const Arriving& a, const Arriving& b) { return a.id < b.id; });
-    std::uint32_t in_interface = 0;
+    AscendingFinder finder(s_.interface);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const GlobalId id = all[k].id;
       if (k == 0 || id != all[k - 1].id) {
-        while (in_interface < s_.interface.size() && s_.interface.id(in_interface) < id) ++in_interface;
-        const bool known = in_interface < s_.interface.size() && s_.interface.id(in_interface) == id;
-        const VertexId v = known ? s_.interface.local(in_interface) : VertexId();
+        const std::uint32_t at = finder.find(id);
+        const VertexId v = at != Interface::kNone ? s_.interface.local(at) : VertexId();
         const bool here = v.valid() && mesh_.alive(v);
         named_.push_back({here ? v : VertexId(), !here, here});
       } else {
@@ -196,11 +210,9 @@ class NewHolders {
 
  private:
   void mention(std::span<const Holder> lines) {
-    std::uint32_t i = 0;
-    for (const Holder& line : lines) {  // both are sorted
-      while (i < mentioned_.size() && s_.interface.id(i) < line.vertex) ++i;
-      if (i < mentioned_.size() && s_.interface.id(i) == line.vertex) mentioned_[i] = 1;
-    }
+    AscendingFinder finder(s_.interface);
+    for (const Holder& line : lines)
+      if (const std::uint32_t i = finder.find(line.vertex); i != Interface::kNone) mentioned_[i] = 1;
   }
 
   /// A holder that says nothing of a vertex keeps all its tets around it.
@@ -276,19 +288,12 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
       thawed.push_back(v);
     }
   };
-  std::uint32_t at = 0;
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {  // both are sorted
+  AscendingFinder among_old(interface), among_arrived(interface);
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
     const VertexId v = s.interface.local(i);
-    while (at < interface.size() && interface.id(at) < s.interface.id(i)) ++at;
-    if (!v.valid() || !mesh.alive(v)) continue;
-    settle(v, at < interface.size() && interface.id(at) == s.interface.id(i) ? at : Interface::kNone);
+    if (v.valid() && mesh.alive(v)) settle(v, among_old.find(s.interface.id(i)));
   }
-  at = 0;
-  for (const VertexId v : arrived) {
-    const GlobalId id = s.global_id(v);
-    while (at < interface.size() && interface.id(at) < id) ++at;
-    settle(v, at < interface.size() && interface.id(at) == id ? at : Interface::kNone);
-  }
+  for (const VertexId v : arrived) settle(v, among_arrived.find(s.global_id(v)));
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
     if (const VertexId v(i); mesh.frozen(v) && !settled[i] && mesh.alive(v))
       settle(v, interface.find(s.global_id(v)));
