@@ -161,14 +161,14 @@ VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId>
   on.kind = at.kind;
   on.curve = at.curve;
   const NewVertex n{at.x, at.log_metric, exp_fast(at.log_metric), on, at.background_hint, at.surface_hint};
-  for (const TetId t : fans) {
-    if (gather_shell(w.mesh, w.claims, t, a, b, w.shell) != Verdict::accepted) return {};
-    if (!stays_positive(w, w.shell, n)) return {};
-  }
+  const auto judge_fan = [&](TetId t) {
+    return gather_shell(w.mesh, w.claims, t, a, b, w.shell) == Verdict::accepted &&
+           stays_positive(w, w.shell, n);
+  };
+  if (!std::ranges::all_of(fans, judge_fan)) return {};
   VertexId p;
   for (const TetId t : fans) {
-    gather_shell(w.mesh, w.claims, t, a, b, w.shell);
-    stays_positive(w, w.shell, n);
+    if (fans.size() > 1) judge_fan(t);  // else it is at hand
     if (!p.valid()) p = create(w, n, w.shell);
     w.short_edges.clear();
     commit(w, w.shell, p);

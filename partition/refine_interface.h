@@ -9,12 +9,13 @@
 // faces are faces of the background's tets.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "partition/geometry.h"
+#include "partition/refined_vertices.h"
 #include "partition/subdomain.h"
 
 namespace weft::partition {
@@ -56,16 +57,10 @@ class InterfaceRefinement {
   /// For each of the interface's neighbours, the new vertices that it may have too.
   std::vector<InterfaceVertices> created() const;
 
-  /// What is known of a new vertex.
-  struct Origin {
-    std::vector<GlobalId> corners;     ///< of the side or face of the interface at the start that it lies in
-    std::vector<SubdomainId> holders;  ///< others who may have it; ascending
-  };
-
  private:
   Subdomain& subdomain_;
   const Geometry& geometry_;
-  std::unordered_map<GlobalId, Origin> origins_;
+  RefinedVertices vertices_;  ///< new ones sorted, except within a level
 };
 
 /// Which of the new vertices the neighbours have too, in the order of the neighbours: with this the interface
