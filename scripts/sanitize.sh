@@ -32,7 +32,8 @@ run_asan() {
   scripts/build.sh asan
   export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
   export LSAN_OPTIONS=suppressions=$root/scripts/known_leaks.txt:print_suppressions=0
-  ASAN_OPTIONS=detect_stack_use_after_return=1 ctest --test-dir build-asan --output-on-failure --exclude-regex '^mpi\.'
+  ASAN_OPTIONS=detect_stack_use_after_return=1 \
+    ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --exclude-regex '^mpi\.'
   # Open MPI does not free all that it allocates.
   ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 \
     ctest --test-dir build-asan --output-on-failure --tests-regex '^mpi\.'
@@ -42,7 +43,8 @@ run_tsan() {
   build_tbb_for_tsan
   CMAKE_PREFIX_PATH=$root/build-tsan-tbb fixed_layout scripts/build.sh tsan
   TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1 \
-    fixed_layout ctest --test-dir build-tsan --output-on-failure --exclude-regex '^mpi\.'  # MPI is not built for it
+    fixed_layout ctest --test-dir build-tsan --output-on-failure --parallel "$(nproc)" \
+    --exclude-regex '^mpi\.'  # MPI is not built for it
 }
 
 [[ $# -gt 0 ]] || set -- asan tsan
