@@ -140,7 +140,7 @@ class TetMesh {
   VertexKind kind(VertexId v) const { return kinds_[v.value]; }
   void set_kind(VertexId v, VertexKind k) { kinds_[v.value] = k; }
   std::uint8_t flags(VertexId v) const { return flags_[v.value]; }
-  void set_flags(VertexId v, int flags) { flags_[v.value] = static_cast<std::uint8_t>(flags); }
+  void set_flags(VertexId v, int flags) { store(flags_[v.value], static_cast<std::uint8_t>(flags)); }
   bool fixed(VertexId v) const { return flags(v) & kFixed; }
   /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface
   /// is retriangulated under it the mesh may come to overlap although all its tets are positive. None is ever
@@ -177,7 +177,8 @@ class TetMesh {
   /// Not while operators run.
   void freeze(VertexId v) { flags_[v.value] |= kFrozen; }
   void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
-  bool frozen(VertexId v) const { return flags_[v.value] & kFrozen; }
+  /// May be asked before v is claimed: no operator freezes, thaws or removes a frozen vertex.
+  bool frozen(VertexId v) const { return load(flags_[v.value]) & kFrozen; }
   /// Whether nobody can claim frozen vertices at present: then all around them stays as it is.
   bool frozen_are_untouchable() const { return frozen_are_untouchable_; }
   void set_frozen_are_untouchable(bool yes) { frozen_are_untouchable_ = yes; }  ///< not while operators run
