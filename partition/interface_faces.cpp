@@ -28,11 +28,19 @@ VertexId InterfaceFaces::vertex(FaceIndex f, int place) const {
   return mesh_.vertex(faces_[f].tet(), meshing::kTetFaces[faces_[f].face()][place]);
 }
 
+InterfaceFaces::FaceIndex InterfaceFaces::index_of(TetFace face) const {
+  return face.code < index_of_.size() ? index_of_[face.code] : kNone;  // new tets may be beyond
+}
+
+void InterfaceFaces::set_index(TetFace face, FaceIndex f) {
+  if (face.code >= index_of_.size()) index_of_.resize(std::size_t{4} * mesh_.tet_slots(), kNone);
+  index_of_[face.code] = f;
+}
+
 InterfaceFaces::FaceIndex InterfaceFaces::add_face(TetFace face) {
   const auto index = static_cast<FaceIndex>(faces_.size());
   faces_.push_back(face);
-  if (face.code >= index_of_.size()) index_of_.resize(std::size_t{4} * mesh_.tet_slots(), kNone);
-  index_of_[face.code] = index;
+  set_index(face, index);
   edge_of_.resize(edge_of_.size() + 3, kNone);
   next_.resize(next_.size() + 3, kNone);
   return index;
@@ -97,12 +105,11 @@ void InterfaceFaces::split(EdgeIndex e, VertexId kept, VertexId m, std::span<con
 /// The face of a halved tet opposite the end that it has kept belongs to the other half.
 void InterfaceFaces::follow_face_beyond(TetId t, VertexId kept) {
   const int place = mesh_.local_index(t, kept);
-  const FaceIndex f = index_of_[TetFace(t, place).code];
+  const FaceIndex f = index_of(TetFace(t, place));
   if (f == kNone) return;
   const TetFace now(mesh_.neighbour(t, place).tet(), place);
-  if (now.code >= index_of_.size()) index_of_.resize(std::size_t{4} * mesh_.tet_slots(), kNone);
-  index_of_[faces_[f].code] = kNone;
-  index_of_[now.code] = f;
+  set_index(faces_[f], kNone);
+  set_index(now, f);
   faces_[f] = now;
 }
 

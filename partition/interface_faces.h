@@ -43,6 +43,8 @@ class InterfaceFaces {
 
   bool is_interface(meshing::TetFace face) const;
   meshing::VertexId vertex(FaceIndex f, int place) const;
+  FaceIndex index_of(meshing::TetFace face) const;
+  void set_index(meshing::TetFace face, FaceIndex f);
   FaceIndex add_face(meshing::TetFace face);
   EdgeIndex add_edge(meshing::VertexId a, meshing::VertexId b);
   void find_edges();

@@ -122,7 +122,7 @@ TEST(InterfaceFaces, StayTrueThroughManySplits) {
       Splitting splitting(cut, start);
       const InterfaceFaces& faces = splitting.faces();
       ASSERT_EQ(table_of(faces), splitting.expected());
-      for (int i = 0; i < 40 && faces.num_edges() > 0; ++i) {
+      for (int i = 0; i < 200 && faces.num_edges() > 0; ++i) {
         const auto e = static_cast<EdgeIndex>(random() % faces.num_edges());
         const std::size_t at_edge = faces_at(faces, e).size();
         if (at_edge == 0) continue;  // has been split
