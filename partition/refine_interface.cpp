@@ -41,6 +41,15 @@ struct ShorterFirst {
   }
 };
 
+/// Where the vertices are at present, by index: all of them are frozen.
+std::vector<VertexId> places_of(const RefinedVertices& vertices, const Subdomain& s) {
+  std::vector<VertexId> places(vertices.size());
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
+    if (const VertexId v(i); s.mesh->alive(v) && s.mesh->frozen(v))
+      places.at(vertices.find(s.global_id(v))) = v;
+  return places;
+}
+
 /// All splits down to one length.
 class Level {
  public:
@@ -52,8 +61,10 @@ class Level {
         background_(s.background.background()),
         kernel_{mesh_, background_, geometry.surface, {}},
         worker_(kernel_, 1, true),
-        faces_(mesh_, geometry.patch_inner) {
-    find_vertices();
+        faces_(mesh_, geometry.patch_inner),
+        index_of_(mesh_.vertex_slots(), RefinedVertices::kNone),
+        place_(places_of(vertices, s)) {
+    for (VertexIndex i = 0; i < place_.size(); ++i) index_of_.at(place_[i].value) = i;
   }
 
   void run() {
@@ -73,18 +84,6 @@ class Level {
   struct Edge {
     VertexId a, b;
   };
-
-  void find_vertices() {
-    place_.resize(vertices_.size());
-    for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
-      if (const VertexId v(i); mesh_.alive(v) && mesh_.frozen(v)) set_place(vertices_.find(id(v)), v);
-  }
-
-  void set_place(VertexIndex i, VertexId v) {
-    if (v.value >= index_of_.size()) index_of_.resize(mesh_.vertex_slots(), RefinedVertices::kNone);
-    index_of_[v.value] = i;
-    place_.at(i) = v;
-  }
 
   VertexIndex index_of(VertexId v) const { return index_of_[v.value]; }
   GlobalId id(VertexId v) const { return GlobalId::from_value(mesh_.label(v)); }
@@ -206,8 +205,9 @@ class Level {
   void remember(VertexId m, const Edge& e) {
     const VertexIndex i = vertices_.add_between(index_of(e.a), index_of(e.b));
     mesh_.set_label(m, vertices_.id(i).value());
-    place_.emplace_back();
-    set_place(i, m);
+    if (m.value >= index_of_.size()) index_of_.resize(mesh_.vertex_slots(), RefinedVertices::kNone);
+    index_of_[m.value] = i;
+    place_.push_back(m);
   }
 
   RefinedVertices& vertices_;
@@ -247,10 +247,7 @@ void InterfaceRefinement::refine(double longest) { Level(subdomain_, geometry_, 
 
 std::vector<InterfaceVertices> InterfaceRefinement::created() const {
   const TetMesh& mesh = *subdomain_.mesh;
-  std::vector<VertexId> places(vertices_.size());
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (const VertexId v(i); mesh.alive(v) && mesh.frozen(v))
-      places[vertices_.find(subdomain_.global_id(v))] = v;
+  const std::vector<VertexId> places = places_of(vertices_, subdomain_);
   const auto neighbours = subdomain_.interface.neighbours();
   std::vector<InterfaceVertices> result(neighbours.size());
   for (VertexIndex i = vertices_.first_new(); i < vertices_.size(); ++i)
