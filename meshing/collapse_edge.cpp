@@ -143,8 +143,7 @@ Verdict judge_topology(const Worker& w, VertexId removed, VertexId kept, const E
     if (k >= 0 && mesh.patch(t, local).valid() && mesh.patch(t, k).valid()) return Verdict::breaks_topology;
     if (edge.kind != VertexKind::ridge) continue;
     for (const VertexId v : mesh.vertices(t))
-      if (v != removed && v != kept && mesh.kind(v) >= VertexKind::ridge && mesh.curve(removed, v).valid() &&
-          mesh.curve(kept, v).valid())
+      if (v != removed && v != kept && mesh.curve(removed, v).valid() && mesh.curve(kept, v).valid())
         return Verdict::breaks_topology;
   }
   return Verdict::accepted;
@@ -201,8 +200,7 @@ void keep_feature(Worker& w, const EdgeClass& edge, VertexId removed, VertexId k
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4; ++i) {
       const VertexId v = mesh.vertex(t, i);
-      if (i == local || v == kept || mesh.kind(v) < VertexKind::ridge || !mesh.curve(removed, v).valid())
-        continue;
+      if (i == local || v == kept || !mesh.curve(removed, v).valid()) continue;
       mesh.set_curve(removed, v, CurveId());
       mesh.set_curve(kept, v, edge.curve);
     }

@@ -7,7 +7,7 @@ EdgeClass classify(const TetMesh& mesh, const Shell& shell) {
   const VertexKind ka = mesh.kind(shell.a), kb = mesh.kind(shell.b);
   EdgeClass c;
   if (ka == VertexKind::interior || kb == VertexKind::interior) return c;
-  if (ka >= VertexKind::ridge && kb >= VertexKind::ridge) c.curve = mesh.curve(shell.a, shell.b);
+  c.curve = mesh.curve(shell.a, shell.b);
   // Every face around the edge lies opposite r of one shell tet; an open shell's first face opposite s of its
   // first.
   for (int i = 0; i < shell.size && !c.patch.valid(); ++i)

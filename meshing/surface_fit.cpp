@@ -18,8 +18,7 @@ bool is_edge_of(const std::array<VertexId, 3>& t, VertexId a, VertexId b) {
 Vec bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   const TetMesh& mesh = k.mesh;
   const Point middle = midpoint(mesh.point(a), mesh.point(b));
-  CurveId curve;
-  if (mesh.kind(a) >= VertexKind::ridge && mesh.kind(b) >= VertexKind::ridge) curve = mesh.curve(a, b);
+  const CurveId curve = mesh.curve(a, b);
   if (!curve.valid())
     return k.surface.project_to_patch(patch, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
   if (k.surface.curves()[curve.value].straight) return {};

@@ -49,8 +49,7 @@ Verdict move_space(const Worker& w, VertexId v, MoveSpace& space) {
   }
   for (const auto& [t, local] : w.ball.tets)
     for (int i = 0; i < 4 && !space.curve.valid(); ++i)
-      if (i != local && mesh.kind(mesh.vertex(t, i)) >= VertexKind::ridge)
-        space.curve = mesh.curve(v, mesh.vertex(t, i));
+      if (i != local) space.curve = mesh.curve(v, mesh.vertex(t, i));
   if (!space.curve.valid()) return Verdict::breaks_classification;
   if (s.curves()[space.curve.value].required) return Verdict::required;
   space.curved = true;  // patches beside a straight curve may be curved; move_to looks

@@ -9,7 +9,6 @@ using meshing::TetFace;
 using meshing::TetId;
 using meshing::TetVertices;
 using meshing::VertexId;
-using meshing::VertexKind;
 
 Packing::Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
                  std::vector<std::uint32_t>& place_of_tet)
@@ -71,7 +70,6 @@ std::uint32_t Packing::place_of(VertexId v) {
 void Packing::add_features(const TetVertices& v) {
   for (const auto& e : meshing::kTetEdges) {
     const VertexId a = v[e[0]], b = v[e[1]];
-    if (mesh_.kind(a) < VertexKind::ridge || mesh_.kind(b) < VertexKind::ridge) continue;
     const meshing::CurveId curve = mesh_.curve(a, b);
     if (!curve.valid()) continue;
     const std::uint64_t key = std::uint64_t{std::min(a, b).value} << 32 | std::max(a, b).value;

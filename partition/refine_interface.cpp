@@ -110,13 +110,8 @@ class Level {
     const int both = mesh_.flags(a) & mesh_.flags(b);
     if (both & (meshing::kOnCurved | meshing::kFixed)) return true;
     if ((mesh_.flags(a) | mesh_.flags(b)) & kDelicate) return true;
-    const meshing::CurveId on = curve(a, b);
+    const meshing::CurveId on = mesh_.curve(a, b);
     return on.valid() && surface_.curves()[on.value].required;
-  }
-
-  meshing::CurveId curve(VertexId a, VertexId b) const {
-    const bool may_be_feature = std::min(mesh_.kind(a), mesh_.kind(b)) >= VertexKind::ridge;
-    return may_be_feature ? mesh_.curve(a, b) : meshing::CurveId();
   }
 
   /// Where a long side (a, c) of a face (a, c, d) must stay, splitting what leads from `a` to new vertices of
@@ -139,7 +134,7 @@ class Level {
     meshing::VertexOnEdge at;
     at.x = mesh_.point(e.a) + share * d;
     at.log_metric = (1 - share) * mesh_.log_metric(e.a) + share * mesh_.log_metric(e.b);
-    at.curve = curve(e.a, e.b);
+    at.curve = mesh_.curve(e.a, e.b);
     at.background_hint = background_tet(at.x, e);
     return at;
   }
