@@ -14,14 +14,25 @@ namespace {
 
 bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHasBeenFree); }
 
-/// Frozen vertices of poor tets, by slot.
-std::vector<std::uint8_t> at_poor_tets(const TetMesh& mesh) {
+/// Marks vertices of poor tets and of those that touch them, by slot: any that is frozen may be in the way.
+std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
   constexpr float kPoor = 0.5f;
-  std::vector<std::uint8_t> poor(mesh.vertex_slots(), 0);
+  std::vector<std::uint8_t> at(mesh.vertex_slots(), 0);
+  bool any = false;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i)))
-      for (const VertexId v : mesh.vertices(TetId(i))) poor[v.value] = mesh.frozen(v);
-  return poor;
+    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i))) {
+      any = true;
+      for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
+    }
+  if (!any) return at;
+  std::vector<std::uint8_t> near = at;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const meshing::TetVertices vertices = mesh.vertices(TetId(i));
+    if (std::any_of(vertices.begin(), vertices.end(), [&](VertexId v) { return at[v.value]; }))
+      for (const VertexId v : vertices) near[v.value] = 1;
+  }
+  return near;
 }
 
 /// Index in the interface of each vertex by slot, kNone for others.
@@ -69,7 +80,7 @@ std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen&
 
 std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
   std::vector<std::uint8_t> poor(s.mesh->vertex_slots(), 0);
-  if (round < kRoundsForQuality) poor = at_poor_tets(*s.mesh);
+  if (round < kRoundsForQuality) poor = near_poor_tets(*s.mesh);
   std::vector<GlobalId> ids;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
     const VertexId v = s.interface.local(i);

@@ -105,8 +105,8 @@ struct ShiftOptions {
 };
 
 /// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and
-/// those of poor tets. The latter only in the first kRoundsForQuality rounds: there are tets that no shift
-/// can mend.
+/// those of poor tets and of tets that touch them. The latter only in the first kRoundsForQuality rounds:
+/// there are tets that no shift can mend.
 inline constexpr std::uint64_t kRoundsForQuality = 10;
 std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 

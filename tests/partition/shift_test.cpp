@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
 #include "meshing/adapt.h"
 #include "meshing/measures.h"
 #include "partition/merge_pieces.h"
@@ -173,6 +176,34 @@ TEST(Shift, ProposesToEachNeighbourWhatItShares) {
       for (std::uint32_t i = 0; i < s.interface.size(); ++i)
         if (s.interface.held_by(i, s.interface.neighbours()[n])) shared.push_back(s.interface.id(i));
       EXPECT_EQ(proposals[n].wants, shared);
+    }
+  }
+}
+
+TEST(Shift, WantsWhatIsInThePoorTetsWay) {
+  const Scene scene = random_scene(9, 1);
+  const Cut cut = scene.cut();
+  Rounds rounds(cut, scene.hausd(), {});
+  for (Subdomain& s : rounds.subdomains()) {
+    meshing::TetMesh& mesh = *s.mesh;
+    for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+      mesh.set_flags(meshing::VertexId(i), mesh.flags(meshing::VertexId(i)) | kHasBeenFree);
+    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) mesh.set_quality(meshing::TetId(i), 0.9f);
+    EXPECT_TRUE(wanted(s, 0).empty());
+    for (std::uint32_t poor = 0; poor < mesh.tet_slots(); poor += 7) {
+      mesh.set_quality(meshing::TetId(poor), 0.3f);
+      const meshing::TetVertices at = mesh.vertices(meshing::TetId(poor));
+      std::set<GlobalId> near;
+      for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+        const meshing::TetVertices v = mesh.vertices(meshing::TetId(i));
+        if (std::find_first_of(v.begin(), v.end(), at.begin(), at.end()) == v.end()) continue;
+        for (std::uint32_t k = 0; k < s.interface.size(); ++k)
+          if (std::count(v.begin(), v.end(), s.interface.local(k))) near.insert(s.interface.id(k));
+      }
+      const std::vector<GlobalId> wants = wanted(s, kRoundsForQuality - 1);
+      EXPECT_EQ(wants, std::vector<GlobalId>(near.begin(), near.end()));
+      EXPECT_TRUE(wanted(s, kRoundsForQuality).empty());
+      mesh.set_quality(meshing::TetId(poor), 0.9f);
     }
   }
 }
