@@ -8,11 +8,37 @@
 #include "partition/graph_partition.h"
 #include "partition/ordered_cuts.h"
 #include "partition/slabs.h"
+#include "partition/thin_slabs.h"
 
 namespace weft::partition {
 
-std::vector<SubdomainId> decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
-                                   const Partitioner& partitioner) {
+namespace {
+
+Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
+                  std::uint32_t num_subdomains, const Partitioner& partitioner) {
+  const bool axes = partitioner.principal_axes;
+  Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, axes);
+  if (partitioner.thin) return {std::move(bricks.subdomains), {}};
+  const Slabs asked = bricks.slabs;
+  const Slabs left = worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
+  if (left == asked) return {std::move(bricks.subdomains), {}};
+  const std::uint64_t bricks_left = num_bricks(left);
+  bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, axes);
+  // Their numbers are spread over all, as subdomains are over the ranks.
+  for (SubdomainId& s : bricks.subdomains)
+    s = static_cast<SubdomainId>(std::uint64_t{s} * num_subdomains / bricks_left);
+  return {
+      std::move(bricks.subdomains),
+      fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of the "
+                  "vertices in interfaces, {6}x{7}x{8} are enough (`:thin` after the slabs keeps them)",
+                  num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
+                  100 * kMostShared, left[0], left[1], left[2])};
+}
+
+}  // namespace
+
+Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
+                        const Partitioner& partitioner) {
   if (num_subdomains == 0) throw std::invalid_argument("a mesh cannot be decomposed into 0 subdomains");
   const auto& slabs = partitioner.slabs;
   if (const std::uint64_t product = std::uint64_t{slabs[0]} * slabs[1] * slabs[2];
@@ -23,13 +49,13 @@ std::vector<SubdomainId> decompose(Peers& peers, const Items& items, std::uint32
   const WeightedItems weighted{items.centres, weights, items.numbers, items.cut_tensors};
   switch (partitioner.kind) {
     case Partitioner::Kind::pqr:
-      return pqr_decomposition(peers, weighted, num_subdomains, slabs, partitioner.principal_axes);
+      return pqr(peers, weighted, items, num_subdomains, partitioner);
     case Partitioner::Kind::graph:
-      return graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains);
+      return {graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains), {}};
     case Partitioner::Kind::bisection:
       break;
   }
-  return bisection(peers, weighted, num_subdomains);
+  return {bisection(peers, weighted, num_subdomains), {}};
 }
 
 }  // namespace weft::partition

@@ -111,8 +111,8 @@ double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& 
   return target;
 }
 
-std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
-                                         const DecompositionOptions& options) {
+Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
+                              const DecompositionOptions& options) {
   std::vector<double> work;
   std::vector<std::uint64_t> numbers;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
@@ -120,7 +120,8 @@ std::vector<SubdomainId> decompose_slice(Peers& peers, const MeshSlice& slice, c
     numbers.push_back(slice.first_tet + t);
   }
   return decompose(peers,
-                   {measures.centres, work, numbers, measures.cut_tensors, slice.tets, measures.face_areas},
+                   {measures.centres, work, numbers, measures.cut_tensors, slice.tets, measures.face_areas,
+                    measures.complexities},
                    options.num_subdomains, options.partitioner);
 }
 
@@ -185,9 +186,10 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
   slice.boundary = {};
   result.box = measures.box;
-  const std::vector<SubdomainId> subdomains = decompose_slice(peers, slice, measures, options);
+  const Decomposition decomposition = decompose_slice(peers, slice, measures, options);
 
-  const std::vector<TetRecord> mine = send_tets_home(peers, slice, subdomains, options.num_subdomains);
+  const std::vector<TetRecord> mine =
+      send_tets_home(peers, slice, decomposition.subdomains, options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
   const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options.ridge_angle_degrees);
@@ -203,6 +205,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   find_inner_patches(peers, boundary, result.starts, *geometry);
   mark_delicate(peers, result.starts);
   result.warnings = std::move(boundary.warnings);
+  if (!decomposition.warning.empty()) result.warnings.push_back(decomposition.warning);
   if (holders.used < slice.num_points)
     result.warnings.push_back(
         fmt::format("{} points that belong to no tet were dropped", slice.num_points - holders.used));

@@ -2,10 +2,10 @@
 #include "partition/dual_graph.h"
 
 #include <algorithm>
-#include <limits>
 #include <tuple>
 
 #include "meshing/tet_tables.h"
+#include "partition/tet_measures.h"
 
 namespace weft::partition {
 namespace {
@@ -32,15 +32,6 @@ std::vector<Face> sorted_faces(std::span<const DualVertex> tets) {
   return faces;
 }
 
-/// A triangle of unit edges has the area sqrt(3)/4, and a surface of them one vertex for two.
-double interface_vertices(const Face& a, const Face& b) {
-  constexpr double kUnitTriangle = 0.4330127018922193;
-  const auto usable = [](float area) {
-    return area > 0 ? std::min<double>(area, std::numeric_limits<float>::max()) : 0;
-  };
-  return 0.5 + 0.5 * (usable(a.area) + usable(b.area)) / (2 * kUnitTriangle);
-}
-
 }  // namespace
 
 DualGraph dual_graph(std::span<const DualVertex> tets) {
@@ -60,7 +51,7 @@ DualGraph dual_graph(std::span<const DualVertex> tets) {
   g.face_weights.resize(g.neighbours.size());
   std::vector<std::int32_t> next(g.begins.begin(), g.begins.end() - 1);
   for_each_shared([&](const Face& a, const Face& b) {
-    const double weight = interface_vertices(a, b);
+    const double weight = 0.5 + vertices_wanted(a.area, b.area);
     const auto add = [&](std::uint32_t from, std::uint32_t to) {
       const auto at = static_cast<std::size_t>(next[from]++);
       g.neighbours[at] = static_cast<std::int32_t>(to);

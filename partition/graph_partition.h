@@ -1,9 +1,7 @@
 // The graph partitioner: METIS on the dual graph of the tets.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "partition/global_id.h"
@@ -11,12 +9,6 @@
 #include "partition/weighted_items.h"
 
 namespace weft::partition {
-
-/// What the dual graph needs of each item.
-struct ItemFaces {
-  std::span<const std::array<std::uint32_t, 4>> vertices;  ///< numbered alike on all ranks
-  std::span<const std::array<float, 4>> areas;             ///< DualVertex::face_areas
-};
 
 /// Bisects the items until every part has at most `most_in_graph`; METIS then divides each part's dual graph
 /// into its share of the subdomains, so that interfaces have few vertices. The graphs are dealt out to the

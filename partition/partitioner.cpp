@@ -15,7 +15,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& text, const std::string& reason) {
   throw std::invalid_argument(fmt::format(
       "partitioner '{}': {} (allowed: bisection, graph, pqr, pqr:PxQxR with three numbers from 1, "
-      "each pqr also with :principal at the end)",
+      "each pqr also with :principal, :thin or :principal:thin at the end)",
       text, reason));
 }
 
@@ -46,11 +46,14 @@ std::array<std::uint32_t, 3> parse_slabs(const std::string& text, std::string_vi
 }
 
 Partitioner parse_pqr(const std::string& text, std::vector<std::string_view> options) {
-  Partitioner p{Partitioner::Kind::pqr, {}, false};
-  if (!options.empty() && options.back() == "principal") {
-    p.principal_axes = true;
-    options.pop_back();
-  }
+  Partitioner p{Partitioner::Kind::pqr, {}, false, false};
+  const auto take = [&](std::string_view name) {
+    const bool given = !options.empty() && options.back() == name;
+    if (given) options.pop_back();
+    return given;
+  };
+  p.thin = take("thin");
+  p.principal_axes = take("principal");
   if (options.size() > 1) refuse(text, fmt::format("'{}' is not known", options.back()));
   if (options.size() == 1) p.slabs = parse_slabs(text, options[0]);
   return p;
@@ -72,7 +75,7 @@ Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdoma
   }
   if (name != "bisection" && name != "graph") refuse(text, fmt::format("'{}' is not known", name));
   if (!parts.empty()) refuse(text, fmt::format("{} takes no options", name));
-  return {name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false};
+  return {name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false, false};
 }
 
 }  // namespace weft::partition

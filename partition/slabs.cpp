@@ -26,8 +26,8 @@ std::vector<Point> turned(std::span<const Point> points, const Axes& axes) {
 
 }  // namespace
 
-std::array<std::uint32_t, 3> suitable_slabs(std::uint32_t n, const Vec& sides) {
-  std::array<std::uint32_t, 3> best{n, 1, 1};
+Slabs suitable_slabs(std::uint32_t n, const Vec& sides) {
+  Slabs best{n, 1, 1};
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t p = n; p >= 1; --p) {
     if (n % p != 0) continue;
@@ -42,9 +42,8 @@ std::array<std::uint32_t, 3> suitable_slabs(std::uint32_t n, const Vec& sides) {
   return best;
 }
 
-std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& items,
-                                           std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
-                                           bool along_principal_axes) {
+Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
+                         bool along_principal_axes) {
   std::vector<std::uint32_t> groups(items.centres.size(), 0);
   const Axes axes =
       along_principal_axes ? principal_axes(covariances(peers, items, groups, 1)[0]) : kCartesian;
@@ -58,7 +57,7 @@ std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& it
     groups = cut_groups(peers, {keys, items.numbers, items.weights}, groups, {num_groups, equal});
     num_groups *= slabs[axis];
   }
-  return groups;
+  return {slabs, std::move(groups)};
 }
 
 Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,

@@ -13,12 +13,22 @@
 
 namespace weft::partition {
 
+/// P, Q, R.
+using Slabs = std::array<std::uint32_t, 3>;
+
+inline std::uint64_t num_bricks(const Slabs& slabs) { return std::uint64_t{slabs[0]} * slabs[1] * slabs[2]; }
+
+/// Items in bricks; part p, q, r is subdomain (p slabs[1] + q) slabs[2] + r.
+struct Bricks {
+  Slabs slabs;
+  std::vector<SubdomainId> subdomains;  ///< of each of this rank's items
+};
+
 /// Sorted along the first axis into slabs[0] parts of equal weight, each along the second into slabs[1], each
-/// along the third into slabs[2]; part p, q, r is subdomain (p slabs[1] + q) slabs[2] + r. Zero slabs: chosen
-/// so that `num_subdomains` bricks of the items' box have the least interface.
-std::vector<SubdomainId> pqr_decomposition(Peers& peers, const WeightedItems& items,
-                                           std::uint32_t num_subdomains, std::array<std::uint32_t, 3> slabs,
-                                           bool along_principal_axes);
+/// along the third into slabs[2]. Zero slabs: chosen so that `num_subdomains` bricks of the items' box have
+/// the least interface.
+Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
+                         bool along_principal_axes);
 
 /// Items in groups, each of which is to become one or more subdomains.
 struct Bisected {
@@ -37,6 +47,6 @@ std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std
 
 /// The P, Q, R of product `num_subdomains` that cut a box of these sides with the least area of interfaces;
 /// of equal ones that with the greatest P, then Q.
-std::array<std::uint32_t, 3> suitable_slabs(std::uint32_t num_subdomains, const meshing::Vec& sides);
+Slabs suitable_slabs(std::uint32_t num_subdomains, const meshing::Vec& sides);
 
 }  // namespace weft::partition

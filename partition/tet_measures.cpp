@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "meshing/tet_tables.h"
 
@@ -49,6 +50,14 @@ std::array<float, 4> face_areas(const TetCorners& tet, const SymTensor& inverse,
     areas[i] = static_cast<float>(scale * std::sqrt(std::max(0.0, squared_length(inverse, normal))));
   }
   return areas;
+}
+
+double vertices_wanted(float area, float other_area) {
+  constexpr double kUnitTriangle = 0.4330127018922193;  // sqrt(3)/4
+  const auto usable = [](float a) {
+    return a > 0 ? std::min<double>(a, std::numeric_limits<float>::max()) : 0;
+  };
+  return 0.5 * (usable(area) + usable(other_area)) / (2 * kUnitTriangle);
 }
 
 SymTensor cut_tensor(const TetCorners& tet, const SymTensor& inverse) {

@@ -16,6 +16,10 @@ meshing::SymTensor unit_inverse(const meshing::LogMetric& log_metric);
 /// Areas of the faces opposite each corner in M: `inverse` is its unit_inverse, `scale` det(M)^(1/3).
 std::array<float, 4> face_areas(const TetCorners& tet, const meshing::SymTensor& inverse, double scale);
 
+/// The number of vertices that the metric wants on a face, from what its two tets say of its area there (not
+/// positive or NaN: 0): the mean over that of two unit triangles, since a surface has two for a vertex.
+double vertices_wanted(float area, float other_area);
+
 /// T such that n.T.n is in proportion to the square of the metric area of a cut with normal n through a mesh
 /// of tets like this, per unit of area. A cut follows faces. Where the tet is equilateral these turn to all
 /// sides of the cut, so that the faces' metric areas squared, which are quadratic in their normals, are in

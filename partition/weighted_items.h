@@ -1,6 +1,7 @@
 // What the partitioners work on: tets as points with integer weights.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -15,6 +16,12 @@ struct WeightedItems {
   std::span<const std::uint64_t> weights;           ///< at least 1; all ranks' together below 2^62
   std::span<const std::uint64_t> numbers;           ///< different for each item of all ranks
   std::span<const meshing::SymTensor> cut_tensors;  ///< cut_tensor of each; not read by PQR
+};
+
+/// Where they meet each other.
+struct ItemFaces {
+  std::span<const std::array<std::uint32_t, 4>> vertices;  ///< numbered alike on all ranks
+  std::span<const std::array<float, 4>> areas;             ///< in the metric; face i is opposite vertex i
 };
 
 }  // namespace weft::partition

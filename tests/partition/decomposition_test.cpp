@@ -35,6 +35,7 @@ struct Whole {
   std::vector<SymTensor> cut_tensors;
   std::vector<std::array<std::uint32_t, 4>> vertices;
   std::vector<std::array<float, 4>> face_areas;
+  std::vector<double> complexities;
 };
 
 /// The work is what the metric asks for.
@@ -45,6 +46,7 @@ Whole whole_of(const MeshData& mesh, const std::function<Metric(const Point&)>& 
     w.centres.push_back(0.25 * (tet[0] + tet[1] + tet[2] + tet[3]));
     const Metric m = metric(w.centres.back());
     w.work.push_back(six_volume(tet[0], tet[1], tet[2], tet[3]) * std::sqrt(determinant(m)));
+    w.complexities.push_back(w.work.back() / 6);
     const SymTensor inverse = unit_inverse(log_of(m));
     w.cut_tensors.push_back(cut_tensor(tet, inverse));
     w.face_areas.push_back(face_areas(tet, inverse, std::cbrt(determinant(m))));
@@ -81,6 +83,7 @@ std::pair<Whole, std::vector<std::uint64_t>> dealt(const Peers& peers, const Who
     mine.cut_tensors.push_back(w.cut_tensors[i]);
     mine.vertices.push_back(w.vertices[i]);
     mine.face_areas.push_back(w.face_areas[i]);
+    mine.complexities.push_back(w.complexities[i]);
     numbers.push_back(i);
   }
   return {std::move(mine), std::move(numbers)};
@@ -91,10 +94,11 @@ std::vector<SubdomainId> decompose_on(int ranks, const Whole& w, std::uint32_t n
   std::vector<SubdomainId> all(w.work.size(), 0xFFFFFFFFu);
   support::run_ranks(ranks, [&](Peers& peers) {
     const auto [mine, numbers] = dealt(peers, w);
-    const auto found =
-        decompose(peers, {mine.centres, mine.work, numbers, mine.cut_tensors, mine.vertices, mine.face_areas},
-                  n, parse_partitioner(name, n));
-    for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
+    const Decomposition found = decompose(peers,
+                                          {mine.centres, mine.work, numbers, mine.cut_tensors, mine.vertices,
+                                           mine.face_areas, mine.complexities},
+                                          n, parse_partitioner(name, n));
+    for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found.subdomains[k];
   });
   return all;
 }
@@ -192,6 +196,18 @@ TEST(Pqr, SlabsAreSortedAlongTheirAxes) {
   expect_sorted(2, 1, 2);
 }
 
+TEST(Pqr, ThinSlabsAreFewerUnlessTheyAreToStay) {
+  Whole w = whole_of(support::unit_cube(6), [](const Point&) { return 400.0 * meshing::identity_tensor(); });
+  const auto number_of = [&](const std::string& name) {
+    const auto found = decompose_on(2, w, 30, name);
+    return std::set<SubdomainId>(found.begin(), found.end()).size();
+  };
+  EXPECT_EQ(number_of("pqr:30x1x1"), 8u);
+  EXPECT_EQ(number_of("pqr:30x1x1:thin"), 30u);
+  w.complexities.assign(w.work.size(), 1e9);
+  EXPECT_EQ(number_of("pqr:30x1x1"), 30u);
+}
+
 TEST(Pqr, RefusesSlabsOfAnotherProduct) {
   Alone alone;
   EXPECT_THROW(decompose(alone, {}, 5, parse_partitioner("pqr:2x2x2")), std::invalid_argument);
@@ -218,6 +234,7 @@ TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
   w.cut_tensors.assign(1000, meshing::identity_tensor());
   w.vertices.resize(1000);
   w.face_areas.resize(1000);
+  w.complexities.resize(1000);
   const auto subdomains = decompose_on(2, w, 2, "bisection");
   double least = 100, greatest = -100;
   for (std::size_t i = 0; i < 1000; ++i) {
@@ -364,6 +381,7 @@ TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {
   w.work.assign(200, 1);
   w.cut_tensors.assign(200, meshing::identity_tensor());
   w.face_areas.resize(200);
+  w.complexities.resize(200);
   for (const std::uint32_t n : {4u, 12u})
     for (const double load : loads(w, decompose_on(2, w, n, "graph"), n)) EXPECT_NEAR(load, 200.0 / n, 2);
 }

@@ -76,8 +76,20 @@ class Results(Subdomains):
                         "out.meshb", "--quiet")
             self.weft("verify", "out.meshb", "--against", "box.meshb")
 
+    def test_thin_slabs_are_fewer(self):
+        self.box(4)
+        for partitioner, fewer in (("pqr:20x1x1", True), ("pqr:20x1x1:thin", False)):
+            for ranks in (0, 2):
+                done = self.run_on(ranks, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", partitioner, "-o", "out.meshb")
+                self.assertEqual("12 of 20 subdomains stay empty" in done.stdout + done.stderr, fewer)
+                self.assertIn(f"20 subdomains by {partitioner}", done.stdout)
+                self.weft("verify", "out.meshb", "--against", "box.meshb")
+
     def test_as_many_subdomains_as_the_partitioner_says(self):
         self.box(4)
+        done = self.run_on(0, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", "bisection", "--threads", 2, "-o",
+                           "out.meshb")
+        self.assertIn("8 subdomains by bisection on 1 rank", done.stdout)
         done = self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", "pqr:3x1x1", "-o", "out.meshb")
         self.assertIn("3 subdomains by pqr:3x1x1 on 2 ranks", done.stdout)
 

@@ -134,12 +134,13 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
   constexpr const char* kGroup = "Subdomains";
   static const std::map<std::string, bool> connections = {{"points", false}, {"faces", true}};
   sub.add_option("--subdomains", request.subdomains,
-                 "adapt in N parts; default under mpirun: 4 for each thread, else the whole mesh")
+                 "adapt in N parts; default under mpirun or with --partitioner: its slabs, or 4 for each "
+                 "thread; else the whole mesh")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
   sub.add_option("--partitioner", request.partitioner,
-                 "graph (default), bisection, pqr:PxQxR or pqr:PxQxR:principal")
+                 "graph (default), bisection, or slabs: pqr:PxQxR[:principal][:thin]")
       ->type_name("NAME")
       ->group(kGroup);
   static const std::map<std::string, bool> shares = {{"work", false}, {"tets", true}};

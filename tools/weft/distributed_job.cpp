@@ -47,6 +47,10 @@ using graph::adaptation::DistributedResult;
 using graph::adaptation::EnginePeers;
 using graph::adaptation::RankData;
 
+std::string partitioner_of(const SubdomainRequest& request) {
+  return request.partitioner.empty() ? "graph" : request.partitioner;
+}
+
 /// One run on one rank. All ranks do the same steps; only rank 0 says anything.
 class DistributedJob {
  public:
@@ -146,7 +150,8 @@ class DistributedJob {
   std::uint32_t number_of_subdomains() const {
     constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
     if (subdomains_.subdomains > 0) return subdomains_.subdomains;
-    const std::array<std::uint32_t, 3> slabs = partition::parse_partitioner(subdomains_.partitioner).slabs;
+    const std::array<std::uint32_t, 3> slabs =
+        partition::parse_partitioner(partitioner_of(subdomains_)).slabs;
     if (slabs[0] > 0) return slabs[0] * slabs[1] * slabs[2];
     return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * request_.options.threads);
   }
@@ -155,7 +160,7 @@ class DistributedJob {
     graph::adaptation::DistributedOptions options;
     options.decomposition.num_subdomains = number_of_subdomains();
     options.decomposition.partitioner =
-        partition::parse_partitioner(subdomains_.partitioner, options.decomposition.num_subdomains);
+        partition::parse_partitioner(partitioner_of(subdomains_), options.decomposition.num_subdomains);
     options.decomposition.equal_tets = subdomains_.equal_tets;
     options.decomposition.ridge_angle_degrees = request_.options.ridge_angle_degrees;
     options.decomposition.target_complexity = input.target_complexity;
@@ -205,7 +210,7 @@ class DistributedJob {
     SubdomainAccount account = account_for(log, std::move(summaries), all);
     account.subdomains = options.decomposition.num_subdomains;
     account.ranks = runtime_->ranks();
-    account.partitioner = subdomains_.partitioner;
+    account.partitioner = partitioner_of(subdomains_);
     account.layers = options.shift.layers;
     account.decomposition_seconds = result_.decomposition_seconds;
     account.adaptation_seconds = result_.adaptation_seconds;
@@ -337,12 +342,12 @@ int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains,
 }  // namespace
 
 bool in_subdomains(const SubdomainRequest& request) {
-  return request.subdomains > 0 || engine::under_mpirun();
+  return request.subdomains > 0 || !request.partitioner.empty() || engine::under_mpirun();
 }
 
 int run_in_subdomains(const AdaptRequest& request, const SubdomainRequest& subdomains, bool quiet) {
   try {
-    partition::parse_partitioner(subdomains.partitioner, subdomains.subdomains);
+    partition::parse_partitioner(partitioner_of(subdomains), subdomains.subdomains);
   } catch (const std::invalid_argument& error) {
     throw CLI::ValidationError("--partitioner", error.what());
   }

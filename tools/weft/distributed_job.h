@@ -9,8 +9,8 @@ namespace weft::tools {
 
 /// What `weft adapt` is told beside an AdaptRequest when it works in subdomains.
 struct SubdomainRequest {
-  std::uint32_t subdomains = 0;  ///< 0: not asked for; then under mpirun a few for each thread
-  std::string partitioner = "graph";
+  std::uint32_t subdomains = 0;  ///< 0: not asked for; then the partitioner's slabs or a few for each thread
+  std::string partitioner;       ///< empty: not asked for; then graph
   bool equal_tets = false;
   int layers = 2;
   bool by_faces = false;
@@ -20,7 +20,7 @@ struct SubdomainRequest {
   std::string balancer = "stealing";
 };
 
-/// Whether this run works in subdomains: it was asked to, or there are several ranks.
+/// Whether this run works in subdomains: it was asked to, or to partition, or is under mpirun.
 bool in_subdomains(const SubdomainRequest& request);
 
 /// Runs the adaptation on all ranks, writes the result, and prints errors and (unless `quiet`) the summary on
