@@ -46,7 +46,7 @@ Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subd
     throw std::invalid_argument(fmt::format("a decomposition into {}x{}x{} slabs has {} subdomains, not {}",
                                             slabs[0], slabs[1], slabs[2], product, num_subdomains));
   const std::vector<std::uint64_t> weights = integer_weights(peers, items.work);
-  const WeightedItems weighted{items.centres, weights, items.numbers, items.cut_tensors};
+  const WeightedItems weighted{items.centres, items.corners, weights, items.numbers, items.cut_tensors};
   switch (partitioner.kind) {
     case Partitioner::Kind::pqr:
       return pqr(peers, weighted, items, num_subdomains, partitioner);

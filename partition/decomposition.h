@@ -12,12 +12,14 @@
 #include "partition/global_id.h"
 #include "partition/partitioner.h"
 #include "partition/peers.h"
+#include "partition/tet_measures.h"
 
 namespace weft::partition {
 
 /// This rank's tets, one entry each in every array.
 struct Items {
   std::span<const meshing::Point> centres;
+  std::span<const TetCorners> corners;
   std::span<const double> work;                            ///< any unit; negative and NaN count as 0
   std::span<const std::uint64_t> numbers;                  ///< in the whole input; settle ties
   std::span<const meshing::SymTensor> cut_tensors;         ///< cut_tensor of each

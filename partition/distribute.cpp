@@ -57,6 +57,7 @@ class TetPoints {
 /// What the decomposition wants to know of the slice's tets.
 struct TetMeasures {
   std::vector<Point> centres;
+  std::vector<TetCorners> corners;
   std::vector<double> complexities;
   std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
   std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
@@ -77,6 +78,7 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
     const meshing::SymTensor inverse = unit_inverse(mean);
     m.cut_tensors.push_back(cut_tensor(corners, inverse));
     m.face_areas.push_back(face_areas(corners, inverse, std::exp(trace(mean) / 3)));
+    m.corners.push_back(corners);
     m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
   }
   std::vector<Point> all;
@@ -120,8 +122,8 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMea
     numbers.push_back(slice.first_tet + t);
   }
   return decompose(peers,
-                   {measures.centres, work, numbers, measures.cut_tensors, slice.tets, measures.face_areas,
-                    measures.complexities},
+                   {measures.centres, measures.corners, work, numbers, measures.cut_tensors, slice.tets,
+                    measures.face_areas, measures.complexities},
                    options.num_subdomains, options.partitioner);
 }
 

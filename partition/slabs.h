@@ -24,9 +24,9 @@ struct Bricks {
   std::vector<SubdomainId> subdomains;  ///< of each of this rank's items
 };
 
-/// Sorted along the first axis into slabs[0] parts of equal weight, each along the second into slabs[1], each
-/// along the third into slabs[2]. Zero slabs: chosen so that `num_subdomains` bricks of the items' box have
-/// the least interface.
+/// Sorted by how far they reach along the first axis into slabs[0] parts of equal weight, each along the
+/// second into slabs[1], each along the third into slabs[2]. Zero slabs: chosen so that `num_subdomains`
+/// bricks of the items' box have the least interface.
 Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
                          bool along_principal_axes);
 
@@ -36,9 +36,9 @@ struct Bisected {
   std::vector<std::uint32_t> sizes;   ///< subdomains of each group; they are numbered on through the groups
 };
 
-/// Halves (as nearly as the number of subdomains allows) the groups of more than one subdomain for which
-/// cut(number of items, number of subdomains) holds, across the axis that is longest in wanted sizes
-/// (cutting_axis).
+/// By how far items reach, halves (as nearly as the number of subdomains allows) the groups of more than one
+/// subdomain for which cut(number of items, number of subdomains) holds, across the axis that is longest in
+/// wanted sizes (cutting_axis).
 Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
                 const std::function<bool(std::uint64_t, std::uint32_t)>& cut);
 

@@ -64,7 +64,7 @@ SymTensor cut_tensor(const TetCorners& tet, const SymTensor& inverse) {
   const auto usable = [](const SymTensor& t) { return trace(t) > 0 && std::isfinite(trace(t)); };
   const SymTensor implied = implied_inverse(tet);
   if (!usable(inverse)) return meshing::identity_tensor();
-  const SymTensor isotropic = trace_of_quotient(inverse, implied) * implied;
+  const SymTensor isotropic = 0.5 * trace_of_quotient(inverse, implied) * implied;
   return usable(isotropic) ? inverse + isotropic : inverse;
 }
 

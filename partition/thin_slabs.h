@@ -20,9 +20,9 @@ namespace weft::partition {
 Slabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span<const double> complexities,
                        const Bricks& bricks);
 
-/// As many as the graph partitioner's 128 subdomains of 8,000 vertices share. (With 0.08 there are 8 or 9
-/// slabs of a million vertices instead of 14 or 16, and what is not done twice the ranks spend waiting.)
-constexpr double kMostShared = 0.15;
+/// Of a million vertices that leaves 12 or 13 slabs. With 18 or 20 all is within layers of an interface, with
+/// 8 or 9 the ranks wait for each other.
+constexpr double kMostShared = 0.1;
 
 /// Along an axis: half as many again as of cubes of this number of subdomains, but 8 at least. What is left
 /// out is thin by its shape; small bricks that are nearly cubes are small because that is what was asked for.

@@ -7,12 +7,14 @@
 
 #include "meshing/metric.h"
 #include "meshing/point.h"
+#include "partition/tet_measures.h"
 
 namespace weft::partition {
 
 /// This rank's tets, one entry each in every array.
 struct WeightedItems {
   std::span<const meshing::Point> centres;
+  std::span<const TetCorners> corners;
   std::span<const std::uint64_t> weights;           ///< at least 1; all ranks' together below 2^62
   std::span<const std::uint64_t> numbers;           ///< different for each item of all ranks
   std::span<const meshing::SymTensor> cut_tensors;  ///< cut_tensor of each; not read by PQR

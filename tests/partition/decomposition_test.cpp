@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "meshing/structured_box.h"
 #include "partition/dual_graph.h"
 #include "partition/graph_partition.h"
 #include "partition/inertia.h"
@@ -31,6 +32,7 @@ using meshing::SymTensor;
 /// All items of a case.
 struct Whole {
   std::vector<Point> centres;
+  std::vector<TetCorners> corners;
   std::vector<double> work;
   std::vector<SymTensor> cut_tensors;
   std::vector<std::array<std::uint32_t, 4>> vertices;
@@ -43,6 +45,7 @@ Whole whole_of(const MeshData& mesh, const std::function<Metric(const Point&)>& 
   Whole w;
   for (const auto& t : mesh.tets) {
     const TetCorners tet{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]};
+    w.corners.push_back(tet);
     w.centres.push_back(0.25 * (tet[0] + tet[1] + tet[2] + tet[3]));
     const Metric m = metric(w.centres.back());
     w.work.push_back(six_volume(tet[0], tet[1], tet[2], tet[3]) * std::sqrt(determinant(m)));
@@ -79,6 +82,7 @@ std::pair<Whole, std::vector<std::uint64_t>> dealt(const Peers& peers, const Who
   for (std::size_t i = 0; i < w.work.size(); ++i) {
     if (static_cast<int>(i / 3 % 17) % peers.ranks() != peers.rank()) continue;
     mine.centres.push_back(w.centres[i]);
+    mine.corners.push_back(w.corners[i]);
     mine.work.push_back(w.work[i]);
     mine.cut_tensors.push_back(w.cut_tensors[i]);
     mine.vertices.push_back(w.vertices[i]);
@@ -95,8 +99,8 @@ std::vector<SubdomainId> decompose_on(int ranks, const Whole& w, std::uint32_t n
   support::run_ranks(ranks, [&](Peers& peers) {
     const auto [mine, numbers] = dealt(peers, w);
     const Decomposition found = decompose(peers,
-                                          {mine.centres, mine.work, numbers, mine.cut_tensors, mine.vertices,
-                                           mine.face_areas, mine.complexities},
+                                          {mine.centres, mine.corners, mine.work, numbers, mine.cut_tensors,
+                                           mine.vertices, mine.face_areas, mine.complexities},
                                           n, parse_partitioner(name, n));
     for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found.subdomains[k];
   });
@@ -159,7 +163,9 @@ TEST_P(Partitioners, LeaveSubdomainsEmptyWhereTetsAreFew) {
 
 TEST_P(Partitioners, CutTetsThatAllLieInOnePlace) {
   Whole w = random_whole(3, 6);
-  std::fill(w.centres.begin(), w.centres.end(), Point{0.25, -1, 3});
+  const Point place{0.25, -1, 3};
+  std::fill(w.centres.begin(), w.centres.end(), place);
+  std::fill(w.corners.begin(), w.corners.end(), TetCorners{place, place, place, place});
   std::fill(w.work.begin(), w.work.end(), 2.0);
   std::vector<std::uint32_t> counts(6, 0);
   for (const SubdomainId s : decompose_on(4, w, 6, GetParam())) ++counts[s];
@@ -184,7 +190,8 @@ TEST(Pqr, SlabsAreSortedAlongTheirAxes) {
   const auto expect_sorted = [&](int axis, std::uint32_t parts_below, std::uint32_t siblings) {
     std::map<std::uint32_t, std::pair<double, double>> bounds;
     for (std::size_t i = 0; i < subdomains.size(); ++i) {
-      const double x = w.centres[i][axis];
+      double x = w.corners[i][0][axis];
+      for (const Point& p : w.corners[i]) x = std::max(x, p[axis]);
       auto& [lo, hi] = bounds.try_emplace(subdomains[i] / parts_below, x, x).first->second;
       lo = std::min(lo, x), hi = std::max(hi, x);
     }
@@ -228,7 +235,9 @@ TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
   Whole w;
   for (int i = 0; i < 1000; ++i) {
     const double s = 10 * unit(random);
-    w.centres.push_back({s + unit(random), s + unit(random), unit(random)});
+    const Point p{s + unit(random), s + unit(random), unit(random)};
+    w.centres.push_back(p);
+    w.corners.push_back({p, p, p, p});
   }
   w.work.assign(1000, 1);
   w.cut_tensors.assign(1000, meshing::identity_tensor());
@@ -258,7 +267,7 @@ TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
   Alone alone;
   const std::vector<std::uint64_t> weights(points.size(), std::uint64_t{1} << 40), numbers(points.size());
   const std::vector<std::uint32_t> groups(points.size(), 0);
-  const Axes found = principal_axes(covariances(alone, {points, weights, numbers, {}}, groups, 1)[0]);
+  const Axes found = principal_axes(covariances(alone, {points, {}, weights, numbers, {}}, groups, 1)[0]);
   for (int i = 0; i < 3; ++i) EXPECT_GT(dot(found[i], expected[i]), 0.999) << i;
 }
 
@@ -309,19 +318,44 @@ TEST(Interfaces, AreSmall) {
     EXPECT_LT(interface_area(w, decompose_on(3, w, 8, name)), 2 * 3.0) << name;
 }
 
-// Sizes of 0.001 to 0.1 across a layer round the z axis, up to 0.1 along it.
-TEST(Interfaces, AvoidWhatTheMetricMakesLarge) {
+/// Items whose partitioners are told that all sizes are equal.
+Whole blind_to_sizes(Whole w) {
+  for (auto& areas : w.face_areas) areas.fill(1);
+  for (auto& tensor : w.cut_tensors) tensor = meshing::identity_tensor();
+  return w;
+}
+
+MeshData jittered_cube() {
   MeshData mesh = support::unit_cube(16);
   support::jitter_interior(mesh, 0.015, 4);
   support::shuffle(mesh, 4);
-  const Whole w = whole_of(mesh, meshing::AnalyticMetric("polar-2"));
-  Whole blind = w;
-  for (auto& areas : blind.face_areas) areas.fill(1);
-  for (auto& tensor : blind.cut_tensors) tensor = meshing::identity_tensor();
-  for (const char* name : {"bisection", "graph"})
-    EXPECT_LT(interface_area(w, decompose_on(2, w, 16, name)),
-              0.9 * interface_area(w, decompose_on(2, blind, 16, name)))
-        << name;
+  return mesh;
+}
+
+// A box of 0.6 x 1 x 1 that is 60 x 10 x 10 in wanted sizes, as its cells are.
+TEST(Interfaces, AvoidWhatTheMetricMakesLarge) {
+  MeshData mesh = meshing::structured_box({{48, 8, 8}, {0, 0, 0}, {0.6, 1, 1}});
+  support::shuffle(mesh, 5);
+  const Whole w = whole_of(mesh, [](const Point&) { return SymTensor{1e4, 0, 100, 0, 0, 100}; });
+  const Whole blind = blind_to_sizes(w);
+  for (const auto& [name, share] : {std::pair("bisection", 0.7), std::pair("graph", 0.95)}) {
+    const double area = interface_area(w, decompose_on(2, w, 8, name));
+    EXPECT_LT(area, share * interface_area(w, decompose_on(2, blind, 8, name))) << name;
+    EXPECT_LT(area, 1.2 * 7 * 100) << name;
+  }
+}
+
+// Sizes of 0.001 to 0.1 across a layer round the z axis, up to 0.1 along it: along the layer faces do better
+// than any plane.
+TEST(Interfaces, FollowFacesAlongALayer) {
+  const Whole w = whole_of(jittered_cube(), meshing::AnalyticMetric("polar-2"));
+  const Whole blind = blind_to_sizes(w);
+  for (const std::uint32_t n : {8u, 16u, 32u}) {
+    EXPECT_LT(interface_area(w, decompose_on(2, w, n, "graph")),
+              0.75 * interface_area(w, decompose_on(2, blind, n, "graph")));
+    EXPECT_LT(interface_area(w, decompose_on(2, w, n, "bisection")),
+              1.05 * interface_area(w, decompose_on(2, blind, n, "bisection")));
+  }
 }
 
 TEST(GraphPartition, BisectsWhatIsTooLargeForAGraph) {
@@ -333,8 +367,9 @@ TEST(GraphPartition, BisectsWhatIsTooLargeForAGraph) {
     support::run_ranks(ranks, [&](Peers& peers) {
       const auto [mine, numbers] = dealt(peers, w);
       const std::vector<std::uint64_t> weights = integer_weights(peers, mine.work);
-      const auto found = graph_partition(peers, {mine.centres, weights, numbers, mine.cut_tensors},
-                                         {mine.vertices, mine.face_areas}, n, most);
+      const auto found =
+          graph_partition(peers, {mine.centres, mine.corners, weights, numbers, mine.cut_tensors},
+                          {mine.vertices, mine.face_areas}, n, most);
       for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
     });
     return all;
@@ -375,7 +410,9 @@ TEST(DualGraph, LeavesOutTheThirdTetAtAFace) {
 TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {
   Whole w;
   for (std::uint32_t i = 0; i < 200; ++i) {
-    w.centres.push_back({static_cast<double>(i), 0, 0});
+    const Point p{static_cast<double>(i), 0, 0};
+    w.centres.push_back(p);
+    w.corners.push_back({p, p, p, p});
     w.vertices.push_back({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
   }
   w.work.assign(200, 1);
