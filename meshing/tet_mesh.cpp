@@ -68,7 +68,8 @@ std::uint32_t TetMesh::take_tet_slots(std::uint32_t count) {
 }
 
 CurveId TetMesh::curve(VertexId a, VertexId b) const {
-  if (std::min(kind(a), kind(b)) < VertexKind::ridge) return {};  // most edges; the table is slow
+  if (std::min(kind(a), kind(b)) < VertexKind::ridge)
+    return {};  // only ridge vertices and corners; the table is slow
   decltype(curves_)::const_accessor found;
   return curves_.find(found, edge_key(a, b)) ? CurveId(found->second) : CurveId();
 }

@@ -88,6 +88,8 @@ TEST(TetMesh, MarksAreTakenOnceAndOneByOne) {
 
 TEST(TetMesh, FeatureEdgesAreFoundFromBothEnds) {
   TetMesh mesh(10, 10);
+  mesh.set_kind(VertexId(2), VertexKind::corner);
+  mesh.set_kind(VertexId(7), VertexKind::ridge);
   mesh.set_curve(VertexId(7), VertexId(2), CurveId(3));
   EXPECT_EQ(mesh.curve(VertexId(2), VertexId(7)), CurveId(3));
   EXPECT_EQ(mesh.curve(VertexId(7), VertexId(2)), CurveId(3));

@@ -134,8 +134,7 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
   constexpr const char* kGroup = "Subdomains";
   static const std::map<std::string, bool> connections = {{"points", false}, {"faces", true}};
   sub.add_option("--subdomains", request.subdomains,
-                 "adapt in N parts; default under mpirun or with --partitioner: its slabs, or 4 for each "
-                 "thread; else the whole mesh")
+                 "adapt in N parts; else under mpirun or with --partitioner 4 for each thread")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
