@@ -41,8 +41,7 @@ Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subd
                         const Partitioner& partitioner) {
   if (num_subdomains == 0) throw std::invalid_argument("a mesh cannot be decomposed into 0 subdomains");
   const auto& slabs = partitioner.slabs;
-  if (const std::uint64_t product = std::uint64_t{slabs[0]} * slabs[1] * slabs[2];
-      product != 0 && product != num_subdomains)
+  if (const std::uint64_t product = num_bricks(slabs); product != 0 && product != num_subdomains)
     throw std::invalid_argument(fmt::format("a decomposition into {}x{}x{} slabs has {} subdomains, not {}",
                                             slabs[0], slabs[1], slabs[2], product, num_subdomains));
   const std::vector<std::uint64_t> weights = integer_weights(peers, items.work);
