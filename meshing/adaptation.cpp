@@ -186,12 +186,12 @@ class Adaptation {
     });
   }
 
-  /// Tets at frozen vertices are left to the adaptation that finds them thawed: among them are those that the
-  /// frozen boundary makes poor whatever is done (a fifth of the time, 77,000 changes in vain, on cube-polar2
-  /// to 500,000 in 128 subdomains).
+  /// Tets at frozen vertices can be left to the adaptation that finds them thawed: among them are those that
+  /// the frozen boundary makes poor whatever is done (a fifth of the time, 77,000 changes in vain, on
+  /// cube-polar2 to 500,000 in 128 subdomains).
   void improve_quality() {
     constexpr int kMostRounds = 6;
-    if (extent_ == Extent::everything) mesh_.set_frozen_are_untouchable(true);
+    if (!options_.repair_at_frozen) mesh_.set_frozen_are_untouchable(true);
     mesh_.set_metric_mean(MetricMean::log_euclidean);
     for_all_tets([&](TetId t) { mark_if_poor(t); });
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {

@@ -33,16 +33,19 @@ class Count {
     const TetVertices v = mesh_.vertices(t);
     std::array<bool, 4> flagged;
     for (int i = 0; i < 4; ++i) flagged[i] = mesh_.flags(v[i]) & flags_;
-    const bool any = flagged[0] || flagged[1] || flagged[2] || flagged[3];
+    const bool any = flagged[0] | flagged[1] | flagged[2] | flagged[3];
     Nonconforming& part = any ? found.parts.flagged : found.parts.plain;
     ++part.tets;
     part.poor_tets += mesh_.quality(t) < kPoorQuality;
+    if (!(in_sample(v[0]) | in_sample(v[1]) | in_sample(v[2]) | in_sample(v[3]))) return;
     for (const auto& e : kTetEdges)
-      if ((std::min(v[e[0]].value, v[e[1]].value) & left_out_) == 0)
+      if (in_sample(std::min(v[e[0]], v[e[1]])))
         look_at(v[e[0]], v[e[1]], flagged[e[0]] || flagged[e[1]], found);
   }
 
  private:
+  bool in_sample(VertexId v) const { return (v.value & left_out_) == 0; }
+
   /// Nearly all edges are unit by the metrics of both ends: then no mean need be taken, nor a root.
   void look_at(VertexId a, VertexId b, bool flagged, Found& found) const {
     const Vec v = mesh_.point(b) - mesh_.point(a);

@@ -1,6 +1,9 @@
 // The kernel called on a subdomain.
 #include "partition/adapt_subdomain.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace weft::partition {
 
 using meshing::TetId;
@@ -44,8 +47,9 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
 }
 
 meshing::NonconformingParts count_nonconforming(const Subdomain& s) {
-  constexpr std::uint32_t kOneVertexIn = 8;
-  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface, kOneVertexIn);
+  constexpr std::uint32_t kSample = 256;  // vertices: about two thousand edges
+  const std::uint32_t one_in = std::bit_floor(std::max(s.mesh->vertex_slots() / kSample, 1u));
+  return meshing::count_nonconforming(*s.mesh, meshing::kFrozen | kWasInterface, one_in);
 }
 
 }  // namespace weft::partition

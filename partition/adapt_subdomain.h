@@ -17,7 +17,7 @@ meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surfac
                                      const meshing::BeforeLevel& before_level = {});
 
 /// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has
-/// been one of an interface. Cheap: tets are counted, edges estimated from an eighth of the vertices.
+/// been one of an interface. Cheap: tets are counted, edges estimated from those of 256 to 511 vertices.
 meshing::NonconformingParts count_nonconforming(const Subdomain& subdomain);
 
 }  // namespace weft::partition

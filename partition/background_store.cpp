@@ -121,6 +121,7 @@ void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>
   Adjacency adjacency;
   std::vector<OpenFace> open;
   if (background_) adjacency = background_->release_adjacency();
+  make_room(pieces, adjacency);
   for (const auto& piece : pieces) {
     if (has(piece->id)) continue;
     place_.emplace(piece->id, static_cast<std::uint32_t>(mesh_->tets.size()));
@@ -132,6 +133,22 @@ void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>
   }
   join_faces(std::move(open), adjacency);
   background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
+}
+
+/// What arrives in all shifts is mostly less than what was there first. (Pages that nobody writes to take no
+/// memory.)
+void BackgroundStore::make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
+                                Adjacency& adjacency) {
+  std::size_t points = mesh_->points.size(), tets = mesh_->tets.size();
+  for (const auto& piece : pieces) points += piece->points.size(), tets += piece->tets.size();
+  if (points > mesh_->points.capacity()) {
+    mesh_->points.reserve(2 * points);
+    log_metrics_->reserve(2 * points);
+  }
+  if (tets > mesh_->tets.capacity()) {
+    mesh_->tets.reserve(2 * tets);
+    adjacency.neighbours.reserve(2 * tets);
+  }
 }
 
 void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency) {

@@ -89,6 +89,8 @@ class BackgroundStore {
  private:
   using OpenFace = BackgroundPiece::OpenFace;
 
+  void make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
+                 meshing::Adjacency& adjacency);
   void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
   void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
 

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 
+#include "partition/tets_at.h"
+
 namespace weft::partition {
 
 using meshing::TetFace;
 using meshing::TetId;
+using meshing::TetVertices;
 using meshing::VertexId;
 
 Choice::Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals)
@@ -71,14 +74,11 @@ bool Choice::seed(std::span<const GlobalId> wanted) {
 /// Every tet that has no subdomain yet takes the first among its vertices'.
 void Choice::take_at_vertices() {
   taken_.clear();
-  for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
-    if (tet_[i] != kNobody || !mesh_.alive(TetId(i))) continue;
-    Rank first = kNobody;
-    for (const VertexId v : mesh_.vertices(TetId(i))) first = std::max(first, vertex_[v.value]);
-    if (first == kNobody) continue;
-    tet_[i] = first;
-    taken_.push_back(i);
-  }
+  for_each_tet_at(mesh_, vertex_, [&](TetId t, const TetVertices& vertices) {
+    if (tet_[t.value] != kNobody) return;
+    for (const VertexId v : vertices) tet_[t.value] = std::max(tet_[t.value], vertex_[v.value]);
+    taken_.push_back(t.value);
+  });
 }
 
 /// Vertices without a subdomain take the first among the tets that were taken last.

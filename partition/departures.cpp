@@ -5,6 +5,8 @@
 #include <span>
 #include <unordered_set>
 
+#include "partition/tets_at.h"
+
 namespace weft::partition {
 
 using meshing::TetFace;
@@ -23,6 +25,8 @@ class Targets {
       : interface_index_(interface_index), last_(vertex_slots, kNobody), several_(vertex_slots, 0) {}
 
   bool known(VertexId v) const { return last_[v.value] != kNobody; }
+  /// By slot: kNobody where not known.
+  const std::vector<Rank>& last() const { return last_; }
 
   void note(VertexId v, Rank to) {
     Rank& last = last_[v.value];  // neighbours in the arrays mostly go the same way
@@ -69,13 +73,12 @@ void forget_features(TetMesh& mesh, const std::vector<std::uint32_t>& vertices) 
   std::unordered_set<std::uint64_t> absent;
   for (const TetMesh::FeatureEdge& e : mesh.feature_edges())
     if (candidate[e.a.value] && candidate[e.b.value]) absent.insert(edge_key(e.a, e.b));
-  for (std::uint32_t i = 0; i < mesh.tet_slots() && !absent.empty(); ++i) {
-    const TetVertices v = mesh.vertices(TetId(i));
-    if (candidate[v[0].value] + candidate[v[1].value] + candidate[v[2].value] + candidate[v[3].value] < 2 ||
-        !mesh.alive(TetId(i)))
-      continue;
+  if (absent.empty()) return;
+  for_each_tet_at(mesh, candidate, [&](TetId, const TetVertices& v) {
+    if (candidate[v[0].value] + candidate[v[1].value] + candidate[v[2].value] + candidate[v[3].value] < 2)
+      return;
     for (const auto& e : meshing::kTetEdges) absent.erase(edge_key(v[e[0]], v[e[1]]));
-  }
+  });
   for (const std::uint64_t key : absent)
     mesh.set_curve(VertexId(static_cast<std::uint32_t>(key >> 32)), VertexId(static_cast<std::uint32_t>(key)),
                    meshing::CurveId());
@@ -91,15 +94,14 @@ Departures find_departures(const Subdomain& s, const Choice& choice, const Chose
   for (const TetId t : chosen.leaving)
     for (const VertexId v : mesh.vertices(t)) targets.note(v, chosen.to[t.value]);
   departures.staying.resize(mesh.vertex_slots());
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    const TetId t(i);
-    if (chosen.leaves(t) || !mesh.alive(t)) continue;
-    for (const VertexId v : mesh.vertices(t)) {
+  for_each_tet_at(mesh, targets.last(), [&](TetId t, const TetVertices& vertices) {
+    if (chosen.leaves(t)) return;
+    for (const VertexId v : vertices) {
       if (!targets.known(v)) continue;
       targets.note(v, choice.self());
       departures.staying[v.value] = t;
     }
-  }
+  });
   departures.vertices = targets.take_vertices();
   for (const Targets::Found& found : targets.found())
     departures.of_interface.push_back(

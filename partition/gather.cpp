@@ -3,6 +3,7 @@
 
 #include "partition/packing.h"
 #include "partition/shift.h"
+#include "partition/tets_at.h"
 
 namespace weft::partition {
 
@@ -26,12 +27,9 @@ std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
     }
   if (!any) return at;
   std::vector<std::uint8_t> near = at;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    if (!mesh.alive(TetId(i))) continue;
-    const meshing::TetVertices vertices = mesh.vertices(TetId(i));
-    if (std::any_of(vertices.begin(), vertices.end(), [&](VertexId v) { return at[v.value]; }))
-      for (const VertexId v : vertices) near[v.value] = 1;
-  }
+  for_each_tet_at(mesh, at, [&](TetId, const meshing::TetVertices& vertices) {
+    for (const VertexId v : vertices) near[v.value] = 1;
+  });
   return near;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "partition/shift.h"
+#include "partition/tets_at.h"
 
 namespace weft::partition {
 
@@ -138,15 +139,15 @@ class Joining {
     std::vector<std::uint8_t> met(mesh_.vertex_slots(), 0);
     for (const Named& n : named_) met[n.vertex.value] = n.met;
     std::vector<OpenFace> open;
-    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
-      if (mesh_.alive(TetId(i))) add_open_faces(TetId(i), met, open);
+    for_each_tet_at(mesh_, met,
+                    [&](TetId t, const TetVertices& vertices) { add_open_faces(t, vertices, met, open); });
     std::sort(open.begin(), open.end());
     for (std::size_t i = 1; i < open.size(); ++i)
       if (open[i] == open[i - 1]) mesh_.glue(open[i].face, open[i - 1].face);
   }
 
-  void add_open_faces(TetId t, const std::vector<std::uint8_t>& met, std::vector<OpenFace>& open) const {
-    const TetVertices v = mesh_.vertices(t);
+  void add_open_faces(TetId t, const TetVertices& v, const std::vector<std::uint8_t>& met,
+                      std::vector<OpenFace>& open) const {
     std::array<std::uint8_t, 4> is_met;
     for (std::size_t i = 0; i < 4; ++i) is_met[i] = met[v[i].value];
     if (is_met[0] + is_met[1] + is_met[2] + is_met[3] < 3) return;
@@ -190,14 +191,16 @@ void for_each_vertex(std::span<const Holder> lines, F f) {
 /// theirs.
 class NewHolders {
  public:
-  NewHolders(const Subdomain& s, std::span<const Parcel> parcels) : s_(s), mentioned_(s.interface.size(), 0) {
-    std::vector<std::vector<Holder>> runs{s.departures};
-    for (const Parcel& p : parcels) runs.push_back(p.now);
-    for (const auto& run : runs) mention(run);
-    std::vector<Holder>& stayed = runs.emplace_back();
-    for (std::uint32_t i = 0; i < s.interface.size(); ++i)
-      if (mentioned_[i]) add_those_who_stayed(i, parcels, stayed);
-    lines_ = merge_unique(std::move(runs));
+  NewHolders(const Subdomain& s, std::span<const Parcel> parcels)
+      : s_(s), mentioned_(s.interface.size(), 0), silent_(s.interface.lines().size(), 1) {
+    std::vector<std::vector<Holder>> said{s.departures};
+    mention(s.departures, s.id);
+    for (const Parcel& p : parcels) {
+      said.push_back(p.now);
+      mention(p.now, p.from);
+    }
+    said.push_back(those_who_stayed());
+    lines_ = merge_unique(std::move(said));
   }
 
   std::span<const Holder> lines() const { return lines_; }
@@ -209,34 +212,45 @@ class NewHolders {
   }
 
  private:
-  void mention(std::span<const Holder> lines) {
+  /// Notes of which vertices `from` says something.
+  void mention(std::span<const Holder> lines, SubdomainId from) {
     AscendingFinder finder(s_.interface);
-    for (const Holder& line : lines)
-      if (const std::uint32_t i = finder.find(line.vertex); i != Interface::kNone) mentioned_[i] = 1;
+    for (const Holder& line : lines) {
+      const std::uint32_t i = finder.find(line.vertex);
+      if (i == Interface::kNone) continue;
+      mentioned_[i] |= from == s_.id ? kBySelf : kByOthers;
+      for (const Holder& h : s_.interface.others(i))
+        if (h.subdomain == from) silent_[line_of(h)] = 0;
+    }
+  }
+
+  std::size_t line_of(const Holder& of_interface) const {
+    return static_cast<std::size_t>(&of_interface - s_.interface.lines().data());
   }
 
   /// A holder that says nothing of a vertex keeps all its tets around it.
-  void add_those_who_stayed(std::uint32_t i, std::span<const Parcel> parcels,
-                            std::vector<Holder>& stayed) const {
-    const GlobalId id = s_.interface.id(i);
-    const auto silent = [&](std::span<const Holder> lines) {
-      return !std::binary_search(lines.begin(), lines.end(), Holder{id, 0}, by_vertex);
-    };
-    bool has_self = !silent(s_.departures);
-    const auto add_self = [&] {
-      if (!std::exchange(has_self, true)) stayed.push_back({id, s_.id});
-    };
-    for (const Holder& h : s_.interface.others(i)) {
-      if (s_.id < h.subdomain) add_self();
-      const auto at = std::lower_bound(parcels.begin(), parcels.end(), h.subdomain,
-                                       [](const Parcel& p, SubdomainId other) { return p.from < other; });
-      if (silent(at->now)) stayed.push_back(h);
+  std::vector<Holder> those_who_stayed() const {
+    std::vector<Holder> stayed;
+    for (std::uint32_t i = 0; i < s_.interface.size(); ++i) {
+      if (!mentioned_[i]) continue;
+      const GlobalId id = s_.interface.id(i);
+      bool has_self = mentioned_[i] & kBySelf;
+      const auto add_self = [&] {
+        if (!std::exchange(has_self, true)) stayed.push_back({id, s_.id});
+      };
+      for (const Holder& h : s_.interface.others(i)) {
+        if (s_.id < h.subdomain) add_self();
+        if (silent_[line_of(h)]) stayed.push_back(h);
+      }
+      add_self();
     }
-    add_self();
+    return stayed;
   }
 
+  static constexpr std::uint8_t kBySelf = 1, kByOthers = 2;
   const Subdomain& s_;
-  std::vector<std::uint8_t> mentioned_;  ///< by place in the interface
+  std::vector<std::uint8_t> mentioned_;  ///< by place in the interface: by whom
+  std::vector<std::uint8_t> silent_;     ///< by line of the interface: its holder says nothing
   std::vector<Holder> lines_;
 };
 
@@ -306,33 +320,24 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
 void freshen(TetMesh& mesh, std::span<const VertexId> vertices) {
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) thawed[v.value] = 1;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    const TetId t(i);
-    const TetVertices v = mesh.vertices(t);
-    if ((thawed[v[0].value] | thawed[v[1].value] | thawed[v[2].value] | thawed[v[3].value]) != 0 &&
-        mesh.alive(t))
-      mesh.mark(t, meshing::kFresh);
-  }
+  for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices&) { mesh.mark(t, meshing::kFresh); });
 }
 
 /// The lines of the new interface. Vertices of which the last word is not known yet keep those who held them
 /// `before`, and stay frozen.
 std::vector<Holder> new_lines(const Subdomain& s, const NewHolders& now, std::span<const Holder> before) {
-  std::vector<Holder> changed(before.begin(), before.end());
+  std::vector<Holder> changed;
   for_each_vertex(now.lines(), [&](GlobalId, std::span<const Holder> holders) {
     if (std::none_of(holders.begin(), holders.end(), [&](const Holder& h) { return h.subdomain == s.id; }))
       return;
     for (const Holder& h : holders)
       if (h.subdomain != s.id) changed.push_back(h);
   });
-  sort_unique(changed);
   std::vector<Holder> kept;
   for (std::uint32_t i = 0; i < s.interface.size(); ++i)
     if (!now.mentioned(i))
       kept.insert(kept.end(), s.interface.others(i).begin(), s.interface.others(i).end());
-  std::vector<Holder> lines;
-  std::merge(kept.begin(), kept.end(), changed.begin(), changed.end(), std::back_inserter(lines));
-  return lines;
+  return merge_unique({std::move(kept), {before.begin(), before.end()}, std::move(changed)});
 }
 
 }  // namespace
@@ -367,15 +372,18 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
 
 std::uint64_t update_topology(Subdomain& s, std::span<const Notice> notices) {
   if (notices.empty()) return 0;
-  std::vector<Holder> told;
-  for (const Notice& n : notices) told.insert(told.end(), n.holders.begin(), n.holders.end());
-  sort_unique(told);
-  std::vector<Holder> lines;
-  for (const Holder& line : s.interface.lines())
-    if (!std::binary_search(told.begin(), told.end(), line, by_vertex)) lines.push_back(line);
-  for (const Holder& line : told)
-    if (line.subdomain != s.id) lines.push_back(line);
-  const std::vector<VertexId> thawed = replace_interface(s, Interface(std::move(lines)), {});
+  std::vector<std::vector<Holder>> lists;
+  for (const Notice& n : notices) lists.push_back(n.holders);
+  std::vector<Holder> told = merge_unique(std::move(lists));
+  std::vector<Holder> kept;
+  auto at = told.begin();
+  for (const Holder& line : s.interface.lines()) {
+    while (at != told.end() && by_vertex(*at, line)) ++at;
+    if (at == told.end() || by_vertex(line, *at)) kept.push_back(line);
+  }
+  std::erase_if(told, [&](const Holder& line) { return line.subdomain == s.id; });
+  const std::vector<VertexId> thawed =
+      replace_interface(s, Interface(merge_unique({std::move(kept), std::move(told)})), {});
   if (!thawed.empty()) freshen(*s.mesh, thawed);
   return thawed.size();
 }

@@ -120,7 +120,7 @@ void SubdomainTask::adapt_interior(NodeContext& context) {
       refinement.refine(long_edge);
       refining += engine::now() - begin;
     };
-  adapt(context, meshing::Extent::everything, before_level);
+  adapt(context, meshing::Extent::everything, 0, before_level);
   context.count("interface refinement, seconds", 1e-9 * static_cast<double>(refining));
   const std::vector<Ref> to = neighbours(context);
   std::vector<partition::InterfaceVertices> created = refinement.created();
@@ -134,12 +134,15 @@ void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
   partition::register_interface(subdomain_, values_of(arrivals));
 }
 
-void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent,
+/// Poor tets at frozen vertices are repaired only where no later shift is to thaw them.
+void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
                           const meshing::BeforeLevel& before_level) {
   const RankData& rank = rank_data(context);
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
+  options.repair_at_frozen =
+      next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
   options.progress = [&](const std::string&, double done, std::uint64_t) {
     news_.done = static_cast<float>(done);
@@ -149,7 +152,9 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent,
       subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options, before_level);
   counts_ += report.counts;
   const bool same_tets = !shifts_.empty() && shifts_.back().sent + shifts_.back().received == 0;
+  const engine::TimePoint begin = engine::now();
   if (!(same_tets && report.stages.empty())) count_what_is_left();
+  context.count("quality check, seconds", 1e-9 * static_cast<double>(engine::now() - begin));
   tell_log_what_is_left(context);
   news_.done = 1;
   tell(rank);
@@ -256,7 +261,9 @@ void SubdomainTask::scatter(NodeContext& context, std::uint64_t round,
   context.count("tets received", static_cast<double>(result.received));
 }
 
-void SubdomainTask::adapt_shifted(NodeContext& context) { adapt(context, meshing::Extent::fresh); }
+void SubdomainTask::adapt_shifted(NodeContext& context) {
+  adapt(context, meshing::Extent::fresh, context.round() + 1);
+}
 
 void SubdomainTask::update_topology(NodeContext& context, std::uint64_t,
                                     std::vector<Arrival<partition::Notice>> arrivals) {

@@ -98,7 +98,7 @@ class SubdomainTask {
  private:
   const RankData& rank_data(dataflow::NodeContext& context) const;
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
-  void adapt(dataflow::NodeContext& context, meshing::Extent extent,
+  void adapt(dataflow::NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
              const meshing::BeforeLevel& before_level = {});
   void count_what_is_left();
   double share_wanted(std::span<const partition::Proposal> proposals) const;

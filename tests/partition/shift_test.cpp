@@ -281,13 +281,16 @@ TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
   }
 }
 
-/// All rounds that it takes.
+/// All rounds that it takes. Poor tets at frozen vertices are left to the next as long as one can follow.
 MergedMesh adapt_in_parts(const Scene& scene) {
+  constexpr int kMostRounds = 8;
   const Cut cut = scene.cut();
   Rounds rounds(cut, scene.hausd(), {3, false});
   std::mt19937 random(1);
+  rounds.options().repair_at_frozen = false;
   rounds.adapt_interiors();
-  for (int round = 0; count(rounds.wants()) > 0 && round < 8; ++round) {
+  for (int round = 0; count(rounds.wants()) > 0 && round < kMostRounds; ++round) {
+    rounds.options().repair_at_frozen = round + 1 == kMostRounds;
     rounds.shift(random_priorities(scene.subdomains, random));
     rounds.adapt(meshing::Extent::fresh);
     EXPECT_EQ(rounds.update(), 0);
@@ -296,13 +299,18 @@ MergedMesh adapt_in_parts(const Scene& scene) {
   return merge_pieces(rounds.pieces());
 }
 
-TEST(AdaptedShifts, AreAsGoodAsOnePiece) {
+Scene polar_scene() {
   Scene scene;
   scene.mesh = unit_cube(5);
   shuffle(scene.mesh, 3);
   scene.log_metrics = meshing::sample(meshing::AnalyticMetric("polar-2"), scene.mesh);
   meshing::scale_to_complexity(scene.mesh, 1500, scene.log_metrics);
   cut_at_random(scene, 8, 0, 3);
+  return scene;
+}
+
+TEST(AdaptedShifts, AreAsGoodAsOnePiece) {
+  const Scene scene = polar_scene();
   const MergedMesh parts = adapt_in_parts(scene);
   meshing::AdaptOptions options;
   options.hausd = scene.hausd();
@@ -313,6 +321,27 @@ TEST(AdaptedShifts, AreAsGoodAsOnePiece) {
   EXPECT_GT(in_parts.edges_unit, 0.97 * in_one.edges_unit);
   EXPECT_GT(in_parts.quality_q01, 0.9 * in_one.quality_q01);
   EXPECT_NEAR(static_cast<double>(in_parts.num_tets) / static_cast<double>(in_one.num_tets), 1, 0.05);
+}
+
+int poor_tets_at_frozen(const Cut& cut, double hausd, bool repair) {
+  Rounds rounds(cut, hausd, {});
+  rounds.options().repair_at_frozen = repair;
+  rounds.adapt(meshing::Extent::everything);
+  int poor = 0;
+  for (const Subdomain& s : rounds.subdomains())
+    for (std::uint32_t t = 0; t < s.mesh->tet_slots(); ++t) {
+      const meshing::TetId tet(t);
+      if (!s.mesh->alive(tet) || s.mesh->quality(tet) >= 0.4) continue;
+      poor += std::ranges::any_of(s.mesh->vertices(tet), [&](auto v) { return s.mesh->frozen(v); });
+    }
+  return poor;
+}
+
+TEST(AdaptedShifts, PoorTetsAtFrozenVerticesAreRepairedWhereAskedFor) {
+  const Scene scene = polar_scene();
+  const Cut cut = scene.cut();
+  EXPECT_LT(poor_tets_at_frozen(cut, scene.hausd(), true),
+            0.9 * poor_tets_at_frozen(cut, scene.hausd(), false));
 }
 
 }  // namespace

@@ -230,11 +230,15 @@ class Runs(SampleTest):
         self.assertIn("digraph", (self.folder / "graph-planned.dot").read_text())
         self.check_what_is_left(profile)
         self.check_trace(json.loads((self.folder / "trace.json").read_text())["traceEvents"], graph)
-        refining = graph["runs"]["counters"]["interface refinement, seconds"]
-        self.assertGreater(sum(refining), 0)
         nodes = [n["name"] for n in graph["graph"]["nodes"]]
-        registering = sum(d for n, d in zip(graph["runs"]["node"], graph["runs"]["duration_ns"]) if nodes[n] == "register interface")
-        self.assertAlmostEqual(profile["total"]["seconds"]["interface refinement"], sum(refining) + 1e-9 * registering, places=6)
+        for operation, counter, its_nodes in (
+            ("interface refinement", "interface refinement, seconds", {"register interface"}),
+            ("colouring and quality check", "quality check, seconds", {"propose", "wake"}),
+        ):
+            beside = graph["runs"]["counters"][counter]
+            self.assertGreater(sum(beside), 0)
+            in_nodes = sum(d for n, d in zip(graph["runs"]["node"], graph["runs"]["duration_ns"]) if nodes[n] in its_nodes)
+            self.assertAlmostEqual(profile["total"]["seconds"][operation], sum(beside) + 1e-9 * in_nodes, places=6)
         self.check_colours(graph["runs"], nodes.index("gather"))
 
     def check_colours(self, runs, gather):

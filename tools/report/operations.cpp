@@ -14,15 +14,22 @@ OperationIndex operation_of_node(std::string_view name) {
   return found == std::end(kNodes) ? kMisc : found->second;
 }
 
-void add_seconds(std::string_view node, double took, double refining, OperationSeconds& seconds) {
-  seconds[operation_of_node(node)] += took - refining;
-  seconds[kInterfaceRefinement] += refining;
+void add_seconds(std::string_view node, double took, const BesideSeconds& beside, OperationSeconds& seconds) {
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    seconds[kBeside[i].operation] += beside[i];
+    took -= beside[i];
+  }
+  seconds[operation_of_node(node)] += took;
 }
 
-double refining_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run) {
-  const auto name = std::find(graph.counter_names.begin(), graph.counter_names.end(), kRefinementCounter);
-  const auto place = static_cast<std::size_t>(name - graph.counter_names.begin());
-  return place < run.counters.size() ? run.counters[place] : 0;
+BesideSeconds beside_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run) {
+  BesideSeconds seconds{};
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    const auto name = std::ranges::find(graph.counter_names, kBeside[i].counter);
+    const auto place = static_cast<std::size_t>(name - graph.counter_names.begin());
+    if (place < run.counters.size()) seconds[i] = run.counters[place];
+  }
+  return seconds;
 }
 
 OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
@@ -32,7 +39,7 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
   for (const graph::dataflow::DumpedRun& run : graph.runs) {
     if (run.rank != summary.rank) continue;
     const double took = 1e-9 * static_cast<double>(run.end - run.begin);
-    add_seconds(graph.description.nodes[run.node].name, took, refining_seconds(graph, run), seconds);
+    add_seconds(graph.description.nodes[run.node].name, took, beside_seconds(graph, run), seconds);
     in_nodes += took;
   }
   seconds[kConversion] += summary.times.unpack;

@@ -26,6 +26,7 @@ inline constexpr std::array<std::string_view, 10> kOperations = {"interior adapt
                                                                  "idle"};
 using OperationIndex = std::size_t;
 inline constexpr OperationIndex kInteriorAdaptation = 0, kShiftedAdaptation = 1, kInterfaceRefinement = 2;
+inline constexpr OperationIndex kChecks = 3;
 inline constexpr OperationIndex kConversion = 7, kMisc = 8, kIdle = 9;
 
 /// Seconds of workers by operation.
@@ -34,14 +35,20 @@ using OperationSeconds = std::array<double, kOperations.size()>;
 /// What a node of the subdomains' graph does; misc for a name that is not known.
 OperationIndex operation_of_node(std::string_view name);
 
-/// A counter of the nodes that adapt: how many of their seconds went into refining the interface.
-inline constexpr std::string_view kRefinementCounter = "interface refinement, seconds";
+/// What nodes that adapt do beside it: a counter of their seconds, and the operation that it is.
+struct Beside {
+  std::string_view counter;
+  OperationIndex operation;
+};
+inline constexpr std::array<Beside, 2> kBeside = {
+    {{"interface refinement, seconds", kInterfaceRefinement}, {"quality check, seconds", kChecks}}};
+using BesideSeconds = std::array<double, kBeside.size()>;
 
-/// Adds a node's `took` seconds to what it does, `refining` of them to the refinement of the interface.
-void add_seconds(std::string_view node, double took, double refining, OperationSeconds& seconds);
+/// Adds a node's `took` seconds to what it does; of them `beside` to what it does beside.
+void add_seconds(std::string_view node, double took, const BesideSeconds& beside, OperationSeconds& seconds);
 
-/// The seconds of a run that went into refining the interface.
-double refining_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run);
+/// The seconds of a run that went into something beside.
+BesideSeconds beside_seconds(const graph::dataflow::GraphDump& graph, const graph::dataflow::DumpedRun& run);
 
 /// The seconds of one rank's workers: they add up to workers * wall, but for the rounding. Nodes from the
 /// graph, conversion and idle from the engine, misc what handlers did beside nodes. Without runs all that

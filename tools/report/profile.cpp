@@ -102,12 +102,15 @@ Json critical_path_json(const GraphDump& graph) {
   for (const auto& step : path.steps) {
     const DumpedRun& run = graph.runs[step.run];
     const std::string& node = graph.description.nodes[run.node].name;
-    // A run's refinement counts by as much of the run as the path has.
+    // What a run does beside counts by as much of the run as the path has.
     const double share = run.end > run.begin ? seconds(step.worked) / seconds(run.end - run.begin) : 0;
-    const double refining = share * refining_seconds(graph, run);
-    add_seconds(node, seconds(step.worked), refining, worked);
+    BesideSeconds beside = beside_seconds(graph, run);
+    for (std::size_t i = 0; i < beside.size(); ++i) {
+      beside[i] *= share;
+      runs[kBeside[i].operation] += beside[i] > 0;
+    }
+    add_seconds(node, seconds(step.worked), beside, worked);
     ++runs[operation_of_node(node)];
-    runs[kInterfaceRefinement] += refining > 0 && operation_of_node(node) != kInterfaceRefinement;
   }
   Json parts = Json::array();
   for (OperationIndex o = 0; o < kOperations.size(); ++o)
@@ -127,7 +130,9 @@ std::string left_name(const char* what, const char* part) { return std::string(w
 
 /// Whether the document has a counter elsewhere than among those of the rounds, or its sum means nothing.
 bool has_its_place(const std::string& counter) {
-  if (counter == kRefinementCounter || counter == "colour") return true;
+  if (counter == "colour") return true;
+  for (const Beside& beside : kBeside)
+    if (counter == beside.counter) return true;
   for (const char* what : kLeft)
     for (const char* part : kParts)
       if (counter == left_name(what, part)) return true;

@@ -40,8 +40,9 @@ std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& lo
   for (const graph::dataflow::NodeRun& run : log.runs) {
     if (run.rank != summary.rank) continue;
     const double took = static_cast<double>(run.end - run.begin) * 1e-9;
-    report::add_seconds(graph.nodes[run.node].name, took, log.counter(run, report::kRefinementCounter),
-                        of_nodes);
+    report::BesideSeconds beside;
+    for (std::size_t i = 0; i < beside.size(); ++i) beside[i] = log.counter(run, report::kBeside[i].counter);
+    report::add_seconds(graph.nodes[run.node].name, took, beside, of_nodes);
     in_nodes += took;
   }
   std::map<std::string, double> seconds;
