@@ -23,7 +23,8 @@ struct AdaptOptions {
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
                      ///< 0: 0.1 % of the bounding box diagonal
   bool tets_at_frozen_stay = false;  ///< as in the paper; else only frozen vertices themselves stay
-  bool repair_at_frozen = true;      ///< the last improvement is of poor tets with frozen vertices too
+  bool coarsen = true;           ///< a mesh that is far from its metric is made coarse before it is made fine
+  bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
   const std::atomic<bool>* interrupt = nullptr;
   /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.

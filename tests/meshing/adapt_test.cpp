@@ -17,6 +17,7 @@
 #include "meshing/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/measures.h"
+#include "meshing/metric_field.h"
 #include "meshing/passes.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
@@ -470,6 +471,39 @@ TEST(AdaptInput, UnusedPointsAreDroppedWithAWarning) {
   const AdaptResult result = adapted(mesh, uniform_metric(mesh, 0.25));
   EXPECT_THAT(result.report.warnings, testing::Contains(HasSubstr("points")));
   expect_same_domain(result.mesh, unit_cube(2));
+}
+
+// --- meshes far from their metric ---
+
+TEST(AdaptFarMesh, ComesOutBetterWhenItIsMadeCoarseFirst) {
+  const MeshData mesh = unit_cube(10);
+  LogMetricField metric = sample(AnalyticMetric("polar-2"), mesh);
+  scale_to_complexity(mesh, 4000, metric);
+  AdaptOptions as_it_is;
+  as_it_is.coarsen = false;
+  const AdaptResult coarse_first = adapted(mesh, metric), direct = adapted(mesh, metric, as_it_is);
+  expect_same_domain(coarse_first.mesh, mesh);
+  const Measures now = measure(coarse_first.mesh, coarse_first.log_metrics);
+  const Measures then = measure(direct.mesh, direct.log_metrics);
+  EXPECT_GT(now.quality_q01, 0.98 * then.quality_q01);
+  EXPECT_GT(now.quality_mean, then.quality_mean);
+  EXPECT_GT(now.edges_unit, then.edges_unit);
+  const auto in_vain = [](const AdaptResult& r) {
+    return static_cast<double>(r.report.counts(Operator::swap_edge, Verdict::worsens_quality));
+  };
+  EXPECT_LT(in_vain(coarse_first), 0.8 * in_vain(direct));
+}
+
+TEST(AdaptFarMesh, IsNotOneThatFollowsACoarserMetricOfTheSameShape) {
+  const MeshData mesh = unit_cube(4);
+  LogMetricField metric = sampled(mesh, layer);
+  const AdaptResult first = adapted(mesh, metric);
+  LogMetricField finer = first.log_metrics;
+  for (LogMetric& l : finer)
+    for (double* value : {&l.xx, &l.yy, &l.zz}) *value += 2 * std::log(2.5);  // a level more
+  AdaptOptions as_it_is;
+  as_it_is.coarsen = false;
+  EXPECT_TRUE(same_bytes(adapted(first.mesh, finer).mesh, adapted(first.mesh, finer, as_it_is).mesh));
 }
 
 // --- frozen vertices ---
