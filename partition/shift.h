@@ -85,7 +85,7 @@ struct Parcel {
 
 /// All holders of vertices that the addressee has come to hold.
 struct Notice {
-  std::vector<Holder> holders;
+  std::vector<Holder> holders;  ///< sorted
 
   template <class Archive>
   void serialize(Archive& archive) {

@@ -141,7 +141,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
-  options.coarsen = neighbours(context).empty();
+  options.coarsen = neighbours(context).empty();  // an interface would stay fine
   options.repair_at_frozen =
       next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
