@@ -37,6 +37,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "engine/registry.h"
@@ -67,7 +68,8 @@ struct Event {
 /// Declares the graph of State's instances. Bodies are methods of State:
 ///
 ///     Out State::body(NodeContext&)             of nodes; Out may be void, or std::optional<T>, which passes
-///     Out State::body(NodeContext&, In)         a T on or, when empty, nothing
+///     Out State::body(NodeContext&, In)         a T on or, when empty, nothing; or std::variant<T, U...>,
+///                                               which passes what it holds to the nodes that take it
 ///     Out State::body(NodeContext&, std::uint64_t round, std::vector<Arrival<Value>>)       of events
 ///
 /// Values of starts and events travel: they are packed (engine/serialize.h) and have a default constructor. A
@@ -146,10 +148,11 @@ class Blueprint {
     static_assert(
         requires { typename To::Input; },
         "a local edge cannot end at an event: its values come along remote edges");
-    static_assert(std::is_same_v<Output, typename To::Input> || std::is_same_v<typename To::Input, Nothing>,
+    static_assert(detail::Fits<Output, typename To::Input>::value,
                   "the output of the first node is not the input of the second");
+    using Value = std::conditional_t<std::is_same_v<typename To::Input, Nothing>, Output, typename To::Input>;
     structure_.add_local(from.index, to.index, step, std::is_copy_constructible_v<Output>,
-                         type_name<Output>());
+                         type_name<Value>());
   }
 
   /// The body of `from` may send values to the event of any instance: NodeContext::send().
@@ -188,14 +191,15 @@ class Blueprint {
     node.name = std::move(name);
     node.kind = kind;
     node.body = &detail::body_key<Body>;
+    node.input = detail::input_key<typename Traits::Input>();
     node.run = &run_node<Body>;
     return Node<State, typename Traits::Input, typename Traits::Output>{structure_.add_node(std::move(node))};
   }
 
   template <auto Body>
-  static std::shared_ptr<void> run_node(void* state, NodeContext& context, void* input, bool consume);
+  static Passed run_node(void* state, NodeContext& context, void* input, bool consume);
   template <auto Body>
-  static std::shared_ptr<void> run_event(void* state, NodeContext& context, void* input, bool consume);
+  static Passed run_event(void* state, NodeContext& context, void* input, bool consume);
 
   Structure structure_;
   std::vector<Method> methods_;
@@ -203,20 +207,33 @@ class Blueprint {
 
 namespace detail {
 
-/// Calls a body and wraps what it passes on; null when that is nothing.
+template <class... Alternatives>
+Passed passed(std::variant<Alternatives...>&& result) {
+  return std::visit(
+      []<class T>(T&& value) {
+        using Value = std::decay_t<T>;
+        return Passed{std::make_shared<Value>(std::forward<T>(value)), &type_key<Value>};
+      },
+      std::move(result));
+}
+template <class T>
+Passed passed(std::optional<T>&& result) {
+  return {result ? std::make_shared<T>(std::move(*result)) : nullptr};
+}
+template <class T>
+Passed passed(T&& result) {
+  return {std::make_shared<std::decay_t<T>>(std::forward<T>(result))};
+}
+
+/// Calls a body and wraps what it passes on.
 template <class Call>
-std::shared_ptr<void> result_of(const Call& call) {
-  using Result = decltype(call());
-  using Output = typename ResultTraits<Result>::Output;
-  if constexpr (std::is_void_v<Result>) {
+Passed result_of(const Call& call) {
+  if constexpr (std::is_void_v<decltype(call())>) {
     static Nothing nothing;
     call();
-    return {std::shared_ptr<void>(), &nothing};
-  } else if constexpr (std::is_same_v<Result, std::optional<Output>>) {
-    auto result = call();
-    return result ? std::make_shared<Output>(std::move(*result)) : nullptr;
+    return {{std::shared_ptr<void>(), &nothing}};
   } else {
-    return std::make_shared<Output>(call());
+    return passed(call());
   }
 }
 
@@ -224,8 +241,7 @@ std::shared_ptr<void> result_of(const Call& call) {
 
 template <class State>
 template <auto Body>
-std::shared_ptr<void> Blueprint<State>::run_node(void* state, NodeContext& context, void* input,
-                                                 bool consume) {
+Passed Blueprint<State>::run_node(void* state, NodeContext& context, void* input, bool consume) {
   using Input = typename detail::BodyTraits<decltype(Body)>::Input;
   auto& self = *static_cast<State*>(state);
   if constexpr (std::is_invocable_v<decltype(Body), State&, NodeContext&>) {
@@ -243,7 +259,7 @@ std::shared_ptr<void> Blueprint<State>::run_node(void* state, NodeContext& conte
 
 template <class State>
 template <auto Body>
-std::shared_ptr<void> Blueprint<State>::run_event(void* state, NodeContext& context, void* input, bool) {
+Passed Blueprint<State>::run_event(void* state, NodeContext& context, void* input, bool) {
   using Value = typename detail::EventBodyTraits<decltype(Body)>::Value;
   std::vector<Arrival<Value>> arrivals;
   auto& packed = *static_cast<PackedArrivals*>(input);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "engine/registry.h"
@@ -29,11 +30,19 @@ namespace detail {
 /// One address for each body, in whatever source it is named.
 template <auto Body>
 inline constexpr char body_key = 0;
+/// One address for each type of values; none for Nothing, which takes whatever comes.
+template <class T>
+inline constexpr char type_key = 0;
+template <class T>
+constexpr const void* input_key() {
+  return std::is_same_v<T, Nothing> ? nullptr : &type_key<T>;
+}
 
 template <class T>
 inline constexpr bool kNever = false;
 
-/// What a body's result passes on: void passes Nothing, an optional its value if it has one.
+/// What a body's result passes on: void passes Nothing, an optional its value if it has one, a variant what
+/// it holds.
 template <class Result>
 struct ResultTraits {
   using Output = std::decay_t<Result>;
@@ -46,6 +55,13 @@ template <class T>
 struct ResultTraits<std::optional<T>> {
   using Output = T;
 };
+
+/// Whether a node that takes In may follow one that passes on Out.
+template <class Out, class In>
+struct Fits : std::bool_constant<std::is_same_v<In, Out> || std::is_same_v<In, Nothing>> {};
+template <class... Alternatives, class In>
+struct Fits<std::variant<Alternatives...>, In>
+    : std::bool_constant<(std::is_same_v<In, Alternatives> + ...) == 1 || std::is_same_v<In, Nothing>> {};
 
 template <class T>
 struct BodyTraits {

@@ -36,10 +36,12 @@ struct FlowGraph::Implementation {
   }
 
   void step(NodeIndex node, const Token& input, TbbNode::output_ports_type& ports) noexcept {
-    if (error) return;
+    if (error || !structure.takes(node, input.type)) return;
     Token output;
     try {
-      output.value = run(node, input);
+      Passed passed = run(node, input);
+      output.value = std::move(passed.value);
+      output.type = passed.type;
     } catch (...) {
       error = std::current_exception();
       return;

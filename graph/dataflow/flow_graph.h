@@ -14,9 +14,8 @@ namespace weft::graph::dataflow {
 /// declared (those of the same round first), each with all that follows from it before the next.
 class FlowGraph {
  public:
-  /// Runs a node on its input and returns what it passes on; null: nothing. What it throws ends the graph's
-  /// run.
-  using Run = std::function<std::shared_ptr<void>(NodeIndex node, const Token& input)>;
+  /// Runs a node on its input and returns what it passes on. What it throws ends the graph's run.
+  using Run = std::function<Passed(NodeIndex node, const Token& input)>;
 
   /// `structure` must outlive it.
   FlowGraph(const Structure& structure, Run run);

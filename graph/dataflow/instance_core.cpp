@@ -66,17 +66,17 @@ void InstanceCore::fire(engine::Context& context, const void* event, std::uint64
 
 // --- The running node
 
-std::shared_ptr<void> InstanceCore::run_node(NodeIndex node, const Token& input) {
+Passed InstanceCore::run_node(NodeIndex node, const Token& input) {
   if (recording_ == Recording::on) record_run(node, input);
-  auto output = call_body(node, input);
+  Passed output = call_body(node, input);
   if (recording_ == Recording::on) {
     log_.runs.back().end = engine::now();
-    if (output.get() != nullptr) record_local_uses(structure_.nodes()[node], input.round);
+    if (output.value.get() != nullptr) record_local_uses(node, output.type, input.round);
   }
   return output;
 }
 
-std::shared_ptr<void> InstanceCore::call_body(NodeIndex node, const Token& input) {
+Passed InstanceCore::call_body(NodeIndex node, const Token& input) {
   NodeContext context(*context_, *this, node, input.round);
   std::string what;
   try {
@@ -131,8 +131,9 @@ void InstanceCore::record_run(NodeIndex node, const Token& input) {
   log_.runs.push_back(run);
 }
 
-void InstanceCore::record_local_uses(const StructureNode& node, std::uint64_t round) {
-  for (const EdgeIndex edge : node.local_edges) {
+void InstanceCore::record_local_uses(NodeIndex node, const void* type, std::uint64_t round) {
+  for (const EdgeIndex edge : structure_.nodes()[node].local_edges) {
+    if (!structure_.takes(structure_.edge(edge).to, type)) continue;
     const std::uint64_t target = round + (structure_.edge(edge).step == RoundStep::next ? 1 : 0);
     log_.uses.push_back(
         {edge, context_->self(), context_->self(), target, 0, context_->rank(), log_.runs.back().end});

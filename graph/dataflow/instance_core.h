@@ -60,10 +60,10 @@ class InstanceCore {
   std::vector<std::string> incomplete() const;
 
  private:
-  std::shared_ptr<void> run_node(NodeIndex node, const Token& input);
-  std::shared_ptr<void> call_body(NodeIndex node, const Token& input);
+  Passed run_node(NodeIndex node, const Token& input);
+  Passed call_body(NodeIndex node, const Token& input);
   void record_run(NodeIndex node, const Token& input);
-  void record_local_uses(const StructureNode& node, std::uint64_t round);
+  void record_local_uses(NodeIndex node, const void* type, std::uint64_t round);
   void complete(engine::Context& context, NodeIndex event, engine::FiredEvent fired);
 
   const Structure& structure_;

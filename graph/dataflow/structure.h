@@ -18,18 +18,25 @@ class NodeContext;
 /// The values that have arrived at an event, packed, in the order in which their senders were declared.
 using PackedArrivals = std::vector<std::pair<engine::ObjectId, engine::Payload>>;
 
+/// What a body passes on.
+struct Passed {
+  std::shared_ptr<void> value;  ///< null: nothing
+  const void* type = nullptr;   ///< detail::type_key of the alternative that a std::variant holds; else null
+};
+
 /// What passes a local edge. The value is of the type that the blueprint has checked; a start's, a wake's and
 /// an event's first one come from the instance.
 struct Token {
   std::shared_ptr<void> value;
   std::uint64_t round = 0;
-  bool shared = false;  ///< several nodes read the value
+  const void* type = nullptr;  ///< as Passed::type: only nodes that take it run
+  bool shared = false;         ///< several nodes read the value
 };
 
 /// A node as the instance sees it.
 struct StructureNode {
-  /// Calls the body. `consume`: nobody else reads the input. Null: nothing is passed on.
-  using Run = std::shared_ptr<void> (*)(void* state, NodeContext& context, void* input, bool consume);
+  /// Calls the body. `consume`: nobody else reads the input.
+  using Run = Passed (*)(void* state, NodeContext& context, void* input, bool consume);
   /// Sends a value to the event of another instance.
   using Send = void (*)(engine::Context& context, engine::ObjectId target, std::uint64_t round,
                         engine::Payload value);
@@ -38,7 +45,8 @@ struct StructureNode {
 
   std::string name;
   NodeKind kind = NodeKind::interior;
-  const void* body = nullptr;  ///< detail::body_key
+  const void* body = nullptr;   ///< detail::body_key
+  const void* input = nullptr;  ///< detail::type_key; null: takes anything
   Run run = nullptr;
   Send send = nullptr;            ///< of events
   Fire fire = nullptr;            ///< of events
@@ -68,6 +76,11 @@ class Structure {
 
   /// The node with this body.
   NodeIndex node_of(const void* body) const;
+  /// Whether a value of Passed::type `type` is for the node.
+  bool takes(NodeIndex node, const void* type) const {
+    const void* input = nodes_[node].input;
+    return type == nullptr || input == nullptr || type == input;
+  }
   /// The edge along which `from` may send to `event`.
   EdgeIndex remote_edge(NodeIndex from, NodeIndex event) const;
 

@@ -5,7 +5,9 @@
 #include <atomic>
 #include <chrono>
 #include <numeric>
+#include <set>
 #include <thread>
+#include <variant>
 
 #include "engine/balancer.h"
 #include "graph/dataflow/blueprint.h"
@@ -189,6 +191,67 @@ TEST(Dataflow, AnEmptyOptionalPassesNothingOn) {
       EXPECT_THAT(pipeline.calls, ElementsAre("measure"));
     });
   });
+}
+
+/// Odd numbers go to one node, even ones to another, as text; either way a third, which takes nothing, runs.
+struct Switch {
+  std::vector<std::string> calls;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(calls);
+  }
+  std::variant<int, std::string> sort(NodeContext&, int value) {
+    if (value % 2 == 1) return value;
+    return std::to_string(value);
+  }
+  void count(NodeContext& context, int value) {
+    calls.push_back("odd " + std::to_string(value) + " in round " + std::to_string(context.round()));
+  }
+  std::optional<int> read(NodeContext&, const std::string& text) {
+    calls.push_back("even " + text);
+    return std::stoi(text) + 1;
+  }
+  void always(NodeContext&) { calls.push_back("always"); }
+  static Blueprint<Switch> blueprint() {
+    Blueprint<Switch> g("switch");
+    const auto sort = g.start<&Switch::sort>("sort");
+    const auto count = g.node<&Switch::count>("count");
+    const auto read = g.node<&Switch::read>("read");
+    g.local(sort, count, RoundStep::next);
+    g.local(sort, read);
+    g.local(read, count);
+    g.local(sort, g.node<&Switch::always>("always"));
+    return g;
+  }
+};
+
+std::vector<std::string> calls_of_switch(int value, ExecutionLog& log) {
+  std::vector<std::string> calls;
+  on_ranks(1, [&](Transport& transport) {
+    Registry registry;
+    register_blueprint<Switch>(registry);
+    Runtime runtime(transport, registry);
+    runtime.run([&](Context& context) {
+      start<&Switch::sort>(context, create<Switch>(context, {}, Recording::on), 7, value);
+    });
+    visit<Switch>(runtime, [&](Ref<Switch>, Switch& s) { calls = s.calls; });
+    log = log_of<Switch>(runtime);
+  });
+  return calls;
+}
+
+TEST(Dataflow, AVariantGoesToTheNodesThatTakeWhatItHolds) {
+  const auto used = [](const ExecutionLog& log) {
+    std::set<std::string> names;
+    for (const EdgeUse& use : log.uses)
+      names.insert(blueprint_of<Switch>().description().edges[use.edge].name);
+    return names;
+  };
+  ExecutionLog odd, even;
+  EXPECT_THAT(calls_of_switch(3, odd), ElementsAre("always", "odd 3 in round 8"));
+  EXPECT_THAT(used(odd), ElementsAre("sort -> always", "sort -> count"));
+  EXPECT_THAT(calls_of_switch(4, even), ElementsAre("even 4", "odd 5 in round 7", "always"));
+  EXPECT_THAT(used(even), ElementsAre("read -> count", "sort -> always", "sort -> read"));
 }
 
 /// Move-only values pass from node to node.

@@ -43,6 +43,11 @@ class Misuse(unittest.TestCase):
     def test_local_values_must_fit(self):
         self.refuses("double adapt(", "int adapt(", "the output of the first node is not the input of the second")
 
+    def test_one_alternative_must_fit(self):
+        self.assertEqual(compile_errors(example().replace("double adapt(", "std::variant<int, double> adapt(")), "")
+        for other in ("std::variant<int, float>", "std::variant<double, double>"):
+            self.refuses("double adapt(", f"{other} adapt(", "the output of the first node is not the input of the second")
+
     def test_remote_values_must_fit(self):
         self.refuses("g.remote<double>", "g.remote<float>", "the value of the edge is not what the event receives")
 
