@@ -33,9 +33,6 @@ constexpr double kSwapBelowWhileCreating = 0.5;
 constexpr double kPoor = 0.55;
 // A mesh with this mean quality is left alone where nothing is wrong; below, everything is worth smoothing.
 constexpr double kGoodMean = 0.85;
-// A mesh with this mean quality has nothing worth keeping: it is made coarse first. Meshes that were adapted
-// to a metric like the wanted one have 0.8 and more (0.85 gains some quality, and loses a sixth of the time).
-constexpr double kFarMean = 0.75;
 constexpr double kFair = 0.6;
 // A mesh is coarse when this share of its tets has edges to be split.
 constexpr double kCoarse = 0.7;
@@ -305,7 +302,10 @@ class Adaptation {
       tets_of_far_mesh_ = static_cast<double>(tets);
       wanted_tets_ = count_wanted_tets();
     }
-    for_all_tets([&](TetId t) { mark_if_wrong(t, fair); });
+    for_all_tets([&](TetId t) {
+      mesh_.take_marks(t, kFresh);
+      mark_if_wrong(t, fair);
+    });
   }
 
   /// What a mesh that conforms has: about ten for each unit of volume in the metric.

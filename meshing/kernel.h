@@ -32,7 +32,18 @@ struct Limits {
   double shortest_step = 0.03;    ///< shorter moves are not made
   double far_step = 0.1;          ///< longer moves make the neighbours worth smoothing again
   double hausd = 0;               ///< largest deviation of the boundary from the reference surface
+
+  /// The same for the metric divided by factor^2: all lengths are that much longer.
+  Limits coarser(double factor) const;
 };
+
+inline Limits Limits::coarser(double factor) const {
+  Limits limits = *this;
+  for (double* length : {&limits.long_edge, &limits.finest_long_edge, &limits.finest_split_shortest,
+                         &limits.short_edge, &limits.collapse_longest, &limits.split_shortest})
+    *length *= factor;
+  return limits;
+}
 
 struct Kernel {
   TetMesh& mesh;

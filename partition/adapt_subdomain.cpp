@@ -31,14 +31,14 @@ void remember_who_was_free(meshing::TetMesh& mesh) {
 
 }  // namespace
 
-meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface, double hausd,
-                                     meshing::Extent extent, const meshing::AdaptOptions& options,
+meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface,
+                                     const meshing::Limits& limits, meshing::Extent extent,
+                                     const meshing::AdaptOptions& options,
                                      const meshing::BeforeLevel& before_level) {
   meshing::AdaptReport report;
   if (!has_tets(*s.mesh)) return report;
   if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
-  meshing::Kernel kernel{*s.mesh, s.background.background(), surface, {}};
-  kernel.limits.hausd = hausd;
+  meshing::Kernel kernel{*s.mesh, s.background.background(), surface, limits};
   meshing::adapt_in_place(kernel, options, extent, report, before_level);
   remember_who_was_free(*s.mesh);
   name_new_vertices(s);

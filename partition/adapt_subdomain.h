@@ -10,10 +10,11 @@
 namespace weft::partition {
 
 /// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
-/// nothing is done where nothing is). `hausd` as in AdaptOptions, not 0. `before_level` as in
-/// meshing::adapt_in_place; it names its own new vertices, others have their ids afterwards.
-meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface, double hausd,
-                                     meshing::Extent extent, const meshing::AdaptOptions& options,
+/// nothing is done where nothing is). Limits::hausd: not 0. `before_level` as in meshing::adapt_in_place; it
+/// names its own new vertices, others have their ids afterwards.
+meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface,
+                                     const meshing::Limits& limits, meshing::Extent extent,
+                                     const meshing::AdaptOptions& options,
                                      const meshing::BeforeLevel& before_level = {});
 
 /// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has

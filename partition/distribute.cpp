@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "meshing/quality.h"
 #include "partition/boundary_index.h"
 #include "partition/decomposition.h"
 #include "partition/inertia.h"
@@ -59,10 +60,17 @@ struct TetMeasures {
   std::vector<Point> centres;
   std::vector<TetCorners> corners;
   std::vector<double> complexities;
+  std::vector<double> qualities;
   std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
   std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
   meshing::Box box;                              ///< of the whole mesh
 };
+
+/// Mean ratio in the metric `log_metric`; it does not change when the metric is scaled.
+double quality(const TetCorners& p, const meshing::LogMetric& log_metric) {
+  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric), p[1] - p[0],
+                    p[2] - p[0], p[3] - p[0]);
+}
 
 TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
   TetMeasures m;
@@ -77,6 +85,7 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
     const TetCorners corners{p[0]->point, p[1]->point, p[2]->point, p[3]->point};
     const meshing::SymTensor inverse = unit_inverse(mean);
     m.cut_tensors.push_back(cut_tensor(corners, inverse));
+    m.qualities.push_back(quality(corners, mean));
     m.face_areas.push_back(face_areas(corners, inverse, std::exp(trace(mean) / 3)));
     m.corners.push_back(corners);
     m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
@@ -184,6 +193,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   check_slices(peers, slice, points, tets);
   Distributed result;
   TetMeasures measures = check_and_measure(peers, slice, points);
+  result.mean_quality = ordered_sum(peers, measures.qualities) / static_cast<double>(slice.num_tets);
   result.complexity = scale_metric(peers, options.target_complexity, slice, measures);
   WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
   slice.boundary = {};

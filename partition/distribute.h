@@ -31,6 +31,7 @@ struct Distributed {
   std::vector<std::string> warnings;         ///< what was repaired; the same on every rank
   meshing::Box box;                          ///< of the whole mesh
   double complexity = 0;                     ///< of the whole mesh in its metric
+  double mean_quality = 0;                   ///< of the whole mesh's tets
 };
 
 /// Checks, completes, decomposes and distributes the mesh; all ranks call together. Subdomains, geometry,

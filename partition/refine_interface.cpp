@@ -236,7 +236,7 @@ bool is_delicate(const std::array<Point, 4>& p) {
 }
 
 InterfaceRefinement::InterfaceRefinement(Subdomain& s, const Geometry& geometry)
-    : subdomain_(s), geometry_(geometry), vertices_(s.interface) {}
+    : subdomain_(s), geometry_(geometry), vertices_(s.interface, s.phase) {}
 
 void InterfaceRefinement::refine(double longest) { Level(subdomain_, geometry_, vertices_, longest).run(); }
 

@@ -6,8 +6,8 @@
 
 namespace weft::partition {
 
-RefinedVertices::RefinedVertices(const Interface& interface)
-    : vertices_(interface.size()), first_new_(interface.size()) {
+RefinedVertices::RefinedVertices(const Interface& interface, std::uint32_t phase)
+    : phase_(phase), vertices_(interface.size()), first_new_(interface.size()) {
   for (Index i = 0; i < first_new_; ++i) {
     std::vector<SubdomainId> holders;
     for (const Holder& h : interface.others(i)) holders.push_back(h.subdomain);
@@ -18,6 +18,8 @@ RefinedVertices::RefinedVertices(const Interface& interface)
 RefinedVertices::Index RefinedVertices::add_between(Index x, Index y) {
   Vertex between;
   between.id = GlobalId::derived_from(id(x), id(y));
+  // An earlier phase may have made a vertex of the same edge, which is elsewhere now.
+  if (phase_ > 0) between.id = GlobalId::derived_from(between.id, GlobalId::from_value(phase_));
   between.corners = corners(x);
   auto& all = between.corners;
   for (const Index corner : corners(y))
@@ -35,10 +37,12 @@ void RefinedVertices::sort_new() {
 
 RefinedVertices::Index RefinedVertices::find(GlobalId id) const {
   const auto middle = vertices_.begin() + first_new_;
-  const auto [begin, end] =
-      id.derived() ? std::pair(middle, vertices_.end()) : std::pair(vertices_.begin(), middle);
-  const auto at = std::lower_bound(begin, end, id, [](const Vertex& v, GlobalId x) { return v.id < x; });
-  return at != end && at->id == id ? static_cast<Index>(at - vertices_.begin()) : kNone;
+  const auto find_in = [&](auto begin, auto end) {
+    const auto at = std::lower_bound(begin, end, id, [](const Vertex& v, GlobalId x) { return v.id < x; });
+    return at != end && at->id == id ? static_cast<Index>(at - vertices_.begin()) : kNone;
+  };
+  const Index is_new = id.derived() ? find_in(middle, vertices_.end()) : kNone;
+  return is_new != kNone ? is_new : find_in(vertices_.begin(), middle);
 }
 
 RefinedVertices::SetIndex RefinedVertices::find_or_add(std::vector<SubdomainId> set) {

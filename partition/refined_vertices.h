@@ -19,7 +19,8 @@ class RefinedVertices {
   static constexpr Index kNone = 0xFFFFFFFFu;
 
   RefinedVertices() = default;
-  explicit RefinedVertices(const Interface& interface);
+  /// `phase`: Subdomain::phase; names of new vertices differ from those of other phases.
+  explicit RefinedVertices(const Interface& interface, std::uint32_t phase = 0);
 
   Index size() const { return static_cast<Index>(vertices_.size()); }
   Index first_new() const { return first_new_; }
@@ -48,6 +49,7 @@ class RefinedVertices {
   SetIndex find_or_add(std::vector<SubdomainId> set);
   SetIndex common(SetIndex x, SetIndex y);
 
+  std::uint32_t phase_ = 0;
   std::vector<Vertex> vertices_;
   Index first_new_ = 0;
   std::vector<std::vector<SubdomainId>> sets_;

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "meshing/quality.h"
 #include "partition/shift.h"
 #include "partition/tets_at.h"
 
@@ -315,12 +316,32 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
   return thawed;
 }
 
+/// Vertices made on interface edges have the metric that the edges' ends give, since all holders have those
+/// alike. Where edges were longer than the background's that is not what the background says.
+void read_metrics_anew(Subdomain& s, std::span<const VertexId> vertices) {
+  for (const VertexId v : vertices) {
+    if (!s.global_id(v).derived()) continue;
+    const meshing::Background::Sample there =
+        s.background.background().at(s.mesh->point(v), s.mesh->background_hint(v));
+    s.mesh->set_metric(v, there.log_metric, meshing::exp_fast(there.log_metric));
+    s.mesh->set_background_hint(v, there.tet);
+  }
+}
+
 /// Tets around the given vertices become fresh: what lies beyond has been free where it was, and is looked at
 /// when something beside it changes. (A layer more cost a seventh of all time and made nothing better.)
-void freshen(TetMesh& mesh, std::span<const VertexId> vertices) {
+void freshen(Subdomain& s, std::span<const VertexId> vertices) {
+  if (vertices.empty()) return;
+  TetMesh& mesh = *s.mesh;
+  const bool new_metrics = s.phase > 0;
+  if (new_metrics) read_metrics_anew(s, vertices);
+  mesh.set_metric_mean(meshing::MetricMean::arithmetic);
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) thawed[v.value] = 1;
-  for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices&) { mesh.mark(t, meshing::kFresh); });
+  for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices& v) {
+    mesh.mark(t, meshing::kFresh);
+    if (new_metrics) mesh.set_quality(t, static_cast<float>(judge_quality(mesh, v[0], v[1], v[2], v[3])));
+  });
 }
 
 /// The lines of the new interface. Vertices of which the last word is not known yet keep those who held them
@@ -366,7 +387,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
       replace_interface(s, Interface(new_lines(s, now, before)), joining.arrived());
   s.departures.clear();
   result.thawed = thawed.size();
-  if (result.thawed > 0) freshen(*s.mesh, thawed);
+  freshen(s, thawed);
   return result;
 }
 
@@ -384,7 +405,7 @@ std::uint64_t update_topology(Subdomain& s, std::span<const Notice> notices) {
   std::erase_if(told, [&](const Holder& line) { return line.subdomain == s.id; });
   const std::vector<VertexId> thawed =
       replace_interface(s, Interface(merge_unique({std::move(kept), std::move(told)})), {});
-  if (!thawed.empty()) freshen(*s.mesh, thawed);
+  freshen(s, thawed);
   return thawed.size();
 }
 

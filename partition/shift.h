@@ -1,11 +1,10 @@
 // The interface shift as messages between neighbours: proposals, parcels of tets, notices of who holds what.
 // Plain functions on one subdomain; who calls them when, and how the messages travel, is not known here.
 //
-//   propose()  every subdomain tells its neighbours its priority and which shared vertices it wants to be
-//   freed gather()   the holder of highest priority receives all tets around such a vertex and some layers
-//   more;
-//              each tet goes to one subdomain
-//   scatter()  what arrived is joined by global ids; the interface is where the tets of others begin now
+//   propose()          every subdomain tells its neighbours its priority and which vertices are to be freed
+//   gather()           the holder of highest priority receives all tets around such a vertex and some layers
+//                      more; each tet goes to one subdomain
+//   scatter()          what arrived is joined by global ids; the interface is where others' tets begin now
 //   update_topology()  those who have come to hold a vertex learn of all others who do
 //
 // For each interface vertex the holder of the highest priority receives. A subdomain above all its neighbours

@@ -72,6 +72,19 @@ void name_new_vertices(Subdomain& s) {
       s.mesh->set_label(VertexId(i), GlobalId(s.id, s.next_local++).value());
 }
 
+std::uint64_t count_tets(const Subdomain& s) {
+  std::uint64_t tets = 0;
+  for (std::uint32_t t = 0; t < s.mesh->tet_slots(); ++t) tets += s.mesh->alive(meshing::TetId(t));
+  return tets;
+}
+
+void begin_next_phase(Subdomain& s) {
+  ++s.phase;
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
+    if (const VertexId v(i); s.mesh->alive(v))
+      s.mesh->set_flags(v, s.mesh->flags(v) & static_cast<std::uint8_t>(~(kHasBeenFree | kWasInterface)));
+}
+
 namespace {
 
 bool is_located(const Subdomain& s) {

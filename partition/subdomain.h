@@ -37,6 +37,9 @@ struct Subdomain {
   std::unique_ptr<meshing::TetMesh> mesh;
   BackgroundStore background;
   Interface interface;
+  /// How often adaptation has begun anew (begin_next_phase). In later phases the interface's edges are longer
+  /// than the background's when they are split.
+  std::uint32_t phase = 0;
   /// Where the tets around vertices of the old interface have gone from here: between gathering and
   /// scattering.
   std::vector<Holder> departures;
@@ -50,6 +53,11 @@ struct Subdomain {
 
 /// New vertices get their ids, in the order of their places.
 void name_new_vertices(Subdomain& subdomain);
+
+std::uint64_t count_tets(const Subdomain& subdomain);
+
+/// Adaptation begins anew: nothing counts as having been free, nor as having been interface.
+void begin_next_phase(Subdomain& subdomain);
 
 /// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all
 /// left have no place (until scattering has found who holds them now).

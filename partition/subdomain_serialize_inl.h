@@ -17,7 +17,7 @@ void Subdomain::serialize(Archive& archive) {
     arrays = meshing::to_arrays(*mesh);
     pieces.assign(background.all_pieces().begin(), background.all_pieces().end());
   }
-  archive(id, tet_capacity, next_local, interface, departures, arrays);
+  archive(id, tet_capacity, next_local, interface, phase, departures, arrays);
   serialize_pieces(archive, pieces);
   if constexpr (!Archive::kPacks) {
     mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);

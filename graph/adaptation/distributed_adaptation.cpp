@@ -46,6 +46,7 @@ std::vector<Neighbours> make_subdomains(engine::Context& context, std::vector<Su
   std::vector<Neighbours> neighbours;
   for (SubdomainStart& start : starts) {
     const double predicted = predicted_tets(start);
+    const std::size_t num_tets = start.tets.size();
     Subdomain subdomain(start, capacity);
     const auto others = subdomain.interface.neighbours();
     neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
@@ -55,8 +56,9 @@ std::vector<Neighbours> make_subdomains(engine::Context& context, std::vector<Su
       throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
                              " is not the object that others expect");
     start = {};
+    const double to_adapt = plan.is_coarse(0) ? static_cast<double>(num_tets) : predicted;
     dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {},
-                                                    SubdomainTask::seconds_to_adapt(predicted));
+                                                    SubdomainTask::seconds_to_adapt(to_adapt));
   }
   return neighbours;
 }
@@ -74,6 +76,23 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
     result.counts += task.counts();
     s = {};
   });
+}
+
+/// Several phases for an input that does not follow the metric and has more tets than the coarse mesh, of
+/// which each subdomain should have some.
+void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
+  constexpr double kTetsOfUnitVolume = 10, kLeastTets = 20;
+  constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
+  plan.phases = {{0, 1}};
+  if (plan.subdomains == 1 || plan.most_shifts == 0 || d.mean_quality >= meshing::kFarMean) return;
+  for (double coarseness = 4; coarseness > 1; coarseness /= 2) {
+    const double tets = kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
+    if (tets < kLeastTets * plan.subdomains || tets >= static_cast<double>(input_tets)) continue;
+    plan.phases.clear();
+    for (std::uint64_t round = 0; coarseness > 1; round += kCoarseShifts, coarseness /= 2)
+      plan.phases.push_back({round, coarseness});
+    plan.phases.push_back({plan.phases.size() * kCoarseShifts, 1});
+  }
 }
 
 }  // namespace
@@ -97,6 +116,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.first_object = EnginePeers::kObjects + 1;
   plan.most_shifts = options.most_shifts;
   plan.shift = options.shift;
+  plan_phases(d, input_tets, plan);
   plan.refine_interface = options.refine_interface;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : 0.001 * norm(d.box.size());

@@ -18,7 +18,7 @@ namespace {
 /// Of the tets of a subdomain, those that a shift brings and makes worth looking at.
 constexpr double kShareShifted = 0.3;
 
-/// A draw for each subdomain and round that all agree on: who receives changes from round to round.
+/// For each subdomain and round another number.
 std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
   return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0),
                                            partition::GlobalId(0, round + 1))
@@ -40,6 +40,11 @@ SubdomainId first_of(const AdaptationPlan& plan, int ranks, int home) {
 }
 
 }  // namespace
+
+const Phase& AdaptationPlan::phase_of(std::uint64_t round) const {
+  const auto later = [](std::uint64_t r, const Phase& phase) { return r < phase.first_round; };
+  return *std::prev(std::upper_bound(phases.begin(), phases.end(), round, later));
+}
 
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
@@ -94,6 +99,7 @@ dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
   g.local(scattered, shifted);
   g.remote<partition::Notice>(scattered, updated);
   g.local(updated, proposal, dataflow::RoundStep::next);
+  g.local(updated, interior, dataflow::RoundStep::next);
   return g;
 }
 
@@ -108,13 +114,40 @@ std::vector<SubdomainTask::Ref> SubdomainTask::neighbours(NodeContext& context) 
   return refs;
 }
 
-void SubdomainTask::adapt_interior(NodeContext& context) {
+/// What the subdomain is predicted to have in a round, for the balancer.
+double SubdomainTask::tets_after(const RankData& rank, std::uint64_t round) const {
+  const double factor = rank.plan.phase_of(round).coarseness;
+  return predicted_tets_ / (factor * factor * factor);
+}
+
+/// All coarse phases and the first adaptation after them are one step for those who wait.
+void SubdomainTask::tell_done(const RankData& rank, std::uint64_t round, double done) {
+  constexpr double kCoarsePart = 0.3;
+  const auto coarse_phases = static_cast<double>(rank.plan.phases.size() - 1);
+  if (rank.plan.is_coarse(round)) {
+    const auto before = static_cast<double>(&rank.plan.phase_of(round) - rank.plan.phases.data());
+    done = kCoarsePart * (before + (rank.plan.begins_phase(round) ? done : 1)) / coarse_phases;
+  } else if (coarse_phases > 0 && news_.step == 0) {
+    done = kCoarsePart + (1 - kCoarsePart) * done;
+  }
+  news_.done = static_cast<float>(done);
+  tell(rank);
+}
+
+/// Before a later phase the interface has moved, and is as coarse as the mesh: it is refined like an input's.
+void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   const RankData& rank = rank_data(context);
+  const std::uint64_t round = context.round();
+  if (round > 0) {
+    partition::begin_next_phase(subdomain_);
+    neighbourhood_wants_ = true;
+  }
   tell(rank);
   partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
   meshing::BeforeLevel before_level;
   engine::TimePoint refining = 0;
-  if (rank.plan.refine_interface)
+  const bool makes_coarse = round == 0 && rank.plan.is_coarse(round);
+  if (rank.plan.refine_interface && !makes_coarse)
     before_level = [&](double long_edge) {
       const engine::TimePoint begin = engine::now();
       refinement.refine(long_edge);
@@ -125,46 +158,47 @@ void SubdomainTask::adapt_interior(NodeContext& context) {
   const std::vector<Ref> to = neighbours(context);
   std::vector<partition::InterfaceVertices> created = refinement.created();
   for (std::size_t i = 0; i < to.size(); ++i)
-    context.send<&SubdomainTask::register_interface>(to[i], context.round(), std::move(created[i]));
-  context.expect<&SubdomainTask::register_interface>(context.round(), to);
+    context.send<&SubdomainTask::register_interface>(to[i], round, std::move(created[i]));
+  context.expect<&SubdomainTask::register_interface>(round, to);
 }
 
-void SubdomainTask::register_interface(NodeContext&, std::uint64_t,
-                                       std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
+BeginShift SubdomainTask::register_interface(NodeContext&, std::uint64_t,
+                                             std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
   partition::register_interface(subdomain_, values_of(arrivals));
+  return {};
 }
 
 /// Poor tets at frozen vertices are repaired only where no later shift is to thaw them.
 void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
                           const meshing::BeforeLevel& before_level) {
   const RankData& rank = rank_data(context);
+  const std::uint64_t round = context.round();
+  const bool coarse = rank.plan.is_coarse(round);
+  meshing::Limits limits;
+  limits.hausd = rank.plan.hausd;
+  limits = limits.coarser(rank.plan.phase_of(round).coarseness);
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
-  options.coarsen = neighbours(context).empty();  // an interface would stay fine
+  // An interface that is not to be moved soon would stay fine.
+  options.coarsen = (coarse && round == 0) || neighbours(context).empty();
   options.repair_at_frozen =
-      next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
+      !coarse && next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
-  options.progress = [&](const std::string&, double done, std::uint64_t) {
-    news_.done = static_cast<float>(done);
-    tell(rank);
-  };
-  const meshing::AdaptReport report = partition::adapt_subdomain(
-      subdomain_, rank.geometry->surface, rank.plan.hausd, extent, options, before_level);
+  options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
+  const meshing::AdaptReport report =
+      partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
   counts_ += report.counts;
   const bool same_tets = !shifts_.empty() && shifts_.back().sent + shifts_.back().received == 0;
   const engine::TimePoint begin = engine::now();
-  if (!(same_tets && report.stages.empty())) count_what_is_left();
+  if (!(same_tets && report.stages.empty())) left_ = partition::count_nonconforming(subdomain_);
   context.count("quality check, seconds", 1e-9 * static_cast<double>(engine::now() - begin));
   tell_log_what_is_left(context);
-  news_.done = 1;
-  tell(rank);
-}
-
-void SubdomainTask::count_what_is_left() {
-  left_ = partition::count_nonconforming(subdomain_);
-  news_.left = left_.plain;
-  news_.left += left_.flagged;
+  if (!coarse) {
+    news_.left = left_.plain;
+    news_.left += left_.flagged;
+  }
+  tell_done(rank, round, 1);
 }
 
 /// The report shows it.
@@ -180,21 +214,31 @@ void SubdomainTask::tell_log_what_is_left(NodeContext& context) {
   count("short edges", parts.plain.short_edges, parts.flagged.short_edges);
 }
 
+/// Who comes first changes from round to round. Not while a mesh becomes coarse, where a shift may hand over
+/// much of a subdomain, and in the two shifts after that which move most: there it is who has fewest tets,
+/// and all become alike.
+partition::Priority SubdomainTask::priority_in(const AdaptationPlan& plan, std::uint64_t round) const {
+  constexpr std::uint64_t kShiftsOfMany = 2;
+  const bool fewest_first = plan.phases.size() > 1 && plan.shift_of(round) < kShiftsOfMany;
+  return {fewest_first ? ~count_tets(subdomain_) : draw(subdomain_.id, round), subdomain_.id};
+}
+
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it
 /// rests.
-void SubdomainTask::propose(NodeContext& context) {
+void SubdomainTask::propose(NodeContext& context, BeginShift) {
   const RankData& rank = rank_data(context);
-  const std::uint64_t round = context.round();
+  const std::uint64_t round = context.round(), shift = rank.plan.shift_of(round);
+  const bool coarse = rank.plan.is_coarse(round);
   wants_.clear();
   const bool interrupted = rank.interrupt && rank.interrupt->load(std::memory_order_relaxed);
-  if (round < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, round);
+  if (shift < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, shift);
   const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
-  rests_ = round >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0;
+  rests_ = !coarse && (shift >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0);
   news_.rests = rests_;
-  if (!rests_) news_.step = static_cast<std::uint32_t>(round) + 1, news_.done = 0;
+  if (!rests_ && !coarse) news_.step = static_cast<std::uint32_t>(shift) + 1, news_.done = 0;
   tell(rank);
   if (rests_) return;
-  priority_ = {draw(subdomain_.id, round), subdomain_.id};
+  priority_ = priority_in(rank.plan, round);
   std::vector<partition::Proposal> proposals = partition::propose(subdomain_, priority_, wants_);
   const std::vector<Ref> to = neighbours(context);
   for (std::size_t i = 0; i < to.size(); ++i)
@@ -217,11 +261,11 @@ double SubdomainTask::colour(std::span<const partition::Proposal> proposals) con
                                            [&](const auto& p) { return priority_ < p.priority; }));
 }
 
-std::optional<engine::Nothing> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
+std::optional<BeginShift> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
   woken_for_ = round;
   if (!rests_) return {};
   rests_ = false;
-  return engine::Nothing{};
+  return BeginShift{};
 }
 
 void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
@@ -230,8 +274,9 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   neighbourhood_wants_ = !wants_.empty();
   for (const partition::Proposal& p : proposals) neighbourhood_wants_ |= !p.wants.empty();
   const std::vector<Ref> to = neighbours(context);
-  std::vector<partition::Parcel> parcels = partition::gather(subdomain_, priority_, wants_, proposals,
-                                                             rank_data(context).plan.shift.in_round(round));
+  const RankData& rank = rank_data(context);
+  std::vector<partition::Parcel> parcels = partition::gather(
+      subdomain_, priority_, wants_, proposals, rank.plan.shift.in_round(rank.plan.shift_of(round)));
   ShiftRecord record;
   record.round = round;
   record.wanted = wants_.size();
@@ -241,35 +286,43 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   }
   shifts_.push_back(record);
   context.expect<&SubdomainTask::scatter>(
-      round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * predicted_tets_));
+      round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * tets_after(rank, round)));
   context.count("tets sent", static_cast<double>(record.sent));
   context.count("colour", colour(proposals));
 }
 
-void SubdomainTask::scatter(NodeContext& context, std::uint64_t round,
-                            std::vector<Arrival<partition::Parcel>> arrivals) {
+/// Nothing is adapted where all of it is to be next.
+std::optional<engine::Nothing> SubdomainTask::scatter(NodeContext& context, std::uint64_t round,
+                                                      std::vector<Arrival<partition::Parcel>> arrivals) {
   std::vector<partition::Parcel> parcels = values_of(arrivals);
   partition::Scattered result = partition::scatter(subdomain_, parcels);
-  const AdaptationPlan& plan = rank_data(context).plan;
+  const RankData& rank = rank_data(context);
+  const AdaptationPlan& plan = rank.plan;
   for (auto& [to, notice] : result.notices)
     context.send<&SubdomainTask::update_topology>(object_of(plan, context.ranks(), to), round,
                                                   std::move(notice));
   std::vector<Ref> from;
   for (const SubdomainId s : result.expected) from.push_back(object_of(plan, context.ranks(), s));
-  context.expect<&SubdomainTask::update_topology>(round, from);
+  const bool phase_ends = plan.begins_phase(round + 1);
+  const engine::Seconds next = phase_ends ? seconds_to_adapt(tets_after(rank, round + 1)) : engine::Seconds{};
+  context.expect<&SubdomainTask::update_topology>(round, from, next);
   shifts_.back().received = result.received;
   shifts_.back().thawed = result.thawed;
   context.count("tets received", static_cast<double>(result.received));
+  if (phase_ends) return {};
+  return engine::Nothing{};
 }
 
 void SubdomainTask::adapt_shifted(NodeContext& context) {
-  adapt(context, meshing::Extent::fresh, context.round() + 1);
+  adapt(context, meshing::Extent::fresh, rank_data(context).plan.shift_of(context.round()) + 1);
 }
 
-void SubdomainTask::update_topology(NodeContext& context, std::uint64_t,
-                                    std::vector<Arrival<partition::Notice>> arrivals) {
+std::variant<BeginShift, BeginPhase> SubdomainTask::update_topology(
+    NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Notice>> arrivals) {
   context.count("vertices thawed",
                 static_cast<double>(partition::update_topology(subdomain_, values_of(arrivals))));
+  if (rank_data(context).plan.begins_phase(round + 1)) return BeginPhase{};
+  return BeginShift{};
 }
 
 }  // namespace weft::graph::adaptation

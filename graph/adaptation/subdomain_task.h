@@ -2,12 +2,17 @@
 // instance a subdomain, which lives on whatever rank the balancer has put it.
 //
 //   adapt interior =>> register interface -> propose =>> gather =>> scatter -> adapt shifted
-//                                               ^                       =>>
-//                                               +---- next round ---- update topology
+//        ^                                      ^                       =>>
+//        |                                      +--- next shift --- update topology
+//        +---------------- next phase --------------------------------+
 //
 // -> stays in the subdomain, =>> goes to its neighbours. A subdomain goes on as soon as its own neighbours'
 // values are there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a
 // proposal for a later round wakes it. The run has ended when all rest.
+//
+// There is one phase; more where the input is far from its metric. Then the first makes all of it coarse, the
+// interface with it, which only shifts can, and each later one finer, until the last is as one alone would
+// be. All but the last have a fixed number of shifts, the same for all subdomains.
 #pragma once
 
 #include <atomic>
@@ -16,6 +21,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "graph/adaptation/progress.h"
@@ -27,18 +33,38 @@
 
 namespace weft::graph::adaptation {
 
+/// Rounds to one metric.
+struct Phase {
+  std::uint64_t first_round = 0;
+  double coarseness = 1;  ///< how much longer than wanted its edges are; 1 in the last phase
+};
+
 /// How subdomains are adapted; the same on all ranks.
 struct AdaptationPlan {
   std::uint32_t subdomains = 1;
   std::uint32_t first_object = 0;  ///< number of the first subdomain's object on every rank
   std::uint32_t most_shifts = 12;
   partition::ShiftOptions shift;
+  std::vector<Phase> phases{{0, 1}};
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   double hausd = 0;                  ///< meshing::AdaptOptions, not 0
   double expected_complexity = 0;    ///< of the whole result
   int threads_of_subdomain = 1;      ///< that one adaptation may use
+
+  const Phase& phase_of(std::uint64_t round) const;
+  bool begins_phase(std::uint64_t round) const { return phase_of(round).first_round == round; }
+  bool is_coarse(std::uint64_t round) const { return round < phases.back().first_round; }
+  /// Of its phase, from 0.
+  std::uint64_t shift_of(std::uint64_t round) const { return round - phase_of(round).first_round; }
 };
+
+/// What a subdomain tells itself to begin.
+struct BeginPhase {
+  template <class Archive>
+  void serialize(Archive&) {}
+};
+struct BeginShift {};
 
 /// What all subdomains of a rank read (engine::RuntimeOptions::local).
 struct RankData {
@@ -82,26 +108,29 @@ class SubdomainTask {
   }
 
   // The nodes.
-  void adapt_interior(dataflow::NodeContext& context);
-  void register_interface(dataflow::NodeContext& context, std::uint64_t round,
-                          std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
-  void propose(dataflow::NodeContext& context);
-  std::optional<engine::Nothing> wake(dataflow::NodeContext& context, std::uint64_t round);
+  void adapt_interior(dataflow::NodeContext& context, BeginPhase);
+  BeginShift register_interface(dataflow::NodeContext& context, std::uint64_t round,
+                                std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
+  void propose(dataflow::NodeContext& context, BeginShift);
+  std::optional<BeginShift> wake(dataflow::NodeContext& context, std::uint64_t round);
   void gather(dataflow::NodeContext& context, std::uint64_t round,
               std::vector<dataflow::Arrival<partition::Proposal>> arrivals);
-  void scatter(dataflow::NodeContext& context, std::uint64_t round,
-               std::vector<dataflow::Arrival<partition::Parcel>> arrivals);
+  std::optional<engine::Nothing> scatter(dataflow::NodeContext& context, std::uint64_t round,
+                                         std::vector<dataflow::Arrival<partition::Parcel>> arrivals);
   void adapt_shifted(dataflow::NodeContext& context);
-  void update_topology(dataflow::NodeContext& context, std::uint64_t round,
-                       std::vector<dataflow::Arrival<partition::Notice>> arrivals);
+  std::variant<BeginShift, BeginPhase> update_topology(
+      dataflow::NodeContext& context, std::uint64_t round,
+      std::vector<dataflow::Arrival<partition::Notice>> arrivals);
 
  private:
   const RankData& rank_data(dataflow::NodeContext& context) const;
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
   void adapt(dataflow::NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
              const meshing::BeforeLevel& before_level = {});
-  void count_what_is_left();
+  double tets_after(const RankData& rank, std::uint64_t round) const;
+  void tell_done(const RankData& rank, std::uint64_t round, double done);
   double share_wanted(std::span<const partition::Proposal> proposals) const;
+  partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
   double colour(std::span<const partition::Proposal> proposals) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);

@@ -8,12 +8,14 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "engine/loopback_transport.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "meshing/check_mesh.h"
 #include "partition/check_pieces.h"
+#include "partition/measure_pieces.h"
 #include "tests/partition/scenes.h"
 #include "tests/partition/slices.h"
 #include "tests/support/ranks.h"
@@ -61,6 +63,7 @@ struct RankOutcome {
   Runtime& runtime;
   EnginePeers& peers;
   DistributedResult& result;
+  const AdaptationPlan& plan;
 };
 
 void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& setting,
@@ -82,7 +85,7 @@ void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& s
   options.news = setting.news;
   DistributedResult result =
       adapt_distributed(runtime, peers, rank, slice_of(whole, peers.rank(), peers.ranks()), options);
-  look({runtime, peers, result});
+  look({runtime, peers, result, rank.plan});
 }
 
 template <class T>
@@ -341,6 +344,126 @@ TEST_P(AdaptationOnRanks, SubdomainsTellHowFarTheyAreAndChangeNothingByIt) {
       EXPECT_TRUE(rank.peers.rank() > 0 || all == silent);
     });
   });
+}
+
+// --- Several phases
+
+/// Tets of one shape and a metric that wants quite others.
+MetricMesh far_from_its_metric(std::uint32_t cells, double complexity) {
+  MetricMesh whole{unit_cube(cells), {}};
+  shuffle(whole.mesh, 1);
+  whole.log_metrics = meshing::sample(meshing::AnalyticMetric("polar-2"), whole.mesh);
+  meshing::scale_to_complexity(whole.mesh, complexity, whole.log_metrics);
+  return whole;
+}
+
+TEST_P(AdaptationOnRanks, PhasesGiveTheSameEverywhere) {
+  const MetricMesh whole = far_from_its_metric(8, 1000);
+  for (const std::uint32_t subdomains : {2u, 10u}) {
+    SCOPED_TRACE(subdomains);
+    Setting setting;
+    setting.subdomains = subdomains;
+    setting.balancer = engine::rotate();
+    setting.delay = std::chrono::microseconds(300);
+    expect_same_as_on_one_rank(GetParam(), whole, setting);
+  }
+}
+
+TEST_P(AdaptationOnRanks, AnInterruptOfAnyPhaseLeavesAConformingMesh) {
+  const MetricMesh whole = far_from_its_metric(8, 1000);
+  for (const std::size_t after : {0u, 5u, 25u, 60u, 100u}) {
+    SCOPED_TRACE(after);
+    std::atomic<bool> flag{after == 0};
+    Setting setting;
+    setting.interrupt = &flag;
+    setting.balancer = [&](engine::Rank, int) { return std::make_unique<Interrupter>(flag, after); };
+    on_ranks(GetParam(), [&](Transport& network) {
+      adapt_on_rank(network, whole, setting, [&](RankOutcome rank) { expect_sound(rank, whole, setting); });
+    });
+  }
+}
+
+/// The plan that a run has made for this many subdomains.
+AdaptationPlan plan_for(const MetricMesh& whole, std::uint32_t subdomains) {
+  Setting setting;
+  setting.subdomains = subdomains;
+  AdaptationPlan plan;
+  engine::LoopbackNetwork network(1);
+  std::atomic<bool> at_once{true};
+  setting.interrupt = &at_once;
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting,
+                [&](RankOutcome rank) { plan = rank.plan; });
+  return plan;
+}
+
+std::vector<double> coarseness_of_phases(const MetricMesh& whole, std::uint32_t subdomains) {
+  std::vector<double> all;
+  for (const Phase& phase : plan_for(whole, subdomains).phases) all.push_back(phase.coarseness);
+  return all;
+}
+
+TEST(Phases, AreSeveralWhereTheInputIsFarFromItsMetric) {
+  const MetricMesh far = far_from_its_metric(10, 3000);
+  EXPECT_THAT(coarseness_of_phases(far, 4), ElementsAre(4, 2, 1));
+  EXPECT_THAT(coarseness_of_phases(far, 30), ElementsAre(2, 1)) << "with four: sixteen tets a subdomain";
+  EXPECT_THAT(coarseness_of_phases(far, 400), ElementsAre(1)) << "with two: nine";
+  EXPECT_THAT(coarseness_of_phases(far, 1), ElementsAre(1)) << "the kernel knows what to do";
+  EXPECT_THAT(coarseness_of_phases(far_from_its_metric(4, 20000), 2), ElementsAre(1)) << "it is coarse";
+  MetricMesh near = far;
+  std::ranges::fill(near.log_metrics, meshing::LogMetric{4, 0, 4, 0, 0, 4});
+  EXPECT_THAT(coarseness_of_phases(near, 4), ElementsAre(1)) << "its tets are good as they are";
+}
+
+TEST(Phases, FollowEachOther) {
+  AdaptationPlan plan;
+  EXPECT_TRUE(plan.begins_phase(0) && !plan.begins_phase(1) && !plan.is_coarse(0));
+  EXPECT_EQ(plan.shift_of(3), 3u);
+  plan.phases = {{0, 4}, {2, 2}, {4, 1}};
+  std::vector<std::uint64_t> shifts, begins, coarse;
+  for (std::uint64_t round = 0; round < 7; ++round) {
+    shifts.push_back(plan.shift_of(round));
+    begins.push_back(plan.begins_phase(round));
+    coarse.push_back(plan.is_coarse(round));
+  }
+  EXPECT_THAT(shifts, ElementsAre(0, 1, 0, 1, 0, 1, 2));
+  EXPECT_THAT(begins, ElementsAre(1, 0, 1, 0, 1, 0, 0));
+  EXPECT_THAT(coarse, ElementsAre(1, 1, 1, 1, 0, 0, 0));
+}
+
+/// The smallest receive first: where a mesh becomes coarse, nobody gets it all.
+TEST(Phases, LeaveSubdomainsOfLikeSize) {
+  const MetricMesh whole = far_from_its_metric(12, 4000);
+  Setting setting;
+  setting.subdomains = 12;
+  std::vector<std::size_t> tets;
+  engine::LoopbackNetwork network(1);
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
+    EXPECT_EQ(rank.plan.phases.size(), 3u);
+    for (const MeshPiece& piece : rank.result.pieces) tets.push_back(piece.mesh.tets.size());
+  });
+  const std::size_t all = std::accumulate(tets.begin(), tets.end(), std::size_t{0});
+  EXPECT_LT(std::ranges::max(tets), 3 * all / tets.size());
+}
+
+/// As good as what the kernel makes of the whole.
+TEST(Phases, GiveTheQualityOfOneMesh) {
+  const MetricMesh whole = far_from_its_metric(12, 4000);
+  const auto measure_parts = [&](std::uint32_t subdomains) {
+    Setting setting;
+    setting.subdomains = subdomains;
+    engine::LoopbackNetwork network(1);
+    meshing::Measures measures;
+    adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
+      EXPECT_EQ(rank.plan.phases.size() > 1, subdomains > 1);
+      measures = partition::measure_pieces(rank.peers, rank.result.pieces);
+      expect_sound(rank, whole, setting);
+    });
+    return measures;
+  };
+  const meshing::Measures one = measure_parts(1), parts = measure_parts(6);
+  EXPECT_GT(parts.quality_mean, 0.99 * one.quality_mean);
+  EXPECT_GT(parts.edges_unit, 0.985 * one.edges_unit);
+  EXPECT_GT(parts.quality_q01, 0.96 * one.quality_q01);
 }
 
 TEST(SubdomainOf, IsTheInverseOfObjectOf) {

@@ -51,6 +51,24 @@ TEST(RefinedVertices, ANewOneIsHeldByThoseWhoHoldBothEnds) {
   EXPECT_THAT(vertices.corners(vertices.add_between(inside, side)), ElementsAre(1, 0, 2));
 }
 
+/// The interface of a later phase has vertices that were made in an earlier one.
+TEST(RefinedVertices, NamesOfAnEarlierPhaseAreNotGivenAgain) {
+  const GlobalId middle = GlobalId::derived_from(name(0), name(1));
+  RefinedVertices vertices(Interface({{name(0), 1}, {name(1), 1}, {middle, 1}}), 1);
+  const auto old = vertices.find(middle);
+  ASSERT_LT(old, vertices.first_new());
+  const GlobalId made = vertices.id(vertices.add_between(0, 1)),
+                 deep = vertices.id(vertices.add_between(0, old));
+  vertices.sort_new();
+  EXPECT_NE(made, middle);
+  EXPECT_TRUE(made.derived());
+  EXPECT_EQ(vertices.find(middle), old);
+  EXPECT_EQ(vertices.id(vertices.find(made)), made);
+  EXPECT_EQ(vertices.id(vertices.find(deep)), deep);
+  RefinedVertices later(Interface({{name(0), 1}, {name(1), 1}}), 2);
+  EXPECT_NE(later.id(later.add_between(0, 1)), made);
+}
+
 /// Vertices within one face, made between any two that are there.
 TEST(RefinedVertices, HoldersAreThoseOfAllCornersHoweverDeep) {
   std::mt19937 random(3);

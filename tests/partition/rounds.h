@@ -30,7 +30,8 @@ class Rounds {
   using ForEach = std::vector<std::vector<T>>;  ///< [subdomain][...]
 
   Rounds(const Cut& cut, double hausd, partition::ShiftOptions shift)
-      : geometry_(cut.geometry), hausd_(hausd), shift_(shift) {
+      : geometry_(cut.geometry), shift_(shift) {
+    limits_.hausd = hausd;
     std::size_t tets = 0;
     for (const auto& s : cut.starts) tets += s.tets.size();
     for (const auto& s : cut.starts) subdomains_.emplace_back(s, 20 * tets + 200000);
@@ -39,6 +40,13 @@ class Rounds {
   std::vector<partition::Subdomain>& subdomains() { return subdomains_; }
   const partition::Geometry& geometry() const { return geometry_; }
   meshing::AdaptOptions& options() { return options_; }
+  meshing::Limits& limits() { return limits_; }
+
+  /// The shifts so far were of a coarse mesh.
+  void begin_next_phase() {
+    for (auto& s : subdomains_) partition::begin_next_phase(s);
+    round_ = 0;
+  }
 
   void refine_interfaces() {
     ForEach<partition::InterfaceVertices> created;
@@ -55,7 +63,7 @@ class Rounds {
     ForEach<partition::InterfaceVertices> created;
     for (auto& s : subdomains_) {
       partition::InterfaceRefinement refinement(s, geometry_);
-      adapt_subdomain(s, geometry_.surface, hausd_, meshing::Extent::everything, options_,
+      adapt_subdomain(s, geometry_.surface, limits_, meshing::Extent::everything, options_,
                       [&](double long_edge) { refinement.refine(long_edge); });
       created.push_back(refinement.created());
     }
@@ -63,7 +71,7 @@ class Rounds {
   }
 
   void adapt(meshing::Extent extent) {
-    for (auto& s : subdomains_) adapt_subdomain(s, geometry_.surface, hausd_, extent, options_);
+    for (auto& s : subdomains_) adapt_subdomain(s, geometry_.surface, limits_, extent, options_);
   }
 
   ForEach<partition::GlobalId> wants() const {
@@ -157,7 +165,7 @@ class Rounds {
   }
 
   const partition::Geometry& geometry_;
-  double hausd_;
+  meshing::Limits limits_;
   partition::ShiftOptions shift_;
   meshing::AdaptOptions options_;
   std::vector<partition::Subdomain> subdomains_;

@@ -213,6 +213,12 @@ TEST(Shift, EqualPrioritiesAreOrderedBySubdomain) {
   EXPECT_LT((Priority{2, 0}), (Priority{2, 5}));
 }
 
+std::size_t count_interfaces(const std::vector<Subdomain>& subdomains) {
+  std::size_t vertices = 0;
+  for (const Subdomain& s : subdomains) vertices += s.interface.size();
+  return vertices;
+}
+
 /// Where everything is that an adaptation must leave alone.
 std::map<std::pair<SubdomainId, GlobalId>, std::array<double, 9>> frozen_places(
     const std::vector<Subdomain>& subdomains) {
@@ -236,8 +242,34 @@ void expect_result(const MergedMesh& merged, const Scene& scene) {
   EXPECT_NEAR(now.volume, before.volume, 0.2 * before.volume);  // of a coarse polyhedron in a ball
 }
 
+/// Two phases to coarser metrics, everything checked after each step.
+void adapt_coarsely(Rounds& rounds, const Scene& scene, const std::optional<ExpectedTotals>& totals,
+                    std::mt19937& random) {
+  const meshing::Limits wanted = rounds.limits();
+  for (const double coarseness : {3.0, 1.5}) {
+    SCOPED_TRACE("coarse by " + std::to_string(coarseness));
+    rounds.limits() = wanted.coarser(coarseness);
+    if (coarseness > 2)
+      rounds.adapt(meshing::Extent::everything);
+    else
+      rounds.adapt_interiors();
+    expect_sound(rounds, totals);
+    for (int shift = 0; shift < 2; ++shift) {
+      SCOPED_TRACE("shift " + std::to_string(shift));
+      rounds.shift(random_priorities(scene.subdomains, random));
+      if (shift == 0) rounds.adapt(meshing::Extent::fresh);
+      EXPECT_EQ(rounds.update(), 0);
+      expect_sound(rounds, totals);
+    }
+    rounds.begin_next_phase();
+    EXPECT_EQ(count(rounds.wants()), count_interfaces(rounds.subdomains()));
+  }
+  rounds.limits() = wanted;
+}
+
 /// The whole method on one scene, everything checked after each step.
-void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refine, unsigned seed) {
+void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refine, unsigned seed,
+                      bool coarse_first = false) {
   const Cut cut = scene.cut();
   std::optional<ExpectedTotals> totals;
   if (!scene.curved) totals = totals_of(scene.mesh);
@@ -248,6 +280,7 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
     rounds.adapt(extent);
     EXPECT_EQ(frozen_places(rounds.subdomains()), before);
   };
+  if (coarse_first) adapt_coarsely(rounds, scene, totals, random);
   if (refine)
     rounds.adapt_interiors();
   else
@@ -277,6 +310,16 @@ TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
                  std::to_string(options.layers) + (options.by_faces ? " by faces" : " by points") +
                  (refine ? ", refined" : ""));
     EXPECT_NO_THROW(adapt_until_free(scene, options, refine, seed));
+    if (HasFailure()) return;
+  }
+}
+
+TEST(AdaptedShifts, AfterCoarsePhasesToo) {
+  for (unsigned seed = 0; seed < 24; ++seed) {
+    const Scene scene = random_scene(seed, 1);
+    const bool refine = seed % 3 != 2;
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + (refine ? ", refined" : ""));
+    EXPECT_NO_THROW(adapt_until_free(scene, {2, seed / 4 % 2 == 1}, refine, seed, true));
     if (HasFailure()) return;
   }
 }

@@ -229,6 +229,7 @@ class Runs(SampleTest):
         self.assertIn("digraph", (self.folder / "graph.dot").read_text())
         self.assertIn("digraph", (self.folder / "graph-planned.dot").read_text())
         self.check_what_is_left(profile)
+        self.check_phases(profile)
         self.check_trace(json.loads((self.folder / "trace.json").read_text())["traceEvents"], graph)
         nodes = [n["name"] for n in graph["graph"]["nodes"]]
         for operation, counter, its_nodes in (
@@ -283,6 +284,17 @@ class Runs(SampleTest):
                 at = round(1000 * end["ts"])
                 self.assertTrue(any(begin <= at <= until for begin, until in threads[end["pid"], end["tid"]]), end)
 
+    def check_phases(self, profile):
+        """The box is far from its metric: it is made coarse before it is made fine."""
+        left = profile["left"]
+        begins = [step["step"] for step in left if step["everything"]]
+        self.assertEqual(begins[0], 0)
+        self.assertEqual(begins[-1], profile["report"]["subdomains"]["coarse_shifts"])
+        self.assertGreater(len(begins), 1)
+        tets = [step["interior"]["tets"] + step["interface"]["tets"] for step in left]
+        coarse = [t for t, step in zip(tets, left) if step["step"] < begins[1]]
+        self.assertLess(max(coarse), 0.5 * tets[-1])
+
     def check_what_is_left(self, profile):
         """After the last step nothing is counted that the measures of the result do not know of."""
         last, after = profile["left"][-1], profile["report"]["after"]
@@ -298,7 +310,8 @@ class Runs(SampleTest):
         self.assertEqual(planned["graph"], executed["graph"])
         self.assertEqual([i["number"] for i in planned["instances"]], list(range(6)))
         self.assertEqual(planned["runs"]["node"], [])
-        links = [set(zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"])) for g in (planned, executed)]
+        at_first = json.loads(self.weft("graph", "run.json", "--round", 0, "--format", "json").stdout)
+        links = [set(zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"])) for g in (planned, at_first)]
         # First neighbours exchange what they have made of their interface; later ones meet by shifts.
         registered = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == "adapt interior -> register interface")
         self.assertEqual(*({link for link in some if link[2] == registered} for some in links))

@@ -162,11 +162,16 @@ Json convergence_json(const GraphDump& graph) {
   return list;
 }
 
-/// 0 for a node that adapts the interior, r + 1 for one that adapts in round r of the shifts; else empty.
-std::optional<std::uint64_t> step_of(const GraphDump& graph, const DumpedRun& run) {
+/// What a node adapts: everything before the shifts of a phase, or what the shift of its round brings. In the
+/// last round of a coarse phase nothing is adapted, so steps have numbers of their own.
+struct Step {
+  std::uint64_t number = 0;
+  bool everything = false;
+};
+std::optional<Step> step_of(const GraphDump& graph, const DumpedRun& run) {
   const OperationIndex operation = operation_of_node(graph.description.nodes[run.node].name);
-  if (operation == kInteriorAdaptation) return 0;
-  if (operation == kShiftedAdaptation) return run.round + 1;
+  if (operation == kInteriorAdaptation) return Step{run.round, true};
+  if (operation == kShiftedAdaptation) return Step{run.round + 1, false};
   return {};
 }
 
@@ -187,16 +192,24 @@ Json sums_left_json(const GraphDump& graph, const std::vector<std::vector<double
 /// What is wrong in the whole mesh after each step: what a subdomain has counted last holds until it counts
 /// again.
 Json left_json(const GraphDump& graph) {
-  std::map<std::uint64_t, std::vector<const DumpedRun*>> by_step;
+  struct Adaptations {
+    bool of_everything = false;
+    std::vector<const DumpedRun*> runs;
+  };
+  std::map<std::uint64_t, Adaptations> by_step;
   for (const DumpedRun& run : graph.runs)
-    if (const auto step = step_of(graph, run)) by_step[*step].push_back(&run);
+    if (const auto step = step_of(graph, run)) {
+      by_step[step->number].of_everything = step->everything;
+      by_step[step->number].runs.push_back(&run);
+    }
   const auto is_left = [](const std::string& counter) { return counter == left_name(kLeft[0], kParts[0]); };
   if (std::none_of(graph.counter_names.begin(), graph.counter_names.end(), is_left)) by_step.clear();
   Json list = Json::array();
   std::vector<std::vector<double>> latest(graph.instances.size());
-  for (const auto& [step, runs] : by_step) {
-    for (const DumpedRun* run : runs) latest[run->instance] = run->counters;
-    Json entry = {{"step", step}, {"subdomains", runs.size()}};
+  for (const auto& [step, adaptations] : by_step) {
+    for (const DumpedRun* run : adaptations.runs) latest[run->instance] = run->counters;
+    Json entry = {
+        {"step", step}, {"everything", adaptations.of_everything}, {"subdomains", adaptations.runs.size()}};
     for (const char* part : kParts) entry[part] = sums_left_json(graph, latest, part);
     list.push_back(entry);
   }

@@ -212,6 +212,7 @@ class DistributedJob {
     account.ranks = runtime_->ranks();
     account.partitioner = partitioner_of(subdomains_);
     account.layers = options.shift.layers;
+    account.coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
     account.decomposition_seconds = result_.decomposition_seconds;
     account.adaptation_seconds = result_.adaptation_seconds;
     account_ = std::make_shared<SubdomainAccount>(std::move(account));

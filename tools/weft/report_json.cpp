@@ -106,6 +106,7 @@ Json json_of(const SubdomainAccount& a) {
           {"adaptation_seconds", a.adaptation_seconds},
           {"seconds_by_operation", json_of(a.sum)},
           {"share_beside_adaptation", a.beside_adaptation},
+          {"coarse_shifts", a.coarse_shifts},
           {"shifts", shifts},
           {"by_rank", ranks},
           {"former_interface", tools::json_of(a.former_interface)},

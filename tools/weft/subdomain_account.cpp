@@ -114,9 +114,15 @@ std::string subdomains_text(const SubdomainAccount& a) {
                       a.engine.verdict());
   text += fmt::format("{:<8}{:>16}{:>14}{:>12}{:>16}\n", "shift", "vertices wanted", "tets moved",
                       "receivers", "vertices freed");
-  for (const ShiftAccount& s : a.shifts)
-    text += fmt::format("  {:<6}{:>16}{:>14}{:>12}{:>16}\n", s.round + 1, grouped(s.wanted), grouped(s.moved),
-                        grouped(s.receivers), grouped(s.thawed));
+  for (const ShiftAccount& s : a.shifts) {
+    const bool coarse = s.round < a.coarse_shifts;
+    text += fmt::format("  {:<6}{:>16}{:>14}{:>12}{:>16}{}\n", s.round + 1, grouped(s.wanted),
+                        grouped(s.moved), grouped(s.receivers), grouped(s.thawed), coarse ? "  coarse" : "");
+  }
+  if (a.coarse_shifts > 0)
+    text +=
+        "the input was far from its metric: it was made coarse, interfaces included, before it was made "
+        "fine\n";
   std::uint64_t messages = 0, bytes = 0;
   for (const engine::Volume& v : a.engine.traffic) {
     messages += v.sent.messages;

@@ -38,6 +38,7 @@ struct SubdomainAccount {
   std::string partitioner;
   int layers = 0;
   double decomposition_seconds = 0, adaptation_seconds = 0;
+  std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
   std::vector<ShiftAccount> shifts;
   std::vector<RankAccount> by_rank;
   std::vector<OperationTime> sum;      ///< of all ranks

@@ -138,6 +138,12 @@ TEST(Profile, WhatIsLeftIsThatOfTheWholeMeshAfterEachStep) {
     EXPECT_EQ(step["interior"]["tets"], left[0]["interior"]["tets"]) << step["step"];
 }
 
+graph::dataflow::NodeIndex node_named(const char* name, const graph::dataflow::GraphDump& graph) {
+  const auto& nodes = graph.description.nodes;
+  return static_cast<graph::dataflow::NodeIndex>(
+      std::ranges::find(nodes, name, &graph::dataflow::NodeDescription::name) - nodes.begin());
+}
+
 TEST(Profile, SubdomainsThatRestKeepWhatTheyCountedLast) {
   graph::dataflow::GraphDump graph = sample().graph;
   const Json before = sample().profile["left"];
@@ -145,12 +151,23 @@ TEST(Profile, SubdomainsThatRestKeepWhatTheyCountedLast) {
     return run.instance == 3 && run.round > 0 && graph.description.nodes[run.node].name == "adapt shifted";
   };
   for (auto& run : graph.runs)
-    if (rests(run)) run.node = 0;  // as if it had not adapted
+    if (rests(run)) run.node = node_named("propose", graph);  // as if it had not adapted
   const Json after = profile_json({.report = sample().profile["report"], .graph = &graph})["left"];
   EXPECT_EQ(after[1], before[1]);
   EXPECT_EQ(after[2]["subdomains"], before[2]["subdomains"].get<int>() - 1);
   EXPECT_EQ(after[2]["interior"]["tets"], before[2]["interior"]["tets"]);
   EXPECT_GT(after[2]["interface"]["poor tets"], before[2]["interface"]["poor tets"]);
+}
+
+TEST(Profile, ASecondPhaseIsToldFromShifts) {
+  graph::dataflow::GraphDump graph = sample().graph;
+  for (auto& run : graph.runs)  // as if nothing had been adapted after the second shift but all, in the third
+    if (run.round == 1 && run.node == node_named("adapt shifted", graph))
+      run.node = node_named("adapt interior", graph), run.round = 2;
+  Json expected = sample().profile["left"];
+  for (std::size_t s = 0; s < expected.size(); ++s) EXPECT_EQ(expected[s]["everything"], s == 0);
+  expected[2]["everything"] = true;
+  EXPECT_EQ(profile_json({.report = sample().profile["report"], .graph = &graph})["left"], expected);
 }
 
 TEST(Profile, OfAPlainRunHasNothingThatWasNotRecorded) {
