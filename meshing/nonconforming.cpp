@@ -27,38 +27,52 @@ struct Found {
 class Count {
  public:
   Count(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in)
-      : mesh_(mesh), flags_(flags), left_out_(one_in - 1) {}
+      : mesh_(mesh), what_(mesh.vertex_slots()) {
+    for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+      what_[i] = (mesh.flags(VertexId(i)) & flags ? kFlagged : 0) | (i % one_in == 0 ? kInSample : 0);
+  }
 
-  void look_at(TetId t, Found& found) const {
-    const TetVertices v = mesh_.vertices(t);
-    std::array<bool, 4> flagged;
-    for (int i = 0; i < 4; ++i) flagged[i] = mesh_.flags(v[i]) & flags_;
-    const bool any = flagged[0] | flagged[1] | flagged[2] | flagged[3];
-    Nonconforming& part = any ? found.parts.flagged : found.parts.plain;
-    ++part.tets;
-    part.poor_tets += mesh_.quality(t) < kPoorQuality;
-    if (!(in_sample(v[0]) | in_sample(v[1]) | in_sample(v[2]) | in_sample(v[3]))) return;
-    for (const auto& e : kTetEdges)
-      if (in_sample(std::min(v[e[0]], v[e[1]])))
-        look_at(v[e[0]], v[e[1]], flagged[e[0]] || flagged[e[1]], found);
+  /// All but the edges without a branch: nearly all tets have nothing to be looked at.
+  Found run() const {
+    Found found;
+    std::array<std::uint64_t, 2> tets{}, poor_tets{};
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
+      const TetId t(i);
+      const TetVertices v = mesh_.vertices(t);
+      const std::uint8_t any = what(v[0]) | what(v[1]) | what(v[2]) | what(v[3]);
+      const bool alive = mesh_.alive(t);
+      tets[any & kFlagged] += alive;
+      poor_tets[any & kFlagged] += alive & (mesh_.quality(t) < kPoorQuality);
+      if ((any & kInSample) != 0 && alive) look_at_edges(v, found.edges);
+    }
+    found.parts.plain.tets = tets[0], found.parts.plain.poor_tets = poor_tets[0];
+    found.parts.flagged.tets = tets[kFlagged], found.parts.flagged.poor_tets = poor_tets[kFlagged];
+    return found;
   }
 
  private:
-  bool in_sample(VertexId v) const { return (v.value & left_out_) == 0; }
+  static constexpr std::uint8_t kFlagged = 1, kInSample = 2;
+  std::uint8_t what(VertexId v) const { return what_[v.value]; }
+
+  void look_at_edges(const TetVertices& v, std::vector<WrongEdge>& edges) const {
+    for (const auto& e : kTetEdges) {
+      const VertexId a = std::min(v[e[0]], v[e[1]]), b = std::max(v[e[0]], v[e[1]]);
+      if ((what(a) & kInSample) != 0) look_at(a, b, edges);
+    }
+  }
 
   /// Nearly all edges are unit by the metrics of both ends: then no mean need be taken, nor a root.
-  void look_at(VertexId a, VertexId b, bool flagged, Found& found) const {
+  void look_at(VertexId a, VertexId b, std::vector<WrongEdge>& edges) const {
     const Vec v = mesh_.point(b) - mesh_.point(a);
     const double by_a = squared_length(mesh_.metric(a), v), by_b = squared_length(mesh_.metric(b), v);
     if (std::min(by_a, by_b) >= kShortest && std::max(by_a, by_b) <= kLongest) return;
     const double length = length_between(mesh_, a, b);
     if (length * length >= kShortest && length * length <= kLongest) return;
-    found.edges.push_back({std::min(a.value, b.value), std::max(a.value, b.value), length > 1, flagged});
+    edges.push_back({a.value, b.value, length > 1, ((what(a) | what(b)) & kFlagged) != 0});
   }
 
   const TetMesh& mesh_;
-  const std::uint8_t flags_;
-  const std::uint32_t left_out_;  ///< vertices with one of these bits in their id
+  std::vector<std::uint8_t> what_;  ///< by vertex slot
 };
 
 void count_edges(std::uint32_t one_in, Found& found) {
@@ -82,10 +96,7 @@ Nonconforming& Nonconforming::operator+=(const Nonconforming& other) {
 }
 
 NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in) {
-  const Count count(mesh, flags, one_in);
-  Found found;
-  for (std::uint32_t t = 0; t < mesh.tet_slots(); ++t)
-    if (mesh.alive(TetId(t))) count.look_at(TetId(t), found);
+  Found found = Count(mesh, flags, one_in).run();
   count_edges(one_in, found);
   return found.parts;
 }

@@ -83,16 +83,16 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
 void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
   constexpr double kTetsOfUnitVolume = 10, kLeastTets = 20;
   constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
-  plan.phases = {{0, 1}};
-  if (plan.subdomains == 1 || plan.most_shifts == 0 || d.mean_quality >= meshing::kFarMean) return;
-  for (double coarseness = 4; coarseness > 1; coarseness /= 2) {
+  const bool far = plan.subdomains > 1 && plan.most_shifts > 0 && d.mean_quality < meshing::kFarMean;
+  double first = 1;
+  for (const double coarseness : {2.0, 4.0}) {
     const double tets = kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
-    if (tets < kLeastTets * plan.subdomains || tets >= static_cast<double>(input_tets)) continue;
-    plan.phases.clear();
-    for (std::uint64_t round = 0; coarseness > 1; round += kCoarseShifts, coarseness /= 2)
-      plan.phases.push_back({round, coarseness});
-    plan.phases.push_back({plan.phases.size() * kCoarseShifts, 1});
+    if (far && tets >= kLeastTets * plan.subdomains && tets < static_cast<double>(input_tets))
+      first = coarseness;
   }
+  plan.phases.clear();
+  for (double coarseness = first; coarseness >= 1; coarseness /= 2)
+    plan.phases.push_back({plan.phases.size() * kCoarseShifts, coarseness});
 }
 
 }  // namespace

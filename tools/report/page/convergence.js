@@ -44,7 +44,7 @@
   function table() {
     const head = ["round", "work", ...names];
     const rows = rounds.map((r) => [r.round, weft.seconds(r.seconds), ...names.map((n) => weft.count(r.counters[n]))]);
-    return weft.card("The same as numbers", make("p", { class: "note" }, `Work: of all workers; that of round ${begins.join(", ") || 0} has the adaptation of the interior in it.`), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
+    return weft.card("The same as numbers", make("p", { class: "note" }, `Work: of all workers; the adaptation of the interior is in that of round${begins.length > 1 ? "s" : ""} ${begins.join(", ") || 0}.`), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
   }
   weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
 })();
