@@ -308,9 +308,8 @@ class Adaptation {
     });
   }
 
-  /// What a mesh that conforms has: about ten for each unit of volume in the metric.
+  /// What a mesh that conforms has.
   double count_wanted_tets() const {
-    constexpr double kTetsOfUnitVolume = 10;
     double volume = 0;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
       if (mesh_.alive(TetId(i))) {

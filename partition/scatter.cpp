@@ -334,8 +334,10 @@ void freshen(Subdomain& s, std::span<const VertexId> vertices) {
   if (vertices.empty()) return;
   TetMesh& mesh = *s.mesh;
   const bool new_metrics = s.phase > 0;
-  if (new_metrics) read_metrics_anew(s, vertices);
-  mesh.set_metric_mean(meshing::MetricMean::arithmetic);
+  if (new_metrics) {
+    read_metrics_anew(s, vertices);
+    mesh.set_metric_mean(meshing::MetricMean::arithmetic);  // what it was last does not travel with the mesh
+  }
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) thawed[v.value] = 1;
   for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices& v) {

@@ -81,12 +81,12 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
 /// Several phases for an input that does not follow the metric and has more tets than the coarse mesh, of
 /// which each subdomain should have some.
 void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
-  constexpr double kTetsOfUnitVolume = 10, kLeastTets = 20;
+  constexpr double kLeastTets = 20;
   constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
   const bool far = plan.subdomains > 1 && plan.most_shifts > 0 && d.mean_quality < meshing::kFarMean;
   double first = 1;
   for (const double coarseness : {2.0, 4.0}) {
-    const double tets = kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
+    const double tets = meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
     if (far && tets >= kLeastTets * plan.subdomains && tets < static_cast<double>(input_tets))
       first = coarseness;
   }

@@ -120,15 +120,16 @@ double SubdomainTask::tets_after(const RankData& rank, std::uint64_t round) cons
   return predicted_tets_ / (factor * factor * factor);
 }
 
-/// All coarse phases and the first adaptation after them are one step for those who wait.
+/// All coarse phases and the first adaptation after them are one step for those who wait, which never goes
+/// back.
 void SubdomainTask::tell_done(const RankData& rank, std::uint64_t round, double done) {
   constexpr double kCoarsePart = 0.3;
-  const auto coarse_phases = static_cast<double>(rank.plan.phases.size() - 1);
-  if (rank.plan.is_coarse(round)) {
-    const auto before = static_cast<double>(&rank.plan.phase_of(round) - rank.plan.phases.data());
-    done = kCoarsePart * (before + (rank.plan.begins_phase(round) ? done : 1)) / coarse_phases;
-  } else if (coarse_phases > 0 && news_.step == 0) {
-    done = kCoarsePart + (1 - kCoarsePart) * done;
+  const std::uint64_t coarse_rounds = rank.plan.phases.back().first_round;
+  if (coarse_rounds > 0 && news_.step == 0) {
+    const double of_all = rank.plan.is_coarse(round) ? kCoarsePart * (static_cast<double>(round) + done) /
+                                                           static_cast<double>(coarse_rounds)
+                                                     : kCoarsePart + (1 - kCoarsePart) * done;
+    done = std::max<double>(news_.done, of_all);
   }
   news_.done = static_cast<float>(done);
   tell(rank);
