@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// Twelve times its complexity, as in partition/distribute.h.
+/// Twelve times its complexity, as in partition/distribute/distribute.h.
 double predicted_tets(const SubdomainStart& s) {
   std::vector<double> densities;
   densities.reserve(s.log_metrics.size());

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 #include "graph/adaptation/engine_peers.h"
 #include "graph/adaptation/subdomain_task.h"
 #include "graph/dataflow/execution_log.h"
-#include "partition/distribute.h"
-#include "partition/mesh_piece.h"
+#include "partition/distribute/distribute.h"
+#include "partition/subdomain/mesh_piece.h"
 
 namespace weft::graph::adaptation {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
 
 namespace weft::graph::adaptation {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "graph/dataflow/rank_exchange.h"
-#include "partition/peers.h"
+#include "partition/communication/peers.h"
 
 namespace weft::graph::adaptation {
 

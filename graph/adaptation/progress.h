@@ -8,9 +8,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "engine/trace.h"
-#include "meshing/nonconforming.h"
-#include "partition/global_id.h"
+#include "engine/trace/trace.h"
+#include "meshing/kernel/nonconforming.h"
+#include "partition/subdomain/global_id.h"
 
 namespace weft::graph::adaptation {
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "engine/text.h"
-#include "partition/adapt_subdomain.h"
-#include "partition/distribute.h"
+#include "engine/base/text.h"
+#include "partition/distribute/distribute.h"
+#include "partition/subdomain/adapt_subdomain.h"
 
 namespace weft::graph::adaptation {
 

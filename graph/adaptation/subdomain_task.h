@@ -26,10 +26,10 @@
 
 #include "graph/adaptation/progress.h"
 #include "graph/dataflow/blueprint.h"
-#include "partition/geometry.h"
-#include "partition/refine_interface.h"
-#include "partition/shift.h"
-#include "partition/subdomain.h"
+#include "partition/refine/refine_interface.h"
+#include "partition/shift/shift.h"
+#include "partition/subdomain/geometry.h"
+#include "partition/subdomain/subdomain.h"
 
 namespace weft::graph::adaptation {
 

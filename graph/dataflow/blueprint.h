@@ -40,7 +40,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/objects/registry.h"
 #include "graph/dataflow/instance.h"
 #include "graph/dataflow/structure.h"
 #include "graph/dataflow/type_name.h"
@@ -72,9 +72,10 @@ struct Event {
 ///                                               which passes what it holds to the nodes that take it
 ///     Out State::body(NodeContext&, std::uint64_t round, std::vector<Arrival<Value>>)       of events
 ///
-/// Values of starts and events travel: they are packed (engine/serialize.h) and have a default constructor. A
-/// node runs once for each value that is passed to it. Nodes of one instance run one at a time. Each body
-/// and each name is used once. Misuse throws std::logic_error that names graph, nodes and edge.
+/// Values of starts and events travel: they are packed (engine/base/serialize.h) and have a default
+/// constructor. A node runs once for each value that is passed to it. Nodes of one instance run one at a
+/// time. Each body and each name is used once. Misuse throws std::logic_error that names graph, nodes and
+/// edge.
 template <class State>
 class Blueprint {
  public:

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/registry.h"
+#include "engine/objects/registry.h"
 
 namespace weft::graph::dataflow {
 

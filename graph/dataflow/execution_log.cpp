@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 #include "graph/dataflow/common_clock.h"
 #include "graph/dataflow/rank_exchange.h"
 

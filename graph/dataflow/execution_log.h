@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/rank.h"
-#include "engine/trace.h"
+#include "engine/base/rank.h"
+#include "engine/trace/trace.h"
 #include "graph/dataflow/graph_description.h"
 
 namespace weft::graph::dataflow {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/runtime.h"
-#include "engine/text.h"
+#include "engine/base/text.h"
+#include "engine/run/runtime.h"
 #include "graph/dataflow/body_traits.h"
 #include "graph/dataflow/instance_core.h"
 #include "graph/dataflow/node_context.h"

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/text.h"
-#include "engine/trace.h"
+#include "engine/base/text.h"
+#include "engine/trace/trace.h"
 #include "graph/dataflow/node_context.h"
 
 namespace weft::graph::dataflow {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/context.h"
-#include "engine/event.h"
+#include "engine/objects/event.h"
+#include "engine/schedule/context.h"
 #include "graph/dataflow/execution_log.h"
 #include "graph/dataflow/flow_graph.h"
 #include "graph/dataflow/structure.h"

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/context.h"
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
+#include "engine/schedule/context.h"
 #include "graph/dataflow/body_traits.h"
 #include "graph/dataflow/graph_description.h"
 

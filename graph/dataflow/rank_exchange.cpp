@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/text.h"
+#include "engine/base/text.h"
 
 namespace weft::graph::dataflow {
 namespace {

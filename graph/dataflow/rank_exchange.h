@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/registry.h"
-#include "engine/runtime.h"
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
+#include "engine/objects/registry.h"
+#include "engine/run/runtime.h"
 
 namespace weft::graph::dataflow {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "engine/text.h"
+#include "engine/base/text.h"
 
 namespace weft::graph::dataflow {
 

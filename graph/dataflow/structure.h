@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/context.h"
+#include "engine/schedule/context.h"
 #include "graph/dataflow/graph_description.h"
 
 namespace weft::graph::dataflow {

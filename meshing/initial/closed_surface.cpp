@@ -8,11 +8,11 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "meshing/box.h"
-#include "meshing/error.h"
-#include "meshing/import_mesh.h"
+#include "meshing/base/box.h"
+#include "meshing/base/error.h"
 #include "meshing/initial/self_intersections.h"
-#include "meshing/predicates.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/mesh_data.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "meshing/initial/point_distribution.h"
-#include "meshing/io/point_merger.h"
+#include "meshing/io/files/point_merger.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,7 +1,7 @@
 // From an initial grid to a mesh of good tets: the speculative kernel with an isotropic metric.
 #pragma once
 
-#include "meshing/adapt.h"
+#include "meshing/adapt/adapt.h"
 #include "meshing/initial/initial_grid.h"
 
 namespace weft::meshing {

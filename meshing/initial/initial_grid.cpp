@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "meshing/initial/delaunay.h"
-#include "meshing/initial/recovery.h"
+#include "meshing/initial/grid/delaunay.h"
+#include "meshing/initial/recovery/recovery.h"
 
 namespace weft::meshing {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "meshing/box.h"
-#include "meshing/mesh_data.h"
-#include "meshing/metric_field.h"
+#include "meshing/base/box.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_field.h"
 
 namespace weft::meshing {
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "meshing/box.h"
-#include "meshing/predicates.h"
+#include "meshing/base/box.h"
+#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {

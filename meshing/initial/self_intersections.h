@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "meshing/point.h"
+#include "meshing/base/point.h"
 
 namespace weft::meshing {
 

@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "meshing/error.h"
+#include "meshing/base/error.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,8 +1,8 @@
 // Surfaces of simple bodies to start from: `weft mesh ball` and its like.
 #pragma once
 
-#include "meshing/mesh_data.h"
-#include "meshing/point.h"
+#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <queue>
 
-#include "meshing/adjacency.h"
+#include "meshing/mesh/adjacency.h"
 
 namespace weft::meshing {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "meshing/mesh_data.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 

@@ -23,10 +23,10 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/error.h"
-#include "meshing/io/atomic_file.h"
-#include "meshing/io/input_file.h"
-#include "meshing/io/merge_pieces.h"
+#include "meshing/base/error.h"
+#include "meshing/io/files/atomic_file.h"
+#include "meshing/io/files/input_file.h"
+#include "meshing/io/files/merge_pieces.h"
 
 namespace weft::meshing {
 namespace {

@@ -8,17 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/error.h"
+#include "meshing/base/error.h"
 #include "meshing/io/cgns.h"
-#include "meshing/io/gmf.h"
+#include "meshing/io/gmf/gmf.h"
 #include "meshing/io/gmsh.h"
 #include "meshing/io/obj.h"
 #include "meshing/io/ply.h"
-#include "meshing/io/pvtu.h"
 #include "meshing/io/stl.h"
 #include "meshing/io/su2.h"
 #include "meshing/io/ugrid.h"
-#include "meshing/io/vtu.h"
+#include "meshing/io/vtk/pvtu.h"
+#include "meshing/io/vtk/vtu.h"
 
 namespace weft::meshing {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "meshing/io/mesh_contents.h"
-#include "meshing/mesh_data.h"
+#include "meshing/io/files/mesh_contents.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 

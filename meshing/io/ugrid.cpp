@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "meshing/error.h"
-#include "meshing/io/atomic_file.h"
-#include "meshing/io/cursor.h"
-#include "meshing/io/input_file.h"
-#include "meshing/io/text_output.h"
+#include "meshing/base/error.h"
+#include "meshing/io/files/atomic_file.h"
+#include "meshing/io/files/cursor.h"
+#include "meshing/io/files/input_file.h"
+#include "meshing/io/files/text_output.h"
 
 namespace weft::meshing {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "meshing/io/mesh_contents.h"
+#include "meshing/io/files/mesh_contents.h"
 
 namespace weft::meshing {
 

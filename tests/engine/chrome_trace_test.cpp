@@ -1,5 +1,5 @@
 // Timelines as Chrome reads them: parsed back, events nest, arrows have both ends, names are escaped.
-#include "engine/chrome_trace.h"
+#include "engine/trace/chrome_trace.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
 
 namespace weft::engine {
 namespace {

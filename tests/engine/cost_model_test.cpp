@@ -1,5 +1,5 @@
 // Predictions of the cost model: learning curves and objects, outliers, nonsense.
-#include "engine/cost_model.h"
+#include "engine/schedule/cost_model.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <thread>
 
-#include "engine/loopback_transport.h"
-#include "engine/runtime.h"
+#include "engine/network/loopback_transport.h"
+#include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
 namespace weft::engine {

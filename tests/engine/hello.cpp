@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "engine/launch.h"
-#include "engine/runtime.h"
+#include "engine/run/launch.h"
+#include "engine/run/runtime.h"
 
 using namespace weft::engine;
 

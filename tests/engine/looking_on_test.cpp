@@ -7,7 +7,7 @@
 #include <set>
 #include <thread>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
 namespace weft::engine {

@@ -1,5 +1,5 @@
 // LoopbackTransport keeps the transport contract, and so does the transport that delays packets in tests.
-#include "engine/loopback_transport.h"
+#include "engine/network/loopback_transport.h"
 
 #include <gtest/gtest.h>
 

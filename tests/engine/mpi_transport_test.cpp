@@ -1,7 +1,7 @@
 // MpiTransport keeps the transport contract; started by mpirun with any number of ranks, each of which runs
 // every test.
 // --a-rank-dies: instead, the last rank kills itself, and the others find out (mpirun --enable-recovery).
-#include "engine/mpi_transport.h"
+#include "engine/mpi/mpi_transport.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 #include <exception>
 #include <memory>
 
-#include "engine/mpi_calls.h"
+#include "engine/mpi/mpi_calls.h"
 #include "tests/engine/transport_contract.h"
 
 namespace weft::engine {

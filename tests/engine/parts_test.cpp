@@ -5,13 +5,13 @@
 #include <deque>
 #include <random>
 
-#include "engine/context.h"
-#include "engine/directory.h"
-#include "engine/event.h"
-#include "engine/exchange.h"
-#include "engine/loopback_transport.h"
-#include "engine/registry.h"
-#include "engine/termination.h"
+#include "engine/network/exchange.h"
+#include "engine/network/loopback_transport.h"
+#include "engine/objects/directory.h"
+#include "engine/objects/event.h"
+#include "engine/objects/registry.h"
+#include "engine/schedule/context.h"
+#include "engine/schedule/termination.h"
 
 namespace weft::engine {
 namespace {

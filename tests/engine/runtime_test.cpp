@@ -1,5 +1,5 @@
 // The engine as its users see it, on every number of ranks.
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>

@@ -1,5 +1,5 @@
 // Packing: every kind of value there and back, large arrays as segments, damaged messages.
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/rank.h"
+#include "engine/base/rank.h"
 
 namespace weft::engine {
 namespace {

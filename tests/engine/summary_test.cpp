@@ -1,5 +1,5 @@
 // Summaries: from traces, of all ranks, as JSON, through a payload.
-#include "engine/summary.h"
+#include "engine/trace/summary.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/serialize.h"
+#include "engine/base/serialize.h"
 
 namespace weft::engine {
 namespace {

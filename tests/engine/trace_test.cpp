@@ -1,5 +1,5 @@
 // Lanes: what is counted, what is kept, and that lanes do not disturb each other.
-#include "engine/trace.h"
+#include "engine/trace/trace.h"
 
 #include <gtest/gtest.h>
 

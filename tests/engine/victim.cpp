@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "engine/launch.h"
-#include "engine/runtime.h"
-#include "engine/show_state_on_signal.h"
-#include "engine/stop_on_signal.h"
+#include "engine/run/launch.h"
+#include "engine/run/runtime.h"
+#include "engine/run/show_state_on_signal.h"
+#include "engine/run/stop_on_signal.h"
 
 using namespace weft::engine;
 

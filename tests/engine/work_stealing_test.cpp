@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/balancer.h"
+#include "engine/balance/balancer.h"
 
 namespace weft::engine {
 namespace {

@@ -11,13 +11,13 @@
 #include <numeric>
 #include <optional>
 
-#include "engine/loopback_transport.h"
+#include "engine/network/loopback_transport.h"
 #include "graph/adaptation/distributed_adaptation.h"
-#include "meshing/check_mesh.h"
-#include "partition/check_pieces.h"
-#include "partition/measure_pieces.h"
+#include "meshing/mesh/check_mesh.h"
+#include "partition/output/measure_pieces.h"
+#include "partition/verify/check_pieces.h"
+#include "tests/partition/distribute/slices.h"
 #include "tests/partition/scenes.h"
-#include "tests/partition/slices.h"
 #include "tests/support/ranks.h"
 
 namespace weft::graph::adaptation {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <variant>
 
-#include "engine/balancer.h"
+#include "engine/balance/balancer.h"
 #include "graph/dataflow/blueprint.h"
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"

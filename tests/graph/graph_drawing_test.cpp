@@ -1,5 +1,5 @@
 // Drawings: every run, once; and the text formats around names with all kinds of characters.
-#include "graph/dataflow/graph_drawing.h"
+#include "graph/dataflow/dump/graph_drawing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <pugixml.hpp>
 #include <set>
 
-#include "graph/dataflow/critical_path.h"
-#include "graph/dataflow/graph_files.h"
+#include "graph/dataflow/dump/critical_path.h"
+#include "graph/dataflow/dump/graph_files.h"
 #include "tests/support/simulated_run.h"
 
 namespace weft::graph::dataflow {

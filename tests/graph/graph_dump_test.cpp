@@ -1,5 +1,5 @@
 // Dumps of random runs: joined as they happened, acyclic, in time, and what filters and formats make of them.
-#include "graph/dataflow/graph_dump.h"
+#include "graph/dataflow/dump/graph_dump.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <set>
 #include <tuple>
 
-#include "graph/dataflow/critical_path.h"
-#include "graph/dataflow/graph_json.h"
+#include "graph/dataflow/dump/critical_path.h"
+#include "graph/dataflow/dump/graph_json.h"
 #include "graph/dataflow/rank_exchange.h"
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"

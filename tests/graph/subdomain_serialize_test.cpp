@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/serialize.h"
-#include "partition/adapt_subdomain.h"
-#include "partition/shift.h"
-#include "partition/subdomain.h"
-#include "tests/partition/rounds.h"
+#include "engine/base/serialize.h"
+#include "partition/shift/shift.h"
+#include "partition/subdomain/adapt_subdomain.h"
+#include "partition/subdomain/subdomain.h"
 #include "tests/partition/scenes.h"
+#include "tests/partition/shift/rounds.h"
 
 namespace weft::graph::adaptation {
 namespace {

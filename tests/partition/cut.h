@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/import_mesh.h"
-#include "meshing/mesh_data.h"
-#include "meshing/metric_field.h"
-#include "partition/geometry.h"
-#include "partition/refine_interface.h"
-#include "partition/subdomain_start.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_field.h"
+#include "partition/refine/refine_interface.h"
+#include "partition/subdomain/geometry.h"
+#include "partition/subdomain/subdomain_start.h"
 
 namespace weft::support {
 

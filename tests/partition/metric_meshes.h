@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "tests/partition/slices.h"
+#include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
 
 namespace weft::support {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/partition/cut.h"
-#include "tests/partition/slices.h"
+#include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
 
 namespace weft::support {

@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/adjacency.h"
-#include "meshing/background.h"
-#include "meshing/check_mesh.h"
-#include "meshing/import_mesh.h"
-#include "meshing/kernel.h"
-#include "meshing/mesh_data.h"
-#include "meshing/metric.h"
-#include "meshing/metric_field.h"
-#include "meshing/quality.h"
-#include "meshing/renumber.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/kernel/kernel.h"
+#include "meshing/kernel/quality.h"
+#include "meshing/kernel/renumber.h"
+#include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/check_mesh.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/background.h"
+#include "meshing/metric/metric.h"
+#include "meshing/metric/metric_field.h"
 
 namespace weft::support {
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/mesh_data.h"
-#include "meshing/point.h"
-#include "meshing/structured_box.h"
+#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/mesh/structured_box.h"
 
 namespace weft::support {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "engine/mpi_transport.h"
+#include "engine/mpi/mpi_transport.h"
 
 namespace weft::testing {
 namespace {

@@ -1,7 +1,7 @@
 // MPI, started once for the whole test program if mpirun started that.
 #pragma once
 
-#include "engine/transport.h"
+#include "engine/network/transport.h"
 
 namespace weft::testing {
 

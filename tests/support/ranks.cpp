@@ -6,7 +6,7 @@
 #include <random>
 #include <thread>
 
-#include "engine/loopback_transport.h"
+#include "engine/network/loopback_transport.h"
 #include "tests/support/mpi_world.h"
 
 namespace weft::testing {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "engine/transport.h"
+#include "engine/network/transport.h"
 
 namespace weft::testing {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/chrome_trace.h"
-#include "engine/summary.h"
+#include "engine/trace/chrome_trace.h"
+#include "engine/trace/summary.h"
 #include "graph/dataflow/execution_log.h"
 #include "graph/dataflow/graph_description.h"
 

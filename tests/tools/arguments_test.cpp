@@ -1,5 +1,5 @@
 // The peers' option words.
-#include "tools/weft/arguments.h"
+#include "tools/weft/options/arguments.h"
 
 #include <gtest/gtest.h>
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "meshing/io/mesh_file.h"
-#include "meshing/mesh_data.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The program of the top README, word for word: tests build and run it, so that it stays true.
-#include "meshing/adapt.h"
+#include "meshing/adapt/adapt.h"
 #include "meshing/io/mesh_file.h"
 
 using namespace weft::meshing;

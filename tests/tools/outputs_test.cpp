@@ -1,5 +1,5 @@
 // Result files: complete or absent.
-#include "tools/weft/outputs.h"
+#include "tools/weft/jobs/outputs.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "meshing/error.h"
-#include "meshing/structured_box.h"
+#include "meshing/base/error.h"
+#include "meshing/mesh/structured_box.h"
 
 namespace weft::tools {
 namespace {

@@ -1,5 +1,5 @@
 // Sizes, boxes and planes as text.
-#include "tools/weft/picture_options.h"
+#include "tools/weft/options/picture_options.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/weft/progress.h"
+#include "tools/weft/terminal/progress.h"
 
 #include <gtest/gtest.h>
 

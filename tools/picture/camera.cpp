@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "meshing/box.h"
+#include "meshing/base/box.h"
 
 namespace weft::picture {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "meshing/point.h"
+#include "meshing/base/point.h"
 
 namespace weft::picture {
 

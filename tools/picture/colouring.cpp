@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "meshing/measures.h"
+#include "meshing/metric/measures.h"
 
 namespace weft::picture {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/io/mesh_contents.h"
-#include "meshing/mesh_data.h"
-#include "meshing/metric.h"
+#include "meshing/io/files/mesh_contents.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric.h"
 #include "tools/picture/colour.h"
 #include "tools/picture/facet.h"
 #include "tools/picture/legend.h"

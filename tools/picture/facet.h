@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "meshing/point.h"
+#include "meshing/base/point.h"
 
 namespace weft::picture {
 

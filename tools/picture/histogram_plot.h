@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "meshing/measures.h"
+#include "meshing/metric/measures.h"
 #include "tools/picture/canvas.h"
 
 namespace weft::picture {

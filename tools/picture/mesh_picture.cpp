@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "meshing/error.h"
+#include "meshing/base/error.h"
 
 namespace weft::picture {
 namespace {

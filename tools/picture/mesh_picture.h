@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/box.h"
+#include "meshing/base/box.h"
 #include "tools/picture/camera.h"
 #include "tools/picture/canvas.h"
 #include "tools/picture/colouring.h"

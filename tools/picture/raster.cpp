@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "meshing/parallel.h"
+#include "meshing/base/parallel.h"
 
 namespace weft::picture {
 namespace {

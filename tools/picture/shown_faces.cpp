@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "meshing/import_mesh.h"
-#include "meshing/tet_tables.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/mesh/tet_tables.h"
 
 namespace weft::picture {
 namespace {

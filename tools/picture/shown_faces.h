@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/adjacency.h"
-#include "meshing/mesh_data.h"
+#include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/mesh_data.h"
 #include "tools/picture/facet.h"
 
 namespace weft::picture {

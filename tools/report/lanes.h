@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/chrome_trace.h"
-#include "graph/dataflow/graph_dump.h"
+#include "engine/trace/chrome_trace.h"
+#include "graph/dataflow/dump/graph_dump.h"
 
 namespace weft::report {
 

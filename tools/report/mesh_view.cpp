@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "meshing/measures.h"
+#include "meshing/metric/measures.h"
 #include "tools/picture/shown_faces.h"
-#include "tools/report/base64.h"
+#include "tools/report/encode/base64.h"
 #include "tools/report/flat_index.h"
 
 namespace weft::report {

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "meshing/box.h"
-#include "meshing/mesh_data.h"
-#include "meshing/metric.h"
+#include "meshing/base/box.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric.h"
 
 namespace weft::report {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/summary.h"
-#include "graph/dataflow/graph_dump.h"
+#include "engine/trace/summary.h"
+#include "graph/dataflow/dump/graph_dump.h"
 
 namespace weft::report {
 

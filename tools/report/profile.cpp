@@ -9,8 +9,8 @@
 #include <optional>
 #include <tuple>
 
-#include "graph/dataflow/critical_path.h"
-#include "graph/dataflow/graph_json.h"
+#include "graph/dataflow/dump/critical_path.h"
+#include "graph/dataflow/dump/graph_json.h"
 #include "tools/report/lanes.h"
 #include "tools/report/operations.h"
 #include "tools/report/published.h"

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/chrome_trace.h"
-#include "engine/summary.h"
-#include "graph/dataflow/graph_dump.h"
-#include "meshing/box.h"
+#include "engine/trace/chrome_trace.h"
+#include "engine/trace/summary.h"
+#include "graph/dataflow/dump/graph_dump.h"
+#include "meshing/base/box.h"
 #include "tools/report/hardware.h"
 #include "tools/report/mesh_view.h"
 

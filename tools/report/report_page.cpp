@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "tools/report/assets.h"
-#include "tools/report/base64.h"
-#include "tools/report/gzip.h"
+#include "tools/report/encode/base64.h"
+#include "tools/report/encode/gzip.h"
 
 namespace weft::report {
 namespace {

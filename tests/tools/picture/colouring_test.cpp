@@ -7,9 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include "meshing/measures.h"
-#include "meshing/metric_field.h"
-#include "meshing/structured_box.h"
+#include "meshing/mesh/structured_box.h"
+#include "meshing/metric/measures.h"
+#include "meshing/metric/metric_field.h"
 
 namespace weft::picture {
 namespace {

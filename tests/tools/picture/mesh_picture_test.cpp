@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "meshing/error.h"
-#include "meshing/metric_field.h"
-#include "meshing/structured_box.h"
+#include "meshing/base/error.h"
+#include "meshing/mesh/structured_box.h"
+#include "meshing/metric/metric_field.h"
 #include "tools/picture/histogram_plot.h"
 
 namespace weft::picture {

@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
-#include "meshing/error.h"
-#include "meshing/structured_box.h"
+#include "meshing/base/error.h"
+#include "meshing/mesh/structured_box.h"
 
 namespace weft::picture {
 namespace {

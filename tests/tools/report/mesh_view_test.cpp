@@ -10,8 +10,8 @@
 #include <numbers>
 #include <random>
 
-#include "meshing/metric_field.h"
-#include "meshing/structured_box.h"
+#include "meshing/mesh/structured_box.h"
+#include "meshing/metric/metric_field.h"
 
 namespace weft::report {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "tools/report/assets.h"
-#include "tools/report/base64.h"
+#include "tools/report/encode/base64.h"
 #include "tools/report/hardware.h"
 #include "tools/report/memory_sampler.h"
 #include "tools/report/published.h"

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <set>
 
-#include "meshing/adapt.h"
-#include "meshing/measures.h"
-#include "meshing/metric_field.h"
-#include "meshing/structured_box.h"
+#include "meshing/adapt/adapt.h"
+#include "meshing/mesh/structured_box.h"
+#include "meshing/metric/measures.h"
+#include "meshing/metric/metric_field.h"
 #include "tools/report/profile.h"
-#include "tools/weft/report_json.h"
-#include "tools/weft/subdomain_account.h"
+#include "tools/weft/jobs/subdomain_account.h"
+#include "tools/weft/report/report_json.h"
 
 namespace weft::testing {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "graph/dataflow/graph_dump.h"
+#include "graph/dataflow/dump/graph_dump.h"
 #include "tests/support/simulated_run.h"
-#include "tools/weft/adapt_run.h"
+#include "tools/weft/jobs/adapt_run.h"
 
 namespace weft::testing {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "graph/dataflow/graph_json.h"
+#include "graph/dataflow/dump/graph_json.h"
 #include "tests/tools/report/sample_run.h"
 #include "tools/report/report_page.h"
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "engine/transport.h"
+#include "engine/network/transport.h"
 
 namespace weft::bench {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "engine/launch.h"
+#include "engine/run/launch.h"
 #include "tools/bench/engine/benches.h"
 
 namespace weft::bench {

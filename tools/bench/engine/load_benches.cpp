@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 #include "tools/bench/engine/benches.h"
 #include "tools/bench/engine/measures.h"
 

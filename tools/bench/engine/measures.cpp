@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 
 namespace weft::bench {
 namespace {

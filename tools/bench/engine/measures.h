@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/transport.h"
+#include "engine/network/transport.h"
 
 namespace weft::bench {
 

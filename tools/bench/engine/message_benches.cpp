@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "engine/runtime.h"
+#include "engine/run/runtime.h"
 #include "tools/bench/engine/benches.h"
 #include "tools/bench/engine/measures.h"
 

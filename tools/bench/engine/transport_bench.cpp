@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/mpi_transport.h"
+#include "engine/mpi/mpi_transport.h"
 #include "tools/bench/engine/plain_mpi.h"
 
 namespace weft::bench {

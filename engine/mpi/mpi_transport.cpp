@@ -1,0 +1,697 @@
+// Heads go through a ring of receives posted in advance; segments follow as messages of their own, sent from
+// and received into their blobs.
+#include "engine/mpi/mpi_transport.h"
+
+#include <mpi.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <climits>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <limits>
+#include <system_error>
+
+#include "engine/mpi/mpi_calls.h"
+#include "engine/mpi/node_table.h"
+
+namespace weft::engine {
+namespace {
+
+using namespace std::chrono_literals;
+using Sizes = std::vector<std::uint64_t>;
+
+/// On a communicator of their own, since they are received with any tag: a head that is all of its packet, or
+/// one with more to say about what follows (see Trailer). The former goes as it is, without being copied.
+constexpr int kLoneHeadTag = 0;
+constexpr int kHeadTag = 1;
+constexpr std::size_t kHeadReceives = 16;
+/// So many sizes of segments travel behind the head; more go as a message of their own, before the segments.
+constexpr std::size_t kInlineSizes = 64;
+/// Requests tested at a time: a poll stays short however many are under way.
+constexpr std::size_t kTested = 64;
+
+/// With all peers on this node every event rings, and waking up now and then is a safety net only.
+constexpr std::chrono::nanoseconds kLongestSleep = 50ms;
+/// No bell rings for peers on other nodes.
+constexpr std::chrono::nanoseconds kLongestRemoteSleep = 500us;
+constexpr std::chrono::nanoseconds kShortestSleep = 20us;
+/// With so many sends under way, parts of packets wait (heads do not): Open MPI goes through all sends that
+/// lack buffers at every call, which would be quadratic in their number.
+constexpr std::size_t kMostPosted = 256;
+/// Up to this long, an MPI takes a message over at once, as a rule.
+constexpr std::size_t kShortHead = 4096;
+/// So often wait() only yields while messages are under way.
+constexpr int kYields = 16;
+constexpr std::chrono::nanoseconds kDeathWatch = 1s;
+
+/// The end of a kHeadTag message, which is the head, the sizes of the segments unless there are too many, and
+/// this.
+struct Trailer {
+  std::uint32_t segments;
+  std::int32_t tag;  ///< of the messages with the segments
+};
+constexpr std::size_t kHeadBuffer =
+    Transport::kMaxHead + kInlineSizes * sizeof(std::uint64_t) + sizeof(Trailer);
+
+std::string text_of(int error) {
+  std::array<char, MPI_MAX_ERROR_STRING + 1> text{};
+  int length = 0;
+  if (MPI_Error_string(error, text.data(), &length) != MPI_SUCCESS) return "error " + std::to_string(error);
+  return text.data();
+}
+
+void check(int error, const char* function) {
+  if (error != MPI_SUCCESS) throw TransportError(std::string(function) + " failed: " + text_of(error));
+}
+
+template <class T>
+void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
+  const auto* first = reinterpret_cast<const std::byte*>(values);
+  bytes.insert(bytes.end(), first, first + count * sizeof(T));
+}
+
+/// A packet on its way out: what MPI reads from until all its messages are sent.
+struct Outgoing {
+  Outgoing(Rank rank, Packet content) : to(rank), packet(std::move(content)) {}
+
+  Rank to;
+  Packet packet;
+  Sizes sizes;           ///< when they are a message of their own
+  std::size_t open = 0;  ///< messages that are not through
+};
+
+/// A part of a packet that MPI has not been given yet.
+struct Message {
+  std::shared_ptr<Outgoing> out;
+  const std::byte* data;
+  int size;
+  int tag;
+};
+
+/// A packet with segments whose head has arrived.
+struct Incoming {
+  Rank from;
+  std::int32_t tag = 0;
+  std::vector<std::byte> head;
+  Sizes sizes;
+  std::vector<Blob> segments;
+  bool sizes_known = false;
+  std::size_t open = 0;
+};
+
+/// Requests under way, each of some packet.
+template <class Owner>
+class Requests {
+ public:
+  bool empty() const { return requests_.empty(); }
+  std::size_t size() const { return requests_.size(); }
+
+  /// A place for the request of a message of `owner`, which has counted it in `open`.
+  MPI_Request* add(const std::shared_ptr<Owner>& owner) {
+    owners_.push_back(owner);
+    return &requests_.emplace_back(MPI_REQUEST_NULL);
+  }
+
+  /// Calls done(owner) for each owner whose last message is through; true when any message is.
+  template <class Done>
+  bool test(const Done& done) {
+    if (requests_.empty()) return false;
+    if (next_ >= requests_.size()) next_ = 0;
+    const std::size_t first = next_;
+    const std::size_t tested = std::min(kTested, requests_.size() - first);
+    int count = 0;
+    std::array<int, kTested> which;
+    std::array<MPI_Status, kTested> statuses;
+    const int error =
+        MPI_Testsome(static_cast<int>(tested), &requests_[first], &count, which.data(), statuses.data());
+    if (error == MPI_ERR_IN_STATUS) {
+      for (int i = 0; i < count; ++i) check(statuses[static_cast<std::size_t>(i)].MPI_ERROR, "MPI_Testsome");
+    }
+    check(error, "MPI_Testsome");
+    next_ = first + tested;
+    if (count <= 0) return false;  // 0, or MPI_UNDEFINED
+    remove_done(first, tested);
+    // Taken out before anything is told: `done` may add requests.
+    for (auto& owner : std::exchange(finished_, {})) done(owner);
+    return true;
+  }
+
+ private:
+  void remove_done(std::size_t first, std::size_t tested) {
+    for (std::size_t i = first + tested; i-- > first;) {
+      if (requests_[i] != MPI_REQUEST_NULL) continue;
+      if (--owners_[i]->open == 0) finished_.push_back(std::move(owners_[i]));
+      requests_[i] = requests_.back();
+      requests_.pop_back();
+      if (i + 1 != owners_.size()) owners_[i] = std::move(owners_.back());
+      owners_.pop_back();
+    }
+  }
+
+  std::vector<MPI_Request> requests_;
+  std::vector<std::shared_ptr<Owner>> owners_;
+  std::vector<std::shared_ptr<Owner>> finished_;
+  std::size_t next_ = 0;  ///< where the next test begins
+};
+
+void start_mpi(int* argc, char*** argv) {
+  int initialized = 0;
+  check(MPI_Initialized(&initialized), "MPI_Initialized");
+  if (initialized) throw TransportError("MPI has been initialised already; a process has one MpiTransport");
+  int provided = 0;
+  check(MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  if (provided < MPI_THREAD_FUNNELED)
+    throw TransportError("this MPI cannot be used in programs with threads");
+  // Before the first call that can fail: errors are reported, not fatal.
+  check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+}
+
+MPI_Comm own_communicator() {
+  MPI_Comm communicator = MPI_COMM_NULL;
+  check(MPI_Comm_dup(MPI_COMM_WORLD, &communicator), "MPI_Comm_dup");
+  check(MPI_Comm_set_errhandler(communicator, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  return communicator;
+}
+
+/// The ranks of this node, and the table they share.
+class Node {
+ public:
+  explicit Node(MPI_Comm world) {
+    int rank = 0, size = 0;
+    check(MPI_Comm_rank(world, &rank), "MPI_Comm_rank");
+    check(MPI_Comm_size(world, &size), "MPI_Comm_size");
+    lines_.resize(static_cast<std::size_t>(size));
+    MPI_Comm local = MPI_COMM_NULL;
+    check(MPI_Comm_split_type(world, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &local),
+          "MPI_Comm_split_type");
+    check(MPI_Comm_set_errhandler(local, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+    share_table(local, rank);
+    check(MPI_Comm_free(&local), "MPI_Comm_free");
+  }
+
+  NodePlace& own() const { return table_[own_line_]; }
+  bool has_all() const { return ranks_.size() == lines_.size(); }
+
+  void ring(Rank rank) const {
+    if (NodePlace* place = lines_[rank.index()]) place->bell.ring();
+  }
+
+  void ring_all() const {
+    for (const Rank rank : ranks_) ring(rank);
+  }
+
+  std::optional<Rank> dead() const {
+    const auto line = table_.dead();
+    return line ? std::optional(ranks_[*line]) : std::nullopt;
+  }
+
+ private:
+  /// Ranks whose processes cannot share memory, though MPI says they are on one node (containers), are
+  /// treated as if on different nodes.
+  void share_table(MPI_Comm local, int rank) {
+    int line = 0, size = 0;
+    check(MPI_Comm_rank(local, &line), "MPI_Comm_rank");
+    check(MPI_Comm_size(local, &size), "MPI_Comm_size");
+    std::vector<int> ranks(static_cast<std::size_t>(size));
+    check(MPI_Allgather(&rank, 1, MPI_INT, ranks.data(), 1, MPI_INT, local), "MPI_Allgather");
+    if (size > 1 && attach_table(local, line, ranks.size())) {
+      own_line_ = static_cast<std::size_t>(line);
+      for (const int each : ranks) ranks_.emplace_back(each);
+    } else {
+      ranks_.emplace_back(rank);
+    }
+    table_.enter(own_line_);
+    for (std::size_t i = 0; i < ranks_.size(); ++i) lines_[ranks_[i].index()] = &table_[i];
+    check(MPI_Barrier(local), "MPI_Barrier");
+    table_.watch(own_line_);  // all live: none gets through close() before all are out of here
+  }
+
+  /// True, everywhere, when all have it.
+  bool attach_table(MPI_Comm local, int line, std::size_t lines) {
+    std::array<char, 64> name{};
+    bool created = false;
+    if (line == 0) created = create_table(lines, name);
+    check(MPI_Bcast(name.data(), static_cast<int>(name.size()), MPI_CHAR, 0, local), "MPI_Bcast");
+    const int mine = line == 0 ? created : name[0] != '\0' && attach(lines, name.data());
+    int all = 0;
+    check(MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MIN, local), "MPI_Allreduce");
+    if (created) NodeTable::unlink(name.data());
+    if (!all) table_ = NodeTable();
+    return all != 0;
+  }
+
+  /// Leaves `name` empty when it cannot.
+  bool create_table(std::size_t lines, std::array<char, 64>& name) {
+    const auto text = "/weft-" + std::to_string(getpid()) + "-" +
+                      std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
+    try {
+      table_ = NodeTable::create(lines, text);
+    } catch (const std::system_error&) {
+      return false;
+    }
+    std::ranges::copy(text, name.begin());
+    return true;
+  }
+
+  bool attach(std::size_t lines, const char* name) {
+    try {
+      table_ = NodeTable::attach(lines, name);
+      return true;
+    } catch (const std::system_error&) {
+      return false;
+    }
+  }
+
+  NodeTable table_;
+  std::size_t own_line_ = 0;
+  std::vector<Rank> ranks_;        ///< by line
+  std::vector<NodePlace*> lines_;  ///< by rank; null on other nodes
+};
+
+}  // namespace
+
+class MpiTransport::Impl {
+ public:
+  explicit Impl(MpiTransportOptions options);
+
+  Rank rank() const { return rank_; }
+  int size() const { return static_cast<int>(sent_.size()); }
+  std::size_t unsent(Rank to) const { return unsent_.at(to.index()); }
+
+  void send(Rank to, Packet packet);
+  bool poll(const Receive& receive);
+  void wait(std::chrono::nanoseconds at_most);
+  void wake() noexcept { node_.own().bell.ring(); }
+  std::optional<Rank> dead_peer() const { return node_.dead(); }
+  void close();
+  void abandon() noexcept;
+
+ private:
+  enum class State { kOpen, kClosing, kClosed };
+
+  /// One of the receives posted in advance.
+  struct HeadReceive {
+    std::vector<std::byte> buffer;
+    MPI_Request request = MPI_REQUEST_NULL;
+    bool posted = false;
+  };
+  /// A packet that has arrived in full.
+  struct Arrived {
+    Rank from;
+    std::vector<std::byte> head;
+    std::vector<Blob> segments;
+  };
+
+  void post_heads();
+  void post(HeadReceive& slot);
+
+  void send_lone_head(Rank to, Packet packet);
+  void send_all(Rank to, Packet packet);
+  void send_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size, int tag);
+  void post_queued();
+  std::int32_t next_tag(Rank to);
+
+  bool receive_heads(const Receive& receive);
+  void expect_segments(Rank from, std::span<const std::byte> message);
+  void post_segments(const std::shared_ptr<Incoming>& in);
+  void receive_bytes(const std::shared_ptr<Incoming>& in, void* data, std::size_t size);
+  void take_finished(const std::shared_ptr<Incoming>& in);
+  bool deliver(const Receive& receive);
+
+  std::chrono::nanoseconds longest_sleep();
+  void finish(MPI_Request request);
+  void drop();
+  void check_deaths();
+  void cancel_heads();
+
+  MPI_Comm head_comm_ = own_communicator();
+  MPI_Comm segment_comm_ = own_communicator();
+  std::size_t chunk_;
+  Node node_;
+  Rank rank_;
+  std::int64_t tags_ = 0;  ///< how many there are for segments
+  State state_ = State::kOpen;
+
+  std::array<HeadReceive, kHeadReceives> heads_;
+  std::size_t head_ = 0;  ///< the one posted longest ago, which completes first
+  Requests<Outgoing> sends_;
+  std::deque<Message> queued_;
+  Requests<Incoming> receives_;
+  std::deque<Arrived> arrived_;
+
+  std::vector<std::uint64_t> sent_, received_;  ///< packets by rank, whole ones; close() compares them
+  std::vector<std::size_t> unsent_;
+  std::vector<std::int64_t> tagged_;  ///< packets with segments, by rank
+
+  Sleeper::Ticket seen_ = 0;
+  int quiet_ = 0;  ///< waits since anything happened
+  std::chrono::steady_clock::time_point next_death_watch_;
+};
+
+MpiTransport::Impl::Impl(MpiTransportOptions options) : chunk_(options.chunk_bytes), node_(head_comm_) {
+  if (chunk_ < 1 || chunk_ > INT_MAX) throw TransportError("chunk_bytes must be 1 to 2147483647");
+  int rank = 0, size = 0;
+  check(MPI_Comm_rank(head_comm_, &rank), "MPI_Comm_rank");
+  check(MPI_Comm_size(head_comm_, &size), "MPI_Comm_size");
+  rank_ = Rank(rank);
+  for (auto* counts : {&sent_, &received_}) counts->resize(static_cast<std::size_t>(size));
+  unsent_.resize(sent_.size());
+  tagged_.resize(sent_.size());
+  const int* most = nullptr;
+  int given = 0;
+  check(MPI_Comm_get_attr(segment_comm_, MPI_TAG_UB, static_cast<void*>(&most), &given), "MPI_Comm_get_attr");
+  tags_ = (given ? std::int64_t{*most} : 32767) + 1;  // 32767 is what every MPI has
+  post_heads();
+}
+
+void MpiTransport::Impl::post_heads() {
+  for (HeadReceive& slot : heads_) {
+    slot.buffer.resize(kHeadBuffer);
+    check(MPI_Recv_init(slot.buffer.data(), static_cast<int>(kHeadBuffer), MPI_BYTE, MPI_ANY_SOURCE,
+                        MPI_ANY_TAG, head_comm_, &slot.request),
+          "MPI_Recv_init");
+    post(slot);
+  }
+}
+
+void MpiTransport::Impl::post(HeadReceive& slot) {
+  check(MPI_Start(&slot.request), "MPI_Start");
+  slot.posted = true;
+}
+
+// ---- sending
+
+void MpiTransport::Impl::send(Rank to, Packet packet) {
+  if (state_ != State::kOpen) throw TransportError("nothing can be sent any more: the network is closed");
+  if (!to.valid() || to.value >= size()) {
+    throw TransportError("there is no rank " + std::to_string(to.value) + " among " + std::to_string(size()));
+  }
+  if (packet.head.size() > kMaxHead) {
+    throw TransportError("a head of " + std::to_string(packet.head.size()) + " bytes is longer than the " +
+                         std::to_string(kMaxHead) + " allowed");
+  }
+  if (packet.segments.size() > std::numeric_limits<std::uint32_t>::max())
+    throw TransportError("too many segments");
+  if (to == rank_) {
+    arrived_.push_back({rank_, std::move(packet.head), std::move(packet.segments)});
+    return;
+  }
+  ++sent_[to.index()];
+  packet.segments.empty() ? send_lone_head(to, std::move(packet)) : send_all(to, std::move(packet));
+  node_.ring(to);
+}
+
+/// Most packets are a short head only, which MPI takes over at once: nothing to remember then.
+void MpiTransport::Impl::send_lone_head(Rank to, Packet packet) {
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Isend(packet.head.data(), static_cast<int>(packet.head.size()), MPI_BYTE, to.value, kLoneHeadTag,
+                  head_comm_, &request),
+        "MPI_Isend");
+  int sent = 0;
+  if (packet.head.size() <= kShortHead) check(MPI_Test(&request, &sent, MPI_STATUS_IGNORE), "MPI_Test");
+  if (sent) return;
+  const auto out = std::make_shared<Outgoing>(to, std::move(packet));  // the head's bytes stay where they are
+  ++out->open;
+  *sends_.add(out) = request;
+  ++unsent_[to.index()];
+}
+
+void MpiTransport::Impl::send_all(Rank to, Packet packet) {
+  const Trailer trailer{static_cast<std::uint32_t>(packet.segments.size()), next_tag(to)};
+  Sizes sizes;
+  for (const Blob& segment : packet.segments) sizes.push_back(segment.size());
+  const auto out = std::make_shared<Outgoing>(to, std::move(packet));
+  auto& head = out->packet.head;
+  const bool fits = sizes.size() <= kInlineSizes;
+  if (fits) append(head, sizes.data(), sizes.size());
+  append(head, &trailer, 1);
+  ++unsent_[to.index()];
+  ++out->open;
+  check(MPI_Isend(head.data(), static_cast<int>(head.size()), MPI_BYTE, to.value, kHeadTag, head_comm_,
+                  sends_.add(out)),
+        "MPI_Isend");
+  if (!fits) {
+    out->sizes = std::move(sizes);
+    send_bytes(out, out->sizes.data(), out->sizes.size() * sizeof(Sizes::value_type), trailer.tag);
+  }
+  for (const Blob& segment : out->packet.segments) {
+    send_bytes(out, segment.data(), segment.size(), trailer.tag);
+  }
+  post_queued();
+}
+
+/// 0 bytes are no message.
+void MpiTransport::Impl::send_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size,
+                                    int tag) {
+  for (std::size_t done = 0; done < size; done += chunk_) {
+    const auto count = static_cast<int>(std::min(chunk_, size - done));
+    queued_.push_back({out, static_cast<const std::byte*>(data) + done, count, tag});
+    ++out->open;
+  }
+}
+
+/// Whenever anything is queued, kMostPosted messages are under way after this: what is sent draws the rest
+/// along.
+void MpiTransport::Impl::post_queued() {
+  for (; !queued_.empty() && sends_.size() < kMostPosted; queued_.pop_front()) {
+    const Message& message = queued_.front();
+    const Rank to = message.out->to;
+    check(MPI_Isend(message.data, message.size, MPI_BYTE, to.value, message.tag, segment_comm_,
+                    sends_.add(message.out)),
+          "MPI_Isend");
+    node_.ring(to);
+  }
+}
+
+/// Segments of different packets to one rank have different tags until the tags run out. MPI keeps messages
+/// of one tag in order, so that even then they are matched as they were sent.
+std::int32_t MpiTransport::Impl::next_tag(Rank to) {
+  return static_cast<std::int32_t>(tagged_[to.index()]++ % tags_);
+}
+
+// ---- receiving
+
+bool MpiTransport::Impl::poll(const Receive& receive) {
+  if (state_ == State::kClosed) throw TransportError("the network is closed");
+  // Sends first: what they free is there for what comes in.
+  bool any = sends_.test([&](const std::shared_ptr<Outgoing>& out) { --unsent_[out->to.index()]; });
+  post_queued();
+  any |= receive_heads(receive);
+  any |= receives_.test([&](const std::shared_ptr<Incoming>& in) { take_finished(in); });
+  any |= deliver(receive);
+  if (any) quiet_ = 0;
+  return any;
+}
+
+/// At most a ring full, so that the caller gets its turn.
+bool MpiTransport::Impl::receive_heads(const Receive& receive) {
+  for (std::size_t handled = 0; handled < kHeadReceives; ++handled) {
+    HeadReceive& slot = heads_[head_];
+    if (!slot.posted) post(slot);  // `receive` threw last time
+    int arrived = 0, bytes = 0;
+    MPI_Status status;
+    check(MPI_Test(&slot.request, &arrived, &status), "MPI_Test");
+    if (!arrived) return handled > 0;
+    slot.posted = false;
+    head_ = (head_ + 1) % kHeadReceives;
+    check(MPI_Get_count(&status, MPI_BYTE, &bytes), "MPI_Get_count");
+    const std::span<const std::byte> message(slot.buffer.data(), static_cast<std::size_t>(bytes));
+    const Rank from(status.MPI_SOURCE);
+    if (status.MPI_TAG == kLoneHeadTag) {
+      ++received_[from.index()];
+      receive(from, message, {});
+    } else {
+      expect_segments(from, message);
+    }
+    post(slot);
+  }
+  return true;
+}
+
+void MpiTransport::Impl::expect_segments(Rank from, std::span<const std::byte> message) {
+  Trailer trailer;
+  const auto head_and_sizes = message.first(message.size() - sizeof trailer);
+  std::memcpy(&trailer, head_and_sizes.data() + head_and_sizes.size(), sizeof trailer);
+  const auto in = std::make_shared<Incoming>();
+  in->from = from;
+  in->tag = trailer.tag;
+  in->sizes.resize(trailer.segments);
+  const std::size_t bytes = in->sizes.size() * sizeof(Sizes::value_type);
+  in->sizes_known = in->sizes.size() <= kInlineSizes;
+  const auto head = head_and_sizes.first(head_and_sizes.size() - (in->sizes_known ? bytes : 0));
+  in->head.assign(head.begin(), head.end());
+  if (in->sizes_known) {
+    std::memcpy(in->sizes.data(), head.data() + head.size(), bytes);
+    post_segments(in);
+  } else {
+    receive_bytes(in, in->sizes.data(), bytes);
+  }
+  node_.ring(from);  // it may be asleep with nothing to do until we are ready
+}
+
+void MpiTransport::Impl::post_segments(const std::shared_ptr<Incoming>& in) {
+  in->segments.reserve(in->sizes.size());
+  for (const std::uint64_t size : in->sizes) {
+    Blob& segment = in->segments.emplace_back(Blob::allocate(size));
+    receive_bytes(in, segment.data(), segment.size());
+  }
+  if (in->open == 0) take_finished(in);  // all of 0 bytes
+}
+
+void MpiTransport::Impl::receive_bytes(const std::shared_ptr<Incoming>& in, void* data, std::size_t size) {
+  for (std::size_t done = 0; done < size; done += chunk_) {
+    const auto count = static_cast<int>(std::min(chunk_, size - done));
+    ++in->open;
+    check(MPI_Irecv(static_cast<std::byte*>(data) + done, count, MPI_BYTE, in->from.value, in->tag,
+                    segment_comm_, receives_.add(in)),
+          "MPI_Irecv");
+  }
+}
+
+/// All messages asked for so far are here: the packet is complete, or its segments' sizes are.
+void MpiTransport::Impl::take_finished(const std::shared_ptr<Incoming>& in) {
+  node_.ring(in->from);  // its sends are done, too
+  if (!in->sizes_known) {
+    in->sizes_known = true;
+    return post_segments(in);
+  }
+  ++received_[in->from.index()];
+  arrived_.push_back({in->from, std::move(in->head), std::move(in->segments)});
+}
+
+bool MpiTransport::Impl::deliver(const Receive& receive) {
+  const std::size_t count = arrived_.size();  // not those that `receive` sends to this rank
+  for (std::size_t i = 0; i < count; ++i) {
+    Arrived packet = std::move(arrived_.front());
+    arrived_.pop_front();
+    receive(packet.from, packet.head, std::move(packet.segments));
+  }
+  return count > 0;
+}
+
+// ---- sleeping
+
+void MpiTransport::Impl::wait(std::chrono::nanoseconds at_most) {
+  if (!arrived_.empty()) return;
+  const bool busy = !sends_.empty() || !receives_.empty();
+  if (busy && quiet_ < kYields) {
+    ++quiet_;
+    sched_yield();
+    return;
+  }
+  Sleeper& bell = node_.own().bell;
+  bell.wait(seen_, std::min(at_most, longest_sleep()));
+  // Drawn here only: whatever rings from now on ends the next wait(), whether poll() has seen its cause or
+  // not.
+  seen_ = bell.ticket();
+}
+
+/// Longer the longer nothing happens. MPI moves nothing on while we sleep, and of what peers on other nodes
+/// do we hear nothing.
+std::chrono::nanoseconds MpiTransport::Impl::longest_sleep() {
+  const bool busy = !sends_.empty() || !receives_.empty();
+  if (!busy && node_.has_all() && state_ == State::kOpen) return kLongestSleep;
+  const int doublings = std::min(std::max(++quiet_ - kYields, 0), 10);
+  return std::min(kShortestSleep * (1 << doublings), kLongestRemoteSleep);
+}
+
+// ---- the end
+
+void MpiTransport::Impl::close() {
+  if (state_ == State::kClosed) return;
+  state_ = State::kClosing;
+  arrived_.clear();
+  std::vector<std::uint64_t> expected(sent_.size());
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Ialltoall(sent_.data(), 1, MPI_UINT64_T, expected.data(), 1, MPI_UINT64_T, head_comm_, &request),
+        "MPI_Ialltoall");
+  node_.ring_all();
+  finish(request);
+  while (received_ != expected || !sends_.empty() || !receives_.empty()) drop();
+  // Behind this nobody sends anything: the receives in advance can go.
+  check(MPI_Ibarrier(head_comm_, &request), "MPI_Ibarrier");
+  node_.ring_all();
+  finish(request);
+  cancel_heads();
+  node_.own().closed = true;
+  for (MPI_Comm* communicator : {&head_comm_, &segment_comm_})
+    check(MPI_Comm_free(communicator), "MPI_Comm_free");
+  check(MPI_Finalize(), "MPI_Finalize");
+  state_ = State::kClosed;
+}
+
+/// Waits for a collective call; meanwhile packets are received and dropped, so that no sender is held up
+/// before its own call.
+void MpiTransport::Impl::finish(MPI_Request request) {
+  for (;;) {
+    int done = 0;
+    check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
+    if (done) return;
+    drop();
+  }
+}
+
+void MpiTransport::Impl::drop() {
+  if (poll([](Rank, std::span<const std::byte>, std::vector<Blob>) {})) return;
+  wait(kLongestSleep);
+  check_deaths();
+}
+
+void MpiTransport::Impl::check_deaths() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_death_watch_) return;
+  next_death_watch_ = now + kDeathWatch;
+  if (const auto rank = node_.dead()) {
+    throw TransportError("rank " + std::to_string(rank->value) +
+                         " has died; the network cannot be closed without it");
+  }
+}
+
+void MpiTransport::Impl::cancel_heads() {
+  for (HeadReceive& slot : heads_) {
+    if (slot.posted) {
+      check(MPI_Cancel(&slot.request), "MPI_Cancel");
+      check(MPI_Wait(&slot.request, MPI_STATUS_IGNORE), "MPI_Wait");
+    }
+    check(MPI_Request_free(&slot.request), "MPI_Request_free");
+  }
+}
+
+void MpiTransport::Impl::abandon() noexcept {
+  if (state_ != State::kClosed) MPI_Abort(MPI_COMM_WORLD, 2);
+}
+
+// ---- the class as others see it
+
+bool under_mpirun() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"}) {
+    if (std::getenv(name)) return true;
+  }
+  return false;
+}
+
+MpiTransport::MpiTransport(int* argc, char*** argv, MpiTransportOptions options) {
+  start_mpi(argc, argv);
+  impl_ = std::make_unique<Impl>(options);
+}
+
+MpiTransport::~MpiTransport() { impl_->abandon(); }
+
+Rank MpiTransport::rank() const { return impl_->rank(); }
+int MpiTransport::size() const { return impl_->size(); }
+void MpiTransport::send(Rank to, Packet packet) { impl_->send(to, std::move(packet)); }
+bool MpiTransport::poll(const Receive& receive) { return impl_->poll(receive); }
+std::size_t MpiTransport::unsent(Rank to) const { return impl_->unsent(to); }
+void MpiTransport::wait(std::chrono::nanoseconds at_most) { impl_->wait(at_most); }
+void MpiTransport::wake() noexcept { impl_->wake(); }
+std::optional<Rank> MpiTransport::dead_peer() { return impl_->dead_peer(); }
+void MpiTransport::close() { impl_->close(); }
+void MpiTransport::abandon() noexcept { impl_->abandon(); }
+std::vector<std::pair<std::string, long>> MpiTransport::calls() const { return mpi_calls(); }
+
+}  // namespace weft::engine

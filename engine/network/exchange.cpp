@@ -1,0 +1,286 @@
+// Aggregation and credit.
+#include "engine/network/exchange.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace weft::engine {
+namespace {
+
+/// First bytes of every packet.
+struct PacketHeader {
+  double load;
+  std::uint64_t credit;  ///< counted bytes that the sender of this packet has consumed
+  std::uint32_t phase;
+  std::uint32_t frames;
+};
+
+/// First bytes of every frame; `bytes` follow here, or are the first of its segments when they are too many.
+struct FrameHeader {
+  std::uint64_t bytes;
+  std::uint32_t segments;
+  FrameKind kind;
+  bool bytes_are_segment;
+};
+
+constexpr std::size_t kLargestInline = Transport::kMaxHead / 4;
+// Two packets keep the network busy; what is posted meanwhile goes together in the next.
+constexpr std::size_t kPacketsUnderWay = 2;
+constexpr std::size_t kLeastWindow = 4096;
+
+bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
+
+template <class T>
+void append_plain(std::vector<std::byte>& to, const T& value) {
+  const auto* first = reinterpret_cast<const std::byte*>(&value);
+  to.insert(to.end(), first, first + sizeof value);
+}
+
+template <class T>
+T take_plain(std::span<const std::byte>& from) {
+  if (from.size() < sizeof(T)) throw TransportError("a packet ends inside a header");
+  T value;
+  std::memcpy(&value, from.data(), sizeof value);
+  from = from.subspan(sizeof value);
+  return value;
+}
+
+}  // namespace
+
+Exchange::Exchange(Transport& transport, ExchangeOptions options)
+    : transport_(transport),
+      options_{std::max(options.window_bytes, kLeastWindow), options.backlog_bytes},
+      peers_(static_cast<std::size_t>(transport.size())),
+      is_pending_(peers_.size(), false),
+      credits_(std::make_unique<std::atomic<std::uint64_t>[]>(peers_.size())) {}
+
+void Exchange::post(Rank to, FrameKind kind, Payload payload) {
+  const std::size_t wire_bytes = payload.size() + sizeof(FrameHeader);
+  if (is_counted(kind)) backlog_ += wire_bytes;
+  bool first;
+  {
+    const std::lock_guard lock(mutex_);
+    first = posted_.empty();
+    posted_.push_back({to, {kind, std::move(payload), wire_bytes}});
+  }
+  if (first) transport_.wake();
+}
+
+void Exchange::wait_for_room() {
+  if (backlog_.load(std::memory_order_relaxed) <= options_.backlog_bytes) return;
+  std::unique_lock lock(mutex_);
+  room_.wait(lock, [this] { return released_ || backlog_ <= options_.backlog_bytes || inbox_ > 0; });
+}
+
+void Exchange::release_waiters() {
+  {
+    const std::lock_guard lock(mutex_);
+    released_ = true;
+  }
+  room_.notify_all();
+}
+
+void Exchange::consumed(Rank from, std::size_t wire_bytes) {
+  inbox_ -= static_cast<std::int64_t>(wire_bytes);
+  const std::uint64_t before = credits_[from.index()].fetch_add(wire_bytes);
+  const std::uint64_t due = options_.window_bytes / 4;
+  // One message to the sender for a quarter of a window: it never runs dry, and small messages cost no reply
+  // each.
+  if (before < due && before + wire_bytes >= due) {
+    credits_due_ = true;
+    transport_.wake();
+  }
+}
+
+void Exchange::begin_phase() {
+  phase_ = transport_.next_phase();
+  if (first_phase_ == 0) first_phase_ = phase_;
+  look_at_kept_ = true;
+  const std::lock_guard lock(mutex_);
+  released_ = false;
+}
+
+bool Exchange::all_sent() const {
+  for (int r = 0; r < transport_.size(); ++r) {
+    if (transport_.unsent(Rank(r)) > 0) return false;
+  }
+  return true;
+}
+
+bool Exchange::idle() {
+  take_posted();
+  return pending_peers_.empty() && all_sent();
+}
+
+bool Exchange::urgent_idle() {
+  take_posted();
+  return all_sent() &&
+         std::all_of(peers_.begin(), peers_.end(), [](const Peer& peer) { return peer.urgent.empty(); });
+}
+
+bool Exchange::progress(const Receive& receive) {
+  bool busy = false;
+  if (std::exchange(look_at_kept_, false)) {
+    for (KeptPacket& packet : transport_.take_kept()) {
+      unpack(packet.from, packet.head, std::move(packet.segments), receive);
+      busy = true;
+    }
+  }
+  busy |= take_posted();
+  if (credits_due_.exchange(false)) {
+    for (std::size_t r = 0; r < peers_.size(); ++r) {
+      if (credits_[r] < options_.window_bytes / 4) continue;
+      send_packet(Rank(static_cast<int>(r)), peers_[r], credits_[r].exchange(0));
+      busy = true;
+    }
+  }
+  std::size_t kept = 0;
+  for (const Rank to : pending_peers_) {
+    Peer& peer = peers_[to.index()];
+    busy |= flush(to, peer);
+    is_pending_[to.index()] = !peer.urgent.empty() || !peer.waiting.empty();
+    if (is_pending_[to.index()]) pending_peers_[kept++] = to;
+  }
+  pending_peers_.resize(kept);
+  busy |= transport_.poll([&](Rank from, std::span<const std::byte> head, std::vector<Blob> segments) {
+    unpack(from, head, std::move(segments), receive);
+  });
+  return busy;
+}
+
+bool Exchange::take_posted() {
+  {
+    const std::lock_guard lock(mutex_);
+    std::swap(posted_, taken_);
+  }
+  const bool any = !taken_.empty();
+  for (Posted& posted : taken_) {
+    Peer& peer = peers_[posted.to.index()];
+    (is_counted(posted.frame.kind) ? peer.waiting : peer.urgent).push_back(std::move(posted.frame));
+    if (!is_pending_[posted.to.index()]) pending_peers_.push_back(posted.to);
+    is_pending_[posted.to.index()] = true;
+  }
+  taken_.clear();
+  return any;
+}
+
+Exchange::Traffic Exchange::traffic() const {
+  Traffic traffic{backlog_, static_cast<std::uint64_t>(std::max<std::int64_t>(inbox_, 0)), {}};
+  for (std::size_t r = 0; r < peers_.size(); ++r) {
+    if (peers_[r].under_way > 0)
+      traffic.unconfirmed.emplace_back(Rank(static_cast<int>(r)), peers_[r].under_way);
+  }
+  return traffic;
+}
+
+bool Exchange::may_send(const Peer& peer) const {
+  if (!peer.urgent.empty()) return true;
+  if (peer.waiting.empty()) return false;
+  // Up to a quarter may have been consumed without our being told, and must not hold up a message of any
+  // size.
+  return peer.under_way < options_.window_bytes / 4 ||
+         peer.under_way + peer.waiting.front().wire_bytes <= options_.window_bytes;
+}
+
+bool Exchange::flush(Rank to, Peer& peer) {
+  bool any = false;
+  while (may_send(peer) && (!peer.urgent.empty() || transport_.unsent(to) < kPacketsUnderWay)) {
+    send_packet(to, peer, credits_[to.index()].exchange(0));
+    any = true;
+  }
+  return any;
+}
+
+void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
+  Packet packet;
+  PacketHeader header{load_, credit, phase_, 0};
+  packet.head.reserve(1024);
+  append_plain(packet.head, header);
+  std::size_t sent_bytes = 0;
+  while (may_send(peer)) {
+    std::deque<Frame>& queue = peer.urgent.empty() ? peer.waiting : peer.urgent;
+    const std::size_t inlined =
+        queue.front().payload.bytes.size() > kLargestInline ? 0 : queue.front().payload.bytes.size();
+    if (packet.head.size() + sizeof(FrameHeader) + inlined > Transport::kMaxHead) break;
+    if (is_counted(queue.front().kind)) {
+      peer.under_way += queue.front().wire_bytes;
+      sent_bytes += queue.front().wire_bytes;
+    }
+    append(packet, std::move(queue.front()));
+    queue.pop_front();
+    ++header.frames;
+  }
+  std::memcpy(packet.head.data(), &header, sizeof header);
+  transport_.send(to, std::move(packet));
+  ++packets_sent_;
+  if (sent_bytes == 0) return;
+  const std::size_t before = backlog_.fetch_sub(sent_bytes);
+  if (before > options_.backlog_bytes && before - sent_bytes <= options_.backlog_bytes) {
+    { const std::lock_guard lock(mutex_); }  // a worker between its test and its wait must not miss this
+    room_.notify_all();
+  }
+}
+
+void Exchange::append(Packet& packet, Frame frame) {
+  std::vector<std::byte>& bytes = frame.payload.bytes;
+  const bool as_segment = bytes.size() > kLargestInline;
+  append_plain(packet.head,
+               FrameHeader{bytes.size(), static_cast<std::uint32_t>(frame.payload.segments.size()),
+                           frame.kind, as_segment});
+  if (as_segment) {
+    packet.segments.push_back(Blob::adopt(std::move(bytes)));
+  } else {
+    packet.head.insert(packet.head.end(), bytes.begin(), bytes.end());
+  }
+  for (Blob& segment : frame.payload.segments) packet.segments.push_back(std::move(segment));
+}
+
+void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Blob> segments,
+                      const Receive& receive) {
+  const std::span<const std::byte> whole = head;
+  const auto header = take_plain<PacketHeader>(head);
+  if (header.phase < first_phase_) return;  // of an engine that is no more
+  if (header.phase > phase_) {
+    return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
+  }
+  Peer& peer = peers_[from.index()];
+  peer.load = header.load;
+  peer.under_way -= header.credit;
+  auto segment = segments.begin();
+  const auto take_segment = [&] {
+    if (segment == segments.end()) throw TransportError("a packet lacks a segment");
+    return std::move(*segment++);
+  };
+  for (std::uint32_t i = 0; i < header.frames; ++i) {
+    const auto frame_header = take_plain<FrameHeader>(head);
+    Frame frame{frame_header.kind, {}, 0};
+    std::vector<std::byte>& bytes = frame.payload.bytes;
+    if (frame_header.bytes_are_segment) {
+      const Blob blob = take_segment();
+      bytes.assign(blob.data(), blob.data() + blob.size());
+    } else {
+      if (head.size() < frame_header.bytes) throw TransportError("a packet ends inside a frame");
+      bytes.assign(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(frame_header.bytes));
+      head = head.subspan(frame_header.bytes);
+    }
+    frame.payload.segments.reserve(frame_header.segments);
+    for (std::uint32_t s = 0; s < frame_header.segments; ++s)
+      frame.payload.segments.push_back(take_segment());
+    frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
+    if (header.phase == phase_) deliver(from, std::move(frame), receive);
+  }
+}
+
+void Exchange::deliver(Rank from, Frame frame, const Receive& receive) {
+  if (is_counted(frame.kind)) {
+    if (inbox_.fetch_add(static_cast<std::int64_t>(frame.wire_bytes)) ==
+        0) {  // handlers must not be held up any more
+      { const std::lock_guard lock(mutex_); }
+      room_.notify_all();
+    }
+  }
+  receive(from, frame.kind, std::move(frame.payload), frame.wire_bytes);
+}
+
+}  // namespace weft::engine

@@ -1,0 +1,148 @@
+// Frames between ranks: many small ones in a packet, large ones uncopied, and never more than a receiver can
+// take.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "engine/base/rank.h"
+#include "engine/base/serialize.h"
+#include "engine/network/transport.h"
+
+namespace weft::engine {
+
+/// What a frame is for. Only tasks and objects are counted by the termination detector and held back for a
+/// slow receiver; the others are the engine's own, few and small.
+enum class FrameKind : std::uint8_t {
+  task,       ///< a message to a mobile object
+  object,     ///< a mobile object that moves
+  location,   ///< where an object is now
+  wave,       ///< termination
+  balance,    ///< of the balancing policy
+  stop,       ///< the run fails: stop
+  failure,    ///< to rank 0: this rank has failed
+  waits,      ///< to rank 0: who waits here for whom
+  heartbeat,  ///< this rank lives
+  bulletin,   ///< to rank 0: how far this rank is
+  clock,      ///< what time is it at rank 0
+  report,     ///< summaries and timelines, after the loop
+};
+
+struct ExchangeOptions {
+  /// Bytes that may be on their way to, or wait unhandled at, one rank from one other. A larger message goes
+  /// alone.
+  std::size_t window_bytes = 16u << 20;
+  /// A handler that sends while more than this waits to be sent is held up until there is room, see post().
+  std::size_t backlog_bytes = 64u << 20;
+};
+
+/// Sits between the engine and its transport. Back-pressure by credit: a sender has at most a window of bytes
+/// under way to a rank, and gets them back when the receiver has *handled* them. What exceeds that waits at
+/// the sender, whose handlers are held up when too much does.
+class Exchange {
+ public:
+  using Receive = std::function<void(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes)>;
+
+  Exchange(Transport& transport, ExchangeOptions options);
+
+  /// Hands a frame over for sending, from any thread.
+  void post(Rank to, FrameKind kind, Payload payload);
+
+  /// Holds a worker up while more than backlog_bytes wait to be sent. It never waits while a message from
+  /// another rank is unhandled here, so ranks cannot wait for each other: whoever is waited for has messages
+  /// of the waiting rank unhandled (else it would have told), and goes on. Returns at once after
+  /// release_waiters().
+  void wait_for_room();
+  void release_waiters();
+
+  /// The receiver is done with `wire_bytes` of a task or object from `from`. Any thread.
+  void consumed(Rank from, std::size_t wire_bytes);
+
+  /// The rest is for the communication thread only.
+
+  /// Starts the next run of the engine's loop: frames of earlier runs are dropped, of later ones kept until
+  /// then.
+  void begin_phase();
+
+  /// Sends and receives what can be; true when anything happened.
+  bool progress(const Receive& receive);
+
+  /// All that was posted has been sent, as far as this rank is concerned.
+  bool idle();
+  /// The same for the engine's own frames only: those of a run that fails need not get out.
+  bool urgent_idle();
+
+  /// This rank's load, told to every rank that gets a packet anyway; and what was heard from others so (-1:
+  /// nothing yet).
+  void set_load(double seconds) { load_ = seconds; }
+  double load_of(Rank rank) const { return peers_[rank.index()].load; }
+
+  std::uint64_t packets_sent() const { return packets_sent_; }
+
+  /// What is on its way, in bytes of tasks and objects.
+  struct Traffic {
+    std::uint64_t unsent = 0;     ///< posted here, not sent as yet
+    std::uint64_t unhandled = 0;  ///< received here, not handled as yet
+    std::vector<std::pair<Rank, std::uint64_t>>
+        unconfirmed;  ///< sent, and for all that is known not handled there
+  };
+  Traffic traffic() const;
+
+ private:
+  struct Frame {
+    FrameKind kind;
+    Payload payload;
+    std::size_t wire_bytes;
+  };
+  struct Posted {
+    Rank to;
+    Frame frame;
+  };
+  struct Peer {
+    std::deque<Frame> urgent;     ///< uncounted frames: they pass what is held back
+    std::deque<Frame> waiting;    ///< counted frames
+    std::uint64_t under_way = 0;  ///< counted bytes sent and not yet consumed
+    double load = -1;
+  };
+
+  bool take_posted();
+  bool all_sent() const;
+  bool flush(Rank to, Peer& peer);
+  bool may_send(const Peer& peer) const;
+  void send_packet(Rank to, Peer& peer, std::uint64_t credit);
+  void append(Packet& packet, Frame frame);
+  void unpack(Rank from, std::span<const std::byte> head, std::vector<Blob> segments, const Receive& receive);
+  void deliver(Rank from, Frame frame, const Receive& receive);
+
+  Transport& transport_;
+  ExchangeOptions options_;
+  std::vector<Peer> peers_;
+  std::vector<Rank> pending_peers_;  ///< those with frames, each once
+  std::vector<bool> is_pending_;
+  std::unique_ptr<std::atomic<std::uint64_t>[]> credits_;  ///< by rank: consumed and not yet told
+  std::atomic<bool> credits_due_{false};
+
+  std::mutex mutex_;
+  std::condition_variable room_;
+  std::vector<Posted> posted_;
+  std::vector<Posted> taken_;
+  bool released_ = false;
+
+  std::atomic<std::size_t> backlog_{0};  ///< counted bytes posted and not yet sent
+  std::atomic<std::int64_t> inbox_{0};   ///< counted bytes received and not yet consumed
+  std::uint32_t first_phase_ = 0;
+  std::uint32_t phase_ = 0;
+  bool look_at_kept_ = false;
+  double load_ = 0;
+  std::uint64_t packets_sent_ = 0;
+};
+
+}  // namespace weft::engine

@@ -1,0 +1,127 @@
+// Packets change hands through locked queues.
+#include "engine/network/loopback_transport.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdlib>
+#include <deque>
+#include <mutex>
+#include <utility>
+
+#include "engine/base/sleeper.h"
+
+namespace weft::engine {
+
+struct LoopbackNetwork::Shared {
+  Shared(int n, OnAbandon what) : ranks(n), on_abandon(what), dead(static_cast<std::size_t>(n)) {}
+  int ranks;
+  OnAbandon on_abandon;
+  std::vector<std::atomic<bool>> dead;
+  std::mutex mutex;
+  std::condition_variable all_closed;
+  int closed = 0;
+};
+
+class LoopbackNetwork::Node final : public Transport {
+ public:
+  Node(LoopbackNetwork& network, Rank rank) : network_(network), rank_(rank) {}
+
+  Rank rank() const override { return rank_; }
+  int size() const override { return network_.shared_->ranks; }
+
+  void send(Rank to, Packet packet) override {
+    if (packet.head.size() > kMaxHead) {
+      throw TransportError("a packet's head has " + std::to_string(packet.head.size()) + " bytes; " +
+                           std::to_string(kMaxHead) + " are allowed");
+    }
+    if (to.value < 0 || to.value >= size()) {
+      throw TransportError("there is no rank " + std::to_string(to.value));
+    }
+    if (network_.shared_->dead[to.index()]) return;
+    network_.nodes_[to.index()]->put(rank_, std::move(packet));
+  }
+
+  bool poll(const Receive& receive) override {
+    bool any = false;
+    // One at a time: if `receive` throws, the others are still there. No more than are here now: a rank that
+    // is flooded must get to sending, too.
+    for (std::size_t left = arrived(); left > 0; --left) {
+      auto [from, packet] = take();
+      receive(from, packet.head, std::move(packet.segments));
+      any = true;
+    }
+    return any;
+  }
+
+  std::size_t unsent(Rank) const override { return 0; }
+
+  void wait(std::chrono::nanoseconds at_most) override {
+    bell_.wait(heard_, at_most);
+    heard_ = bell_.ticket();
+  }
+
+  void wake() noexcept override { bell_.ring(); }
+
+  std::optional<Rank> dead_peer() override {
+    for (int r = 0; r < size(); ++r) {
+      if (r != rank_.value && network_.shared_->dead[static_cast<std::size_t>(r)]) return Rank(r);
+    }
+    return std::nullopt;
+  }
+
+  void close() override {
+    Shared& shared = *network_.shared_;
+    std::unique_lock lock(shared.mutex);
+    ++shared.closed;
+    shared.all_closed.notify_all();
+    shared.all_closed.wait(lock, [&] { return shared.closed >= shared.ranks; });
+  }
+
+  void abandon() noexcept override {
+    if (network_.shared_->on_abandon == OnAbandon::exit) std::_Exit(2);
+  }
+
+ private:
+  void put(Rank from, Packet packet) {
+    {
+      const std::lock_guard lock(mutex_);
+      arrived_.emplace_back(from, std::move(packet));
+    }
+    bell_.ring();
+  }
+
+  std::size_t arrived() {
+    const std::lock_guard lock(mutex_);
+    return arrived_.size();
+  }
+
+  std::pair<Rank, Packet> take() {
+    const std::lock_guard lock(mutex_);
+    std::pair<Rank, Packet> next = std::move(arrived_.front());
+    arrived_.pop_front();
+    return next;
+  }
+
+  LoopbackNetwork& network_;
+  Rank rank_;
+  std::mutex mutex_;
+  std::deque<std::pair<Rank, Packet>> arrived_;
+  Sleeper bell_;
+  Sleeper::Ticket heard_ = 0;  ///< rings before this have been answered
+};
+
+LoopbackNetwork::LoopbackNetwork(int ranks, OnAbandon on_abandon)
+    : shared_(std::make_unique<Shared>(ranks, on_abandon)) {
+  for (int r = 0; r < ranks; ++r) nodes_.push_back(std::make_unique<Node>(*this, Rank(r)));
+}
+
+LoopbackNetwork::~LoopbackNetwork() = default;
+
+Transport& LoopbackNetwork::transport(Rank rank) { return *nodes_.at(rank.index()); }
+
+void LoopbackNetwork::kill(Rank rank) {
+  shared_->dead[rank.index()] = true;
+  for (auto& node : nodes_) node->wake();
+}
+
+}  // namespace weft::engine

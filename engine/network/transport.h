@@ -1,0 +1,105 @@
+// The network as the engine sees it: packets from rank to rank, nothing else.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/blob.h"
+#include "engine/base/rank.h"
+
+namespace weft::engine {
+
+/// What travels: a small head, copied, and any number of large segments, which are not.
+struct Packet {
+  std::vector<std::byte> head;  ///< at most Transport::kMaxHead bytes
+  std::vector<Blob> segments;   ///< each of any size, 0 included
+};
+
+/// A packet that came before its time, see Transport::keep().
+struct KeptPacket {
+  Rank from;
+  std::vector<std::byte> head;
+  std::vector<Blob> segments;
+};
+
+/// The network broke, or was misused; the run cannot go on.
+class TransportError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Point-to-point packets between the ranks of a run. Every packet sent arrives once, whole; in *any order*:
+/// nothing above may count on one (that keeps large packets from holding up small ones, and tests shuffle
+/// them).
+///
+/// All functions but wake() are called by one thread, the rank's communication thread; it gets nowhere unless
+/// poll() is called.
+class Transport {
+ public:
+  static constexpr std::size_t kMaxHead = 64 * 1024;
+
+  /// Called for each packet that has arrived. The head is gone when it returns, the segments are the
+  /// receiver's. It may call send() but not poll().
+  using Receive = std::function<void(Rank from, std::span<const std::byte> head, std::vector<Blob> segments)>;
+
+  virtual ~Transport() = default;
+
+  virtual Rank rank() const = 0;
+  virtual int size() const = 0;
+
+  /// Takes the packet and returns at once. `to` may be this rank. Throws TransportError (head too long, no
+  /// such rank).
+  virtual void send(Rank to, Packet packet) = 0;
+
+  /// Moves everything on that can be moved, and calls `receive` for what has arrived; true when anything
+  /// happened.
+  virtual bool poll(const Receive& receive) = 0;
+
+  /// Packets to `to` that the network has not taken over yet. The layer above lets small ones pile up behind
+  /// them and sends them as one.
+  virtual std::size_t unsent(Rank to) const = 0;
+
+  /// Sleeps until a packet may have arrived, wake() is called (also just before: it is remembered), or
+  /// `at_most` is over. Uses no processor time to speak of. May return early for no reason.
+  virtual void wait(std::chrono::nanoseconds at_most) = 0;
+
+  /// Ends wait(). From any thread or signal handler.
+  virtual void wake() noexcept = 0;
+
+  /// A rank whose process is known to be gone (it did not call close()); cheap enough to ask once a second.
+  virtual std::optional<Rank> dead_peer() = 0;
+
+  /// The last act of all ranks, in whatever state each is: what has been sent and not yet been received is
+  /// received and dropped, so that nobody is left with half a message; then the network is shut down. All
+  /// ranks must call it, and it waits for them; when one is dead, abandon() it is. May use collective calls:
+  /// the run is over.
+  virtual void close() = 0;
+
+  /// Gives up on the network without waiting for anybody; allowed when a peer has died.
+  virtual void abandon() noexcept = 0;
+
+  /// Network calls made so far by this process, by name ("MPI_Isend"), for reports and for the test that none
+  /// of the loop's is collective; empty when the transport has none to count.
+  virtual std::vector<std::pair<std::string, long>> calls() const { return {}; }
+
+  /// Numbers the phases in which the ranks use the network one after the other, alike on all ranks. A rank
+  /// may be a phase ahead of another: what it sends is kept here, beyond the life of whoever uses the network
+  /// now. Only a transport that passes everything on to another overrides these.
+  virtual std::uint32_t next_phase() { return ++phase_; }
+  virtual void keep(KeptPacket packet) { kept_.push_back(std::move(packet)); }
+  virtual std::vector<KeptPacket> take_kept() { return std::exchange(kept_, {}); }
+
+ private:
+  std::uint32_t phase_ = 0;
+  std::vector<KeptPacket> kept_;
+};
+
+}  // namespace weft::engine

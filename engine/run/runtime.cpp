@@ -1,0 +1,564 @@
+// The communication thread's loop.
+#include "engine/run/runtime.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "engine/base/text.h"
+#include "engine/mpi/mpi_calls.h"
+#include "engine/schedule/scheduler.h"
+#include "engine/schedule/termination.h"
+
+namespace weft::engine {
+namespace {
+
+using std::chrono::duration_cast;
+using std::chrono::nanoseconds;
+
+constexpr TimePoint kSecond = 1'000'000'000;
+constexpr TimePoint kHeartbeatPeriod = kSecond;
+constexpr TimePoint kPeerCheckPeriod = kSecond / 4;
+// All that was sent has left its senders, and yet has not come: no network takes that long.
+constexpr TimePoint kPatienceWithNetwork = 120 * kSecond;
+// For the last words when a rank is dead: mpirun kills the others soon.
+constexpr TimePoint kLastWords = kSecond / 5;
+constexpr std::size_t kWaitsShown = 50;
+constexpr int kClockReadings = 5;
+
+/// While it waits or workers have its core the communication thread takes none.
+TimePoint processor_time_of_this_thread() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return kSecond * time.tv_sec + time.tv_nsec;
+}
+
+/// What a rank answers when rank 0 is asked for the time.
+struct ClockReading {
+  TimePoint asked = 0;
+  TimePoint at_root = 0;
+};
+
+/// Why the run fails, and what follows.
+struct Verdict {
+  std::string what;
+  Rank reporter;        ///< tells the user
+  bool broken = false;  ///< a rank is dead: the network cannot be closed
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(what, reporter, broken);
+  }
+};
+
+}  // namespace
+
+class Runtime::Implementation final : private BalanceActions {
+ public:
+  Implementation(Transport& transport, const Registry& registry, RuntimeOptions options)
+      : options_(std::move(options)),
+        transport_(transport),
+        registry_(registry),
+        exchange_(transport, options_.exchange),
+        trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
+        balancer_(options_.balancer(transport.rank(), transport.size())),
+        scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
+                    balancer_->wants_finished(), options_.name_of},
+                   registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
+
+  ~Implementation() override {
+    scheduler_.stop();
+    while (!scheduler_.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  void run(std::function<void(Context&)> root);
+  void request_stop(const char* reason) noexcept {
+    stop_reason_ = reason;
+    transport_.wake();
+  }
+  void request_state() noexcept {
+    state_requested_ = true;
+    transport_.wake();
+  }
+  void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function) {
+    scheduler_.visit(type, function);
+  }
+  RankSummary summary() const;
+  RankTimeline timeline() const { return timeline_of(trace_, registry_.method_names(), clock_offset_); }
+  std::vector<Payload> gather(const std::function<Payload()>& mine);
+
+  Rank rank() const override { return transport_.rank(); }
+  int ranks() const override { return transport_.size(); }
+
+ private:
+  // The policy's actions.
+  Load load() const override { return scheduler_.load(); }
+  std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
+  double load_of(Rank rank) const override { return exchange_.load_of(rank); }
+  std::optional<double> move_seconds() const override {
+    constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
+    const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
+    if (packing.count == 0) return std::nullopt;
+    return kOfPacking * static_cast<double>(packing.total) / static_cast<double>(packing.count);
+  }
+  void move(ObjectId id, Rank to) override { scheduler_.move(id, to); }
+  void tell(Rank to, const BalanceMessage& message) override {
+    exchange_.post(to, FrameKind::balance, packed(message));
+  }
+  void wake_when_ready(bool on) override { scheduler_.wake_when_ready(on); }
+
+  void begin();
+  void loop();
+  bool turn(TimePoint time);
+  void sleep();
+  void receive(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes);
+  void balance(TimePoint time);
+  void detect_end();
+  void watch_peers(TimePoint time);
+  void tell_bulletin(TimePoint time);
+  void show_state(TimePoint time);
+  void notice_failures();
+  void fail_here(const std::string& what);
+  void declare_failure(Verdict verdict);
+  void accept_verdict(Verdict verdict);
+  Rank before() const { return Rank((rank().value + ranks() - 1) % ranks()); }
+  void peer_died(Rank dead, const std::string& how);
+  void tell_waits();
+  void receive_waits(std::vector<std::string> lines);
+  void wind_down();
+  void read_clock();
+  void progress_until(const std::function<bool()>& done);
+
+  const RuntimeOptions options_;
+  Transport& transport_;
+  const Registry& registry_;
+  Exchange exchange_;
+  Trace trace_;
+  std::unique_ptr<Balancer> balancer_;
+  Scheduler scheduler_;
+  std::optional<Termination> termination_;
+  std::atomic<const char*> stop_reason_{nullptr};
+  std::atomic<bool> state_requested_{false};
+
+  // Of the current run.
+  bool ended_ = false;
+  bool failed_here_ = false;  ///< rank 0 has been told, or is told by this
+  std::optional<Verdict> failure_;
+  bool told_waits_ = false;
+  int waits_missing_ = 0;
+  std::vector<std::string> waits_;
+  TimePoint next_heartbeat_ = 0;
+  TimePoint next_peer_check_ = 0;
+  TimePoint next_bulletin_ = 0;
+  TimePoint turn_ = 0;        ///< when the current turn looked at what is due
+  TimePoint last_heard_ = 0;  ///< from the rank before this one; 0: not in this run
+  TimePoint awake_since_ = 0;
+  TimePoint begin_ = 0;
+
+  // Of all runs.
+  TimePoint wall_ = 0;
+  TimePoint communication_ = 0;  ///< processor time
+  std::vector<Payload> gathered_;
+  int gather_missing_ = 0;
+  std::optional<ClockReading> clock_reading_;
+  std::int64_t clock_offset_ = 0;
+  std::vector<std::pair<std::string, long>> calls_;  ///< network calls in the loops
+};
+
+// --- The loop
+
+void Runtime::Implementation::run(std::function<void(Context&)> root) {
+  if (failure_) throw std::logic_error("a runtime whose run has failed cannot run again");
+  const auto calls_before = transport_.calls();
+  const TimePoint begin_time = now();
+  begin();
+  scheduler_.start(std::move(root));
+  loop();
+  wall_ += now() - begin_time;
+  for (auto [name, count] : transport_.calls()) {
+    for (const auto& [known, before] : calls_before) count -= name == known ? before : 0;
+    if (count == 0) continue;
+    auto sum =
+        std::find_if(calls_.begin(), calls_.end(), [&](const auto& entry) { return entry.first == name; });
+    if (sum == calls_.end()) sum = calls_.insert(calls_.end(), {name, 0});
+    sum->second += count;
+  }
+  if (failure_) throw RunFailure(failure_->what, failure_->reporter == rank(), failure_->broken);
+}
+
+void Runtime::Implementation::begin() {
+  exchange_.begin_phase();
+  // What the policies of two ranks last told each other may have been lost at the end of the last run.
+  balancer_ = options_.balancer(rank(), ranks());
+  scheduler_.wake_when_ready(false);
+  termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
+    exchange_.post(to, FrameKind::wave, packed(message));
+  });
+  ended_ = failed_here_ = told_waits_ = false;
+  waits_.clear();
+  waits_missing_ = 0;
+  last_heard_ = 0;
+  begin_ = next_heartbeat_ = next_peer_check_ = next_bulletin_ = awake_since_ = now();
+}
+
+void Runtime::Implementation::loop() {
+  const TimePoint before = processor_time_of_this_thread();
+  while (!ended_ && !failure_) {
+    bool busy = false;
+    try {
+      busy = turn(now());
+    } catch (const std::exception& error) {
+      fail_here(text("the communication of rank ", rank().value, ": ", error.what()));
+    }
+    if (!busy && !ended_ && !failure_) sleep();
+  }
+  wind_down();
+  communication_ += processor_time_of_this_thread() - before;
+}
+
+bool Runtime::Implementation::turn(TimePoint time) {
+  turn_ = time;
+  bool busy = exchange_.progress([this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+    receive(from, kind, std::move(payload), wire_bytes);
+  });
+  notice_failures();
+  watch_peers(time);
+  tell_bulletin(time);
+  show_state(time);
+  if (failed_here_) {  // unless the run had ended when a signal came
+    ended_ = termination_->ended() && termination_->ended()->waiting == 0;
+    return busy;
+  }
+  balance(time);
+  busy |= scheduler_.send_leavers();
+  detect_end();
+  return busy;
+}
+
+/// Until something happens or is due.
+void Runtime::Implementation::sleep() {
+  const TimePoint time = now();
+  TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
+  if (options_.bulletins.period.count() > 0) until = std::min(until, next_bulletin_);
+  for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
+    if (next && *next > turn_) until = std::min(until, *next);
+  }
+  trace_.communication_lane().span({awake_since_, time, {}, Span::kNoName, Activity::communicate, 0});
+  transport_.wait(nanoseconds(std::max<TimePoint>(until - time, 0)));
+  awake_since_ = now();
+}
+
+void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+  if (from == before()) last_heard_ = now();
+  switch (kind) {
+    case FrameKind::task:
+      return scheduler_.receive_task(from, std::move(payload), wire_bytes);
+    case FrameKind::object:
+      return scheduler_.receive_object(from, std::move(payload), wire_bytes);
+    case FrameKind::location:
+      return scheduler_.receive_location(std::move(payload));
+    case FrameKind::wave:
+      return termination_->receive(from, unpacked<WaveMessage>(std::move(payload)));
+    case FrameKind::balance:
+      return balancer_->told(from, unpacked<BalanceMessage>(std::move(payload)), *this);
+    case FrameKind::failure:
+      if (ended_) return;  // a signal came to a rank that had not heard yet
+      return declare_failure({unpacked<std::string>(std::move(payload)), Rank(0), false});
+    case FrameKind::stop:
+      return accept_verdict(unpacked<Verdict>(std::move(payload)));
+    case FrameKind::waits:
+      return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
+    case FrameKind::heartbeat:
+      return;
+    case FrameKind::bulletin:
+      if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
+      return;
+    case FrameKind::clock: {
+      auto reading = unpacked<ClockReading>(std::move(payload));
+      if (rank().value > 0) {
+        clock_reading_ = reading;
+      } else {
+        reading.at_root = now();
+        exchange_.post(from, FrameKind::clock, packed(reading));
+      }
+      return;
+    }
+    case FrameKind::report:
+      gathered_[from.index()] = std::move(payload);
+      --gather_missing_;
+      return;
+  }
+  throw TransportError("a frame of an unknown kind has come");
+}
+
+void Runtime::Implementation::balance(TimePoint time) {
+  exchange_.set_load(scheduler_.load().queued_seconds);
+  if (balancer_->wants_finished()) {
+    const std::vector<ObjectId> finished = scheduler_.take_finished();
+    if (!finished.empty()) balancer_->finished(finished, *this);
+  }
+  balancer_->step(*this, time);
+}
+
+// --- Looking on
+
+/// Like all frames of the engine's own these are not counted: a run may end while one is on its way.
+void Runtime::Implementation::tell_bulletin(TimePoint time) {
+  const Bulletins& bulletins = options_.bulletins;
+  if (bulletins.period.count() == 0 || time < next_bulletin_) return;
+  next_bulletin_ = time + duration_cast<nanoseconds>(bulletins.period).count();
+  Payload news = bulletins.write();
+  if (rank().value == 0) {
+    bulletins.read(rank(), std::move(news));
+  } else if (news.size() > 0) {
+    exchange_.post(Rank(0), FrameKind::bulletin, std::move(news));
+  }
+}
+
+void Runtime::Implementation::show_state(TimePoint time) {
+  if (!state_requested_.exchange(false)) return;
+  std::string lines = text("state of rank ", rank().value, " of ", ranks(), ", ",
+                           static_cast<double>((time - begin_) / (kSecond / 10)) / 10, " s into the run\n");
+  const Exchange::Traffic traffic = exchange_.traffic();
+  lines += text("  messages: ", traffic.unsent, " bytes to be sent, ", traffic.unhandled,
+                " received and not handled");
+  for (const auto& [peer, bytes] : traffic.unconfirmed)
+    lines += text(", ", bytes, " sent to rank ", peer.value, " and not confirmed");
+  for (const std::string& line : scheduler_.state()) lines += "\n  " + line;
+  options_.on_state(lines + "\n");
+}
+
+// --- The end
+
+void Runtime::Implementation::detect_end() {
+  for (; termination_->due(turn_); turn_ = now()) {
+    // A rank whose messages have not all left is not passive: a large one may take long, and waves would be
+    // in vain.
+    const std::optional<WaveCount> count = exchange_.idle() ? scheduler_.passive_count() : std::nullopt;
+    if (!count) return;
+    termination_->step(count, turn_);
+  }
+  if (termination_->futile_for() > kPatienceWithNetwork) {
+    const WaveCount& sums = termination_->last_sums();
+    fail_here(text("the network has lost messages: ", sums.sent, " were sent, ", sums.received, " received"));
+  }
+  if (!termination_->ended()) return;
+  if (termination_->ended()->waiting == 0) {
+    ended_ = true;
+  } else if (!told_waits_) {
+    tell_waits();
+  }
+}
+
+/// Nothing runs, nothing flies, and objects wait: they will for ever. Rank 0 collects who waits for whom.
+void Runtime::Implementation::tell_waits() {
+  told_waits_ = true;
+  std::vector<std::string> lines = scheduler_.waits();
+  if (rank().value > 0) {
+    exchange_.post(Rank(0), FrameKind::waits, packed(std::move(lines)));
+  } else {
+    waits_missing_ += ranks();
+    receive_waits(std::move(lines));
+  }
+}
+
+void Runtime::Implementation::receive_waits(std::vector<std::string> lines) {
+  waits_.insert(waits_.end(), lines.begin(), lines.end());
+  if (--waits_missing_ != 0) return;
+  std::ostringstream what;
+  what << "the run has stalled: no handler runs and no message is under way, but";
+  for (std::size_t i = 0; i < std::min(waits_.size(), kWaitsShown); ++i) what << "\n  " << waits_[i];
+  if (waits_.size() > kWaitsShown) what << "\n  and " << waits_.size() - kWaitsShown << " more";
+  declare_failure({what.str(), Rank(0), false});
+}
+
+/// Lets the last frames out and the last handlers end.
+void Runtime::Implementation::wind_down() {
+  if (failure_) scheduler_.stop();
+  const TimePoint grace = duration_cast<nanoseconds>(options_.grace).count();
+  const TimePoint give_up = now() + (failure_ && failure_->broken ? std::min(grace, kLastWords) : grace);
+  const Exchange::Receive receive_or_drop = [this](Rank from, FrameKind kind, Payload payload,
+                                                   std::size_t wire_bytes) {
+    if (!failure_) receive(from, kind, std::move(payload), wire_bytes);
+  };
+  while (!scheduler_.stopped() || !(failure_ ? exchange_.urgent_idle() : exchange_.idle())) {
+    const bool busy = exchange_.progress(receive_or_drop);
+    if (failure_ && now() > give_up) {
+      failure_->broken = true;
+      break;
+    }
+    if (!busy) transport_.wait(std::chrono::milliseconds(1));
+  }
+  if (scheduler_.stopped()) return;
+  // A handler that does not stop cannot be unwound. The rank that reports has done so; others leave it the
+  // time.
+  if (failure_->reporter != rank()) std::this_thread::sleep_for(nanoseconds(5 * kLastWords));
+  transport_.abandon();
+}
+
+// --- Failure
+
+void Runtime::Implementation::notice_failures() {
+  if (const auto failure = scheduler_.failure()) fail_here(*failure);
+  if (const char* reason = stop_reason_) {
+    // When a rank dies, mpirun stops the others by a signal: the cause is the better message.
+    if (const auto dead = transport_.dead_peer()) return peer_died(*dead, "its process is gone");
+    fail_here(reason);
+  }
+}
+
+/// Rank 0 decides which of several failures it was.
+void Runtime::Implementation::fail_here(const std::string& what) {
+  if (failed_here_) return;
+  failed_here_ = true;
+  scheduler_.stop();
+  if (rank().value == 0) {
+    declare_failure({what, Rank(0), false});
+  } else {
+    exchange_.post(Rank(0), FrameKind::failure, packed(what));
+  }
+}
+
+void Runtime::Implementation::declare_failure(Verdict verdict) {
+  if (failure_) return;
+  for (int r = 0; r < ranks(); ++r) {
+    if (r != rank().value) exchange_.post(Rank(r), FrameKind::stop, packed(verdict));
+  }
+  accept_verdict(std::move(verdict));
+}
+
+void Runtime::Implementation::accept_verdict(Verdict verdict) {
+  if (failure_) return;
+  failure_ = std::move(verdict);
+  if (failure_->reporter == rank() && options_.on_failure) options_.on_failure(failure_->what);
+}
+
+void Runtime::Implementation::watch_peers(TimePoint time) {
+  if (ranks() == 1 || time < std::min(next_heartbeat_, next_peer_check_)) return;
+  if (time >= next_heartbeat_) {
+    exchange_.post(Rank((rank().value + 1) % ranks()), FrameKind::heartbeat, {});
+    next_heartbeat_ = time + kHeartbeatPeriod;
+  }
+  next_peer_check_ = time + kPeerCheckPeriod;
+  if (const auto dead = transport_.dead_peer()) return peer_died(*dead, "its process is gone");
+  const TimePoint silence = duration_cast<nanoseconds>(options_.silence).count();
+  if (last_heard_ > 0 && time - last_heard_ > silence) {
+    peer_died(before(), "it has been silent for too long");
+  }
+}
+
+/// Rank 0 may be the one that died: whoever notices tells all.
+void Runtime::Implementation::peer_died(Rank dead, const std::string& how) {
+  declare_failure({text("rank ", dead.value, " died: ", how), Rank(dead.value == 0 ? 1 : 0), true});
+}
+
+// --- After the loop
+
+RankSummary Runtime::Implementation::summary() const {
+  RunFacts facts;
+  facts.wall = static_cast<double>(wall_) * 1e-9;
+  facts.communication = static_cast<double>(communication_) * 1e-9;
+  facts.method_names = registry_.method_names();
+  facts.network_calls = calls_;
+  for (const auto& [name, count] : calls_) facts.collective_calls += is_collective(name) ? count : 0;
+  facts.counters["packets_sent"] = static_cast<double>(exchange_.packets_sent());
+  facts.counters["objects_in"] = static_cast<double>(scheduler_.moved_in());
+  facts.counters["objects_out"] = static_cast<double>(scheduler_.moved_out());
+  facts.counters["handlers"] = static_cast<double>(scheduler_.handled());
+  return summarize(trace_, facts);
+}
+
+std::vector<Payload> Runtime::Implementation::gather(const std::function<Payload()>& mine) {
+  exchange_.begin_phase();
+  gathered_.clear();
+  gathered_.resize(static_cast<std::size_t>(ranks()));
+  gather_missing_ = ranks() - 1;
+  read_clock();
+  if (rank().value > 0) {
+    exchange_.post(Rank(0), FrameKind::report, mine());
+  } else {
+    gathered_[0] = mine();
+  }
+  progress_until([this] { return rank().value > 0 ? exchange_.idle() : gather_missing_ == 0; });
+  return rank().value > 0 ? std::vector<Payload>{} : std::move(gathered_);
+}
+
+/// How far rank 0's clock is ahead of this one: the answer that came soonest is the most exact.
+void Runtime::Implementation::read_clock() {
+  if (rank().value == 0) return;
+  TimePoint shortest = kSecond;
+  for (int i = 0; i < kClockReadings; ++i) {
+    clock_reading_.reset();
+    exchange_.post(Rank(0), FrameKind::clock, packed(ClockReading{now(), 0}));
+    progress_until([this] { return clock_reading_.has_value(); });
+    const TimePoint time = now();
+    if (time - clock_reading_->asked >= shortest) continue;
+    shortest = time - clock_reading_->asked;
+    clock_offset_ = clock_reading_->at_root - (clock_reading_->asked + shortest / 2);
+  }
+}
+
+void Runtime::Implementation::progress_until(const std::function<bool()>& done) {
+  const auto keep = [this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+    receive(from, kind, std::move(payload), wire_bytes);
+  };
+  for (TimePoint next_check = now() + kPeerCheckPeriod; !done();) {
+    if (!exchange_.progress(keep) && !done()) transport_.wait(std::chrono::milliseconds(1));
+    if (now() < next_check) continue;
+    next_check = now() + kPeerCheckPeriod;
+    if (const auto dead = transport_.dead_peer()) peer_died(*dead, "its process is gone");
+    if (const char* reason = stop_reason_) declare_failure({reason, rank(), true});
+    if (failure_) throw RunFailure(failure_->what, failure_->reporter == rank(), true);
+  }
+}
+
+// --- The public face
+
+Runtime::Runtime(Transport& transport, const Registry& registry, RuntimeOptions options)
+    : registry_(registry),
+      implementation_(std::make_unique<Implementation>(transport, registry, std::move(options))) {}
+
+Runtime::~Runtime() = default;
+
+Rank Runtime::rank() const { return implementation_->rank(); }
+int Runtime::ranks() const { return implementation_->ranks(); }
+void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
+void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
+void Runtime::request_state() noexcept { implementation_->request_state(); }
+RankSummary Runtime::summary() const { return implementation_->summary(); }
+RankTimeline Runtime::timeline() const { return implementation_->timeline(); }
+
+void Runtime::visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function) {
+  implementation_->visit(type, function);
+}
+
+std::vector<RankSummary> Runtime::gather_summaries() {
+  std::vector<RankSummary> summaries;
+  for (Payload& payload : implementation_->gather([this] { return packed(summary()); })) {
+    summaries.push_back(unpacked<RankSummary>(std::move(payload)));
+  }
+  return summaries;
+}
+
+std::vector<RankTimeline> Runtime::gather_timelines() {
+  std::vector<RankTimeline> timelines;
+  for (Payload& payload : implementation_->gather([this] { return packed(timeline()); })) {
+    timelines.push_back(unpacked<RankTimeline>(std::move(payload)));
+  }
+  return timelines;
+}
+
+void print_failure(const std::string& what) {
+  std::fprintf(stderr, "error: %s\n", what.c_str());
+  std::fflush(stderr);
+}
+
+void print_state(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace weft::engine

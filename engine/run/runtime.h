@@ -1,0 +1,138 @@
+// The engine: one rank's mobile objects, workers and communication, run until there is nothing left to do.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/balance/balancer.h"
+#include "engine/network/exchange.h"
+#include "engine/network/transport.h"
+#include "engine/objects/registry.h"
+#include "engine/schedule/context.h"
+#include "engine/trace/chrome_trace.h"
+#include "engine/trace/summary.h"
+#include "engine/trace/trace.h"
+
+namespace weft::engine {
+
+/// The run has failed, on all ranks, for the same reason.
+class RunFailure : public std::runtime_error {
+ public:
+  RunFailure(const std::string& what, bool reported, bool network_broken)
+      : std::runtime_error(what), reported_(reported), network_broken_(network_broken) {}
+
+  /// On this rank RuntimeOptions::on_failure was called.
+  bool reported_here() const { return reported_; }
+
+  /// A rank is dead, or does not answer: Transport::close() would wait for it for ever, abandon() is left.
+  bool network_broken() const { return network_broken_; }
+
+ private:
+  bool reported_;
+  bool network_broken_;
+};
+
+/// Writes "error: WHAT" to stderr.
+void print_failure(const std::string& what);
+
+/// Writes the text to stderr, whole.
+void print_state(const std::string& text);
+
+/// How ranks let rank 0 know how far they are while a run lasts. Nobody waits for it, the end of the run does
+/// not depend on it, and what is told last may be lost when the run ends. Both functions are called by the
+/// communication thread, so they should return soon.
+struct Bulletins {
+  std::chrono::milliseconds period{0};  ///< 0: there are none
+  std::function<Payload()> write;       ///< on every rank: what is new; nothing is sent where it is empty
+  /// On rank 0, for each that has come; its own it reads in every period, also an empty one.
+  std::function<void(Rank from, Payload)> read;
+};
+
+struct RuntimeOptions {
+  int threads = 1;  ///< workers of this rank, besides the thread that calls run() and does the communication
+  BalancerFactory balancer = work_stealing();
+  ExchangeOptions exchange = {};
+  TraceOptions trace = {};
+
+  /// What the program gives all handlers of this rank to read (Context::local()); it must outlive the
+  /// runtime.
+  const void* local = nullptr;
+
+  Bulletins bulletins = {};
+
+  /// What users call an object, for request_state(); default "object 3.1".
+  std::function<std::string(ObjectId)> name_of = {};
+  /// Called by the communication thread with the text that request_state() has asked for.
+  std::function<void(const std::string&)> on_state = print_state;
+
+  /// A rank whose process is on another node counts as dead after this silence; on the same node it is
+  /// noticed at once.
+  std::chrono::milliseconds silence{30'000};
+  /// When the run fails, its running handlers have this long to see Context::stop_requested() and return;
+  /// then the network is abandoned, which ends the process.
+  std::chrono::milliseconds grace{30'000};
+  /// Called on one rank as soon as it is certain that the run fails, and why: handlers that go on for long
+  /// may keep run() from throwing, or somebody may kill the process first.
+  std::function<void(const std::string&)> on_failure = print_failure;
+};
+
+/// One rank of a run. Objects live from one run() to the next.
+class Runtime {
+ public:
+  /// `transport` and `registry` must outlive it. All ranks use the same options, but for the number of
+  /// threads. One runtime at a time on a transport.
+  Runtime(Transport& transport, const Registry& registry, RuntimeOptions options = {});
+  ~Runtime();
+  Runtime(const Runtime&) = delete;
+  Runtime& operator=(const Runtime&) = delete;
+
+  Rank rank() const;
+  int ranks() const;
+
+  /// Calls `root` on a worker (it may be different, or empty, on each rank), handles messages, and returns
+  /// when no handler runs and no message flies on any rank. All ranks must call it. The calling thread does
+  /// the communication. Throws RunFailure on all ranks if a handler throws, a message cannot be read, objects
+  /// wait for what will never come, request_stop() is called or a rank dies. The runtime can only be
+  /// destroyed then.
+  void run(std::function<void(Context&)> root = {});
+
+  /// All ranks stop soon and fail with `reason` (a literal: only the pointer is kept). From any thread or
+  /// signal handler.
+  void request_stop(const char* reason) noexcept;
+
+  /// RuntimeOptions::on_state is soon given what this rank does: its load, the messages on their way, what
+  /// each object here does or waits for, and for whom. Between runs it waits for the next one. From any
+  /// thread or signal handler.
+  void request_state() noexcept;
+
+  /// Visits the objects of type T that are here now, in the order of their ids; not during run().
+  template <class T>
+  void visit(const std::function<void(MobilePtr<T>, T&)>& function) {
+    visit(registry_.type<T>(), [&](ObjectId id, void* object) { function({id}, *static_cast<T*>(object)); });
+  }
+
+  /// What this rank did in all runs so far.
+  RankSummary summary() const;
+  RankTimeline timeline() const;
+
+  /// The summaries and timelines of all ranks, at rank 0, sent point-to-point; elsewhere empty. All ranks
+  /// must call it.
+  std::vector<RankSummary> gather_summaries();
+  std::vector<RankTimeline> gather_timelines();
+
+ private:
+  class Implementation;
+  void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& function);
+
+  const Registry& registry_;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace weft::engine

@@ -1,0 +1,189 @@
+// The mobile objects of one rank, the messages that wait for them, and the workers that handle these.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/network/exchange.h"
+#include "engine/objects/cell.h"
+#include "engine/objects/directory.h"
+#include "engine/objects/registry.h"
+#include "engine/schedule/cost_model.h"
+#include "engine/schedule/termination.h"
+#include "engine/trace/trace.h"
+
+namespace weft::engine {
+
+class Arena;
+
+/// An object that waits to be handled and may be given away.
+struct ReadyObject {
+  ObjectId id;
+  double seconds = 0;  ///< predicted, of all its messages
+};
+
+/// What a rank has to do.
+struct Load {
+  int workers = 0;
+  int busy = 0;               ///< workers that run a handler
+  std::size_t ready = 0;      ///< objects that wait for a worker
+  double queued_seconds = 0;  ///< predicted, of all messages that wait
+  std::uint64_t handled = 0;  ///< messages so far
+};
+
+/// All state is under one lock: an operation takes well under a microsecond, a handler milliseconds and more.
+/// Handlers, packing and sending happen outside it.
+class Scheduler {
+ public:
+  struct Options {
+    Rank rank;
+    int ranks = 1;
+    int threads = 1;
+    const void* local = nullptr;   ///< Context::local()
+    bool report_finished = false;  ///< keep the objects whose handlers ran for take_finished()
+    std::function<std::string(ObjectId)> name_of = {};  ///< RuntimeOptions::name_of
+  };
+
+  /// `wake` rouses the communication thread.
+  Scheduler(Options options, const Registry& registry, Exchange& exchange, Trace& trace,
+            std::function<void()> wake);
+  ~Scheduler();
+
+  // --- For handlers, on any thread; see context.h.
+  Rank rank() const { return options_.rank; }
+  int ranks() const { return options_.ranks; }
+  const Registry& registry() const { return registry_; }
+  const void* local() const { return options_.local; }
+  bool stopping() const { return stopping_.load(std::memory_order_relaxed); }
+  ObjectId add_object(const TypeInfo& type, void* object);
+  void send(Cell& from, Request request, ObjectId target, std::uint32_t method, std::uint64_t round,
+            double expected, Payload payload);
+  void declare_event(Cell& self, std::uint32_t method, std::uint64_t round,
+                     std::vector<ObjectId> dependencies, double expected);
+
+  // --- For the communication thread.
+  /// Lets workers work, first at `root` if there is one.
+  void start(std::function<void(Context&)> root);
+
+  void receive_task(Rank from, Payload payload, std::size_t wire_bytes);
+  void receive_object(Rank from, Payload payload, std::size_t wire_bytes);
+  void receive_location(Payload payload);
+
+  /// Packs and sends the objects that are to move and rest; true when there were any.
+  bool send_leavers();
+
+  /// Asks an object to move as soon as no worker has it. Nothing happens when it is not here, or cannot move.
+  void move(ObjectId id, Rank to);
+
+  Load load() const;
+  std::vector<ReadyObject> ready_objects() const;
+  std::vector<ObjectId> take_finished();
+  /// The communication thread is woken whenever objects wait for a worker.
+  void wake_when_ready(bool on);
+
+  /// This rank's counts if it is passive: no worker works, nothing waits for one.
+  std::optional<WaveCount> passive_count() const;
+
+  /// No handler starts any more.
+  void stop();
+  bool stopped() const;
+
+  /// Why a handler here failed, if one did.
+  std::optional<std::string> failure() const;
+
+  /// Who waits here for what, one a line; empty when nobody does.
+  std::vector<std::string> waits() const;
+
+  /// The rank's load, its objects and what each does or waits for, one a line; also while handlers run.
+  std::vector<std::string> state() const;
+
+  // --- Between runs.
+  /// Calls `visit` with each object of a type that is here, in the order of their ids.
+  void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& visit);
+
+  std::uint64_t moved_in() const { return moved_in_; }
+  std::uint64_t moved_out() const { return moved_out_; }
+  std::uint64_t handled() const { return handled_; }
+
+ private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  Cell* find(ObjectId id) const;
+  void install(std::unique_ptr<Cell> cell);
+  void accept(Cell& cell, Task task);
+  void accept_in_order(Cell& cell, Task task);
+  void note_waits(Cell& cell);
+  void fire(Cell& cell, FiredEvent event);
+  void push(Cell& cell, Task task);
+  void route(Task task);
+  void forward(Task task, const Location& location);
+  void consume(Task& task);
+  void make_ready(Cell& cell);
+
+  void work(Lane& lane);
+  void drain(Lane& lane);
+  template <class Step>
+  bool guard(const Cell& cell, const Task& task, const Step& step);
+  bool unpack_object(Cell& cell, const Task& task);
+  void handle(Cell& cell, Task& task);
+  void leave(Cell& cell, std::uint64_t to);
+  std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
+  std::unique_ptr<Cell> bury(Cell& cell);
+  std::unique_ptr<Cell> take_out(ObjectId id);
+  void send_object(std::unique_ptr<Cell> cell);
+  void tell_location(Rank to, ObjectId id, Location location);
+  void fail(const std::string& what);
+  std::string describe(const Cell& cell, const Task& task) const;
+  void describe_waits(const Cell& cell, std::vector<std::string>& lines) const;
+  std::string where(ObjectId id) const;
+  std::string name_and_place(ObjectId id) const;
+  std::string load_line() const;
+  std::string state_of(const Cell& cell) const;
+
+  const Options options_;
+  const Registry& registry_;
+  Exchange& exchange_;
+  Trace& trace_;
+  const std::function<void()> wake_;
+  std::unique_ptr<Arena> arena_;
+
+  mutable std::mutex mutex_;
+  std::unordered_map<ObjectId, std::unique_ptr<Cell>> cells_;
+  Cell root_;
+  std::function<void(Context&)> root_function_;
+  std::deque<Cell*> ready_;
+  Directory directory_;
+  CostModel costs_;
+  std::unordered_map<ObjectId, std::vector<Task>> parked_;  ///< came before their object
+  std::vector<ObjectId> leavers_;
+  std::vector<ObjectId> finished_;
+  std::uint32_t created_ = 0;
+  std::uint64_t messages_ = 0;
+  std::uint64_t sent_ = 0;
+  std::uint64_t received_ = 0;
+  std::uint64_t moved_in_ = 0;
+  std::uint64_t moved_out_ = 0;
+  std::uint64_t handled_ = 0;
+  std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages
+  std::condition_variable work_there_;
+  int asleep_ = 0;  ///< workers that wait for work
+  int busy_ = 0;    ///< workers in a handler
+  bool quit_ = false;
+  double queued_seconds_ = 0;
+  bool wake_when_ready_ = false;
+  std::atomic<bool> stopping_{false};
+  std::optional<std::string> failure_;
+  std::vector<std::thread> workers_;  ///< last: they use all of the above
+};
+
+}  // namespace weft::engine

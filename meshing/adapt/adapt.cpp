@@ -1,0 +1,92 @@
+// The shared-memory kernel on one mesh in memory: checks, background, adaptation, and back to plain arrays.
+#include "meshing/adapt/adapt.h"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "meshing/adapt/stages.h"
+#include "meshing/base/box.h"
+#include "meshing/base/error.h"
+#include "meshing/kernel/import_mesh.h"
+#include "meshing/metric/measures.h"
+#include "meshing/operators/surface_fit.h"
+
+namespace weft::meshing {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double bounding_box_diagonal(const MeshData& m) {
+  Box box;
+  for (const Point& p : m.points) box.include(p);
+  return norm(box.size());
+}
+
+double largest_surface_deviation(const Kernel& k) {
+  double largest = 0;
+  for (std::uint32_t i = 0; i < k.mesh.tet_slots(); ++i)
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = k.mesh.patch(TetId(i), f);
+      if (patch.valid() && !k.surface.patches()[patch.value].planar)
+        largest = std::max(largest, surface_deviation(k, patch, TetId(i), f));
+    }
+  return largest;
+}
+
+/// Address space for many times the predicted size: holes and a mesh that must first grow cost slots.
+std::size_t capacity(double predicted, std::size_t input) {
+  constexpr double kMost = (1u << 30) - 1;
+  return static_cast<std::size_t>(std::min(kMost, 10 * predicted + 4 * static_cast<double>(input) + 1e6));
+}
+
+void check_background(const BackgroundData& background) {
+  if (!background.mesh || !background.log_metrics) throw InputError("", "metric", "none is given");
+  check_arrays(*background.mesh);
+  if (background.mesh->tets.empty()) throw InputError("", "Tetrahedra", "the mesh has none");
+  if (background.log_metrics->size() != background.mesh->points.size())
+    throw InputError("", "metric", "has another number of vertices than its mesh");
+  for (std::size_t i = 0; i < background.log_metrics->size(); ++i) {
+    const LogMetric& l = (*background.log_metrics)[i];
+    if (!std::isfinite(l.xx + l.xy + l.yy + l.xz + l.yz + l.zz))
+      throw InputError("", "metric of vertex " + std::to_string(i + 1), "is not finite");
+  }
+}
+
+}  // namespace
+
+AdaptResult adapt(const MeshData& input, const BackgroundData& given, const AdaptOptions& options) {
+  const auto start = Clock::now();
+  check_background(given);
+  const int threads = std::max(1, options.threads);
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  tbb::task_arena arena(threads);
+  return arena.execute([&] {
+    AdaptResult result;
+    const double expected = complexity(*given.mesh, *given.log_metrics);
+    ImportedMesh imported =
+        import_mesh(input, options.ridge_angle_degrees, capacity(2 * expected, input.points.size()),
+                    capacity(12 * expected, input.tets.size()));
+    result.report.warnings = std::move(imported.warnings);
+    {
+      const bool same = given.mesh == &input;
+      const Background background(*given.mesh, *given.log_metrics,
+                                  same ? std::move(imported.adjacency)
+                                       : build_adjacency(given.mesh->tets, given.mesh->points.size()));
+      read_metric(*imported.mesh, background, same);
+      Kernel kernel{*imported.mesh, background, *imported.surface, {}};
+      kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.001 * bounding_box_diagonal(input);
+      adapt_in_place(kernel, options, Extent::everything, result.report);
+      result.report.surface_deviation = largest_surface_deviation(kernel);
+    }
+    export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result.mesh, result.log_metrics);
+    result.report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return result;
+  });
+}
+
+}  // namespace weft::meshing

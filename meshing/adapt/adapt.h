@@ -1,0 +1,69 @@
+// Adapts one mesh to a metric on one node: the driver of the shared-memory kernel.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "meshing/geometry/surface.h"
+#include "meshing/kernel/verdict.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_field.h"
+
+namespace weft::meshing {
+
+/// What the user may set. The defaults are right for nearly everyone.
+struct AdaptOptions {
+  int threads = 1;
+  double ridge_angle_degrees = 45;
+  double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
+                     ///< 0: 0.1 % of the bounding box diagonal
+  bool tets_at_frozen_stay = false;  ///< as in the paper; else only frozen vertices themselves stay
+  bool coarsen = true;           ///< a mesh that is far from its metric is made coarse before it is made fine
+  bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
+  /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
+  const std::atomic<bool>* interrupt = nullptr;
+  /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.
+  std::function<void(const std::string& stage, double done, std::uint64_t tets)> progress;
+};
+
+/// One step of the run, for the summary.
+struct StageReport {
+  std::string name;
+  double seconds = 0;
+  std::uint64_t vertices = 0, tets = 0;  ///< after it
+  OperationCounts counts;                ///< of this stage alone
+};
+
+struct AdaptReport {
+  std::vector<StageReport> stages;
+  OperationCounts counts;  ///< of all stages
+  bool interrupted = false;
+  double surface_deviation =
+      0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
+  double seconds = 0;
+  std::vector<std::string> warnings;  ///< e.g. boundary triangles that were missing and have been created
+};
+
+/// A background: where the metric is read. Usually the input mesh itself.
+struct BackgroundData {
+  const MeshData* mesh = nullptr;
+  const LogMetricField* log_metrics = nullptr;
+};
+
+struct AdaptResult {
+  MeshData mesh;
+  LogMetricField log_metrics;  ///< the background's metric at the result's vertices
+  AdaptReport report;
+};
+
+/// Adapts `input` to the metric of `background`. Throws InputError (with an empty file name) for a mesh that
+/// does not conform. One thread: the same input gives the same bytes. More threads: every result is valid,
+/// none need be equal.
+AdaptResult adapt(const MeshData& input, const BackgroundData& background, const AdaptOptions& options);
+
+}  // namespace weft::meshing

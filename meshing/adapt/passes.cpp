@@ -1,0 +1,269 @@
+// What each pass does with one tet or vertex.
+#include "meshing/adapt/passes.h"
+
+#include <algorithm>
+
+#include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/smooth_vertex.h"
+#include "meshing/operators/split_edge.h"
+#include "meshing/operators/surface_fit.h"
+#include "meshing/operators/swap.h"
+
+namespace weft::meshing {
+namespace {
+
+/// Counts a verdict and lets go of everything the operator claimed.
+Verdict done(Worker& w, Operator op, Verdict v) {
+  w.counts.add(op, v);
+  w.claims.release();
+  return v;
+}
+
+struct EdgeLength {
+  int edge;
+  double length;
+};
+
+/// The six edges of a claimed tet by length, ascending.
+std::array<EdgeLength, 6> edges_by_length(const TetMesh& mesh, const TetVertices& v) {
+  std::array<EdgeLength, 6> e;
+  for (int i = 0; i < 6; ++i) e[i] = {i, length_between(mesh, v[kTetEdges[i][0]], v[kTetEdges[i][1]])};
+  std::sort(e.begin(), e.end(), [](const EdgeLength& a, const EdgeLength& b) { return a.length < b.length; });
+  return e;
+}
+
+/// A tet that the input has lying upon a curved surface is raised by a vertex on one of its inner edges.
+Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
+  for (const auto& e : kTetEdges) {
+    if (length_between(w.mesh, v[e[0]], v[e[1]]) <= w.kernel.limits.finest_long_edge) continue;
+    if (const Verdict r = gather_shell(w.mesh, w.claims, t, v[e[0]], v[e[1]], w.shell);
+        r != Verdict::accepted)
+      return r;
+    if (classify(w.mesh, w.shell).kind != VertexKind::interior) continue;
+    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], {w.kernel.limits.finest_split_shortest});
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+    w.counts.add(Operator::split, r);
+  }
+  return Verdict::not_needed;
+}
+
+/// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are
+/// still thick, and before anything is created between them and the surface.
+Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
+  const Limits& limits = w.kernel.limits;
+  for (int f = 0; f < 4; ++f) {
+    const PatchId patch = w.mesh.patch(t, f);
+    if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
+    for (int i = 0; i < 3; ++i) {
+      const VertexId a = v[kTetFaces[f][i]], b = v[kTetFaces[f][(i + 1) % 3]];
+      if (!curves_too_much(w.kernel, a, b, patch)) continue;
+      const Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
+      if (r == Verdict::accepted || r == Verdict::conflict) return r;
+      w.counts.add(Operator::split, r);
+    }
+  }
+  return w.mesh.lies_on_curved(v) ? split_lying(w, t, v) : Verdict::not_needed;
+}
+
+bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
+  return std::count_if(v.begin(), v.end(), [&](VertexId x) { return mesh.kind(x) != VertexKind::interior; }) >
+         1;
+}
+
+/// Tries the edges beyond the level's limit, longest first.
+Verdict split_beyond_limit(Worker& w, TetId t, const TetVertices& v, const std::array<EdgeLength, 6>& edges) {
+  const Limits& limits = w.kernel.limits;
+  Verdict r = Verdict::not_needed;
+  for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
+    const auto& e = kTetEdges[edges[i].edge];
+    // Vertices that crowd round an edge far too long would protect it for ever: the new one may merge with
+    // them later.
+    const double shortest = (edges[i].length > 2 * limits.long_edge ? 0.1 : 1) * limits.split_shortest;
+    r = split_edge(w, t, v[e[0]], v[e[1]], {shortest});
+    if (r == Verdict::accepted || r == Verdict::conflict) break;
+    w.counts.add(Operator::split, r);
+  }
+  return r;
+}
+
+Verdict split_longest(Worker& w, TetId t) {
+  const Limits& limits = w.kernel.limits;
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const bool boundary = on_boundary(w.mesh, v);
+  if (boundary)
+    if (const Verdict r = split_curved(w, t, v); r != Verdict::not_needed) return done(w, Operator::split, r);
+  const auto edges = edges_by_length(w.mesh, v);
+  const Verdict r = split_beyond_limit(w, t, v, edges);
+  const bool finest = limits.long_edge <= limits.finest_long_edge;
+  if (r != Verdict::accepted && !finest && (edges[5].length > limits.finest_long_edge || boundary))
+    w.mesh.mark(t, kLongLater);
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
+    return done(w, Operator::split, r);
+  w.claims.release();
+  return r;
+}
+
+/// Those neighbours of the gathered ball's centre that are nearer than `nearest`, by length, ascending.
+void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found) {
+  found.clear();
+  w.vertices_seen.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i) {
+      const VertexId u = w.mesh.vertex(t, i);
+      if (i == local || !w.vertices_seen.insert(u.value)) continue;
+      const double length = length_between(w.mesh, w.ball.centre, u);
+      if (length < nearest) found.push_back({u, length});
+    }
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.length != b.length ? a.length < b.length : a.vertex < b.vertex;
+  });
+}
+
+/// kHasShort says whether the last look found a short edge.
+void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
+  if (has_short)
+    mesh.mark(v, kHasShort);
+  else
+    mesh.take_marks(v, kHasShort);
+}
+
+/// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
+Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
+  if (w.mesh.frozen(v)) return done(w, Operator::collapse, Verdict::frozen);
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
+    return done(w, Operator::collapse, r);
+  if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
+  std::vector<Neighbour>& found = w.neighbours;
+  neighbours_within(w, nearest, found);
+  if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
+  Verdict r = Verdict::not_needed;
+  for (const Neighbour& n : found) {
+    r = collapse_edge(w, n.vertex, goal);
+    if (r == Verdict::accepted || r == Verdict::conflict) break;
+    w.counts.add(Operator::collapse, r);
+  }
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
+    return done(w, Operator::collapse, r);
+  w.claims.release();
+  return r;
+}
+
+/// Swaps one edge or face of the tet, the first that helps.
+Verdict swap_any(Worker& w, TetId t) {
+  Verdict r = w.claims.claim_tet(t);
+  if (r != Verdict::accepted) return done(w, Operator::swap_edge, r);
+  const TetVertices v = w.mesh.vertices(t);
+  for (const auto& e : kTetEdges) {
+    r = swap_edge(w, t, v[e[0]], v[e[1]]);
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::swap_edge, r);
+    w.counts.add(Operator::swap_edge, r);
+  }
+  for (int f = 0; f < 4; ++f) {
+    r = swap_face(w, t, f);
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::swap_face, r);
+    w.counts.add(Operator::swap_face, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
+bool has_frozen(const TetMesh& mesh, TetId t) {
+  const TetVertices v = mesh.vertices(t);
+  return std::any_of(v.begin(), v.end(), [&](VertexId x) { return mesh.frozen(x); });
+}
+
+Verdict collapse_any(Worker& w, TetId t) {
+  if (!w.mesh.alive(t)) return Verdict::not_needed;
+  for (const VertexId v : w.mesh.vertices(t)) {
+    const Verdict r = collapse_vertex(w, v, w.kernel.limits.long_edge, CollapseGoal::quality);
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+  }
+  return Verdict::worsens_quality;
+}
+
+Verdict relocate_any(Worker& w, TetId t) {
+  if (!w.mesh.alive(t)) return Verdict::not_needed;
+  Verdict r = Verdict::not_needed;
+  for (const VertexId v : w.mesh.vertices(t)) {
+    r = done(w, Operator::relocate, relocate_vertex(w, v));
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+  }
+  return Verdict::worsens_quality;
+}
+
+/// Splits an edge that is too long and that vertices crowd round: they kept it from being split for its
+/// length, and collapse into the new one afterwards.
+Verdict split_any(Worker& w, TetId t) {
+  constexpr double kShortest = 0.25;
+  const Limits& limits = w.kernel.limits;
+  if (const Verdict r = w.claims.claim_tet(t); r != Verdict::accepted) return done(w, Operator::split, r);
+  const TetVertices v = w.mesh.vertices(t);
+  const auto edges = edges_by_length(w.mesh, v);
+  for (int i = 5; i >= 0 && edges[i].length > limits.long_edge; --i) {
+    const auto& e = kTetEdges[edges[i].edge];
+    const Verdict r = split_edge(w, t, v[e[0]], v[e[1]], {.shortest = kShortest, .must_improve = true});
+    if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::split, r);
+    w.counts.add(Operator::split, r);
+  }
+  w.claims.release();
+  return Verdict::worsens_quality;
+}
+
+Verdict improve(Worker& w, TetId t, double quality) {
+  if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+  for (const auto& operation : {swap_any, relocate_any, collapse_any, split_any})
+    if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
+  return Verdict::worsens_quality;
+}
+
+}  // namespace
+
+std::uint64_t resolve_curved_pass(Crew& crew) {
+  return crew.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
+    Verdict r = w.claims.claim_tet(t);
+    if (r == Verdict::accepted) {
+      w.mesh.mark(t, kCheckLong);
+      const TetVertices v = w.mesh.vertices(t);
+      r = on_boundary(w.mesh, v) ? split_curved(w, t, v) : Verdict::not_needed;
+    }
+    return done(w, Operator::split, r);
+  });
+}
+
+std::uint64_t split_pass(Crew& crew) { return crew.sweep_tets(kCheckLong, split_longest); }
+
+std::uint64_t collapse_pass(Crew& crew) {
+  return crew.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
+    return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
+  });
+}
+
+std::uint64_t swap_pass(Crew& crew, double quality, double quality_at_frozen) {
+  return crew.sweep_tets(kCheckSwap, [quality, quality_at_frozen](Worker& w, TetId t) {
+    if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+    if (w.mesh.quality(t) >= quality_at_frozen && has_frozen(w.mesh, t)) return Verdict::not_needed;
+    return swap_any(w, t);
+  });
+}
+
+std::uint64_t smooth_pass(Crew& crew) {
+  return crew.sweep_vertices(
+      kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+}
+
+std::uint64_t smooth_poor(Crew& crew, double quality) {
+  return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
+    if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
+    Verdict any = Verdict::not_needed;
+    for (const VertexId v : w.mesh.vertices(t))
+      if (done(w, Operator::smooth, smooth_vertex(w, v)) == Verdict::accepted) any = Verdict::accepted;
+    return any;
+  });
+}
+
+std::uint64_t improve_pass(Crew& crew, double quality) {
+  return crew.sweep_tets(kCheckPoor, [quality](Worker& w, TetId t) { return improve(w, t, quality); });
+}
+
+}  // namespace weft::meshing

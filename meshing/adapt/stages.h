@@ -1,0 +1,35 @@
+// Adapts a mesh that is in the kernel already: what adapt() does with a whole mesh and what is done with a
+// subdomain, whose interface is frozen, again and again.
+#pragma once
+
+#include <functional>
+
+#include "meshing/adapt/adapt.h"
+#include "meshing/kernel/kernel.h"
+
+namespace weft::meshing {
+
+/// A mesh with this mean quality has nothing worth keeping, and is made coarse first. Meshes that were
+/// adapted to a metric like the wanted one have 0.8 and more (0.85 gains some quality, and loses a sixth of
+/// the time).
+inline constexpr double kFarMean = 0.75;
+/// What a mesh that conforms has for each unit of volume in the metric, about.
+inline constexpr double kTetsOfUnitVolume = 10;
+
+/// What of the mesh is looked at.
+enum class Extent : std::uint8_t {
+  everything,
+  fresh,  ///< tets with the mark kFresh, and whatever changes around them
+};
+
+/// Called before points are created at a level, with the length beyond which edges are long there; the last
+/// call has limits.long_edge, and comes even when the adaptation is interrupted. What it splits is taken up.
+using BeforeLevel = std::function<void(double long_edge)>;
+
+/// Runs the stages collapse, create points, reconnect and smooth, improve, and adds them to `report`. Frozen
+/// vertices stay. Vertices must have their metrics; ids change (holes are closed) unless the extent is
+/// `fresh` and few entities are dead.
+void adapt_in_place(Kernel& kernel, const AdaptOptions& options, Extent extent, AdaptReport& report,
+                    const BeforeLevel& before_level = {});
+
+}  // namespace weft::meshing

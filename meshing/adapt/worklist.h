@@ -1,0 +1,99 @@
+// Sweeps: the work lists of the kernel. A sweep visits what is marked, clears the mark and runs an operation
+// on it; what another thread holds is marked again. Finished regions cost a byte a tet.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "meshing/kernel/kernel.h"
+
+namespace weft::meshing {
+
+/// The threads of one adaptation, with a Worker each.
+class Crew {
+ public:
+  Crew(Kernel& kernel, int threads, const std::atomic<bool>* interrupt);
+
+  /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were
+  /// accepted.
+  template <class Operation>
+  std::uint64_t sweep_tets(TetMark mark, Operation operation) {
+    TetMesh& mesh = kernel_.mesh;
+    return sweep(mesh.tet_slots(), [&, mark](Worker& w, std::uint32_t i) {
+      const TetId t(i);
+      if (!mesh.take_marks(t, mark)) return false;
+      const Verdict r = operation(w, t);
+      if (r == Verdict::conflict && mesh.alive(t)) mesh.mark(t, mark);
+      return r == Verdict::accepted;
+    });
+  }
+
+  /// The same for every vertex that has mark `mark`.
+  template <class Operation>
+  std::uint64_t sweep_vertices(VertexMark mark, Operation operation) {
+    TetMesh& mesh = kernel_.mesh;
+    return sweep(mesh.vertex_slots(), [&, mark](Worker& w, std::uint32_t i) {
+      const VertexId v(i);
+      if (!mesh.take_marks(v, mark)) return false;
+      const Verdict r = operation(w, v);
+      if (r == Verdict::conflict && mesh.alive(v)) mesh.mark(v, mark);
+      return r == Verdict::accepted;
+    });
+  }
+
+  /// Runs a plain function with the crew's threads at hand.
+  template <class F>
+  auto run(F f) {
+    return arena_.execute(f);
+  }
+
+  /// Live entities now, not while a sweep runs.
+  std::uint64_t live_tets() const;
+  std::uint64_t live_vertices() const;
+  /// Counts of all workers since the last call.
+  OperationCounts take_counts();
+  /// Free slots are forgotten: renumbering has closed the holes.
+  void forget_free_slots();
+  bool interrupted() const { return interrupt_ && interrupt_->load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::uint32_t kGrain = 2048;
+
+  template <class Visit>
+  std::uint64_t sweep(std::uint32_t slots, Visit visit) {
+    std::atomic<std::uint64_t> accepted{0};
+    const auto body = [&](Worker& w, std::uint32_t begin, std::uint32_t end) {
+      std::uint64_t mine = 0;
+      for (std::uint32_t i = begin; i < end; ++i) {
+        if (!visit(w, i)) continue;
+        ++mine;
+      }
+      accepted += mine;
+    };
+    if (workers_.size() == 1) {
+      for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
+        body(*workers_[0], i, std::min(slots, i + kGrain));
+      return accepted;
+    }
+    arena_.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
+                        [&](const tbb::blocked_range<std::uint32_t>& r) {
+                          if (!interrupted())
+                            body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(), r.end());
+                        });
+    });
+    return accepted;
+  }
+
+  Kernel& kernel_;
+  tbb::task_arena arena_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  const std::atomic<bool>* interrupt_;
+};
+
+}  // namespace weft::meshing

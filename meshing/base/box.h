@@ -1,0 +1,33 @@
+// Axis-aligned bounding boxes.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "meshing/base/point.h"
+
+namespace weft::meshing {
+
+struct Box {
+  Point lo{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+           std::numeric_limits<double>::infinity()};
+  Point hi{-lo.x, -lo.y, -lo.z};
+
+  void include(const Point& p) {
+    for (int i = 0; i < 3; ++i) {
+      lo[i] = std::min(lo[i], p[i]);
+      hi[i] = std::max(hi[i], p[i]);
+    }
+  }
+  double distance2(const Point& p) const {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double d = std::max({lo[i] - p[i], 0.0, p[i] - hi[i]});
+      sum += d * d;
+    }
+    return sum;
+  }
+  Vec size() const { return hi - lo; }
+};
+
+}  // namespace weft::meshing

@@ -1,0 +1,282 @@
+// Integrals over the overlap of two meshes tet by tet, the projection, and the bounded correction.
+#include "meshing/fields/overlap_projection.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "meshing/base/error.h"
+#include "meshing/base/parallel.h"
+#include "meshing/fields/tet_overlap.h"
+#include "meshing/mesh/mass_matrix.h"
+
+namespace weft::meshing {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::array<Point, 4> corners_of(const MeshData& mesh, std::size_t t) {
+  const auto& [a, b, c, d] = mesh.tets[t];
+  return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
+}
+
+double volume_of(const std::array<Point, 4>& x) { return six_volume(x[0], x[1], x[2], x[3]) / 6; }
+
+/// What a new tet receives from the old mesh: for every column the integrals of the old field times its four
+/// hat functions, and the range that the old field has in it.
+struct Receipt {
+  std::vector<double> loads;  ///< of hat i and column c at i * columns + c
+  std::vector<double> lo, hi;
+};
+
+/// Finds the tets of the old mesh that a new one overlaps, by their neighbours. One thread's scratch.
+class Receiver {
+ public:
+  Receiver(const Background& from, const ValueTable& old)
+      : from_(from), old_(old), seen_(from.mesh().tets.size(), 0) {}
+
+  void receive(const MeshData& to, std::size_t t, std::span<const std::uint32_t> places,
+               const ValueTable& interpolated, Receipt& receipt) {
+    corners_ = corners_of(to, t);
+    const double volume = volume_of(corners_);
+    receipt.loads.assign(4 * old_.columns, 0);
+    receipt.lo.assign(old_.columns, kInfinity);
+    receipt.hi.assign(old_.columns, -kInfinity);
+    ++round_;
+    const auto& tet = to.tets[t];
+    const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
+    double covered = collect(from_.locate(centre, places[tet[0]]).tet, receipt);
+    // A new tet can reach several parts of an old mesh that is not convex.
+    for (std::size_t i = 0; i < 4 && covered < (1 - kCovered) * volume; ++i)
+      covered += collect(places[tet[i]], receipt);
+    complete(tet, std::max(0.0, volume - covered), interpolated, receipt);
+  }
+
+ private:
+  static constexpr double kCovered = 1e-12;
+
+  /// Adds what the old tets reached from `seed` give; returns the volume of their overlap.
+  double collect(std::uint32_t seed, Receipt& receipt) {
+    double covered = 0;
+    visit(seed);
+    while (!pending_.empty()) {
+      const std::uint32_t old_tet = pending_.back();
+      pending_.pop_back();
+      pieces_.clear();
+      overlap(corners_, corners_of(from_.mesh(), old_tet), pieces_);
+      double common = 0;
+      for (const OverlapPiece& piece : pieces_) {
+        common += piece.volume;
+        add(piece, from_.mesh().tets[old_tet], receipt);
+      }
+      if (!(common > 0)) continue;
+      covered += common;
+      for (const std::uint32_t code : from_.adjacency().neighbours[old_tet])
+        if (code != kNoNeighbour) visit(code >> 2);
+    }
+    return covered;
+  }
+
+  void visit(std::uint32_t old_tet) {
+    if (std::exchange(seen_[old_tet], round_) != round_) pending_.push_back(old_tet);
+  }
+
+  /// Integrals over the piece: of products of linear functions, V/20 times (sum of the products at the
+  /// corners plus product of the sums).
+  void add(const OverlapPiece& piece, const std::array<std::uint32_t, 4>& old_tet, Receipt& receipt) const {
+    std::array<double, 4> hats{};
+    for (const auto& corner : piece.corners)
+      for (std::size_t i = 0; i < 4; ++i) hats[i] += corner.in_first[i];
+    for (std::size_t c = 0; c < old_.columns; ++c) {
+      std::array<double, 4> u{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t j = 0; j < 4; ++j)
+          u[k] += piece.corners[k].in_second[j] * old_.values[old_tet[j] * old_.columns + c];
+        receipt.lo[c] = std::min(receipt.lo[c], u[k]);
+        receipt.hi[c] = std::max(receipt.hi[c], u[k]);
+      }
+      const double sum = u[0] + u[1] + u[2] + u[3];
+      for (std::size_t i = 0; i < 4; ++i) {
+        double product = hats[i] * sum;
+        for (std::size_t k = 0; k < 4; ++k) product += piece.corners[k].in_first[i] * u[k];
+        receipt.loads[i * old_.columns + c] += piece.volume / 20 * product;
+      }
+    }
+  }
+
+  /// The part outside the old mesh (beside a curved boundary) takes the values interpolated at the corners.
+  void complete(const std::array<std::uint32_t, 4>& tet, double uncovered, const ValueTable& interpolated,
+                Receipt& receipt) const {
+    for (std::size_t c = 0; c < old_.columns; ++c) {
+      std::array<double, 4> u;
+      for (std::size_t i = 0; i < 4; ++i) {
+        u[i] = interpolated.values[tet[i] * old_.columns + c];
+        receipt.lo[c] = std::min(receipt.lo[c], u[i]);
+        receipt.hi[c] = std::max(receipt.hi[c], u[i]);
+      }
+      const double sum = u[0] + u[1] + u[2] + u[3];
+      for (std::size_t i = 0; i < 4; ++i)
+        receipt.loads[i * old_.columns + c] += uncovered / 20 * (u[i] + sum);
+    }
+  }
+
+  const Background& from_;
+  const ValueTable& old_;
+  std::vector<std::uint32_t> seen_;  ///< the round in which a tet was last visited
+  std::uint32_t round_ = 0;
+  std::vector<std::uint32_t> pending_;
+  std::vector<OverlapPiece> pieces_;
+  std::array<Point, 4> corners_;
+};
+
+/// The right side of the projection and the bounds of its result.
+struct Demands {
+  std::vector<double> loads, lo, hi;  ///< as in a ValueTable
+};
+
+Demands demands_of(const Background& from, const ValueTable& old, const MeshData& to,
+                   std::span<const std::uint32_t> places, const ValueTable& interpolated) {
+  // Tets in batches that are worked out in parallel and added up in order: sums do not depend on the threads.
+  constexpr std::size_t kBatch = 8192, kGrain = 64;
+  const std::size_t n = old.columns, size = to.points.size() * n;
+  Demands demands{std::vector<double>(size, 0), std::vector<double>(size, kInfinity),
+                  std::vector<double>(size, -kInfinity)};
+  tbb::enumerable_thread_specific<Receiver> receivers([&] { return Receiver(from, old); });
+  std::vector<Receipt> receipts(std::min(kBatch, to.tets.size()));
+  for (std::size_t begin = 0; begin < to.tets.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, to.tets.size() - begin);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+      Receiver& receiver = receivers.local();
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        receiver.receive(to, begin + i, places, interpolated, receipts[i]);
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t c = 0; c < n; ++c) {
+          const std::size_t at = to.tets[begin + i][k] * n + c;
+          demands.loads[at] += receipts[i].loads[k * n + c];
+          demands.lo[at] = std::min(demands.lo[at], receipts[i].lo[c]);
+          demands.hi[at] = std::max(demands.hi[at], receipts[i].hi[c]);
+        }
+  }
+  return demands;
+}
+
+/// Sum of value(i) over [0, n) in a fixed order of additions.
+template <class Value>
+double fixed_sum(std::size_t n, const Value& value) {
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, n, 1024), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double sum) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) sum += value(i);
+        return sum;
+      },
+      std::plus<>());
+}
+
+/// One column of the projection, brought within its bounds and to its integral by the least change in the sum
+/// of m (change)^2 / (hi - lo): Lagrange's condition is value = clamp(projected + x (hi - lo), lo, hi) with
+/// one x. (Bochev et al. 2011, optimization-based remap.) A field keeps its value where it is constant
+/// nearby.
+class BoundedColumn {
+ public:
+  BoundedColumn(std::size_t column, const Demands& demands, std::span<const double> masses, ValueTable& table)
+      : c_(column), demands_(demands), masses_(masses), table_(table) {}
+
+  /// Returns how far the values had to leave their bounds for the integral's sake.
+  double correct(double wanted) {
+    const double x = multiplier(wanted);
+    for_each_index(masses_.size(), [&](std::size_t v) { value(v) = limited(v, x); });
+    const double volume = fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v]; });
+    // Rounding is left over, or all that the bounds had no room for.
+    const double rest =
+        (wanted - fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v] * value(v); })) / volume;
+    for_each_index(masses_.size(), [&](std::size_t v) {
+      if (masses_[v] > 0) value(v) += rest;
+    });
+    return std::abs(rest);
+  }
+
+ private:
+  double& value(std::size_t v) const { return table_.values[v * table_.columns + c_]; }
+  double limited(std::size_t v, double x) const {
+    const double lo = demands_.lo[v * table_.columns + c_], hi = demands_.hi[v * table_.columns + c_];
+    return lo <= hi ? std::clamp(value(v) + x * (hi - lo), lo, hi) : value(v);
+  }
+  double integral(double x) const {
+    return fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v] * limited(v, x); });
+  }
+
+  /// The integral grows with x; at 1 and -1 from within the bounds every value is at one of them.
+  double multiplier(double wanted) const {
+    constexpr int kSteps = 60;
+    const double now = integral(0);
+    if (now == wanted) return 0;
+    double near = 0, far = now < wanted ? 1e-12 : -1e-12;
+    while (std::abs(far) < 1e3 && (integral(far) < wanted) == (now < wanted)) near = far, far *= 8;
+    for (int i = 0; i < kSteps; ++i) {
+      const double middle = 0.5 * (near + far);
+      if (middle == near || middle == far) break;
+      ((integral(middle) < wanted) == (now < wanted) ? near : far) = middle;
+    }
+    return far;
+  }
+
+  std::size_t c_;
+  const Demands& demands_;
+  std::span<const double> masses_;
+  ValueTable& table_;
+};
+
+void check(const MeshData& to) {
+  if (to.tets.empty()) throw InputError("", "", "the mesh that the fields are wanted on has no tetrahedra");
+  const std::size_t bad =
+      find_first(to.tets.size(), [&](std::size_t t) { return !(volume_of(corners_of(to, t)) > 0); });
+  if (bad < to.tets.size())
+    throw InputError("", "tet " + std::to_string(bad + 1),
+                     "of the mesh that the fields are wanted on has no volume or is inverted");
+}
+
+}  // namespace
+
+std::vector<double> integrals(const MeshData& mesh, const ValueTable& table) {
+  std::vector<double> sums(table.columns, 0), lost(table.columns, 0);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const double weight = volume_of(corners_of(mesh, t)) / 4;
+    for (const std::uint32_t v : mesh.tets[t])
+      for (std::size_t c = 0; c < table.columns; ++c) {
+        // Kahan's summation: millions of terms must not cost the digits that transfers promise.
+        const double term = weight * table.values[v * table.columns + c] - lost[c], sum = sums[c] + term;
+        lost[c] = (sum - sums[c]) - term;
+        sums[c] = sum;
+      }
+  }
+  return sums;
+}
+
+std::vector<double> project(const Background& from, const ValueTable& old, const MeshData& to,
+                            std::span<const std::uint32_t> places, std::span<const double> wanted,
+                            std::span<const TensorColumns> tensors, ValueTable& table) {
+  check(to);
+  const Demands demands = demands_of(from, old, to, places, table);
+  const MassMatrix mass(to);
+  mass.solve(demands.loads, table.columns, table.values);
+  std::vector<double> beyond(table.columns, 0);
+  std::vector<bool> of_tensor(table.columns,
+                              false);  // these are limited together; their eigenvalues only bound them
+  for (const TensorColumns& t : tensors) {
+    const auto change = limit_tensors(mass, t, demands.loads, demands.lo, demands.hi, wanted, table);
+    std::ranges::copy(change, beyond.begin() + static_cast<std::ptrdiff_t>(t.first));
+    for (std::size_t c = 0; c < 6; ++c) of_tensor[t.first + c] = true;
+    of_tensor[t.least] = of_tensor[t.largest] = true;
+  }
+  for (std::size_t c = 0; c < table.columns; ++c)
+    if (!of_tensor[c]) beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
+  return beyond;
+}
+
+}  // namespace weft::meshing

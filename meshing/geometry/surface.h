@@ -1,0 +1,97 @@
+// The reference geometry: the input's boundary triangulation, cut into patches and feature curves,
+// and read as a curved surface where it is not planar. Immutable; safe to read from many threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "meshing/base/ids.h"
+#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+/// Where on the boundary a vertex may go: nowhere (corner), along a curve, on a patch, anywhere.
+enum class VertexKind : std::uint8_t { interior = 0, surface = 1, ridge = 2, corner = 3 };
+
+/// A maximal edge-connected set of boundary triangles with one reference that no feature edge cuts off.
+struct Patch {
+  std::int32_t ref = 0;  ///< the input's triangle reference
+  bool planar = false;   ///< all its points in one plane, to 1e-6 of its diameter
+  Vec normal;            ///< unit normal of a planar patch; zero otherwise
+};
+
+/// A chain of feature edges between corners (or a closed loop).
+struct Curve {
+  std::int32_t ref = 0;   ///< reference of the input's edges, 0 where there were none
+  bool straight = false;  ///< all its points on one line, to 1e-6 of its length
+  bool required = false;  ///< its edges must stay as they are
+};
+
+class Surface {
+ public:
+  struct Options {
+    double ridge_angle_degrees = 45;  ///< dihedral deviation above which an edge is a ridge
+  };
+
+  /// A feature edge of the input mesh: its end vertices (indices into MeshData::points, first < second).
+  struct FeatureEdge {
+    std::array<std::uint32_t, 2> vertices;
+    CurveId curve;
+  };
+
+  /// A point put on the geometry, and the hint with which the next nearby query starts.
+  struct OnSurface {
+    Point x;
+    Vec normal;  ///< unit, oriented as the input triangles of the patch are
+    std::uint32_t hint = 0xFFFFFFFFu;
+  };
+  struct OnCurve {
+    Point x;
+    Vec tangent;  ///< unit
+    std::uint32_t hint = 0xFFFFFFFFu;
+  };
+
+  /// Builds the geometry from `mesh.triangles`, `edges`, `ridges`, `corners`, `required_*`, in O(n log n).
+  /// The triangles must be all of the mesh's boundary and material interfaces; their orientations may differ:
+  /// each patch takes that of most of its triangles. Throws InputError for an index out of range. Feature
+  /// edges are: listed edges (ridges and required ones among them) that are edges of a triangle, edges
+  /// between different references, of one or more than two triangles, of required triangles, and edges whose
+  /// two triangles' normals deviate by more than the ridge angle. Corners are: listed corners and required
+  /// points of the surface; ends of a number other than 2 of feature edges (a dangling ridge's too); points
+  /// where a chain of them turns by more than the ridge angle or changes reference, patches or being
+  /// required; points where the surface only touches itself; tips of cones.
+  Surface(const MeshData& mesh, const Options& options);
+  ~Surface();
+  Surface(Surface&&) noexcept;
+  Surface& operator=(Surface&&) noexcept;
+
+  std::span<const Patch> patches() const;
+  std::span<const Curve> curves() const;
+  std::span<const FeatureEdge> feature_edges() const;
+  PatchId triangle_patch(std::uint32_t triangle) const;
+  /// Kind of an input vertex (interior for one that no boundary triangle touches).
+  VertexKind vertex_kind(std::uint32_t vertex) const;
+  /// The hint of an input vertex: a triangle for `surface`, a feature edge for `ridge`, itself for `corner`.
+  std::uint32_t vertex_hint(std::uint32_t vertex) const;
+
+  /// Closest point of patch `patch` near `p`, found by walking from `hint` (of a vertex of kind `kind`, on or
+  /// at the border of the patch; invalid or not there: global search). Planar patch: the input's plane, i.e.
+  /// `p` itself where it lies there to rounding, not clamped to the patch's border. Curved: a point on cubic
+  /// triangles (PN triangles, Vlachos et al. 2001) through the input's, with the arcs of `project_to_curve`
+  /// as the patch's border. They meet without gaps but with slight kinks: a point off the surface may jump by
+  /// about the kink times its distance when it passes one. Allocates nothing; below 1 us from a near hint.
+  OnSurface project_to_patch(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
+  /// Closest point of the curve near `p`. Straight: the line, `p` itself where it lies there to rounding, not
+  /// clamped to the curve's ends. Else cubic Hermite arcs through the input's feature vertices.
+  OnCurve project_to_curve(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace weft::meshing

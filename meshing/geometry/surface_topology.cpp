@@ -1,0 +1,493 @@
+// Builds edges, features, patches, fans, corners and curves of a boundary triangulation; all by sorting.
+#include "meshing/geometry/surface_topology.h"
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+
+#include "meshing/base/error.h"
+
+namespace weft::meshing {
+namespace {
+
+constexpr std::uint8_t kFeature = 1, kRequired = 2;
+
+std::int32_t ref_at(const std::vector<std::int32_t>& refs, std::size_t i) {
+  return i < refs.size() ? refs[i] : 0;
+}
+
+std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
+  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+void check_index(std::uint64_t index, std::size_t size, const char* entity, std::size_t i) {
+  if (index >= size) {
+    throw InputError("", entity + (" " + std::to_string(i + 1)),
+                     "index " + std::to_string(index + 1) + " is out of range");
+  }
+}
+
+void check_indices(const MeshData& mesh) {
+  const std::size_t n = mesh.points.size();
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    for (std::uint32_t v : t) check_index(v, n, "triangle", i);
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      throw InputError("", "triangle " + std::to_string(i + 1), "has a vertex twice");
+    }
+  }
+  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+    for (std::uint32_t v : mesh.edges[i]) check_index(v, n, "edge", i);
+  }
+  const auto check_list = [](const std::vector<std::uint32_t>& list, std::size_t size, const char* name) {
+    for (std::size_t i = 0; i < list.size(); ++i) check_index(list[i], size, name, i);
+  };
+  check_list(mesh.corners, n, "corner");
+  check_list(mesh.required_points, n, "required vertex");
+  check_list(mesh.ridges, mesh.edges.size(), "ridge");
+  check_list(mesh.required_edges, mesh.edges.size(), "required edge");
+  check_list(mesh.required_triangles, mesh.triangles.size(), "required triangle");
+}
+
+/// Unit normal; zero where the area is lost in rounding.
+Vec triangle_normal(const Point& a, const Point& b, const Point& c) {
+  const Vec n = cross(b - a, c - a);
+  const double longest2 = std::max({norm2(b - a), norm2(c - b), norm2(a - c)});
+  const double length = norm(n);
+  return length > 1e-12 * longest2 ? (1 / length) * n : Vec{};
+}
+
+class Builder {
+ public:
+  Builder(const MeshData& mesh, double ridge_angle_degrees)
+      : mesh_(mesh),
+        ridge_angle_(ridge_angle_degrees * std::numbers::pi / 180),
+        cos_ridge_(std::cos(ridge_angle_) - 1e-9) {}  // an angle of just the limit is no ridge
+
+  SurfaceTopology build() {
+    collect_edges();
+    compute_normals();
+    mark_features();
+    form_patches();
+    turn_triangles();
+    list_features();
+    form_fans();
+    find_corners();
+    form_curves();
+    classify_vertices();
+    return std::move(s_);
+  }
+
+ private:
+  struct HalfEdge {
+    std::uint64_t key;
+    std::uint32_t triangle, local;
+  };
+
+  void collect_edges();
+  void compute_normals();
+  bool borrow_normal(std::uint32_t triangle);
+  void mark_features();
+  void mark_listed(std::size_t edge, std::uint8_t flags);
+  bool is_ridge(std::uint32_t edge) const;
+  void link_neighbors();
+  void form_patches();
+  void flood(std::uint32_t seed, PatchId patch);
+  bool same_direction(const HalfEdge& a, const HalfEdge& b) const { return forward(a) == forward(b); }
+  bool forward(const HalfEdge& h) const {
+    const auto& t = s_.triangles[h.triangle];
+    return t[(h.local + 1) % 3] < t[(h.local + 2) % 3];
+  }
+  void turn_triangles();
+  void list_features();
+  void form_fans();
+  void walk_fan(std::uint32_t triangle, int corner);
+  void compute_fan_normals();
+  void find_peaks();
+  void find_corners();
+  bool chain_breaks(std::uint32_t vertex, std::uint32_t a, std::uint32_t b) const;
+  bool same_patches(std::uint32_t a, std::uint32_t b) const;
+  std::span<const std::pair<std::uint32_t, std::uint32_t>> features_at(std::uint32_t vertex) const;
+  void form_curves();
+  void walk_chain(std::uint32_t feature, std::uint32_t from);
+  void classify_vertices();
+
+  std::uint32_t count_triangles(std::uint32_t edge) const {
+    return edge_begin_[edge + 1] - edge_begin_[edge];
+  }
+
+  const MeshData& mesh_;
+  double ridge_angle_, cos_ridge_;
+  SurfaceTopology s_;
+  std::vector<HalfEdge> halves_;           // sorted by edge
+  std::vector<std::uint32_t> edge_begin_;  // edge -> range of halves_
+  std::vector<std::uint8_t> edge_flags_;
+  std::vector<std::int32_t> edge_ref_;
+  std::vector<Vec> normals_;
+  std::vector<std::uint8_t> flipped_;
+  std::vector<std::uint32_t> queue_;
+  std::vector<std::uint32_t> fan_count_;  // vertex -> fans
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> vertex_features_;
+  std::vector<std::uint8_t> is_corner_;
+};
+
+void Builder::collect_edges() {
+  s_.triangles = mesh_.triangles;
+  const std::uint32_t n = static_cast<std::uint32_t>(s_.triangles.size());
+  halves_.reserve(3 * std::size_t{n});
+  for (std::uint32_t t = 0; t < n; ++t) {
+    const auto& v = s_.triangles[t];
+    for (std::uint32_t i = 0; i < 3; ++i) halves_.push_back({edge_key(v[(i + 1) % 3], v[(i + 2) % 3]), t, i});
+  }
+  std::sort(halves_.begin(), halves_.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return a.key != b.key ? a.key < b.key : a.triangle < b.triangle;
+  });
+  s_.triangle_edges.resize(n);
+  for (std::uint32_t h = 0; h < halves_.size(); ++h) {
+    if (h == 0 || halves_[h].key != halves_[h - 1].key) {
+      const std::uint64_t key = halves_[h].key;
+      s_.edges.push_back({static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)});
+      edge_begin_.push_back(h);
+    }
+    s_.triangle_edges[halves_[h].triangle][halves_[h].local] =
+        static_cast<std::uint32_t>(s_.edges.size() - 1);
+  }
+  edge_begin_.push_back(static_cast<std::uint32_t>(halves_.size()));
+}
+
+void Builder::compute_normals() {
+  std::vector<std::uint32_t> degenerate;
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    const auto& v = s_.triangles[t];
+    normals_.push_back(triangle_normal(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]]));
+    if (normals_.back() == Vec{}) degenerate.push_back(t);
+  }
+  // Each pass gets one triangle further into a cluster of degenerate ones.
+  for (int pass = 0; pass < 8 && !degenerate.empty(); ++pass) {
+    std::erase_if(degenerate, [this](std::uint32_t t) { return borrow_normal(t); });
+  }
+}
+
+// A triangle without area lies, as a set of points, on its longest edge: as a piece of the triangle behind
+// that edge it leaves a ridge on its two other edges, where the ridge belongs.
+bool Builder::borrow_normal(std::uint32_t triangle) {
+  const auto& v = s_.triangles[triangle];
+  int longest = 0;
+  std::array<double, 3> length2;
+  for (int i = 0; i < 3; ++i) {
+    length2[i] = norm2(mesh_.points[v[(i + 1) % 3]] - mesh_.points[v[(i + 2) % 3]]);
+    if (length2[i] > length2[longest]) longest = i;
+  }
+  const std::uint32_t edge = s_.triangle_edges[triangle][longest];
+  if (count_triangles(edge) != 2) return false;
+  const HalfEdge& a = halves_[edge_begin_[edge]];
+  const HalfEdge& b = halves_[edge_begin_[edge] + 1];
+  const Vec& n = normals_[a.triangle == triangle ? b.triangle : a.triangle];
+  if (n == Vec{}) return false;
+  normals_[triangle] = same_direction(a, b) ? -1.0 * n : n;
+  return true;
+}
+
+void Builder::mark_listed(std::size_t edge, std::uint8_t flags) {
+  const auto& e = mesh_.edges[edge];
+  const std::array<std::uint32_t, 2> sorted{std::min(e[0], e[1]), std::max(e[0], e[1])};
+  const auto found = std::lower_bound(s_.edges.begin(), s_.edges.end(), sorted);
+  if (found == s_.edges.end() || *found != sorted) return;  // an edge inside the volume
+  const auto i = static_cast<std::size_t>(found - s_.edges.begin());
+  edge_flags_[i] |= flags;
+  edge_ref_[i] = ref_at(mesh_.edge_refs, edge);
+}
+
+void Builder::mark_features() {
+  edge_flags_.assign(s_.edges.size(), 0);
+  edge_ref_.assign(s_.edges.size(), 0);
+  for (std::size_t i = 0; i < mesh_.edges.size(); ++i) mark_listed(i, kFeature);
+  for (std::uint32_t i : mesh_.required_edges) mark_listed(i, kFeature | kRequired);
+  for (std::uint32_t t : mesh_.required_triangles) {
+    for (std::uint32_t e : s_.triangle_edges[t]) edge_flags_[e] |= kFeature | kRequired;
+  }
+  for (std::uint32_t e = 0; e < s_.edges.size(); ++e) {
+    if (!edge_flags_[e] && is_ridge(e)) edge_flags_[e] = kFeature;
+  }
+}
+
+bool Builder::is_ridge(std::uint32_t edge) const {
+  if (count_triangles(edge) != 2) return true;
+  const HalfEdge& a = halves_[edge_begin_[edge]];
+  const HalfEdge& b = halves_[edge_begin_[edge] + 1];
+  if (ref_at(mesh_.triangle_refs, a.triangle) != ref_at(mesh_.triangle_refs, b.triangle)) return true;
+  const Vec &na = normals_[a.triangle], &nb = normals_[b.triangle];
+  if (na == Vec{} || nb == Vec{}) return false;
+  return (same_direction(a, b) ? -1 : 1) * dot(na, nb) < cos_ridge_;
+}
+
+void Builder::link_neighbors() {
+  s_.neighbors.assign(s_.triangles.size(), {kNone, kNone, kNone});
+  for (std::uint32_t e = 0; e < s_.edges.size(); ++e) {
+    if (edge_flags_[e]) continue;
+    const HalfEdge& a = halves_[edge_begin_[e]];
+    const HalfEdge& b = halves_[edge_begin_[e] + 1];
+    s_.neighbors[a.triangle][a.local] = b.triangle;
+    s_.neighbors[b.triangle][b.local] = a.triangle;
+  }
+}
+
+void Builder::form_patches() {
+  link_neighbors();
+  s_.triangle_patch.assign(s_.triangles.size(), PatchId{});
+  flipped_.assign(s_.triangles.size(), 0);
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    if (s_.triangle_patch[t].valid()) continue;
+    const PatchId patch(static_cast<std::uint32_t>(s_.patch_refs.size()));
+    s_.patch_refs.push_back(ref_at(mesh_.triangle_refs, t));
+    flood(t, patch);
+    // The patch keeps the orientation that most of its triangles have in the file.
+    const auto turned =
+        std::count_if(queue_.begin(), queue_.end(), [this](std::uint32_t i) { return flipped_[i]; });
+    if (2 * static_cast<std::size_t>(turned) > queue_.size()) {
+      for (std::uint32_t i : queue_) flipped_[i] ^= 1;
+    }
+  }
+}
+
+void Builder::flood(std::uint32_t seed, PatchId patch) {
+  queue_.assign(1, seed);
+  s_.triangle_patch[seed] = patch;
+  for (std::size_t head = 0; head < queue_.size(); ++head) {
+    const std::uint32_t t = queue_[head];
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t n = s_.neighbors[t][i], e = s_.triangle_edges[t][i];
+      if (n == kNone) continue;
+      const std::uint8_t turn =
+          flipped_[t] ^ same_direction(halves_[edge_begin_[e]], halves_[edge_begin_[e] + 1]);
+      if (!s_.triangle_patch[n].valid()) {
+        s_.triangle_patch[n] = patch;
+        flipped_[n] = turn;
+        queue_.push_back(n);
+      } else if (flipped_[n] != turn) {
+        // A Moebius strip: cut it here, since normals must agree across an edge within a patch.
+        edge_flags_[e] = kFeature;
+        s_.neighbors[t][i] = kNone;
+        for (int j = 0; j < 3; ++j) {
+          if (s_.triangle_edges[n][j] == e) s_.neighbors[n][j] = kNone;
+        }
+      }
+    }
+  }
+}
+
+void Builder::turn_triangles() {
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    if (!flipped_[t]) continue;
+    std::swap(s_.triangles[t][1], s_.triangles[t][2]);
+    std::swap(s_.triangle_edges[t][1], s_.triangle_edges[t][2]);
+    std::swap(s_.neighbors[t][1], s_.neighbors[t][2]);
+    normals_[t] = -1.0 * normals_[t];
+  }
+}
+
+void Builder::list_features() {
+  s_.edge_feature.assign(s_.edges.size(), kNone);
+  s_.feature_triangle_begin.push_back(0);
+  for (std::uint32_t e = 0; e < s_.edges.size(); ++e) {
+    if (!edge_flags_[e]) continue;
+    const auto f = static_cast<std::uint32_t>(s_.features.size());
+    s_.edge_feature[e] = f;
+    s_.features.push_back({s_.edges[e], CurveId{}});
+    s_.feature_edge.push_back(e);
+    for (std::uint32_t h = edge_begin_[e]; h < edge_begin_[e + 1]; ++h) {
+      s_.feature_triangle.push_back(halves_[h].triangle);
+    }
+    s_.feature_triangle_begin.push_back(static_cast<std::uint32_t>(s_.feature_triangle.size()));
+    for (std::uint32_t v : s_.edges[e]) vertex_features_.emplace_back(v, f);
+  }
+  std::sort(vertex_features_.begin(), vertex_features_.end());
+}
+
+void Builder::form_fans() {
+  s_.triangle_fans.assign(s_.triangles.size(), {kNone, kNone, kNone});
+  fan_count_.assign(mesh_.points.size(), 0);
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      if (s_.triangle_fans[t][i] == kNone) walk_fan(t, i);
+    }
+  }
+  compute_fan_normals();
+  find_peaks();
+}
+
+void Builder::walk_fan(std::uint32_t triangle, int corner) {
+  const std::uint32_t vertex = s_.triangles[triangle][corner];
+  const auto id = static_cast<std::uint32_t>(s_.fans.size());
+  Fan fan{vertex, kNone, {kNone, kNone}, {}, false};
+  std::uint32_t t = triangle;
+  int i = corner;
+  // Back (clockwise) to the fan's beginning, or once around; then forward through all of it.
+  for (std::uint32_t n; (n = s_.neighbors[t][(i + 2) % 3]) != kNone;) {
+    t = n;
+    i = corner_of(s_.triangles[t], vertex);
+    if (t == triangle) break;
+  }
+  fan.first = t;
+  fan.borders[0] = s_.edge_feature[s_.triangle_edges[t][(i + 2) % 3]];
+  while (s_.triangle_fans[t][i] == kNone) {
+    s_.triangle_fans[t][i] = id;
+    const std::uint32_t n = s_.neighbors[t][(i + 1) % 3];
+    if (n == kNone) {
+      fan.borders[1] = s_.edge_feature[s_.triangle_edges[t][(i + 1) % 3]];
+      break;
+    }
+    t = n;
+    i = corner_of(s_.triangles[t], vertex);
+  }
+  s_.fans.push_back(fan);
+  ++fan_count_[vertex];
+}
+
+// Nelson Max's weights (1999), sin / (product of the two edges): exact on a sphere, and on a cylinder whose
+// facets are as long as it is, whatever their widths and diagonals.
+void Builder::compute_fan_normals() {
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    const auto& v = s_.triangles[t];
+    for (int i = 0; i < 3; ++i) {
+      const Vec a = mesh_.points[v[(i + 1) % 3]] - mesh_.points[v[i]];
+      const Vec b = mesh_.points[v[(i + 2) % 3]] - mesh_.points[v[i]];
+      const double weight = norm2(a) * norm2(b);
+      if (weight > 0) s_.fans[s_.triangle_fans[t][i]].normal += (1 / weight) * cross(a, b);
+    }
+  }
+  for (Fan& fan : s_.fans) {
+    const double length = norm(fan.normal);
+    fan.normal = length > 0 ? (1 / length) * fan.normal : Vec{};
+  }
+}
+
+// A peak has normals further from their mean than a ridge's may be from each other; or by half of that, where
+// the step from triangle to triangle is so small that the fan is a cone rather than a coarse sphere.
+void Builder::find_peaks() {
+  std::vector<double> off(s_.fans.size(), 0), step(s_.fans.size(), 0);
+  const auto angle = [](const Vec& a, const Vec& b) { return std::atan2(norm(cross(a, b)), dot(a, b)); };
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    if (normals_[t] == Vec{}) continue;
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t f = s_.triangle_fans[t][i], n = s_.neighbors[t][(i + 1) % 3];
+      off[f] = std::max(off[f], angle(normals_[t], s_.fans[f].normal));
+      if (n != kNone && normals_[n] != Vec{}) step[f] = std::max(step[f], angle(normals_[t], normals_[n]));
+    }
+  }
+  for (std::size_t f = 0; f < s_.fans.size(); ++f) {
+    s_.fans[f].peaked = off[f] > ridge_angle_ || (off[f] > 0.5 * ridge_angle_ && off[f] > 2 * step[f]);
+  }
+}
+
+std::span<const std::pair<std::uint32_t, std::uint32_t>> Builder::features_at(std::uint32_t vertex) const {
+  const auto begin =
+      std::lower_bound(vertex_features_.begin(), vertex_features_.end(), std::pair{vertex, 0u});
+  auto end = begin;
+  while (end != vertex_features_.end() && end->first == vertex) ++end;
+  return {begin, end};
+}
+
+void Builder::find_corners() {
+  is_corner_.assign(mesh_.points.size(), 0);
+  std::vector<std::uint8_t> on_feature(mesh_.points.size(), 0);
+  for (std::size_t i = 0; i < vertex_features_.size();) {
+    const std::uint32_t v = vertex_features_[i].first;
+    std::size_t end = i;
+    while (end < vertex_features_.size() && vertex_features_[end].first == v) ++end;
+    on_feature[v] = 1;
+    if (end - i != 2 || chain_breaks(v, vertex_features_[i].second, vertex_features_[i + 1].second)) {
+      is_corner_[v] = 1;
+    }
+    i = end;
+  }
+  for (const Fan& fan : s_.fans) {
+    if (!on_feature[fan.vertex] && (fan.peaked || fan_count_[fan.vertex] > 1)) is_corner_[fan.vertex] = 1;
+  }
+  for (const auto* list : {&mesh_.corners, &mesh_.required_points}) {
+    for (std::uint32_t v : *list) is_corner_[v] = fan_count_[v] > 0;
+  }
+}
+
+bool Builder::chain_breaks(std::uint32_t vertex, std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t ea = s_.feature_edge[a], eb = s_.feature_edge[b];
+  if (edge_ref_[ea] != edge_ref_[eb] || (edge_flags_[ea] & kRequired) != (edge_flags_[eb] & kRequired))
+    return true;
+  // Each triangle at the one edge must start a fan that ends at the other; else the surface is pinched here.
+  if (count_triangles(ea) != fan_count_[vertex] || !same_patches(a, b)) return true;
+  const auto other = [&](std::uint32_t f) {
+    const auto& e = s_.features[f].vertices;
+    return mesh_.points[e[0] == vertex ? e[1] : e[0]];
+  };
+  const Vec in = mesh_.points[vertex] - other(a), out = other(b) - mesh_.points[vertex];
+  return dot(in, out) < cos_ridge_ * norm(in) * norm(out);
+}
+
+bool Builder::same_patches(std::uint32_t a, std::uint32_t b) const {
+  const auto ta = s_.triangles_at(a), tb = s_.triangles_at(b);
+  return std::is_permutation(
+      ta.begin(), ta.end(), tb.begin(), tb.end(),
+      [this](std::uint32_t x, std::uint32_t y) { return s_.triangle_patch[x] == s_.triangle_patch[y]; });
+}
+
+void Builder::form_curves() {
+  s_.feature_place.assign(s_.features.size(), kNone);
+  s_.chain_begin.push_back(0);
+  for (const auto& [vertex, feature] : vertex_features_) {
+    if (is_corner_[vertex] && s_.feature_place[feature] == kNone) walk_chain(feature, vertex);
+  }
+  for (std::uint32_t f = 0; f < s_.features.size(); ++f) {
+    if (s_.feature_place[f] == kNone) walk_chain(f, s_.features[f].vertices[0]);
+  }
+}
+
+void Builder::walk_chain(std::uint32_t feature, std::uint32_t from) {
+  const CurveId curve(static_cast<std::uint32_t>(s_.curves.size()));
+  const std::uint32_t edge = s_.feature_edge[feature];
+  s_.curves.push_back({edge_ref_[edge], false, (edge_flags_[edge] & kRequired) != 0});
+  s_.chain_vertices.push_back(from);
+  for (std::uint32_t v = from;;) {
+    s_.features[feature].curve = curve;
+    s_.feature_place[feature] = static_cast<std::uint32_t>(s_.chain_features.size());
+    s_.chain_features.push_back(feature);
+    const auto& ends = s_.features[feature].vertices;
+    v = ends[0] == v ? ends[1] : ends[0];
+    s_.chain_vertices.push_back(v);
+    if (is_corner_[v] || v == from) break;
+    const auto at = features_at(v);
+    feature = at[0].second == feature ? at[1].second : at[0].second;
+  }
+  s_.chain_begin.push_back(static_cast<std::uint32_t>(s_.chain_features.size()));
+}
+
+void Builder::classify_vertices() {
+  s_.vertex_kind.assign(mesh_.points.size(), VertexKind::interior);
+  s_.vertex_hint.assign(mesh_.points.size(), kNone);
+  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
+    for (std::uint32_t v : s_.triangles[t]) {
+      if (is_corner_[v]) s_.corner_triangles.emplace_back(v, t);
+      s_.vertex_kind[v] = VertexKind::surface;
+      s_.vertex_hint[v] = t;
+    }
+  }
+  std::sort(s_.corner_triangles.begin(), s_.corner_triangles.end());
+  for (const auto& [v, f] : vertex_features_) {
+    if (is_corner_[v]) s_.corner_features.emplace_back(v, f);
+    s_.vertex_kind[v] = VertexKind::ridge;
+    s_.vertex_hint[v] = f;
+  }
+  for (std::uint32_t v = 0; v < is_corner_.size(); ++v) {
+    if (!is_corner_[v]) continue;
+    s_.vertex_kind[v] = VertexKind::corner;
+    s_.vertex_hint[v] = v;
+  }
+}
+
+}  // namespace
+
+SurfaceTopology build_surface_topology(const MeshData& mesh, double ridge_angle_degrees) {
+  check_indices(mesh);
+  return Builder(mesh, ridge_angle_degrees).build();
+}
+
+}  // namespace weft::meshing

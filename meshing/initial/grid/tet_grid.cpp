@@ -1,0 +1,227 @@
+// Exchange of tets: old outer faces and new faces are sorted together, equal ones are glued.
+#include "meshing/initial/grid/tet_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "meshing/mesh/predicates.h"
+
+namespace weft::meshing {
+
+Face3 face_key(const Face3& f) {
+  Face3 k = f;
+  std::sort(k.begin(), k.end());
+  return k;
+}
+
+std::uint32_t TetGrid::add_point(const Point& p) {
+  points.push_back(p);
+  vertex_tet.push_back(kNothing);
+  return static_cast<std::uint32_t>(points.size() - 1);
+}
+
+void TetGrid::place_exactly(std::uint32_t v, const ExactPlace& place) {
+  if (exact_.size() <= v) exact_.resize(v + 1, kNothing);
+  exact_[v] = static_cast<std::uint32_t>(places_.size());
+  places_.push_back(place);
+  points[v] = place.rounded();
+}
+
+void TetGrid::move(std::uint32_t v, const Point& p) {
+  if (is_exact(v)) exact_[v] = kNothing;
+  points[v] = p;
+}
+
+ExactPlace TetGrid::place(std::uint32_t v) const {
+  return is_exact(v) ? places_[exact_[v]] : ExactPlace::at(points[v]);
+}
+
+int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d))
+    return orientation(place(a), place(b), place(c), place(d));
+  return orientation(points[a], points[b], points[c], points[d]);
+}
+
+int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, const Point& d) const {
+  if (is_exact(a) || is_exact(b) || is_exact(c))
+    return orientation(place(a), place(b), place(c), ExactPlace::at(d));
+  return orientation(points[a], points[b], points[c], d);
+}
+
+double TetGrid::shape(const Tet4& v) const { return shape_above(v, 0); }
+
+double TetGrid::shape_above(const Tet4& v, double enough) const {
+  double edges = 0;
+  for (const auto& e : kTetEdges) edges += norm2(points[v[e[0]]] - points[v[e[1]]]);
+  const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+  const double shape = std::max(volume / (edges * std::sqrt(edges)), 1e-300);
+  if (enough > 0 && shape <= enough) return 0;
+  return positive(v) ? shape : 0;
+}
+
+bool TetGrid::sliver(const Tet4& v) const {
+  double shortest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const auto& e : kTetEdges) shortest = std::min(shortest, norm2(points[v[e[0]]] - points[v[e[1]]]));
+  for (const auto& f : kTetFaces) {
+    const Point& a = points[v[f[0]]];
+    largest = std::max(largest, norm2(cross(points[v[f[1]]] - a, points[v[f[2]]] - a)));
+  }
+  const double volume = six_volume(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+  return volume < 1e-9 * std::sqrt(largest * shortest);
+}
+
+int TetGrid::local_index(std::uint32_t t, std::uint32_t v) const {
+  const Tet4& w = tets[t].v;
+  for (int i = 0; i < 4; ++i)
+    if (w[i] == v) return i;
+  return -1;
+}
+
+std::uint32_t TetGrid::take_slot() {
+  if (free_.empty()) {
+    tets.emplace_back();
+    return static_cast<std::uint32_t>(tets.size() - 1);
+  }
+  const std::uint32_t slot = free_.back();
+  free_.pop_back();
+  tets[slot] = {};
+  return slot;
+}
+
+void TetGrid::collect_outer(std::span<const std::uint32_t> old) {
+  begin_marking();
+  for (const std::uint32_t t : old) mark(t);
+  for (const std::uint32_t t : old)
+    for (int f = 0; f < 4; ++f) {
+      const std::uint32_t n = tets[t].n[f];
+      if (n != kNothing && marked(n >> 2)) continue;
+      sides_.push_back({face_key(face(t, f)), n, tets[t].facet[f], true});
+    }
+}
+
+void TetGrid::collect_fresh(std::span<const std::uint32_t> slots) {
+  for (const std::uint32_t t : slots)
+    for (int f = 0; f < 4; ++f)
+      sides_.push_back({face_key(face(t, f)), 4 * t + static_cast<std::uint32_t>(f), kNothing, false});
+}
+
+void TetGrid::glue_sides() {
+  std::sort(sides_.begin(), sides_.end(),
+            [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.outer > b.outer; });
+  const auto set = [&](std::uint32_t at, std::uint32_t n) {
+    if (at != kNothing) tets[at >> 2].n[at & 3] = n;
+  };
+  for (std::size_t i = 0; i + 1 < sides_.size(); ++i) {
+    const Side &a = sides_[i], &b = sides_[i + 1];
+    if (a.key != b.key) continue;
+    set(a.code, b.code);
+    set(b.code, a.code);
+    if (a.outer) tets[b.code >> 2].facet[b.code & 3] = a.facet;
+    ++i;
+  }
+}
+
+std::span<const std::uint32_t> TetGrid::replace(std::span<const std::uint32_t> old,
+                                                std::span<const Tet4> fresh,
+                                                std::span<const FacetFace> facets) {
+  sides_.clear();
+  collect_outer(old);
+  for (const std::uint32_t t : old) remove(t);
+  slots_.clear();
+  for (const Tet4& v : fresh) {
+    const std::uint32_t t = take_slot();
+    tets[t].v = v;
+    slots_.push_back(t);
+    for (const std::uint32_t w : v) vertex_tet[w] = t;
+  }
+  collect_fresh(slots_);
+  glue_sides();
+  for (const FacetFace& f : facets)
+    for (const std::uint32_t t : slots_)
+      for (int i = 0; i < 4; ++i)
+        if (face_key(face(t, i)) == face_key(f.vertices)) tets[t].facet[i] = f.facet;
+  return slots_;
+}
+
+bool TetGrid::star(std::span<const std::uint32_t> cavity, std::uint32_t v, std::vector<Tet4>& fresh) {
+  fresh.clear();
+  begin_marking();
+  for (const std::uint32_t t : cavity) mark(t);
+  for (const std::uint32_t t : cavity)
+    for (int f = 0; f < 4; ++f) {
+      const std::uint32_t n = tets[t].n[f];
+      if (n != kNothing && marked(n >> 2)) continue;
+      const Face3 w = face(t, f);
+      fresh.push_back({w[0], w[1], w[2], v});
+      if (!positive(fresh.back())) return false;
+    }
+  return true;
+}
+
+void TetGrid::remove(std::uint32_t t) {
+  tets[t].v = {0, 0, 0, 0};
+  free_.push_back(t);
+}
+
+void TetGrid::set_facet(std::uint32_t t, int f, std::uint32_t facet) {
+  tets[t].facet[f] = facet;
+  const std::uint32_t n = tets[t].n[f];
+  if (n != kNothing) tets[n >> 2].facet[n & 3] = facet;
+}
+
+void TetGrid::ball(std::uint32_t v, std::vector<std::uint32_t>& out) {
+  out.clear();
+  begin_marking();
+  mark(vertex_tet[v]);
+  out.push_back(vertex_tet[v]);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const std::uint32_t t = out[i];
+    for (int f = 0; f < 4; ++f) {
+      const std::uint32_t n = tets[t].n[f];
+      if (tets[t].v[f] != v && n != kNothing && mark(n >> 2)) out.push_back(n >> 2);
+    }
+  }
+}
+
+std::uint32_t TetGrid::tet_with_edge(std::uint32_t a, std::uint32_t b) {
+  ball(a, around_);
+  for (const std::uint32_t t : around_)
+    if (local_index(t, b) >= 0) return t;
+  return kNothing;
+}
+
+void TetGrid::shell(std::uint32_t tet, std::uint32_t a, std::uint32_t b, EdgeShell& out) const {
+  // Turned so that (a, b, c, d) is an even permutation of the tet: d follows c in positive order.
+  const auto others = [&](std::uint32_t t) {
+    const int e = kEdgeOf[local_index(t, a)][local_index(t, b)];
+    std::uint32_t c = tets[t].v[kTetEdges[e][2]], d = tets[t].v[kTetEdges[e][3]];
+    if (tets[t].v[kTetEdges[e][0]] != a) std::swap(c, d);
+    return std::pair{c, d};
+  };
+  const auto across = [&](std::uint32_t t, std::uint32_t v) { return tets[t].n[local_index(t, v)]; };
+  out.tets.clear();
+  out.ring.clear();
+  std::uint32_t first = tet;
+  for (std::uint32_t back = across(first, others(first).second); back != kNothing && back >> 2 != tet;) {
+    first = back >> 2;
+    back = across(first, others(first).second);
+  }
+  if (across(first, others(first).second) != kNothing) first = tet;
+  out.closed = false;
+  for (std::uint32_t t = first;;) {
+    const auto [c, d] = others(t);
+    out.tets.push_back(t);
+    out.ring.push_back(c);
+    const std::uint32_t next = across(t, c);
+    if (next == kNothing) {
+      out.ring.push_back(d);
+      return;
+    }
+    t = next >> 2;
+    if (t == first) break;
+  }
+  out.closed = true;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,110 @@
+// What a mesh file of any format holds: the mesh, fields, names of references, and an account of the rest.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+/// The names that a file gives to references, such as "wing" to reference 3 of its triangles.
+class RefNames {
+ public:
+  struct Key {
+    int dimension;  ///< of the entities: 1 edges, 2 triangles, 3 tets
+    std::int32_t ref;
+    auto operator<=>(const Key&) const = default;
+  };
+
+  bool empty() const { return names_.empty(); }
+  const std::map<Key, std::string>& all() const { return names_; }
+  void set(int dimension, std::int32_t ref, std::string name) { names_[{dimension, ref}] = std::move(name); }
+  /// The name, or "ref_N" for a reference without one; on one line and never empty.
+  std::string name(int dimension, std::int32_t ref) const;
+
+ private:
+  std::map<Key, std::string> names_;
+};
+
+/// Gives references to names, for formats that know names only. "ref_N" and "N" mean N where N is free; any
+/// other name gets the smallest number not taken.
+class RefNumbering {
+ public:
+  RefNumbering(int dimension, RefNames& names) : dimension_(dimension), names_(names) {}
+  std::int32_t ref(std::string_view name);
+
+ private:
+  int dimension_;
+  RefNames& names_;
+  std::map<std::string, std::int32_t, std::less<>> refs_;
+  std::set<std::int32_t> taken_;
+  std::int32_t next_ = 1;
+};
+
+/// Something that found no place where it should have gone.
+struct Dropped {
+  std::string what;         ///< in the plural
+  std::uint64_t count = 0;  ///< 0: not countable
+};
+
+struct MeshContents {
+  MeshData mesh;
+  SolutionData fields;  ///< at the vertices; often none
+  RefNames names;
+  std::vector<Dropped> dropped;       ///< what of the file has no place here
+  std::uint64_t foreign_volumes = 0;  ///< volume elements among the dropped: the mesh has holes then
+
+  /// Counts `count` more of `what`; none is not noted.
+  void drop(const std::string& what, std::uint64_t count = 1);
+  void drop_volumes(const std::string& what, std::uint64_t count) {
+    drop(what, count);
+    foreign_volumes += count;
+  }
+  /// All references that are still missing, as 0; the number of points into the fields.
+  void complete();
+};
+
+/// The same for writers, who need not own it.
+struct MeshView {
+  MeshView(const MeshData& m, const SolutionData& f, const RefNames& n) : mesh(m), fields(f), names(n) {}
+  MeshView(const MeshContents& contents) : MeshView(contents.mesh, contents.fields, contents.names) {}
+
+  const MeshData& mesh;
+  const SolutionData& fields;
+  const RefNames& names;
+};
+
+/// How to write, where a format leaves a choice; formats without it ignore it.
+struct WriteOptions {
+  enum class Encoding { binary, ascii, big_endian };
+  Encoding encoding = Encoding::binary;  ///< big_endian: binary where the format has both orders (PLY)
+  bool compress = false;                 ///< VTU: arrays go through zlib
+  int gmsh_version = 4;                  ///< 4 means MSH 4.1, 2 means MSH 2.2
+  int pieces = 2;                        ///< of a .pvtu
+};
+
+/// The triangles and edges with the points they use, for formats of surfaces. A mesh without tets stays as it
+/// is.
+MeshContents surface_of(const MeshView& contents);
+
+/// Where a symmetric tensor of a field (m11 m12 m22 m13 m23 m33) lies in a full one, row by row.
+inline constexpr int kFullTensorPlaces[9] = {0, 1, 3, 1, 2, 4, 3, 4, 5};
+/// Makes a symmetric tensor field of full tensors; false where they are not symmetric.
+bool fold_full_tensors(const std::vector<double>& full, std::vector<double>& folded);
+
+/// The name of field `i`, or "field_N" for one without.
+std::string field_name(const SolutionData& fields, std::size_t i);
+
+/// Which entities have a reference, by reference and in their order.
+std::map<std::int32_t, std::vector<std::uint32_t>> indices_by_ref(const std::vector<std::int32_t>& refs);
+
+/// Throws std::logic_error where arrays that belong together differ in length.
+void check_lengths(const MeshData& mesh, const SolutionData& fields);
+
+}  // namespace weft::meshing

@@ -1,0 +1,149 @@
+// What is read from the rows of a GMF section, of files of either kind. `File` is BinaryFile or TextFile.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_format.h"
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing::gmf {
+
+/// A 1-based index of one of `limit` entities, as a 0-based one.
+template <class Rows>
+std::uint32_t read_index(Rows& rows, std::uint64_t limit, const char* entity) {
+  const std::int64_t index = rows.integer();
+  if (index < 1 || static_cast<std::uint64_t>(index) > limit) {
+    const std::string what = std::string(entity) + " index " + std::to_string(index);
+    rows.fail(limit == 0 ? what + ", but the file has none"
+                         : what + " is out of range 1.." + std::to_string(limit));
+  }
+  return static_cast<std::uint32_t>(index - 1);
+}
+
+template <class Rows>
+std::int32_t read_ref(Rows& rows) {
+  const std::int64_t ref = rows.integer();
+  if (ref < -kMaxInt32 - 1 || ref > kMaxInt32) {
+    rows.fail("reference " + std::to_string(ref) + " does not fit 32 bits");
+  }
+  return static_cast<std::int32_t>(ref);
+}
+
+/// The section of a keyword without which there is nothing to read.
+template <class File>
+const Section& required_section(const File& file, Keyword code, const char* complaint) {
+  const Section* section = file.layout().find(code);
+  if (!section) throw InputError(file.name(), std::string(keyword_name(code)), complaint);
+  return *section;
+}
+
+template <class File>
+const Section& vertices_section(const File& file) {
+  return required_section(file, kVertices, "are missing");
+}
+
+template <class File>
+auto rows_of(const File& file, const Section& section, RowRange range) {
+  return file.rows(section, section.keyword->reals, section.keyword->indices, range);
+}
+
+template <class File>
+void read_vertices(const File& file, const Section& section, RowRange range, std::vector<Point>& points,
+                   std::vector<std::int32_t>& refs) {
+  auto rows = rows_of(file, section, range);
+  points.resize(range.count);
+  refs.resize(range.count);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    rows.begin_row();
+    Point& p = points[i];
+    for (int c = 0; c < 3; ++c) {
+      p[c] = rows.real();
+      if (!std::isfinite(p[c])) rows.fail("a coordinate is not finite");
+    }
+    refs[i] = read_ref(rows);
+  }
+  rows.finish();
+}
+
+template <std::size_t N, class File>
+void read_elements(const File& file, const Section& section, RowRange range,
+                   std::vector<std::array<std::uint32_t, N>>& elements, std::vector<std::int32_t>& refs) {
+  const std::uint64_t num_points = file.layout().num_points();
+  auto rows = rows_of(file, section, range);
+  elements.resize(range.count);
+  refs.resize(range.count);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    rows.begin_row();
+    for (std::uint32_t& vertex : elements[i]) vertex = read_index(rows, num_points, "vertex");
+    refs[i] = read_ref(rows);
+  }
+  rows.finish();
+}
+
+template <std::size_t N, class File>
+void read_all_elements(const File& file, Keyword code, std::vector<std::array<std::uint32_t, N>>& elements,
+                       std::vector<std::int32_t>& refs) {
+  const Section* section = file.layout().find(code);
+  if (section) read_elements(file, *section, all_rows(*section), elements, refs);
+}
+
+template <class File>
+void read_indices(const File& file, Keyword code, std::size_t limit, const char* entity,
+                  std::vector<std::uint32_t>& indices) {
+  const Section* section = file.layout().find(code);
+  if (!section) return;
+  auto rows = rows_of(file, *section, all_rows(*section));
+  indices.resize(section->count);
+  for (std::uint32_t& index : indices) {
+    rows.begin_row();
+    index = read_index(rows, limit, entity);
+  }
+  rows.finish();
+}
+
+/// Triangles, edges, and the marks on points and on them.
+template <class File>
+void read_boundary(const File& file, MeshData& mesh) {
+  const std::uint64_t num_points = file.layout().num_points();
+  read_all_elements(file, kTriangles, mesh.triangles, mesh.triangle_refs);
+  read_all_elements(file, kEdges, mesh.edges, mesh.edge_refs);
+  read_indices(file, kCorners, num_points, "vertex", mesh.corners);
+  read_indices(file, kRequiredVertices, num_points, "vertex", mesh.required_points);
+  read_indices(file, kRidges, mesh.edges.size(), "edge", mesh.ridges);
+  read_indices(file, kRequiredEdges, mesh.edges.size(), "edge", mesh.required_edges);
+  read_indices(file, kRequiredTriangles, mesh.triangles.size(), "triangle", mesh.required_triangles);
+}
+
+/// Empty fields of the kinds that a solution section announces. Throws InputError for unknown ones, or none.
+std::vector<Field> make_fields(const std::string& file, const std::vector<std::int64_t>& types);
+
+/// The rows of a solution that choose(section) names.
+template <class File, class Choose>
+SolutionData read_solution_rows(const File& file, const Choose& choose) {
+  Section section = required_section(file, kSolAtVertices, "is missing: no solution at vertices");
+  const RowRange range = choose(section);
+  SolutionData solution;
+  solution.fields = make_fields(file.name(), file.take_solution_types(section));
+  std::size_t row_length = 0;
+  for (const Field& field : solution.fields) row_length += components(field.kind);
+  auto rows = file.rows(section, row_length, 0, range);
+  solution.num_points = range.count;
+  for (Field& field : solution.fields) field.values.resize(range.count * components(field.kind));
+  for (std::size_t i = 0; i < solution.num_points; ++i) {
+    rows.begin_row();
+    for (Field& field : solution.fields) {
+      const std::size_t length = components(field.kind);
+      for (std::size_t c = 0; c < length; ++c) field.values[i * length + c] = rows.real();
+    }
+  }
+  rows.finish();
+  return solution;
+}
+
+}  // namespace weft::meshing::gmf

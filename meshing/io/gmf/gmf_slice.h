@@ -1,0 +1,47 @@
+// Parts of a GMF file: what one of many ranks reads of a mesh that none of them holds whole.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "meshing/io/gmf/gmf_format.h"
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+// All functions here accept what read_gmf_mesh and read_gmf_solution do, complain in the same words, and
+// check of the rows those that they read. Of binary files only the part asked for is read, and nothing larger
+// is allocated; text files are read whole and scanned, but only the part asked for is kept. Rows that the
+// layout does not have throw std::out_of_range; a file whose size has changed since, InputError.
+
+/// The keywords of a mesh or a solution file, checked against the size of the file.
+GmfLayout read_gmf_layout(const std::filesystem::path& path);
+
+/// Arrays of one entry a vertex.
+struct GmfPoints {
+  std::vector<Point> points;
+  std::vector<std::int32_t> refs;
+};
+/// The vertices `first` (0-based) to `first + count - 1`.
+GmfPoints read_gmf_points(const std::filesystem::path& path, const GmfLayout& layout, std::uint64_t first,
+                          std::uint64_t count);
+
+/// Arrays of one entry a tet; vertices by their 0-based number in the whole mesh.
+struct GmfTets {
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  std::vector<std::int32_t> refs;
+};
+GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout, std::uint64_t first,
+                      std::uint64_t count);
+
+/// All triangles, edges, corners, ridges and required entities, by numbers in the whole mesh; neither points
+/// nor tets.
+MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout);
+
+/// The values of all fields at the vertices `first` to `first + count - 1`; num_points is `count`.
+SolutionData read_gmf_solution_slice(const std::filesystem::path& path, const GmfLayout& layout,
+                                     std::uint64_t first, std::uint64_t count);
+
+}  // namespace weft::meshing

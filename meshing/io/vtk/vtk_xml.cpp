@@ -1,0 +1,399 @@
+// pugixml reads the text; what is appended raw is no XML and is cut off before. zlib does the compression.
+#include "meshing/io/vtk/vtk_xml.h"
+
+#include <tbb/parallel_for.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/files/byte_order.h"
+#include "meshing/io/files/cursor.h"
+#include "meshing/io/files/text_output.h"
+
+namespace weft::meshing {
+namespace {
+
+constexpr std::uint64_t kBlockSize = std::uint64_t{1} << 18;  ///< of compressed data that we write
+
+/// Calls f with a value of the C++ type that VTK calls `name`; false for an unknown name.
+template <class F>
+bool with_type(std::string_view name, const F& f) {
+  if (name == "Int8") return f(std::int8_t{}), true;
+  if (name == "UInt8") return f(std::uint8_t{}), true;
+  if (name == "Int16") return f(std::int16_t{}), true;
+  if (name == "UInt16") return f(std::uint16_t{}), true;
+  if (name == "Int32") return f(std::int32_t{}), true;
+  if (name == "UInt32") return f(std::uint32_t{}), true;
+  if (name == "Int64") return f(std::int64_t{}), true;
+  if (name == "UInt64") return f(std::uint64_t{}), true;
+  if (name == "Float32") return f(float{}), true;
+  if (name == "Float64") return f(double{}), true;
+  return false;
+}
+
+constexpr std::array<std::int8_t, 256> base64_digits() {
+  std::array<std::int8_t, 256> digits{};
+  for (auto& digit : digits) digit = -1;
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < kAlphabet.size(); ++i) {
+    digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::int8_t>(i);
+  }
+  return digits;
+}
+constexpr std::array<std::int8_t, 256> kDigits = base64_digits();
+
+/// The bytes that follow one another in encoded data. Headers are encoded by themselves, with padding behind
+/// them, or together with the data, depending on who wrote the file: padding just ends a group.
+class Source {
+ public:
+  Source(std::string_view text, bool base64) : text_(text), base64_(base64) {}
+
+  /// The next `size` bytes; nothing where the data end before.
+  std::optional<std::string_view> take(std::uint64_t size) {
+    if (base64_) return take_base64(size);
+    if (size > text_.size() - at_) return std::nullopt;
+    const std::string_view taken = text_.substr(at_, size);
+    at_ += size;
+    return taken;
+  }
+
+ private:
+  std::optional<std::string_view> take_base64(std::uint64_t size) {
+    decoded_.erase(0, std::exchange(used_, 0));
+    if (size > text_.size()) return std::nullopt;  // encoded bytes are more than decoded ones
+    decoded_.reserve(size + 3);
+    while (decoded_.size() < size) {
+      if (!decode_group()) return std::nullopt;
+    }
+    used_ = size;
+    return std::string_view(decoded_).substr(0, size);
+  }
+
+  bool decode_group() {
+    std::uint32_t bits = 0;
+    int digits = 0, padding = 0;
+    while (digits + padding < 4) {
+      if (at_ == text_.size()) return false;
+      const char c = text_[at_++];
+      if (is_space(c)) continue;
+      const std::int8_t digit = kDigits[static_cast<unsigned char>(c)];
+      if (digit < 0 && c != '=') return false;
+      padding += digit < 0;
+      digits += digit >= 0;
+      bits = bits << 6 | static_cast<std::uint32_t>(digit < 0 ? 0 : digit);
+    }
+    if (digits < 2) return false;
+    for (int byte = 0; byte < digits - 1; ++byte) {
+      decoded_.push_back(static_cast<char>(bits >> (16 - 8 * byte) & 0xFF));
+    }
+    return true;
+  }
+
+  std::string_view text_;
+  bool base64_;
+  std::size_t at_ = 0;
+  std::string decoded_;
+  std::uint64_t used_ = 0;
+};
+
+std::string array_name(pugi::xml_node array) {
+  const std::string name = array.attribute("Name").value();
+  return name.empty() ? "a DataArray" : "array " + name;
+}
+
+/// The data of one array in blocks, as VTK stores them.
+std::vector<char> compressed(const std::vector<char>& data) {
+  const std::uint64_t num_blocks = (data.size() + kBlockSize - 1) / kBlockSize;
+  std::vector<std::vector<Bytef>> blocks(num_blocks);
+  tbb::parallel_for(std::uint64_t{0}, num_blocks, [&](std::uint64_t i) {
+    const std::uint64_t begin = i * kBlockSize, size = std::min(kBlockSize, data.size() - begin);
+    uLongf length = compressBound(size);
+    blocks[i].resize(length);
+    // Cannot fail with this bound but for memory, of which resize() would have spoken.
+    compress2(blocks[i].data(), &length, reinterpret_cast<const Bytef*>(data.data() + begin), size,
+              Z_BEST_SPEED);
+    blocks[i].resize(length);
+  });
+  std::vector<std::uint64_t> header = {num_blocks, kBlockSize, data.size() % kBlockSize};
+  for (const auto& block : blocks) header.push_back(block.size());
+  std::vector<char> out(header.size() * sizeof(std::uint64_t));
+  std::memcpy(out.data(), header.data(), out.size());
+  for (const auto& block : blocks) out.insert(out.end(), block.begin(), block.end());
+  return out;
+}
+
+}  // namespace
+
+// ---------------------------------------------------------------------------------------------------------
+// Reading
+
+/// Decoded bytes: a part of the file where nothing had to be decoded, else their own.
+struct VtkDocument::Bytes {
+  std::string_view view;
+  std::string own;
+  std::string_view get() const { return own.empty() ? view : std::string_view(own); }
+};
+
+VtkDocument::VtkDocument(const std::filesystem::path& path, const std::string& type) : file_(path) {
+  std::string_view bytes = file_.bytes();
+  std::string head;
+  const std::size_t appended = bytes.find("<AppendedData");
+  if (appended != std::string_view::npos) {
+    const std::size_t end = bytes.find('>', appended), mark = bytes.find('_', end);
+    if (mark == std::string_view::npos) fail("AppendedData", "the file is truncated: no data");
+    appended_ = bytes.substr(mark + 1);
+    head = std::string(bytes.substr(0, end + 1)) + "</AppendedData></VTKFile>";
+    bytes = head;
+  }
+  const pugi::xml_parse_result parsed = xml_.load_buffer(bytes.data(), bytes.size());
+  if (!parsed) {
+    fail("", std::string("not XML, or truncated: ") + parsed.description() + " at byte " +
+                 std::to_string(parsed.offset));
+  }
+  const pugi::xml_node root = xml_.child("VTKFile");
+  if (root.attribute("type").value() != type) fail("", "not a VTKFile of type " + type);
+  grid_ = root.child(type.c_str());
+  if (!grid_) fail("", "has no element " + type);
+  swapped_ = std::string_view(root.attribute("byte_order").value()) == "BigEndian";
+  wide_headers_ = std::string_view(root.attribute("header_type").value()) == "UInt64";
+  const std::string compressor = root.attribute("compressor").value();
+  compressed_ = !compressor.empty();
+  if (compressed_ && compressor != "vtkZLibDataCompressor")
+    fail("", "compression " + compressor + " is not read");
+  const std::string encoding = root.child("AppendedData").attribute("encoding").value();
+  appended_base64_ = encoding == "base64";
+  if (!encoding.empty() && encoding != "raw" && !appended_base64_) {
+    fail("AppendedData", "encoding " + encoding + " is unknown");
+  }
+}
+
+void VtkDocument::fail(const std::string& entity, const std::string& reason) const {
+  throw InputError(file_.name(), entity, reason);
+}
+
+std::uint64_t VtkDocument::count(pugi::xml_node node, const char* attribute) const {
+  const std::string text = node.attribute(attribute).value();
+  const auto value = parse_integer(text);
+  if (!value || *value < 0 || *value > 0xFFFFFFFE) {
+    fail(node.name(), std::string(attribute) + " is '" + text + "'");
+  }
+  return static_cast<std::uint64_t>(*value);
+}
+
+std::vector<double> VtkDocument::reals(pugi::xml_node array, std::uint64_t expected) const {
+  return values<double>(array, expected);
+}
+
+std::vector<std::int64_t> VtkDocument::integers(pugi::xml_node array, std::uint64_t expected) const {
+  if (std::string_view(array.attribute("type").value()).starts_with("Float")) {
+    fail(array_name(array), "has reals instead of integers");
+  }
+  return values<std::int64_t>(array, expected);
+}
+
+template <class T>
+std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected) const {
+  const std::string_view format = array.attribute("format").value();
+  if (format == "ascii" || format.empty()) return ascii_values<T>(array, expected);
+  const Bytes bytes = decoded(array);
+  const std::string_view data = bytes.get();
+  std::vector<T> out;
+  const bool known = with_type(array.attribute("type").value(), [&](auto example) {
+    using Stored = decltype(example);
+    const std::size_t n = data.size() / sizeof(Stored);
+    if (data.size() % sizeof(Stored) != 0 || (expected != kAny && n != expected)) {
+      fail(array_name(array), "has " + std::to_string(data.size()) + " bytes instead of " +
+                                  std::to_string(expected == kAny ? n + 1 : expected) + " values");
+    }
+    out.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      out[i] = static_cast<T>(load<Stored>(data.data() + i * sizeof(Stored), swapped_));
+    }
+  });
+  if (!known)
+    fail(array_name(array), "type '" + std::string(array.attribute("type").value()) + "' is unknown");
+  return out;
+}
+
+template <class T>
+std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t expected) const {
+  Cursor in(file_.name(), array.child_value());
+  in.enter(array_name(array) + ", value");
+  if (expected != kAny) in.require(expected, 1);
+  std::vector<T> out;
+  if (expected != kAny) out.reserve(expected);
+  for (in.skip_blanks(); !in.at_end(); in.skip_blanks()) {
+    in.next_row();
+    if constexpr (std::is_same_v<T, double>) {
+      out.push_back(in.text_real());
+    } else {
+      out.push_back(in.text_integer());
+    }
+  }
+  if (expected == kAny || out.size() == expected) return out;
+  fail(array_name(array),
+       "has " + std::to_string(out.size()) + " values instead of " + std::to_string(expected));
+}
+
+VtkDocument::Bytes VtkDocument::decoded(pugi::xml_node array) const {
+  const std::string entity = array_name(array);
+  std::string_view text = array.child_value();
+  bool base64 = true;
+  if (std::string_view(array.attribute("format").value()) == "appended") {
+    const auto offset = parse_integer(array.attribute("offset").value());
+    if (!offset || *offset < 0 || static_cast<std::uint64_t>(*offset) > appended_.size()) {
+      fail(entity, "its offset is damaged, or the file is truncated");
+    }
+    text = appended_.substr(static_cast<std::size_t>(*offset));
+    base64 = appended_base64_;
+  } else if (std::string_view(array.attribute("format").value()) != "binary") {
+    fail(entity, "its format is unknown");
+  }
+  Source source(text, base64);
+  const auto take = [&](std::uint64_t size) {
+    const auto taken = source.take(size);
+    if (!taken) fail(entity, "the file is truncated, or its data are damaged");
+    return *taken;
+  };
+  const auto header = [&]() -> std::uint64_t {
+    return wide_headers_ ? load<std::uint64_t>(take(8).data(), swapped_)
+                         : load<std::uint32_t>(take(4).data(), swapped_);
+  };
+  if (!compressed_) {
+    const std::string_view data = take(header());
+    return base64 ? Bytes{{}, std::string(data)} : Bytes{data, {}};
+  }
+  const std::uint64_t num_blocks = header(), block_size = header(), last_size = header();
+  if (num_blocks > text.size()) fail(entity, "the number of its compressed blocks is damaged");
+  std::vector<std::uint64_t> sizes(num_blocks);
+  for (std::uint64_t& size : sizes) size = header();
+  Bytes out;
+  for (std::uint64_t i = 0; i < num_blocks; ++i) {
+    const std::string_view block = take(sizes[i]);
+    const std::uint64_t full = i + 1 == num_blocks && last_size > 0 ? last_size : block_size;
+    // Deflate makes nothing smaller than by a factor of 1032: a damaged size must not make us allocate.
+    if (full / 1032 > block.size() + 16) fail(entity, "the size of a compressed block is damaged");
+    const std::size_t begin = out.own.size();
+    out.own.resize(begin + full);
+    uLongf length = full;
+    const int result = uncompress(reinterpret_cast<Bytef*>(out.own.data() + begin), &length,
+                                  reinterpret_cast<const Bytef*>(block.data()), block.size());
+    if (result != Z_OK || length != full) fail(entity, "its compressed data are damaged");
+  }
+  return out;
+}
+
+// ---------------------------------------------------------------------------------------------------------
+// Writing
+
+VtkWriter::VtkWriter(const std::filesystem::path& path, const std::string& type, const WriteOptions& options)
+    : file_(path),
+      type_(type),
+      ascii_(options.encoding == WriteOptions::Encoding::ascii),
+      compress_(options.compress && !ascii_) {}
+
+std::string VtkWriter::escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+void VtkWriter::text(const std::string& line) { items_.push_back({line, {}, 0, {}}); }
+
+void VtkWriter::array(const std::string& type, const std::string& name, int num_components,
+                      std::uint64_t bytes, std::function<std::vector<char>()> make) {
+  items_.push_back({"<DataArray type=\"" + type + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +
+                        std::to_string(num_components) + "\"",
+                    type, bytes, std::move(make)});
+}
+
+void VtkWriter::finish() {
+  write_header();
+  ascii_ ? write_ascii() : write_appended();
+  file_.write("</VTKFile>\n");
+  file_.commit();
+}
+
+void VtkWriter::write_header() {
+  file_.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"" + type_ +
+              "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"");
+  if (compress_) file_.write(" compressor=\"vtkZLibDataCompressor\"");
+  file_.write(">\n");
+}
+
+void VtkWriter::write_ascii() {
+  TextOutput text(file_);
+  for (const Item& item : items_) {
+    if (!item.make) {
+      text.line(item.xml);
+      continue;
+    }
+    text.line(item.xml + " format=\"ascii\">");
+    const std::vector<char> data = item.make();
+    with_type(item.type, [&](auto example) {
+      using Stored = decltype(example);
+      constexpr std::size_t kPerLine = 12;
+      for (std::size_t i = 0; i * sizeof(Stored) < data.size(); ++i) {
+        const auto value = load<Stored>(data.data() + i * sizeof(Stored), false);
+        // A byte would be written as a character.
+        text.number(static_cast<std::conditional_t<sizeof(Stored) == 1, int, Stored>>(value));
+        if (i % kPerLine == kPerLine - 1) text.end_line();
+      }
+    });
+    text.end_line();
+    text.line("</DataArray>");
+  }
+}
+
+/// The underscore marks where the counting of offsets begins.
+void VtkWriter::write_appended() {
+  std::vector<std::vector<char>> blocks;  // of compressed arrays, whose sizes are needed first
+  std::uint64_t offset = 0;
+  for (const Item& item : items_) {
+    file_.write(item.xml);
+    if (item.make) {
+      file_.write(" format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>");
+      if (compress_) {
+        blocks.push_back(compressed(item.make()));
+        offset += blocks.back().size();
+      } else {
+        offset += sizeof(std::uint64_t) + item.bytes;
+      }
+    }
+    file_.write("\n");
+  }
+  file_.write("<AppendedData encoding=\"raw\">\n_");
+  for (const std::vector<char>& block : blocks) file_.write(block.data(), block.size());
+  for (const Item& item : items_) {
+    if (!item.make || compress_) continue;
+    file_.write_value(item.bytes);
+    const std::vector<char> data = item.make();
+    file_.write(data.data(), data.size());
+  }
+  file_.write("\n</AppendedData>\n");
+}
+
+}  // namespace weft::meshing

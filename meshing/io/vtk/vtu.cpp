@@ -1,0 +1,406 @@
+// What the arrays of a VTU file mean; vtk_xml.h knows how they are stored.
+#include "meshing/io/vtk/vtu.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "meshing/io/vtk/vtk_xml.h"
+
+namespace weft::meshing {
+namespace {
+
+enum VtkCell : std::uint8_t { kVertex = 1, kLine = 3, kTriangle = 5, kTetra = 10 };
+
+/// Position in a GMF tensor (xx xy yy xz yz zz) of each component of a VTK tensor (xx yy zz xy yz xz).
+constexpr std::array<std::size_t, 6> kVtkTensorOrder = {0, 2, 5, 1, 4, 3};
+constexpr std::array<std::string_view, 4> kRefNames = {"ref", "CellEntityIds", "gmsh:physical", "medit:ref"};
+constexpr std::array<std::string_view, 4> kGlobalIdNames = {"GlobalPointIds", "GlobalPointId",
+                                                            "GlobalNodeIds", "GlobalNodeId"};
+constexpr std::string_view kGhosts = "vtkGhostType";
+
+struct OtherCell {
+  std::int64_t code;
+  bool volume;
+  const char* name;
+};
+constexpr OtherCell kOtherCells[] = {{2, false, "polyvertices"},
+                                     {4, false, "polylines"},
+                                     {6, false, "triangle strips"},
+                                     {7, false, "polygons"},
+                                     {8, false, "pixels"},
+                                     {9, false, "quadrilaterals"},
+                                     {11, true, "voxels"},
+                                     {12, true, "hexahedra"},
+                                     {13, true, "wedges"},
+                                     {14, true, "pyramids"},
+                                     {21, false, "quadratic edges"},
+                                     {22, false, "quadratic triangles"},
+                                     {23, false, "quadratic quadrilaterals"},
+                                     {24, true, "quadratic tetrahedra"},
+                                     {25, true, "quadratic hexahedra"},
+                                     {26, true, "quadratic wedges"},
+                                     {27, true, "quadratic pyramids"},
+                                     {42, true, "polyhedra"},
+                                     {68, false, "Lagrange curves"},
+                                     {69, false, "Lagrange triangles"},
+                                     {71, true, "Lagrange tetrahedra"}};
+
+template <std::size_t N>
+bool is_one_of(std::string_view name, const std::array<std::string_view, N>& names) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+// ---------------------------------------------------------------------------------------------------------
+// Reading
+
+class PieceReader {
+ public:
+  PieceReader(const VtkDocument& document, pugi::xml_node piece)
+      : document_(document),
+        piece_(piece),
+        num_points_(document.count(piece, "NumberOfPoints")),
+        num_cells_(document.count(piece, "NumberOfCells")) {}
+
+  MeshPiece read() {
+    read_points();
+    read_cell_data();
+    read_cells();
+    read_point_data();
+    result_.contents.complete();
+    return std::move(result_);
+  }
+
+ private:
+  MeshData& mesh() { return result_.contents.mesh; }
+
+  void read_points() {
+    const pugi::xml_node array = piece_.child("Points").child("DataArray");
+    if (!array) {
+      if (num_points_ == 0) return;
+      document_.fail("Points", "are missing");
+    }
+    const std::vector<double> coordinates = document_.reals(array, 3 * num_points_);
+    mesh().points.resize(num_points_);
+    for (std::size_t i = 0; i < num_points_; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        const double x = coordinates[3 * i + static_cast<std::size_t>(c)];
+        if (!std::isfinite(x)) document_.fail("point " + std::to_string(i), "a coordinate is not finite");
+        mesh().points[i][c] = x;
+      }
+    }
+  }
+
+  void read_cell_data() {
+    for (const pugi::xml_node array : piece_.child("CellData").children("DataArray")) {
+      const std::string name = array.attribute("Name").value();
+      if (name == kGhosts) {
+        ghosts_ = document_.integers(array, num_cells_);
+      } else if (is_one_of(name, kRefNames) && refs_.empty() && is_scalar(array)) {
+        refs_ = document_.integers(array, num_cells_);
+      } else {
+        result_.contents.drop("values of cell data " + name, num_cells_);
+      }
+    }
+  }
+
+  static bool is_scalar(pugi::xml_node array) { return array.attribute("NumberOfComponents").as_int(1) == 1; }
+
+  pugi::xml_node cell_array(const char* name) const {
+    const pugi::xml_node array = piece_.child("Cells").find_child_by_attribute("DataArray", "Name", name);
+    if (!array) document_.fail("Cells", std::string("array ") + name + " is missing");
+    return array;
+  }
+
+  void read_cells() {
+    if (num_cells_ == 0) return;
+    const std::vector<std::int64_t> types = document_.integers(cell_array("types"), num_cells_);
+    const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_);
+    const std::vector<std::int64_t> nodes = document_.integers(cell_array("connectivity"));
+    std::int64_t begin = 0;
+    for (std::size_t i = 0; i < num_cells_; ++i) {
+      cell_ = i;
+      const std::int64_t end = offsets[i];
+      if (end < begin || static_cast<std::uint64_t>(end) > nodes.size()) {
+        fail_cell("its offset " + std::to_string(end) + " is out of range");
+      }
+      nodes_ = nodes.data() + begin;
+      num_nodes_ = static_cast<std::size_t>(end - begin);
+      const bool ghost = !ghosts_.empty() && (ghosts_[i] & 1);  // another piece has it
+      if (!ghost) read_cell(types[i], ref_of_cell());
+      begin = end;
+    }
+    if (static_cast<std::uint64_t>(begin) != nodes.size()) {
+      document_.fail("Cells", "connectivity has more values than the offsets say");
+    }
+  }
+
+  std::int32_t ref_of_cell() const {
+    if (refs_.empty()) return 0;
+    if (!std::in_range<std::int32_t>(refs_[cell_])) {
+      fail_cell("reference " + std::to_string(refs_[cell_]) + " does not fit 32 bits");
+    }
+    return static_cast<std::int32_t>(refs_[cell_]);
+  }
+
+  [[noreturn]] void fail_cell(const std::string& reason) const {
+    document_.fail("cell " + std::to_string(cell_), reason);
+  }
+
+  template <std::size_t N>
+  std::array<std::uint32_t, N> cell_nodes() const {
+    if (num_nodes_ != N) {
+      fail_cell("has " + std::to_string(num_nodes_) + " points instead of " + std::to_string(N));
+    }
+    std::array<std::uint32_t, N> cell;
+    for (std::size_t n = 0; n < N; ++n) {
+      if (nodes_[n] < 0 || static_cast<std::uint64_t>(nodes_[n]) >= num_points_) {
+        fail_cell("point index " + std::to_string(nodes_[n]) + " is out of range 0.." +
+                  std::to_string(static_cast<std::int64_t>(num_points_) - 1));
+      }
+      cell[n] = static_cast<std::uint32_t>(nodes_[n]);
+    }
+    return cell;
+  }
+
+  void read_cell(std::int64_t type, std::int32_t ref) {
+    switch (type) {
+      case kTetra:
+        mesh().tets.push_back(cell_nodes<4>());
+        mesh().tet_refs.push_back(ref);
+        break;
+      case kTriangle:
+        mesh().triangles.push_back(cell_nodes<3>());
+        mesh().triangle_refs.push_back(ref);
+        break;
+      case kLine:
+        mesh().edges.push_back(cell_nodes<2>());
+        mesh().edge_refs.push_back(ref);
+        break;
+      case kVertex:
+        mesh().corners.push_back(cell_nodes<1>()[0]);
+        break;
+      default:
+        drop_cell(type);
+    }
+  }
+
+  void drop_cell(std::int64_t type) {
+    const auto known = std::ranges::find(kOtherCells, type, &OtherCell::code);
+    if (known == std::end(kOtherCells)) {
+      result_.contents.drop_volumes("cells of VTK type " + std::to_string(type), 1);
+    } else if (known->volume) {
+      result_.contents.drop_volumes(known->name, 1);
+    } else {
+      result_.contents.drop(known->name);
+    }
+  }
+
+  void read_point_data() {
+    const pugi::xml_node data = piece_.child("PointData");
+    const std::string_view ids = data.attribute("GlobalIds").value();
+    for (const pugi::xml_node array : data.children("DataArray")) {
+      const std::string name = array.attribute("Name").value();
+      const bool real = std::string_view(array.attribute("type").value()).starts_with("Float");
+      if ((name == ids || is_one_of(name, kGlobalIdNames)) && !real && is_scalar(array)) {
+        result_.global_ids = document_.integers(array, num_points_);
+      } else if (name == "ref" && !real && is_scalar(array)) {
+        read_point_refs(array);
+      } else if (name != kGhosts) {
+        read_field(array, name);
+      }
+    }
+  }
+
+  void read_point_refs(pugi::xml_node array) {
+    mesh().point_refs.clear();
+    for (const std::int64_t ref : document_.integers(array, num_points_)) {
+      if (!std::in_range<std::int32_t>(ref)) document_.fail("array ref", "a reference does not fit 32 bits");
+      mesh().point_refs.push_back(static_cast<std::int32_t>(ref));
+    }
+  }
+
+  void read_field(pugi::xml_node array, const std::string& name) {
+    MeshContents& contents = result_.contents;
+    const int length = array.attribute("NumberOfComponents").as_int(1);
+    if (length != 1 && length != 3 && length != 6 && length != 9) {
+      return contents.drop("fields of " + std::to_string(length) + " components");
+    }
+    std::vector<double> values = document_.reals(array, static_cast<std::uint64_t>(length) * num_points_);
+    Field field{length == 1   ? Field::Kind::scalar
+                : length == 3 ? Field::Kind::vector
+                              : Field::Kind::tensor,
+                {},
+                name};
+    if (length == 9) {
+      if (!fold_full_tensors(values, field.values)) {
+        return contents.drop("fields of tensors that are not symmetric");
+      }
+    } else if (length == 6) {
+      field.values.resize(values.size());
+      for (std::size_t i = 0; i < values.size(); ++i)
+        field.values[i / 6 * 6 + kVtkTensorOrder[i % 6]] = values[i];
+    } else {
+      field.values = std::move(values);
+    }
+    contents.fields.fields.push_back(std::move(field));
+  }
+
+  const VtkDocument& document_;
+  pugi::xml_node piece_;
+  std::uint64_t num_points_, num_cells_;
+  MeshPiece result_;
+  std::vector<std::int64_t> refs_, ghosts_;
+  // The cell being read:
+  std::size_t cell_ = 0, num_nodes_ = 0;
+  const std::int64_t* nodes_ = nullptr;
+};
+
+// ---------------------------------------------------------------------------------------------------------
+// Writing
+
+template <class T>
+std::vector<char> bytes_of(const std::vector<T>& values) {
+  std::vector<char> bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+/// The cells of a mesh in the order in which they are written.
+class Cells {
+ public:
+  explicit Cells(const MeshData& mesh) : mesh_(mesh) {}
+
+  std::uint64_t count() const {
+    return mesh_.tets.size() + mesh_.triangles.size() + mesh_.edges.size() + mesh_.corners.size();
+  }
+  std::uint64_t num_nodes() const {
+    return 4 * mesh_.tets.size() + 3 * mesh_.triangles.size() + 2 * mesh_.edges.size() + mesh_.corners.size();
+  }
+
+  std::vector<char> connectivity() const {
+    std::vector<std::int64_t> nodes;
+    nodes.reserve(num_nodes());
+    for (const auto& e : mesh_.tets) nodes.insert(nodes.end(), e.begin(), e.end());
+    for (const auto& e : mesh_.triangles) nodes.insert(nodes.end(), e.begin(), e.end());
+    for (const auto& e : mesh_.edges) nodes.insert(nodes.end(), e.begin(), e.end());
+    nodes.insert(nodes.end(), mesh_.corners.begin(), mesh_.corners.end());
+    return bytes_of(nodes);
+  }
+  std::vector<char> offsets() const {
+    std::vector<std::int64_t> ends;
+    ends.reserve(count());
+    std::int64_t end = 0;
+    const auto add = [&](std::size_t n, std::int64_t nodes) {
+      for (std::size_t i = 0; i < n; ++i) ends.push_back(end += nodes);
+    };
+    add(mesh_.tets.size(), 4);
+    add(mesh_.triangles.size(), 3);
+    add(mesh_.edges.size(), 2);
+    add(mesh_.corners.size(), 1);
+    return bytes_of(ends);
+  }
+  std::vector<char> types() const {
+    std::vector<std::uint8_t> types;
+    types.reserve(count());
+    types.insert(types.end(), mesh_.tets.size(), kTetra);
+    types.insert(types.end(), mesh_.triangles.size(), kTriangle);
+    types.insert(types.end(), mesh_.edges.size(), kLine);
+    types.insert(types.end(), mesh_.corners.size(), kVertex);
+    return bytes_of(types);
+  }
+  std::vector<char> refs() const {
+    std::vector<std::int32_t> refs;
+    refs.reserve(count());
+    for (const auto* of : {&mesh_.tet_refs, &mesh_.triangle_refs, &mesh_.edge_refs}) {
+      refs.insert(refs.end(), of->begin(), of->end());
+    }
+    for (const std::uint32_t corner : mesh_.corners) refs.push_back(mesh_.point_refs[corner]);
+    return bytes_of(refs);
+  }
+
+ private:
+  const MeshData& mesh_;
+};
+
+std::vector<char> field_bytes(const Field& field) {
+  if (field.kind != Field::Kind::tensor) return bytes_of(field.values);
+  std::vector<double> values(field.values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = field.values[i / 6 * 6 + kVtkTensorOrder[i % 6]];
+  return bytes_of(values);
+}
+
+void describe_point_data(VtkWriter& out, const MeshView& contents,
+                         const std::vector<std::int64_t>& global_ids) {
+  const MeshData& mesh = contents.mesh;
+  out.text(global_ids.empty() ? "<PointData>" : "<PointData GlobalIds=\"GlobalPointIds\">");
+  if (!global_ids.empty()) {
+    out.array("Int64", "GlobalPointIds", 1, global_ids.size() * sizeof(std::int64_t),
+              [&] { return bytes_of(global_ids); });
+  }
+  if (std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; })) {
+    out.array("Int32", "ref", 1, mesh.points.size() * sizeof(std::int32_t),
+              [&] { return bytes_of(mesh.point_refs); });
+  }
+  for (std::size_t i = 0; i < contents.fields.fields.size(); ++i) {
+    const Field& field = contents.fields.fields[i];
+    out.array("Float64", field_name(contents.fields, i), components(field.kind),
+              field.values.size() * sizeof(double), [&field] { return field_bytes(field); });
+  }
+  out.text("</PointData>");
+}
+
+}  // namespace
+
+std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  std::vector<MeshPiece> pieces;
+  for (const pugi::xml_node piece : document.grid().children("Piece")) {
+    pieces.push_back(PieceReader(document, piece).read());
+  }
+  if (pieces.empty()) document.fail("Piece", "is missing");
+  return pieces;
+}
+
+MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(read_vtu_pieces(path)); }
+
+void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
+                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
+                     const std::vector<CellData>& cell_data) {
+  static_assert(sizeof(Point) == 3 * sizeof(double), "points are written as they lie in memory");
+  check_lengths(contents.mesh, contents.fields);
+  const MeshData& mesh = contents.mesh;
+  const Cells cells(mesh);
+  VtkWriter out(path, "UnstructuredGrid", options);
+  out.text("<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) +
+           "\" NumberOfCells=\"" + std::to_string(cells.count()) + "\">\n<Points>");
+  out.array("Float64", "Points", 3, mesh.points.size() * sizeof(Point),
+            [&] { return bytes_of(mesh.points); });
+  out.text("</Points>\n<Cells>");
+  out.array("Int64", "connectivity", 1, cells.num_nodes() * sizeof(std::int64_t),
+            [&] { return cells.connectivity(); });
+  out.array("Int64", "offsets", 1, cells.count() * sizeof(std::int64_t), [&] { return cells.offsets(); });
+  out.array("UInt8", "types", 1, cells.count(), [&] { return cells.types(); });
+  out.text("</Cells>\n<CellData Scalars=\"ref\">");
+  out.array("Int32", "ref", 1, cells.count() * sizeof(std::int32_t), [&] { return cells.refs(); });
+  for (const CellData& data : cell_data) {
+    out.array("Float64", data.name, 1, data.values.size() * sizeof(double),
+              [&data] { return bytes_of(data.values); });
+  }
+  out.text("</CellData>");
+  describe_point_data(out, contents, global_ids);
+  out.text("</Piece>\n</UnstructuredGrid>");
+  out.finish();
+}
+
+void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
+  write_vtu_piece(path, contents, {}, options);
+}
+
+}  // namespace weft::meshing

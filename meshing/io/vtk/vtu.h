@@ -1,0 +1,37 @@
+// VTK unstructured grids (.vtu), as ParaView and many solvers read and write them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "meshing/io/files/merge_pieces.h"
+#include "meshing/io/files/mesh_contents.h"
+
+namespace weft::meshing {
+
+/// Reads tets, triangles, lines, and vertices (which become corners): arrays as text, base64 or raw, inline
+/// or appended, also compressed with zlib. Integer cell data called ref (or by the names of Gmsh and Medit)
+/// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
+MeshContents read_vtu(const std::filesystem::path& path);
+
+/// Writes the same, whole or not at all: references as cell data `ref` and, where there are any, point data
+/// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...
+/// Tensors are put in VTK's order xx yy zz xy yz xz.
+void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
+
+/// A number for every cell: tets, triangles, edges and corners, in this order.
+struct CellData {
+  std::string name;
+  std::vector<double> values;
+};
+
+/// The pieces of one .vtu, and a .vtu as one of several. More cell data than `ref` are for viewers: readers
+/// here drop them.
+std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path);
+void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
+                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
+                     const std::vector<CellData>& cell_data = {});
+
+}  // namespace weft::meshing

@@ -1,0 +1,199 @@
+// Derivatives and qualities of a ball, eight tets at a time.
+#include "meshing/kernel/ball_objective.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "meshing/base/lanes.h"
+
+namespace weft::meshing {
+namespace {
+
+typedef float FloatLanes __attribute__((vector_size(4 * kLanes)));
+typedef std::int32_t IntLanes __attribute__((vector_size(4 * kLanes)));
+
+VecLanes operator*(const Lanes& s, const VecLanes& a) { return {s * a.x, s * a.y, s * a.z}; }
+Lanes dot(const VecLanes& a, const VecLanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
+VecLanes apply(const TensorLanes& m, const VecLanes& v) {
+  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+          m.xz * v.x + m.yz * v.y + m.zz * v.z};
+}
+Lanes determinant(const TensorLanes& a) {
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
+         a.xz * (a.xy * a.yz - a.yy * a.xz);
+}
+double sum(const Lanes& v) {
+  double s = 0;
+  for (int i = 0; i < kLanes; ++i) s += v[i];
+  return s;
+}
+
+/// fast_cbrt of quality.h for eight numbers, with the first guess from single precision (integer division by
+/// three has no vector form; a multiplication has).
+Lanes cube_root(Lanes x) {
+  x = x > 1e-36 ? x : Lanes{} + 1e-36;
+  FloatLanes f = __builtin_convertvector(x, FloatLanes);
+  IntLanes bits;
+  std::memcpy(&bits, &f, sizeof bits);
+  bits =
+      __builtin_convertvector(__builtin_convertvector(bits, FloatLanes) * (1.0f / 3), IntLanes) + 709921077;
+  std::memcpy(&f, &bits, sizeof f);
+  Lanes y = __builtin_convertvector(f, Lanes);
+  for (int i = 0; i < 2; ++i) {
+    const Lanes y3 = y * y * y;
+    y *= (y3 + 2 * x) / (2 * y3 + x);
+  }
+  return y;
+}
+
+Lanes sum_squared_lengths(const TensorLanes& m, const VecLanes& e1, const VecLanes& e2, const VecLanes& e3) {
+  const VecLanes m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
+  return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
+}
+
+/// Mean ratios from six-fold volumes, metrics and sums of squared lengths. The root is taken of a number that
+/// does not depend on the scale of the metric, as single precision could not hold the others.
+Lanes mean_ratio(const Lanes& volume, const TensorLanes& m, const Lanes& s) {
+  return kMeanRatioFactor * cube_root(volume * volume * determinant(m) / (36 * s * s * s));
+}
+
+struct HessianLanes {
+  Lanes xx{}, xy{}, yy{}, xz{}, yz{}, zz{};
+};
+
+/// h += s u u^T
+void add_square(HessianLanes& h, const Lanes& s, const VecLanes& u) {
+  const VecLanes su = s * u;
+  h.xx += su.x * u.x;
+  h.xy += su.x * u.y;
+  h.yy += su.y * u.y;
+  h.xz += su.x * u.z;
+  h.yz += su.y * u.z;
+  h.zz += su.z * u.z;
+}
+
+}  // namespace
+
+void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId c) {
+  const Point& o = mesh.point(a);
+  const Vec e1 = mesh.point(b) - o, e2 = mesh.point(c) - o, n = cross(e1, e2);
+  const Vec products = {std::abs(e1.y * e2.z) + std::abs(e1.z * e2.y),
+                        std::abs(e1.z * e2.x) + std::abs(e1.x * e2.z),
+                        std::abs(e1.x * e2.y) + std::abs(e1.y * e2.x)};
+  for (int i = 0; i < 3; ++i) {
+    row(kOrigin + i)[k] = o[i];
+    row(kEdge1 + i)[k] = e1[i];
+    row(kEdge2 + i)[k] = e2[i];
+    row(kNormal + i)[k] = n[i];
+    row(kAbsNormal + i)[k] = products[i];
+  }
+  const SymTensor t = judge_tensor(mesh, a) + judge_tensor(mesh, b) + judge_tensor(mesh, c);
+  const double entries[6] = {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz};
+  for (int i = 0; i < 6; ++i) row(kTensor + i)[k] = entries[i];
+  row(kWeight)[k] = 1;
+}
+
+void BallFaces::gather(const TetMesh& mesh, const Ball& ball) {
+  mesh_ = &mesh;
+  ball_ = &ball;
+  mean_ = mesh.metric_mean();
+  size_ = static_cast<int>(ball.tets.size());
+  stride_ = (size_ + kLanes - 1) / kLanes * kLanes;
+  if (data_.size() < static_cast<std::size_t>(kRows * stride_)) data_.resize(kRows * stride_);
+  for (int k = 0; k < stride_; ++k) {
+    const auto [t, local] = ball.tets[std::min(k, size_ - 1)];
+    const auto& f = kTetFaces[local];
+    set(k, mesh, mesh.vertex(t, f[0]), mesh.vertex(t, f[1]), mesh.vertex(t, f[2]));
+    if (k >= size_) row(kWeight)[k] = 0;
+  }
+}
+
+void BallFaces::average(const SymTensor& centre) {
+  const double c[6] = {centre.xx, centre.xy, centre.yy, centre.xz, centre.yz, centre.zz};
+  for (int i = 0; i < 6; ++i)
+    for (int k = 0; k < stride_; ++k) row(kMean + i)[k] = row(kTensor + i)[k] + c[i];
+  if (mean_ != MetricMean::log_euclidean) return;
+  for (int k = 0; k < stride_; ++k) {
+    double* m = row(kMean) + k;
+    const SymTensor e = mean_of_sum(
+        mean_, {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]});
+    const double entries[6] = {e.xx, e.xy, e.yy, e.xz, e.yz, e.zz};
+    for (int i = 0; i < 6; ++i) m[i * stride_] = entries[i];
+  }
+}
+
+bool BallFaces::is_positive(int k, const Point& x) const {
+  const auto [t, local] = ball_->tets[k];
+  const auto& f = kTetFaces[local];
+  return orientation(mesh_->point(mesh_->vertex(t, f[0])), mesh_->point(mesh_->vertex(t, f[1])),
+                     mesh_->point(mesh_->vertex(t, f[2])), x) > 0;
+}
+
+BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) {
+  average(centre);
+  Lanes value{};
+  VecLanes gradient{};
+  HessianLanes h;
+  for (int k = 0; k < stride_; k += kLanes) {
+    const TensorLanes m = load_lanes6(row(kMean) + k, stride_);
+    const VecLanes e1 = load_lanes3(row(kEdge1) + k, stride_), e2 = load_lanes3(row(kEdge2) + k, stride_);
+    const VecLanes n = load_lanes3(row(kNormal) + k, stride_), o = load_lanes3(row(kOrigin) + k, stride_);
+    const VecLanes e3 = {x.x - o.x, x.y - o.y, x.z - o.z};
+    const Lanes raw = dot(n, e3);
+    const Lanes volume = raw > 0 ? raw : Lanes{} + 1;
+    const Lanes s = sum_squared_lengths(m, e1, e2, e3);
+    Lanes f = 1 / mean_ratio(volume, m, s);
+    f = raw > 0 ? f * load_lanes(row(kWeight) + k) : Lanes{};
+    // S' = 2 M (3 x - sum of the face's points), S'' = 6 M; g is the gradient of the logarithm of 1/Q.
+    const VecLanes direction = {3 * e3.x - e1.x - e2.x, 3 * e3.y - e1.y - e2.y, 3 * e3.z - e1.z - e2.z};
+    const VecLanes ds = (2 / s) * apply(m, direction), dv = (1 / volume) * n;
+    const VecLanes g = {ds.x - (2.0 / 3) * dv.x, ds.y - (2.0 / 3) * dv.y, ds.z - (2.0 / 3) * dv.z};
+    const VecLanes fg = f * g;
+    store_lanes(row(kValue) + k, f);
+    store_lanes(row(kGradient) + k, fg.x);
+    store_lanes(row(kGradient + 1) + k, fg.y);
+    store_lanes(row(kGradient + 2) + k, fg.z);
+    value += f;
+    gradient = {gradient.x + fg.x, gradient.y + fg.y, gradient.z + fg.z};
+    add_square(h, f, g);
+    add_square(h, -f, ds);
+    add_square(h, (2.0 / 3) * f, dv);
+    const Lanes c = 6 * f / s;
+    h.xx += c * m.xx;
+    h.xy += c * m.xy;
+    h.yy += c * m.yy;
+    h.xz += c * m.xz;
+    h.yz += c * m.yz;
+    h.zz += c * m.zz;
+  }
+  return {sum(value),
+          {sum(gradient.x), sum(gradient.y), sum(gradient.z)},
+          {sum(h.xx), sum(h.xy), sum(h.yy), sum(h.xz), sum(h.yz), sum(h.zz)}};
+}
+
+double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector<float>& qualities) {
+  average(centre);
+  qualities.resize(stride_);
+  for (int k = 0; k < stride_; k += kLanes) {
+    const TensorLanes m = load_lanes6(row(kMean) + k, stride_);
+    const VecLanes e1 = load_lanes3(row(kEdge1) + k, stride_), e2 = load_lanes3(row(kEdge2) + k, stride_);
+    const VecLanes n = load_lanes3(row(kNormal) + k, stride_), o = load_lanes3(row(kOrigin) + k, stride_);
+    const VecLanes e3 = {x.x - o.x, x.y - o.y, x.z - o.z};
+    const Lanes volume = dot(n, e3);
+    // The filter of predicates.h with the centre's row last.
+    const VecLanes products = load_lanes3(row(kAbsNormal) + k, stride_);
+    const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) +
+                                          products.z * absolute(e3.z));
+    const Lanes positive = volume > 0 ? volume : Lanes{};
+    const Lanes q = mean_ratio(positive, m, sum_squared_lengths(m, e1, e2, e3));
+    for (int i = 0; i < kLanes; ++i) {
+      if (!(doubt[i] > 0) && !is_positive(std::min(k + i, size_ - 1), x)) return -1;
+      qualities[k + i] = static_cast<float>(q[i]);
+    }
+  }
+  qualities.resize(size_);
+  return *std::min_element(qualities.begin(), qualities.end());
+}
+
+}  // namespace weft::meshing

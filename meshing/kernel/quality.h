@@ -1,0 +1,78 @@
+// The quality that operators judge by: mean ratio in a mean of the vertices' metrics, cheap or exact
+// (MetricMean). Reports use measures.h, which takes the log-Euclidean mean; the two agree where the mesh
+// resolves the metric.
+#pragma once
+
+#include <bit>
+#include <cmath>
+
+#include "meshing/kernel/tet_mesh.h"
+#include "meshing/mesh/predicates.h"
+#include "meshing/metric/metric.h"
+
+namespace weft::meshing {
+
+/// Sum over the six edges of v.M.v for a tet whose edges from vertex 0 are e1, e2, e3.
+inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+  const Vec m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
+  return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
+}
+
+/// Cube root of a positive normal number to about 1e-13: a bit-level guess and two Halley steps, a third of
+/// the cost of std::cbrt.
+inline double fast_cbrt(double x) {
+  double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 3 + 0x2A9F7893782DA1CEull);
+  for (int i = 0; i < 2; ++i) {
+    const double y3 = y * y * y;
+    y *= (y3 + 2 * x) / (2 * y3 + x);
+  }
+  return y;
+}
+
+/// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of
+/// it: the measure does not depend on the metric's scale.
+inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+  const double v = six_volume * (1.0 / 6);
+  return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
+}
+
+/// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of
+/// mean) add up to.
+inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
+  return mean == MetricMean::log_euclidean ? exp_fast(0.25 * sum) : sum;
+}
+
+/// A vertex as the judges see it: its place and the tensor that the kind of mean adds up.
+struct Corner {
+  Point x;
+  SymTensor tensor;
+};
+inline const SymTensor& judge_tensor(MetricMean mean, const Metric& metric, const LogMetric& log_metric) {
+  static constexpr SymTensor kIdentity = {1, 0, 1, 0, 0, 1};
+  return mean == MetricMean::arithmetic ? metric : mean == MetricMean::log_euclidean ? log_metric : kIdentity;
+}
+inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
+  return judge_tensor(mesh.metric_mean(), mesh.metric(v), mesh.log_metric(v));
+}
+inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
+
+/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
+inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c,
+                            const Corner& d) {
+  const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
+  if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
+  const double volume = dot(cross(e1, e2), e3);
+  if (!(volume > 0)) return 0;
+  return mean_ratio(volume, mean_of_sum(mean, a.tensor + b.tensor + c.tensor + d.tensor), e1, e2, e3);
+}
+
+inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
+  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c),
+                       corner(mesh, d));
+}
+
+inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {
+  return edge_length_fast(mesh.point(b) - mesh.point(a), mesh.metric(a), mesh.metric(b));
+}
+
+}  // namespace weft::meshing

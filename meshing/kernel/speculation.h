@@ -1,0 +1,69 @@
+// Speculation: a thread claims every vertex that an operator reads or changes, tries, never waits, and lets
+// go.
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "meshing/kernel/tet_mesh.h"
+#include "meshing/kernel/verdict.h"
+
+namespace weft::meshing {
+
+/// The vertices one thread holds. A claimed vertex, and every tet that contains one, is changed by nobody
+/// else; so its ball can be walked and all coordinates of claimed vertices can be read. Frozen vertices are
+/// never claimed.
+class Claims {
+ public:
+  /// `owner` is unique among the threads that work on `mesh`, in 1 .. 0xFFFFFFFE. A `sole` owner works alone:
+  /// plain stores instead of compare-and-swap.
+  Claims(TetMesh& mesh, std::uint32_t owner, bool sole) : mesh_(mesh), owner_(owner), sole_(sole) {
+    held_.reserve(512);
+  }
+
+  /// accepted (held now, or already), conflict, or frozen (TetMesh::frozen_are_untouchable).
+  Verdict claim(VertexId v) {
+    std::uint32_t& word = mesh_.claim_word(v);
+    std::atomic_ref ref(word);
+    std::uint32_t seen = ref.load(std::memory_order_relaxed);
+    if (seen == owner_) return Verdict::accepted;
+    if (seen != TetMesh::kFree) return Verdict::conflict;
+    if (mesh_.frozen_are_untouchable() && mesh_.frozen(v)) return Verdict::frozen;
+    if (sole_) {
+      ref.store(owner_, std::memory_order_relaxed);
+    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
+                                            std::memory_order_relaxed)) {
+      return Verdict::conflict;
+    }
+    held_.push_back(v);
+    return Verdict::accepted;
+  }
+
+  /// Claims the four vertices of a tet; conflict also when the tet changed or died meanwhile.
+  Verdict claim_tet(TetId t) {
+    if (!mesh_.alive(t)) return Verdict::not_needed;
+    const TetVertices v = mesh_.vertices(t);
+    for (VertexId x : v)
+      if (const Verdict r = claim(x); r != Verdict::accepted) return r;
+    return sole_ || (mesh_.alive(t) && mesh_.vertices(t) == v) ? Verdict::accepted : Verdict::conflict;
+  }
+
+  bool holds(VertexId v) const {
+    return std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed) == owner_;
+  }
+
+  /// Lets go of everything. The release order publishes what was written to the next holder.
+  void release() {
+    for (VertexId v : held_)
+      std::atomic_ref(mesh_.claim_word(v)).store(TetMesh::kFree, std::memory_order_release);
+    held_.clear();
+  }
+
+ private:
+  TetMesh& mesh_;
+  std::uint32_t owner_;
+  bool sole_;
+  std::vector<VertexId> held_;
+};
+
+}  // namespace weft::meshing

@@ -1,0 +1,311 @@
+// Connectivity by bucketing: everything is filed under its smallest vertex by a counting sort, and matched
+// inside the small buckets, which stay in cache. Buckets fill in any order; no result depends on that order.
+#include "meshing/mesh/adjacency.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "meshing/base/error.h"
+
+namespace weft::meshing {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+using Tet = std::array<std::uint32_t, 4>;
+using Range = tbb::blocked_range<std::size_t>;
+
+constexpr std::size_t kVerticesPerTask = 2048;
+
+/// The vertices of a tet, ascending, and the position in the tet that each came from.
+struct SortedTet {
+  Tet vertices;
+  Tet positions;
+};
+
+SortedTet sorted(const Tet& tet) {
+  std::array<std::uint64_t, 4> keys;
+  for (std::uint64_t i = 0; i < 4; ++i) keys[i] = (std::uint64_t{tet[i]} << 2) | i;
+  const auto order = [&keys](int i, int j) {
+    const auto [low, high] = std::minmax({keys[i], keys[j]});
+    keys[i] = low;
+    keys[j] = high;
+  };
+  order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);  // the optimal network for four
+  SortedTet result;
+  for (int i = 0; i < 4; ++i) {
+    result.vertices[i] = static_cast<std::uint32_t>(keys[i] >> 2);
+    result.positions[i] = static_cast<std::uint32_t>(keys[i] & 3);
+  }
+  return result;
+}
+
+/// One bucket of records a vertex, all in one array.
+template <class Record>
+struct Buckets {
+  std::vector<std::size_t> ends;
+  std::unique_ptr<Record[]> records;
+  std::span<Record> operator[](std::size_t vertex) const {
+    return {records.get() + (vertex == 0 ? 0 : ends[vertex - 1]), records.get() + ends[vertex]};
+  }
+};
+
+template <class Visit>
+void for_each_tet(std::span<const Tet> tets, const Visit& visit) {
+  tbb::parallel_for(Range(0, tets.size(), 4096), [&](const Range& range) {
+    for (std::size_t t = range.begin(); t < range.end(); ++t) visit(t, sorted(tets[t]));
+  });
+}
+
+template <class Visit>
+void for_each_vertex(std::size_t num_vertices, const Visit& visit) {
+  tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) visit(v);
+  });
+}
+
+void check_tets(std::span<const Tet> tets, std::size_t num_vertices) {
+  constexpr std::size_t kMaxTets = (std::size_t{1} << 30) - 1;  // so that no code equals kNoNeighbour
+  if (tets.size() > kMaxTets) throw InputError("", "", "more than 1073741823 tets in one mesh");
+  const auto bad = std::find_if(tets.begin(), tets.end(), [num_vertices](const Tet& tet) {
+    return std::max(std::max(tet[0], tet[1]), std::max(tet[2], tet[3])) >= num_vertices;
+  });
+  if (bad != tets.end())
+    throw InputError("", "tet " + std::to_string(bad - tets.begin() + 1), "vertex out of range");
+}
+
+/// Counting sort. `emit_records(t, sorted tet, emit)` calls emit(vertex, array of records) for each bucket
+/// that tet t puts records in; it runs twice, to count and to place.
+template <class Record, class EmitRecords>
+Buckets<Record> make_buckets(std::span<const Tet> tets, std::size_t num_vertices,
+                             const EmitRecords& emit_records) {
+  Buckets<Record> buckets;
+  buckets.ends.assign(num_vertices, 0);
+  // Relaxed: the counters only hand out distinct places; parallel_for orders the passes.
+  const auto take = [&buckets](std::uint32_t vertex, std::size_t count) {
+    return std::atomic_ref(buckets.ends[vertex]).fetch_add(count, std::memory_order_relaxed);
+  };
+  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
+    emit_records(t, tet, [&](std::uint32_t vertex, const auto& records) { take(vertex, records.size()); });
+  });
+  std::size_t total = 0;
+  for (std::size_t& end : buckets.ends) total += std::exchange(end, total);
+  buckets.records = std::make_unique_for_overwrite<Record[]>(total);
+  // Each counter starts at its bucket's begin and has moved to its end when all records are placed.
+  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
+    emit_records(t, tet, [&](std::uint32_t vertex, const auto& records) {
+      std::copy(records.begin(), records.end(), buckets.records.get() + take(vertex, records.size()));
+    });
+  });
+  return buckets;
+}
+
+/// A face in the bucket of its smallest vertex.
+struct FaceRecord {
+  std::uint32_t middle, largest;
+  std::uint32_t code;  ///< tet * 4 + face
+  friend auto operator<=>(const FaceRecord&, const FaceRecord&) = default;
+};
+
+bool same_face(const FaceRecord& a, const FaceRecord& b) {
+  return a.middle == b.middle && a.largest == b.largest;
+}
+
+Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices) {
+  return make_buckets<FaceRecord>(tets, num_vertices, [](std::size_t t, const SortedTet& tet, auto&& emit) {
+    const auto& [v, positions] = tet;
+    const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
+    emit(v[0],
+         std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
+    emit(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
+  });
+}
+
+/// Pairs the equal faces of one bucket through a small hash table; kept between buckets to reuse its memory.
+class FaceMatcher {
+ public:
+  explicit FaceMatcher(Adjacency& adjacency) : neighbours_(adjacency.neighbours) {}
+
+  /// False when three records are the same face.
+  bool match(std::span<const FaceRecord> faces) {
+    const std::size_t size = std::bit_ceil(2 * faces.size());
+    slots_.assign(size, nullptr);
+    for (const FaceRecord& face : faces) {
+      std::size_t slot = hash(face) & (size - 1);
+      while (slots_[slot] && !same_face(*slots_[slot], face)) slot = (slot + 1) & (size - 1);
+      if (!slots_[slot])
+        slots_[slot] = &face;
+      else if (!pair(slots_[slot]->code, face.code))
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  static std::size_t hash(const FaceRecord& face) {
+    const std::uint64_t key = (std::uint64_t{face.middle} << 32 | face.largest) * 0x9E3779B97F4A7C15u;
+    return key >> 40;
+  }
+  bool pair(std::uint32_t a, std::uint32_t b) {
+    if (neighbours_[a / 4][a % 4] != kNoNeighbour) return false;
+    neighbours_[a / 4][a % 4] = b;
+    neighbours_[b / 4][b % 4] = a;
+    return true;
+  }
+
+  std::vector<Tet>& neighbours_;
+  std::vector<const FaceRecord*> slots_;
+};
+
+void atomic_min(std::uint32_t& target, std::uint32_t value) {
+  std::atomic_ref ref(target);
+  std::uint32_t seen = ref.load(std::memory_order_relaxed);
+  while (value < seen && !ref.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+}
+
+/// Sorts the bucket, so that the face and the tets named do not depend on threads.
+[[noreturn]] void throw_overused_face(std::uint32_t smallest, std::span<FaceRecord> faces) {
+  std::sort(faces.begin(), faces.end());
+  std::size_t i = 0;
+  while (!same_face(faces[i], faces[i + 2])) ++i;
+  const auto tet = [&](std::size_t k) { return std::to_string(faces[k].code / 4 + 1); };
+  throw InputError("", "tets " + tet(i) + ", " + tet(i + 1) + " and " + tet(i + 2),
+                   "share the face (" + std::to_string(smallest + 1) + " " +
+                       std::to_string(faces[i].middle + 1) + " " + std::to_string(faces[i].largest + 1) +
+                       ")");
+}
+
+/// Triangles in the order of their smallest vertex, then of the other two.
+struct TriangleRecord {
+  std::uint32_t smallest, middle, largest, index;
+  friend auto operator<=>(const TriangleRecord&, const TriangleRecord&) = default;
+};
+
+std::vector<TriangleRecord> sorted_triangles(std::span<const Triangle> triangles) {
+  std::vector<TriangleRecord> records(triangles.size());
+  for (std::uint32_t i = 0; i < records.size(); ++i) {
+    Triangle v = triangles[i];
+    std::sort(v.begin(), v.end());
+    records[i] = {v[0], v[1], v[2], i};
+  }
+  tbb::parallel_sort(records);
+  return records;
+}
+
+}  // namespace
+
+Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices) {
+  check_tets(tets, num_vertices);
+  const Buckets<FaceRecord> buckets = bucket_faces(tets, num_vertices);
+  Adjacency adjacency{
+      std::vector<Tet>(tets.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour})};
+  std::uint32_t overused = kNoNeighbour;  // smallest vertex with a face in three tets
+  tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
+    FaceMatcher matcher(adjacency);
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (!matcher.match(buckets[v])) atomic_min(overused, static_cast<std::uint32_t>(v));
+  });
+  if (overused != kNoNeighbour) throw_overused_face(overused, buckets[overused]);
+  return adjacency;
+}
+
+std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, std::span<const Tet> tets,
+                                           std::size_t num_vertices) {
+  check_tets(tets, num_vertices);
+  const std::vector<TriangleRecord> records = sorted_triangles(triangles);
+  std::vector<std::uint32_t> begins(num_vertices + 1, 0);  // of each smallest vertex in `records`
+  for (const TriangleRecord& record : records) {
+    if (record.largest >= num_vertices)
+      throw InputError("", "triangle " + std::to_string(record.index + 1), "vertex out of range");
+    ++begins[record.smallest + 1];
+  }
+  for (std::size_t v = 0; v < num_vertices; ++v) begins[v + 1] += begins[v];
+
+  std::vector<std::uint32_t> codes(triangles.size(), kNoNeighbour);
+  const auto look_up = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t code) {
+    const auto end = records.begin() + begins[a + 1];
+    auto it = std::lower_bound(records.begin() + begins[a], end, TriangleRecord{a, b, c, 0});
+    for (; it != end && it->middle == b && it->largest == c; ++it) atomic_min(codes[it->index], code);
+  };
+  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
+    const auto& [v, positions] = tet;
+    const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
+    if (begins[v[0]] != begins[v[0] + 1]) {
+      look_up(v[0], v[1], v[2], code(3));
+      look_up(v[0], v[1], v[3], code(2));
+      look_up(v[0], v[2], v[3], code(1));
+    }
+    if (begins[v[1]] != begins[v[1] + 1]) look_up(v[1], v[2], v[3], code(0));
+  });
+  return codes;
+}
+
+EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices) {
+  check_tets(tets, num_vertices);
+  using One = std::array<std::uint32_t, 1>;
+  using Two = std::array<std::uint32_t, 2>;
+  const auto buckets =
+      make_buckets<std::uint32_t>(tets, num_vertices, [](std::size_t, const SortedTet& tet, auto&& emit) {
+        const Tet& v = tet.vertices;
+        emit(v[0], Triangle{v[1], v[2], v[3]});
+        emit(v[1], Two{v[2], v[3]});
+        emit(v[2], One{v[3]});
+      });
+  EdgeLists edges{std::vector<std::size_t>(num_vertices + 1, 0), {}};
+  for_each_vertex(num_vertices, [&](std::size_t v) {
+    const std::span<std::uint32_t> others = buckets[v];
+    std::sort(others.begin(), others.end());
+    edges.begins[v + 1] = std::unique(others.begin(), others.end()) - others.begin();
+  });
+  for (std::size_t v = 0; v < num_vertices; ++v) edges.begins[v + 1] += edges.begins[v];
+  edges.others.resize(edges.begins.back());
+  for_each_vertex(num_vertices, [&](std::size_t v) {
+    std::copy_n(buckets[v].begin(), edges.begins[v + 1] - edges.begins[v],
+                edges.others.begin() + edges.begins[v]);
+  });
+  return edges;
+}
+
+VertexLists vertex_neighbours(std::span<const Tet> tets, std::size_t num_vertices) {
+  const EdgeLists edges = unique_edges(tets, num_vertices);
+  VertexLists lists{std::vector<std::size_t>(num_vertices + 1, 0), {}};
+  const auto for_each_edge = [&](const auto& visit) {
+    for (std::uint32_t v = 0; v < num_vertices; ++v)
+      for (const std::uint32_t w : edges.of(v)) visit(v, w);
+  };
+  for_each_edge([&](std::uint32_t v, std::uint32_t w) { ++lists.begins[v + 1], ++lists.begins[w + 1]; });
+  for (std::size_t v = 0; v < num_vertices; ++v) lists.begins[v + 1] += lists.begins[v];
+  lists.items.resize(lists.begins.back());
+  std::vector<std::size_t> next(lists.begins.begin(), lists.begins.end() - 1);
+  // Ascending as they are: v's smaller neighbours were visited before v, in their order, and put themselves
+  // here.
+  for_each_edge([&](std::uint32_t v, std::uint32_t w) {
+    lists.items[next[v]++] = w;
+    lists.items[next[w]++] = v;
+  });
+  return lists;
+}
+
+VertexLists vertex_tets(std::span<const Tet> tets, std::size_t num_vertices) {
+  check_tets(tets, num_vertices);
+  VertexLists lists{std::vector<std::size_t>(num_vertices + 1, 0), {}};
+  for (const Tet& tet : tets)
+    for (const std::uint32_t v : tet) ++lists.begins[v + 1];
+  for (std::size_t v = 0; v < num_vertices; ++v) lists.begins[v + 1] += lists.begins[v];
+  lists.items.resize(lists.begins.back());
+  std::vector<std::size_t> next(lists.begins.begin(), lists.begins.end() - 1);
+  for (std::uint32_t t = 0; t < tets.size(); ++t)
+    for (const std::uint32_t v : tets[t]) lists.items[next[v]++] = t;
+  return lists;
+}
+
+}  // namespace weft::meshing

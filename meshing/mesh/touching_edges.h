@@ -1,0 +1,22 @@
+// Edges at which a body touches itself: several sets of tets that are not joined around the edge share it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+/// Makes the edges of `boundary` that more than two of the triangles `outer` share, those with a tet on one
+/// side only, required edges of it; they get reference 0 where it does not list them yet. An operator walks
+/// round an edge from tet to tet and would change one of the sets only, so that the other would lose its
+/// ridge. Returns how many there are. O(n log n).
+std::size_t require_touching_edges(std::span<const std::array<std::uint32_t, 3>> outer, MeshData& boundary);
+/// What a user is told of them.
+std::string touching_edges_warning(std::size_t count);
+
+}  // namespace weft::meshing

@@ -1,0 +1,150 @@
+// Point location by walking, and log-Euclidean interpolation.
+#include "meshing/metric/background.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "meshing/geometry/curved_triangle.h"
+#include "meshing/mesh/tet_tables.h"
+
+namespace weft::meshing {
+namespace {
+
+/// Negative coordinates set to zero and the rest scaled to sum to one: the closest simplex feature, nearly.
+std::array<double, 4> clamped(std::array<double, 4> l) {
+  double sum = 0;
+  for (double& x : l) sum += x = std::max(x, 0.0);
+  for (double& x : l) x /= sum;
+  return l;
+}
+
+}  // namespace
+
+Background::Background(const MeshData& mesh, std::span<const LogMetric> log_metrics, Adjacency adjacency)
+    : mesh_(mesh), log_metrics_(log_metrics), adjacency_(std::move(adjacency)) {}
+
+Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& p) const {
+  const auto& v = mesh_.tets[tet];
+  const Point &a = mesh_.points[v[0]], &b = mesh_.points[v[1]], &c = mesh_.points[v[2]],
+              &d = mesh_.points[v[3]];
+  const Vec u = b - a, w = c - a, z = d - a, q = p - a;
+  const Vec wz = cross(w, z), uq = cross(u, q);
+  const double inverse = 1 / dot(u, wz);
+  Barycentric l;
+  l[1] = dot(q, wz) * inverse;
+  l[2] = dot(uq, z) * inverse;
+  l[3] = -dot(uq, w) * inverse;
+  l[0] = 1 - l[1] - l[2] - l[3];
+  return l;
+}
+
+bool Background::walk(const Point& p, std::uint32_t& tet, Barycentric& l) const {
+  // Rounding in flat tets may send the walk round in circles: a slightly outside point ends it.
+  constexpr double kTolerance = 1e-10;
+  constexpr int kMaxSteps = 1000000;
+  std::uint32_t previous = kNoNeighbour;
+  std::uint32_t random = 12345;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    l = barycentric(tet, p);
+    int way = -1;
+    bool outside = false;
+    random = random * 1664525u + 1013904223u;  // a random order of faces keeps the walk from cycling
+    double most = -kTolerance;
+    for (int i = 0; i < 4; ++i) {
+      const int f = (i + static_cast<int>(random >> 30)) & 3;
+      if (l[f] >= -kTolerance) continue;
+      outside = true;
+      const std::uint32_t n = adjacency_.neighbours[tet][f];
+      if (n == kNoNeighbour || n >> 2 == previous) continue;
+      if (step > 200 ? way < 0 : l[f] < most) {
+        way = f;
+        most = l[f];
+      }
+    }
+    if (!outside) return true;
+    if (way < 0) return false;
+    previous = tet;
+    tet = adjacency_.neighbours[tet][way] >> 2;
+  }
+  return false;
+}
+
+LogMetric Background::interpolate(std::uint32_t tet, const Barycentric& l) const {
+  const auto& v = mesh_.tets[tet];
+  return l[0] * log_metrics_[v[0]] + l[1] * log_metrics_[v[1]] + l[2] * log_metrics_[v[2]] +
+         l[3] * log_metrics_[v[3]];
+}
+
+Point Background::closest_in(std::uint32_t tet, const Point& p) const {
+  const Barycentric inside = barycentric(tet, p);
+  if (*std::min_element(inside.begin(), inside.end()) >= 0) return p;
+  Point closest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int f = 0; f < 4; ++f) {
+    if (inside[f] >= 0) continue;  // the closest point lies on a face that p is beyond
+    std::array<Point, 3> x;
+    for (int i = 0; i < 3; ++i) x[i] = mesh_.points[mesh_.tets[tet][kTetFaces[f][i]]];
+    const TrianglePoint q = closest_point(x[0], x[1], x[2], p);
+    if (q.distance2 >= least) continue;
+    least = q.distance2;
+    closest = q.at[0] * x[0] + q.at[1] * x[1] + q.at[2] * x[2];
+  }
+  return closest;
+}
+
+std::uint32_t Background::search_everywhere(const Point& p) const {
+  std::call_once(tree_built_, [&] {
+    std::vector<ClosestForest::Item> items(mesh_.tets.size());
+    for (std::uint32_t t = 0; t < items.size(); ++t) {
+      for (const std::uint32_t v : mesh_.tets[t]) items[t].box.include(mesh_.points[v]);
+      items[t].id = t;
+    }
+    tree_ = std::make_unique<ClosestForest>();
+    tree_->add(items);
+  });
+  return tree_->closest(0, p, [&](std::uint32_t t) { return norm2(p - closest_in(t, p)); });
+}
+
+/// The walk has ended at the boundary in `tet`. Within half a unit length the metric hardly changes; farther
+/// off, the point may lie beyond a gap (the other side of a thin body), or outside a curved boundary.
+Background::Sample Background::outside(const Point& p, std::uint32_t tet) const {
+  for (int attempt = 0;; ++attempt) {
+    const Point q = closest_in(tet, p);
+    const LogMetric l = interpolate(tet, clamped(barycentric(tet, q)));
+    if (attempt > 0 || squared_length(exp_fast(l), p - q) < 0.25) return {l, tet};
+    tet = search_everywhere(p);
+  }
+}
+
+Background::Place Background::locate(const Point& p, std::uint32_t hint) const {
+  // A walk that ends at the boundary next to p has found it, as far as rounding lets one say; elsewhere p may
+  // lie beyond a gap.
+  constexpr double kNext = 1e-12;
+  std::uint32_t tet = hint == kNoHint ? 0 : hint;
+  Barycentric l;
+  if (walk(p, tet, l)) return {tet, clamped(l), 0};
+  for (int attempt = 0;; ++attempt) {
+    const auto& v = mesh_.tets[tet];
+    const Point q = closest_in(tet, p);
+    const double distance2 = norm2(p - q), size2 = norm2(mesh_.points[v[1]] - mesh_.points[v[0]]);
+    if (distance2 <= kNext * size2) return {tet, clamped(barycentric(tet, q)), 0};
+    if (attempt > 0) return {tet, clamped(barycentric(tet, q)), distance2};
+    tet = search_everywhere(p);
+  }
+}
+
+Background::WalkEnd Background::walk_towards(const Point& p, std::uint32_t hint) const {
+  WalkEnd end{hint == kNoHint ? 0 : hint, false};
+  Barycentric l;
+  end.reached = walk(p, end.tet, l);
+  return end;
+}
+
+Background::Sample Background::at(const Point& p, std::uint32_t hint) const {
+  std::uint32_t tet = hint == kNoHint ? 0 : hint;
+  Barycentric l;
+  if (!walk(p, tet, l)) return outside(p, tet);
+  return {interpolate(tet, clamped(l)), tet};
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,147 @@
+// Sizes from the curvature of the boundary.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "meshing/base/parallel.h"
+#include "meshing/geometry/surface.h"
+#include "meshing/metric/boundary_metric.h"
+
+namespace weft::meshing {
+namespace {
+
+/// An edge of a curved patch, seen from its vertex.
+struct PatchEdge {
+  std::uint32_t vertex, patch, other;
+  friend auto operator<=>(const PatchEdge&, const PatchEdge&) = default;
+};
+
+/// Sorted, each once: the edges of a vertex lie together, and in them those of a patch.
+std::vector<PatchEdge> curved_patch_edges(const MeshData& mesh, const Surface& surface) {
+  std::vector<PatchEdge> edges;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const PatchId patch = surface.triangle_patch(t);
+    if (!patch.valid() || surface.patches()[patch.value].planar) continue;
+    for (const std::uint32_t v : mesh.triangles[t])
+      for (const std::uint32_t w : mesh.triangles[t])
+        if (v != w) edges.push_back({v, patch.value, w});
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+struct Frame {
+  Vec u, v, n;  ///< orthonormal, n the normal
+};
+
+Frame frame_of(const Vec& n) {
+  const Vec axis = std::abs(n.x) < 0.6 ? Vec{1, 0, 0} : Vec{0, 1, 0};
+  const Vec u = cross(n, axis);
+  const Vec unit = (1 / norm(u)) * u;
+  return {unit, cross(n, unit), n};
+}
+
+/// Curvature in the tangent plane: k(t) = a cos^2 + 2 b cos sin + c sin^2 for t at an angle to Frame::u.
+struct ShapeOperator {
+  double a = 0, b = 0, c = 0;
+};
+
+/// Fits a shape operator to the normal curvatures 2 n.d / |d|^2 along edges d, which a sphere's edges have
+/// exactly.
+class CurvatureFit {
+ public:
+  void add(const Frame& frame, const Vec& d) {
+    const double x = dot(frame.u, d), y = dot(frame.v, d), r2 = x * x + y * y, d2 = norm2(d);
+    if (!(r2 > 0)) return;
+    const double curvature = 2 * dot(frame.n, d) / d2;
+    const double row[3] = {x * x / r2, 2 * x * y / r2, y * y / r2};
+    matrix_ = matrix_ + SymTensor{row[0] * row[0], row[0] * row[1], row[1] * row[1],
+                                  row[0] * row[2], row[1] * row[2], row[2] * row[2]};
+    right_ += curvature * Vec{row[0], row[1], row[2]};
+  }
+  /// The solution of least norm where the edges lie in fewer than three directions.
+  ShapeOperator solve() const {
+    const Eigen3 e = eigen_decomposition(matrix_);
+    Vec solution;
+    for (int i = 0; i < 3; ++i)
+      if (e.values[i] > kLeastRatio * e.values[2])
+        solution += (dot(e.vectors[i], right_) / e.values[i]) * e.vectors[i];
+    return {solution.x, solution.y, solution.z};
+  }
+
+ private:
+  static constexpr double kLeastRatio = 0.01;
+  SymTensor matrix_;
+  Vec right_;
+};
+
+class CurvatureSizes {
+ public:
+  CurvatureSizes(const MeshData& mesh, const CurvatureOptions& options)
+      : options_(options), largest_(largest_size(mesh)) {}
+
+  double largest() const { return largest_; }
+
+  Metric metric(const ShapeOperator& s, const Frame& frame) const {
+    const double middle = 0.5 * (s.a + s.c), half = 0.5 * (s.a - s.c), radius = std::hypot(half, s.b);
+    const double angle = 0.5 * std::atan2(s.b, half);
+    const Vec along = std::cos(angle) * frame.u + std::sin(angle) * frame.v;
+    const double h1 = size(middle + radius), h2 = size(middle - radius), hn = std::min(h1, h2);
+    return from_eigen(
+        {{1 / (h1 * h1), 1 / (h2 * h2), 1 / (hn * hn)}, {along, cross(frame.n, along), frame.n}});
+  }
+
+ private:
+  double size(double curvature) const {
+    double h = largest_;
+    const double k = std::abs(curvature);
+    if (k == 0) return h;
+    if (options_.per_turn > 0) h = std::min(h, 2 * std::numbers::pi / (k * options_.per_turn));
+    if (options_.sagitta > 0) h = std::min(h, std::sqrt(8 * options_.sagitta / k));
+    return h;
+  }
+
+  CurvatureOptions options_;
+  double largest_;
+};
+
+/// What the edges of one vertex, of one or more patches, ask for.
+Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes& sizes,
+              std::span<const PatchEdge> edges) {
+  const std::uint32_t vertex = edges.front().vertex;
+  const Point& p = mesh.points[vertex];
+  Metric metric = identity_tensor(1 / (sizes.largest() * sizes.largest()));
+  for (auto begin = edges.begin(); begin != edges.end();) {
+    const std::uint32_t patch = begin->patch;
+    const auto end = std::find_if(begin, edges.end(), [&](const PatchEdge& e) { return e.patch != patch; });
+    const Frame frame = frame_of(
+        surface.project_to_patch(PatchId{patch}, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex))
+            .normal);
+    CurvatureFit fit;
+    for (; begin != end; ++begin) fit.add(frame, mesh.points[begin->other] - p);
+    metric = intersect(metric, sizes.metric(fit.solve(), frame));
+  }
+  return metric;
+}
+
+}  // namespace
+
+LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options) {
+  const Surface surface(mesh, {options.ridge_angle_degrees});
+  const std::vector<PatchEdge> edges = curved_patch_edges(mesh, surface);
+  std::vector<std::size_t> begins;  // of each vertex's edges
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    if (i == 0 || edges[i].vertex != edges[i - 1].vertex) begins.push_back(i);
+  begins.push_back(edges.size());
+  const CurvatureSizes sizes(mesh, options);
+  LogMetricField field(mesh.points.size(), identity_tensor(-2 * std::log(sizes.largest())));
+  for_each_index(begins.size() - 1, [&](std::size_t i) {
+    const std::span<const PatchEdge> at_vertex(&edges[begins[i]], begins[i + 1] - begins[i]);
+    field[at_vertex.front().vertex] = log_of(demand(mesh, surface, sizes, at_vertex));
+  });
+  return field;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,97 @@
+// The sums that measures are made of: over any tets, over any edges, and put together.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "meshing/base/point.h"
+#include "meshing/mesh/adjacency.h"
+#include "meshing/metric/measures.h"
+#include "meshing/metric/metric.h"
+
+namespace weft::meshing {
+
+/// All but the quantiles that Measures says of tets.
+struct TetTotals {
+  double volume = 0, complexity = 0, quality = 0;
+  double quality_min = std::numeric_limits<double>::infinity();
+  std::uint64_t below_01 = 0, below_02 = 0, above_08 = 0;
+  Histogram linear = Measures{}.quality, logarithmic = Measures{}.quality_log;
+
+  void add_quality(double q) {
+    quality += q;
+    quality_min = std::min(quality_min, q);
+    below_01 += q < 0.1;
+    below_02 += q < 0.2;
+    above_08 += q > 0.8;
+    linear.add(q);
+    logarithmic.add(q);
+  }
+  TetTotals& operator+=(const TetTotals& o) {
+    volume += o.volume;
+    complexity += o.complexity;
+    quality += o.quality;
+    quality_min = std::min(quality_min, o.quality_min);
+    below_01 += o.below_01;
+    below_02 += o.below_02;
+    above_08 += o.above_08;
+    linear += o.linear;
+    logarithmic += o.logarithmic;
+    return *this;
+  }
+};
+
+/// All that Measures says of edges.
+struct EdgeTotals {
+  std::uint64_t edges = 0, unit = 0, shorter = 0, longer = 0;
+  double length = 0, length_max = 0;
+  double length_min = std::numeric_limits<double>::infinity();
+  Histogram linear = Measures{}.length, logarithmic = Measures{}.length_log;
+
+  void add_length(double l) {
+    ++edges;
+    length += l;
+    length_min = std::min(length_min, l);
+    length_max = std::max(length_max, l);
+    shorter += l < 1 / std::numbers::sqrt2;
+    longer += l > std::numbers::sqrt2;
+    unit += l >= 1 / std::numbers::sqrt2 && l <= std::numbers::sqrt2;
+    linear.add(l);
+    logarithmic.add(l);
+  }
+  EdgeTotals& operator+=(const EdgeTotals& o) {
+    edges += o.edges;
+    unit += o.unit;
+    shorter += o.shorter;
+    longer += o.longer;
+    length += o.length;
+    length_min = std::min(length_min, o.length_min);
+    length_max = std::max(length_max, o.length_max);
+    linear += o.linear;
+    logarithmic += o.logarithmic;
+    return *this;
+  }
+};
+
+/// Sums over tets; qualities[t] becomes the mean ratio of tets[t]. `points` and `log_metrics` have one entry
+/// a vertex. Multithreaded on TBB; does not depend on the number of threads.
+TetTotals sum_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::span<const Point> points,
+                   std::span<const LogMetric> log_metrics, std::vector<double>& qualities);
+
+/// Sums over edges likewise: those with a flag (one an entry of edges.others), all without flags.
+EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
+                     std::span<const Point> points, std::span<const LogMetric> log_metrics);
+
+/// What the sums over `num_tets` > 0 tets, or over at least one edge, say.
+void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& measures);
+void put_edges(const EdgeTotals& totals, Measures& measures);
+
+/// Of `n` > 0 values in ascending order, the index of quantile q (Measures).
+std::uint64_t quantile_place(std::uint64_t n, double q);
+
+}  // namespace weft::meshing

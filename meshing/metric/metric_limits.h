@@ -1,0 +1,30 @@
+// The limits that a metric field must keep, and its scaling to a complexity under them.
+#pragma once
+
+#include "meshing/metric/gradation.h"
+#include "meshing/metric/metric_field.h"
+
+namespace weft::meshing {
+
+struct MetricLimits {
+  double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
+  double aspect = 0;          ///< largest ratio of two sizes at one vertex, 1: isotropic; 0: none
+  double gradation = 0;       ///< largest growth of sizes per unit edge; up to 1: none
+  GradationSpace space = GradationSpace::metric;
+};
+
+/// Makes every metric as fine as its aspect ratio demands (its largest size comes down), clamps sizes, limits
+/// the gradation and clamps again, because an intersection can be finer than both that it intersects.
+/// Throws InputError when hmin > hmax > 0.
+void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricField& field);
+
+/// M <- limits(s M intersected with `demands`), with the one factor s for which the complexity is `target`
+/// within 0.05 %, or the closest that 30 trials find where limits and demands forbid it. `demands`, where not
+/// null, is a metric that is not to be scaled, such as that of first layers at walls. Returns the complexity
+/// reached. Cost: that of apply_limits for every trial, three to eight of them, one where the sizes' limits
+/// or the demands alone forbid the target. Throws InputError for a mesh without volume and a target that is
+/// not positive.
+double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
+                         const LogMetricField* demands, LogMetricField& field);
+
+}  // namespace weft::meshing

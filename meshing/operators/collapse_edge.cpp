@@ -1,0 +1,264 @@
+// Edge collapse: classification, link, lengths, qualities, commit.
+#include "meshing/operators/collapse_edge.h"
+
+#include <algorithm>
+
+#include "meshing/operators/surface_fit.h"
+
+namespace weft::meshing {
+namespace {
+
+/// May `removed` go to the other end of the edge without losing a corner, ridge, patch or interface?
+Verdict judge_classification(const Worker& w, const EdgeClass& edge, VertexId removed) {
+  const VertexKind kind = w.mesh.kind(removed);
+  if (w.mesh.fixed(removed)) return Verdict::required;
+  if (w.mesh.frozen(removed)) return Verdict::frozen;
+  if (kind == VertexKind::interior) return Verdict::accepted;
+  if (kind == VertexKind::corner || kind != edge.kind) return Verdict::breaks_classification;
+  if (edge.curve.valid() && w.kernel.surface.curves()[edge.curve.value].required) return Verdict::required;
+  return Verdict::accepted;
+}
+
+using LinkEdge = std::pair<VertexId, VertexId>;
+
+/// The edges of the link of a ball's centre between vertices of `ring`, those of tets that have `other` left
+/// out.
+void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const SmallSet& ring,
+                   std::vector<LinkEdge>& edges) {
+  edges.clear();
+  for (const auto& [t, local] : ball.tets) {
+    if (mesh.local_index(t, other) >= 0) continue;
+    for (const int i : kTetFaces[local])
+      for (const int j : kTetFaces[local]) {
+        const VertexId x = mesh.vertex(t, i), y = mesh.vertex(t, j);
+        if (x < y && ring.contains(x.value) && ring.contains(y.value)) edges.emplace_back(x, y);
+      }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+/// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are
+/// in the link of their edge, so that nothing comes to exist twice. For interior vertices the exactly
+/// positive tets imply it; the boundary may close up over a gap.
+Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
+  const TetMesh& mesh = w.mesh;
+  if (mesh.frozen(kept)) return Verdict::frozen;  // its ball is not all here
+  if (const Verdict r = gather_ball(w.mesh, w.claims, kept, w.other_ball); r != Verdict::accepted) return r;
+  SmallSet &link = w.vertices_seen, &ring = w.other_ball.seen;  // the latter is free now
+  link.clear();
+  ring.clear();
+  std::vector<LinkEdge> shell_edges;
+  for (const auto& [t, local] : w.ball.tets) {
+    const int k = mesh.local_index(t, kept);
+    std::array<VertexId, 2> opposite;
+    for (int i = 0, n = 0; i < 4; ++i) {
+      if (i == local || i == k) continue;
+      (k >= 0 ? ring : link).insert(mesh.vertex(t, i).value);
+      if (k >= 0) opposite[n++] = mesh.vertex(t, i);
+    }
+    if (k >= 0) shell_edges.push_back(std::minmax(opposite[0], opposite[1]));
+  }
+  for (const auto& [t, local] : w.other_ball.tets) {
+    if (mesh.local_index(t, removed) >= 0) continue;
+    for (const int i : kTetFaces[local])
+      if (const VertexId v = mesh.vertex(t, i); link.contains(v.value) && !ring.contains(v.value))
+        return Verdict::breaks_topology;
+  }
+  std::vector<LinkEdge> of_removed, of_kept;
+  link_edges_in(mesh, w.ball, kept, ring, of_removed);
+  link_edges_in(mesh, w.other_ball, removed, ring, of_kept);
+  for (const LinkEdge& e : of_removed)
+    if (std::binary_search(of_kept.begin(), of_kept.end(), e) &&
+        std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
+      return Verdict::breaks_topology;
+  return Verdict::accepted;
+}
+
+/// The longest edge at the centre of the gathered ball.
+double longest_spoke(Worker& w) {
+  double longest = 0;
+  w.vertices_seen.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i) {
+      const VertexId v = w.mesh.vertex(t, i);
+      if (i != local && w.vertices_seen.insert(v.value))
+        longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
+    }
+  return longest;
+}
+
+/// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring.
+Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
+  const TetMesh& mesh = w.mesh;
+  const double longest = goal == CollapseGoal::quality
+                             ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
+                             : w.kernel.limits.collapse_longest;
+  SmallSet& seen = w.vertices_seen;
+  seen.clear();
+  w.short_edges.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    if (mesh.local_index(t, kept) >= 0)
+      for (const VertexId v : mesh.vertices(t)) seen.insert(v.value);
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i)
+      if (i != local && seen.insert(mesh.vertex(t, i).value)) {
+        const double length = length_between(mesh, mesh.vertex(t, i), kept);
+        if (length > longest) return Verdict::too_long;
+        if (length < w.kernel.limits.short_edge) w.short_edges.push_back({mesh.vertex(t, i), length});
+      }
+  return Verdict::accepted;
+}
+
+/// Qualities of the tets with `kept` in the place of `removed`, into w.qualities (-1 where the tet vanishes).
+Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
+  const TetMesh& mesh = w.mesh;
+  double old_worst = 1;
+  for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
+  const double enough = goal == CollapseGoal::quality
+                            ? std::max(1.1 * old_worst, old_worst + 1e-3)
+                            : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
+  const Corner k = corner(mesh, kept);
+  w.qualities.clear();
+  for (const auto& [t, local] : w.ball.tets) {
+    if (mesh.local_index(t, kept) >= 0) {
+      w.qualities.push_back(-1);
+      continue;
+    }
+    const auto& f = kTetFaces[local];
+    const double q = judge_quality(mesh.metric_mean(), corner(mesh, mesh.vertex(t, f[0])),
+                                   corner(mesh, mesh.vertex(t, f[1])), corner(mesh, mesh.vertex(t, f[2])), k);
+    if (q < 0) return Verdict::inverts;
+    if (q < enough) return Verdict::worsens_quality;
+    w.qualities.push_back(static_cast<float>(q));
+  }
+  return Verdict::accepted;
+}
+
+/// A tet that vanishes between two boundary faces, or a curve that closes on itself, would change the domain.
+Verdict judge_topology(const Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
+  const TetMesh& mesh = w.mesh;
+  for (const auto& [t, local] : w.ball.tets) {
+    const int k = mesh.local_index(t, kept);
+    if (k >= 0 && mesh.patch(t, local).valid() && mesh.patch(t, k).valid()) return Verdict::breaks_topology;
+    if (edge.kind != VertexKind::ridge) continue;
+    for (const VertexId v : mesh.vertices(t))
+      if (v != removed && v != kept && mesh.curve(removed, v).valid() && mesh.curve(kept, v).valid())
+        return Verdict::breaks_topology;
+  }
+  return Verdict::accepted;
+}
+
+/// No tet may come to lie flat upon a curved surface (TetMesh::lies_on_curved).
+bool lies_down(const TetMesh& mesh, const Ball& ball, VertexId kept) {
+  if (!(mesh.flags(kept) & kOnCurved)) return false;
+  return std::any_of(ball.tets.begin(), ball.tets.end(), [&](const Ball::Entry& e) {
+    if (mesh.local_index(e.tet, kept) >= 0) return false;
+    TetVertices v = mesh.vertices(e.tet);
+    v[e.local] = kept;
+    return mesh.lies_on_curved(v);
+  });
+}
+
+/// On curved patches the new boundary triangles must stay near the reference surface and face the same way.
+Verdict judge_surface(const Worker& w, VertexId kept) {
+  const TetMesh& mesh = w.mesh;
+  for (const auto& [t, local] : w.ball.tets) {
+    if (mesh.local_index(t, kept) >= 0) continue;
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = f == local ? PatchId() : mesh.patch(t, f);
+      if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
+      std::array<VertexId, 3> old, changed;
+      for (int i = 0; i < 3; ++i) {
+        old[i] = mesh.vertex(t, kTetFaces[f][i]);
+        changed[i] = old[i] == w.ball.centre ? kept : old[i];
+      }
+      if (!fits_surface(w.kernel, patch, changed, old)) return Verdict::leaves_surface;
+    }
+  }
+  return Verdict::accepted;
+}
+
+/// The tets that vanish hand the neighbour and patch of their face opposite `removed` to the tet across the
+/// face opposite `kept`.
+void close_gap(Worker& w, TetId t, int removed_local, int kept_local) {
+  TetMesh& mesh = w.mesh;
+  const TetFace outer = mesh.neighbour(t, removed_local), inner = mesh.neighbour(t, kept_local);
+  const PatchId patch =
+      mesh.patch(t, removed_local).valid() ? mesh.patch(t, removed_local) : mesh.patch(t, kept_local);
+  mesh.glue(outer, inner);
+  for (const TetFace f : {outer, inner})
+    if (f.valid()) mesh.set_patch(f.tet(), f.face(), patch);
+  const TetId home = outer.valid() ? outer.tet() : inner.tet();
+  for (int i = 0; i < 4; ++i)
+    if (i != removed_local) mesh.set_tet_of(mesh.vertex(t, i), home);
+}
+
+void keep_feature(Worker& w, const EdgeClass& edge, VertexId removed, VertexId kept) {
+  TetMesh& mesh = w.mesh;
+  if (edge.kind != VertexKind::ridge) return;
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4; ++i) {
+      const VertexId v = mesh.vertex(t, i);
+      if (i == local || v == kept || !mesh.curve(removed, v).valid()) continue;
+      mesh.set_curve(removed, v, CurveId());
+      mesh.set_curve(kept, v, edge.curve);
+    }
+  mesh.set_curve(removed, kept, CurveId());
+}
+
+void commit(Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
+  TetMesh& mesh = w.mesh;
+  keep_feature(w, edge, removed, kept);
+  for (const auto& [t, local] : w.ball.tets)
+    if (const int k = mesh.local_index(t, kept); k >= 0) close_gap(w, t, local, k);
+  TetId last;
+  for (std::size_t i = 0; i < w.ball.tets.size(); ++i) {
+    const auto [t, local] = w.ball.tets[i];
+    if (w.qualities[i] < 0) continue;
+    mesh.set_vertex(t, local, kept);
+    mesh.set_quality(t, w.qualities[i]);
+    mesh.mark(t, kAllTetMarks);
+    for (const VertexId v : mesh.vertices(t)) {
+      mesh.set_tet_of(v, t);
+      mesh.touch(v);
+    }
+  }
+  for (std::size_t i = 0; i < w.ball.tets.size(); ++i)
+    if (w.qualities[i] < 0) w.free(w.ball.tets[i].tet);
+  w.free(removed);
+  for (const Neighbour& n : w.short_edges) {
+    mesh.mark(n.vertex, kCheckShort);
+    mesh.mark(kept, kCheckShort);
+  }
+}
+
+}  // namespace
+
+Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal) {
+  TetMesh& mesh = w.mesh;
+  const VertexId removed = w.ball.centre;
+  EdgeClass edge;
+  const bool boundary = mesh.kind(removed) != VertexKind::interior;
+  if (boundary) {
+    const auto at = std::find_if(w.ball.tets.begin(), w.ball.tets.end(),
+                                 [&](const Ball::Entry& e) { return mesh.local_index(e.tet, kept) >= 0; });
+    const TetId t = at->tet;
+    if (const Verdict r = gather_shell(mesh, w.claims, t, removed, kept, w.shell); r != Verdict::accepted)
+      return r;
+    edge = classify(mesh, w.shell);
+  }
+  if (const Verdict r = judge_classification(w, edge, removed); r != Verdict::accepted) return r;
+  if (lies_down(mesh, w.ball, kept)) return Verdict::breaks_topology;
+  if (const Verdict r = judge_lengths(w, kept, goal); r != Verdict::accepted) return r;
+  if (const Verdict r = judge_qualities(w, kept, goal); r != Verdict::accepted) return r;
+  if (boundary) {
+    if (const Verdict r = judge_topology(w, removed, kept, edge); r != Verdict::accepted) return r;
+    if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
+    if (const Verdict r = judge_link(w, removed, kept); r != Verdict::accepted) return r;
+  }
+  commit(w, removed, kept, edge);
+  return Verdict::accepted;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,112 @@
+// The allowed space of a vertex and the bookkeeping of a move.
+#include "meshing/operators/placement.h"
+
+#include "meshing/operators/surface_fit.h"
+
+namespace weft::meshing {
+namespace {
+
+/// Distance of the boundary faces around the moved vertex from the reference surface, at their centroids.
+bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
+  const TetMesh& mesh = w.mesh;
+  for (const auto& [t, local] : w.ball.tets)
+    for (int f = 0; f < 4; ++f) {
+      const PatchId patch = f == local ? PatchId() : mesh.patch(t, f);
+      if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
+      std::array<Point, 3> p;
+      VertexId near = v;
+      for (int i = 0; i < 3; ++i) {
+        const VertexId u = mesh.vertex(t, kTetFaces[f][i]);
+        p[i] = u == v ? x : mesh.point(u);
+        if (u != v) near = u;
+      }
+      const Point centroid = (1.0 / 3) * (p[0] + p[1] + p[2]);
+      const auto q =
+          w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
+      if (norm(centroid - q.x) > w.kernel.limits.hausd) return false;
+    }
+  return true;
+}
+
+}  // namespace
+
+Verdict move_space(const Worker& w, VertexId v, MoveSpace& space) {
+  const TetMesh& mesh = w.mesh;
+  space.kind = mesh.kind(v);
+  if (mesh.fixed(v) || space.kind == VertexKind::corner) return Verdict::required;
+  if (space.kind == VertexKind::interior) return Verdict::accepted;
+  const Surface& s = w.kernel.surface;
+  if (space.kind == VertexKind::surface) {
+    for (const auto& [t, local] : w.ball.tets)
+      for (int f = 0; f < 4 && !space.patch.valid(); ++f)
+        if (f != local) space.patch = mesh.patch(t, f);
+    if (!space.patch.valid()) return Verdict::breaks_classification;
+    space.curved = !s.patches()[space.patch.value].planar;
+    space.direction =
+        space.curved ? s.project_to_patch(space.patch, mesh.point(v), space.kind, mesh.surface_hint(v)).normal
+                     : s.patches()[space.patch.value].normal;
+    return Verdict::accepted;
+  }
+  for (const auto& [t, local] : w.ball.tets)
+    for (int i = 0; i < 4 && !space.curve.valid(); ++i)
+      if (i != local) space.curve = mesh.curve(v, mesh.vertex(t, i));
+  if (!space.curve.valid()) return Verdict::breaks_classification;
+  if (s.curves()[space.curve.value].required) return Verdict::required;
+  space.curved = true;  // patches beside a straight curve may be curved; move_to looks
+  space.direction = s.project_to_curve(space.curve, mesh.point(v), space.kind, mesh.surface_hint(v)).tangent;
+  return Verdict::accepted;
+}
+
+bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target, MovedVertex& moved) {
+  const TetMesh& mesh = w.mesh;
+  const Surface& s = w.kernel.surface;
+  moved.x = target;
+  moved.surface_hint = mesh.surface_hint(v);
+  if (space.kind == VertexKind::surface && space.curved) {
+    const auto q = s.project_to_patch(space.patch, target, space.kind, moved.surface_hint);
+    moved.x = q.x;
+    moved.surface_hint = q.hint;
+  } else if (space.kind == VertexKind::ridge) {
+    const auto q = s.project_to_curve(space.curve, target, space.kind, moved.surface_hint);
+    if (!s.curves()[space.curve.value].straight) moved.x = q.x;
+    moved.surface_hint = q.hint;
+  }
+  if (space.curved && !stays_on_surface(w, v, moved.x)) return false;
+  const Background::Sample sample = w.kernel.background.at(moved.x, mesh.background_hint(v));
+  moved.log_metric = sample.log_metric;
+  moved.metric = exp_fast(sample.log_metric);
+  moved.background_hint = sample.tet;
+  return true;
+}
+
+void commit_move(Worker& w, VertexId v, const MovedVertex& moved) {
+  TetMesh& mesh = w.mesh;
+  const Limits& limits = w.kernel.limits;
+  // A short step hardly changes what is best for the neighbours: only a long one calls them up again.
+  const bool far = squared_length(moved.metric, moved.x - mesh.point(v)) > limits.far_step * limits.far_step;
+  mesh.set_point(v, moved.x);
+  mesh.set_metric(v, moved.log_metric, moved.metric);
+  mesh.set_background_hint(v, moved.background_hint);
+  mesh.set_surface_hint(v, moved.surface_hint);
+  w.vertices_seen.clear();
+  for (std::size_t i = 0; i < w.ball.tets.size(); ++i) {
+    const auto [t, local] = w.ball.tets[i];
+    mesh.set_quality(t, w.qualities[i]);
+    std::uint8_t marks = kCheckSwap | kCheckPoor;
+    for (int k = 0; k < 4; ++k) {
+      const VertexId u = mesh.vertex(t, k);
+      if (k == local || !w.vertices_seen.insert(u.value)) continue;
+      if (far) mesh.mark(u, kCheckPlace);
+      const double length = length_between(mesh, u, v);
+      if (length > limits.long_edge) marks |= kCheckLong;
+      if (length < limits.short_edge) {
+        mesh.mark(u, kCheckShort);
+        mesh.mark(v, kCheckShort);
+      }
+    }
+    mesh.mark(t, marks);
+  }
+  if (far) mesh.mark(v, kCheckPlace);
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,196 @@
+// Edge split: place, judge, commit.
+#include "meshing/operators/split_edge.h"
+
+#include <algorithm>
+
+namespace weft::meshing {
+namespace {
+
+/// A vertex to be created.
+struct NewVertex {
+  Point x;
+  LogMetric log_metric;
+  Metric metric;
+  EdgeClass on;
+  std::uint32_t background_hint, surface_hint = 0;
+};
+
+NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
+  const TetMesh& mesh = w.mesh;
+  const Point &pa = mesh.point(a), &pb = mesh.point(b);
+  const Vec e = pb - pa;
+  const double la = std::sqrt(squared_length(mesh.metric(a), e)),
+               lb = std::sqrt(squared_length(mesh.metric(b), e));
+  // Equal coordinates stay equal exactly: axis-aligned planes keep their points.
+  NewVertex n{pa + metric_middle(la, lb) * e, {}, {}, on, 0, 0};
+  const Surface& s = w.kernel.surface;
+  if (on.kind == VertexKind::ridge) {
+    const auto q = s.project_to_curve(on.curve, n.x, mesh.kind(a), mesh.surface_hint(a));
+    if (!s.curves()[on.curve.value].straight) n.x = q.x;
+    n.surface_hint = q.hint;
+  } else if (on.kind == VertexKind::surface) {
+    const auto q = s.project_to_patch(on.patch, n.x, mesh.kind(a), mesh.surface_hint(a));
+    if (!s.patches()[on.patch.value].planar) n.x = q.x;
+    n.surface_hint = q.hint;
+  }
+  const Background::Sample sample = w.kernel.background.at(n.x, mesh.background_hint(a));
+  n.log_metric = sample.log_metric;
+  n.metric = exp_fast(n.log_metric);
+  n.background_hint = sample.tet;
+  return n;
+}
+
+Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBounds& bounds) {
+  const TetMesh& mesh = w.mesh;
+  w.short_edges.clear();
+  const int ring_size = shell.closed ? shell.size : shell.size + 1;
+  for (int i = 0; i < ring_size; ++i) {
+    const VertexId r = shell.ring[i];
+    const double length = edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric);
+    if (length < bounds.shortest) return Verdict::too_short;
+    if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
+  }
+  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
+               p{n.x, judge_tensor(mesh.metric_mean(), n.metric, n.log_metric)};
+  const MetricMean mean = mesh.metric_mean();
+  double worst_before = 1;
+  for (int i = 0; i < shell.size; ++i)
+    worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
+  w.qualities.clear();
+  for (int i = 0; i < shell.size; ++i) {
+    const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
+    const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
+    if (qa < 0 || qb < 0) return Verdict::inverts;
+    const double worst = std::min(qa, qb);
+    const bool enough = bounds.must_improve ? worst > worst_before
+                                            : worst >= std::min(w.kernel.limits.split_quality,
+                                                                bounds.keep_share * worst_before);
+    if (!enough) return Verdict::worsens_quality;
+    w.qualities.push_back(static_cast<float>(qa));
+    w.qualities.push_back(static_cast<float>(qb));
+  }
+  return Verdict::accepted;
+}
+
+/// The qualities of the tets that a split would leave; false where one is not positive.
+bool stays_positive(Worker& w, const Shell& shell, const NewVertex& n) {
+  const TetMesh& mesh = w.mesh;
+  const MetricMean mean = mesh.metric_mean();
+  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
+               p{n.x, judge_tensor(mean, n.metric, n.log_metric)};
+  w.qualities.clear();
+  for (int i = 0; i < shell.size; ++i) {
+    const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
+    const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
+    if (qa < 0 || qb < 0) return false;
+    w.qualities.push_back(static_cast<float>(qa));
+    w.qualities.push_back(static_cast<float>(qb));
+  }
+  return true;
+}
+
+VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
+  TetMesh& mesh = w.mesh;
+  const VertexId p = w.new_vertex();
+  mesh.set_point(p, n.x);
+  mesh.set_metric(p, n.log_metric, n.metric);
+  mesh.set_kind(p, n.on.kind);
+  mesh.set_flags(
+      p, n.on.kind == VertexKind::interior ? 0 : mesh.flags(shell.a) & mesh.flags(shell.b) & kOnCurved);
+  mesh.set_ref(p, 0);
+  mesh.set_label(p, 0);
+  mesh.set_background_hint(p, n.background_hint);
+  mesh.set_surface_hint(p, n.surface_hint);
+  if (n.on.kind == VertexKind::ridge) {
+    mesh.set_curve(shell.a, shell.b, CurveId());
+    mesh.set_curve(shell.a, p, n.on.curve);
+    mesh.set_curve(p, shell.b, n.on.curve);
+  }
+  return p;
+}
+
+void commit(Worker& w, const Shell& shell, VertexId p) {
+  TetMesh& mesh = w.mesh;
+  std::array<TetId, Shell::kMaxSize> upper;
+  for (int i = 0; i < shell.size; ++i) {
+    // The old tet keeps a and becomes (a, p, r, s); the new one is (p, b, r, s) in the same local places.
+    const auto& [t, ia, ib, ir, is] = shell.tets[i];
+    const TetId u = upper[i] = w.new_tet();
+    TetVertices v = mesh.vertices(t);
+    v[ia] = p;
+    mesh.set_vertices(u, v);
+    mesh.set_vertex(t, ib, p);
+    mesh.set_ref(u, mesh.ref(t));
+    mesh.glue(TetFace(u, ia), mesh.neighbour(t, ia));
+    mesh.set_patch(u, ia, mesh.patch(t, ia));
+    mesh.set_patch(u, ib, PatchId());
+    mesh.set_patch(u, ir, mesh.patch(t, ir));
+    mesh.set_patch(u, is, mesh.patch(t, is));
+    mesh.set_patch(t, ia, PatchId());
+    mesh.glue(TetFace(t, ia), TetFace(u, ib));
+    mesh.set_quality(t, w.qualities[2 * i]);
+    mesh.set_quality(u, w.qualities[2 * i + 1]);
+    mesh.mark(t, kAllTetMarks);
+    mesh.mark(u, kAllTetMarks);
+    mesh.touch(shell.ring[i]);
+  }
+  for (int i = 0; i < shell.size; ++i) {
+    const int next = i + 1 < shell.size ? i + 1 : 0;
+    if (next > 0 || shell.closed)
+      mesh.glue(TetFace(upper[i], shell.tets[i].r), TetFace(upper[next], shell.tets[next].s));
+  }
+  if (!shell.closed) {
+    mesh.set_neighbour(upper[0], shell.tets[0].s, TetFace());
+    mesh.set_neighbour(upper[shell.size - 1], shell.tets[shell.size - 1].r, TetFace());
+    mesh.touch(shell.ring[shell.size]);
+  }
+  mesh.set_tet_of(p, upper[0]);
+  mesh.set_tet_of(shell.b, upper[0]);
+  for (VertexId v : {shell.a, shell.b, p}) mesh.touch(v);
+  for (const Neighbour& n : w.short_edges) {
+    mesh.mark(n.vertex, kCheckShort);
+    mesh.mark(p, kCheckShort);
+  }
+}
+
+}  // namespace
+
+VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans,
+                       const VertexOnEdge& at) {
+  EdgeClass on;
+  on.kind = at.kind;
+  on.curve = at.curve;
+  const NewVertex n{at.x, at.log_metric, exp_fast(at.log_metric), on, at.background_hint, at.surface_hint};
+  const auto judge_fan = [&](TetId t) {
+    return gather_shell(w.mesh, w.claims, t, a, b, w.shell) == Verdict::accepted &&
+           stays_positive(w, w.shell, n);
+  };
+  if (!std::ranges::all_of(fans, judge_fan)) return {};
+  VertexId p;
+  for (const TetId t : fans) {
+    if (fans.size() > 1) judge_fan(t);  // else it is at hand
+    if (!p.valid()) p = create(w, n, w.shell);
+    w.short_edges.clear();
+    commit(w, w.shell, p);
+  }
+  return p;
+}
+
+double metric_middle(double la, double lb) {
+  const double ratio = lb / la;
+  if (std::abs(ratio - 1) < 1e-3) return 0.5;
+  return std::clamp(std::log(0.5 * (1 + ratio)) / std::log(ratio), 0.2, 0.8);
+}
+
+Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds) {
+  if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
+  if (incomplete(w.mesh, w.shell)) return Verdict::frozen;
+  const EdgeClass on = classify(w.mesh, w.shell);
+  if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
+  const NewVertex n = place(w, a, b, on);
+  if (const Verdict r = judge(w, w.shell, n, bounds); r != Verdict::accepted) return r;
+  commit(w, w.shell, create(w, n, w.shell));
+  return Verdict::accepted;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,66 @@
+// Deviation of boundary triangles from the reference surface.
+#include "meshing/operators/surface_fit.h"
+
+#include <algorithm>
+
+namespace weft::meshing {
+namespace {
+
+Vec triangle_normal(const TetMesh& mesh, const std::array<VertexId, 3>& t) {
+  return cross(mesh.point(t[1]) - mesh.point(t[0]), mesh.point(t[2]) - mesh.point(t[0]));
+}
+
+bool is_edge_of(const std::array<VertexId, 3>& t, VertexId a, VertexId b) {
+  return std::find(t.begin(), t.end(), a) != t.end() && std::find(t.begin(), t.end(), b) != t.end();
+}
+
+/// The way from the middle of a boundary edge to the geometry.
+Vec bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
+  const TetMesh& mesh = k.mesh;
+  const Point middle = midpoint(mesh.point(a), mesh.point(b));
+  const CurveId curve = mesh.curve(a, b);
+  if (!curve.valid())
+    return k.surface.project_to_patch(patch, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
+  if (k.surface.curves()[curve.value].straight) return {};
+  return k.surface.project_to_curve(curve, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
+}
+
+}  // namespace
+
+double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face) {
+  const TetMesh& mesh = k.mesh;
+  Point centroid;
+  for (const int i : kTetFaces[face]) centroid += (1.0 / 3) * mesh.point(mesh.vertex(t, i));
+  const VertexId near = mesh.vertex(t, kTetFaces[face][0]);
+  return norm(centroid -
+              k.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
+}
+
+bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
+  const Vec way = bulge(k, a, b, patch);
+  const Limits& limits = k.limits;
+  if (norm(way) > limits.hausd) return true;
+  return edge_length_fast(way, k.mesh.metric(a), k.mesh.metric(b)) > limits.largest_bulge &&
+         length_between(k.mesh, a, b) > limits.finest_long_edge;
+}
+
+bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
+                  const std::array<VertexId, 3>& old) {
+  const TetMesh& mesh = k.mesh;
+  const Vec n = triangle_normal(mesh, changed), o = triangle_normal(mesh, old);
+  if (dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
+  const Point centroid =
+      (1.0 / 3) * (mesh.point(changed[0]) + mesh.point(changed[1]) + mesh.point(changed[2]));
+  const auto q =
+      k.surface.project_to_patch(patch, centroid, mesh.kind(changed[0]), mesh.surface_hint(changed[0]));
+  // Folding shows against the surface's own normal as well: `old` may have been bent already.
+  const double side = dot(o, q.normal) < 0 ? -1 : 1;
+  if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.limits.hausd) return false;
+  for (int i = 0; i < 3; ++i) {
+    const VertexId a = changed[i], b = changed[(i + 1) % 3];
+    if (!is_edge_of(old, a, b) && curves_too_much(k, a, b, patch)) return false;
+  }
+  return true;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,25 @@
+// Does a boundary triangle stay near the reference surface?
+#pragma once
+
+#include <array>
+
+#include "meshing/kernel/kernel.h"
+
+namespace weft::meshing {
+
+/// Must boundary edge (a, b) of a curved `patch` be split? Its middle is farther than limits.hausd from the
+/// reference surface (or curve), or the edge is longer than limits.finest_long_edge and the way from its
+/// middle to the surface longer than limits.largest_bulge in the metric: a vertex put there would be pushed
+/// through the tets upon it once they are thin. Both ends must be claimed.
+bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
+
+/// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much,
+/// its centroid lie within limits.hausd of the reference surface, and its normal turn by less than 60 degrees
+/// from the surface's and from the old one's. All vertices must be claimed.
+bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
+                  const std::array<VertexId, 3>& old);
+
+/// Distance from the centroid of a boundary face to the reference surface of `patch`.
+double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face);
+
+}  // namespace weft::meshing

@@ -1,0 +1,25 @@
+// Errors in the input that one rank finds and all must report alike.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "partition/communication/peers.h"
+
+namespace weft::partition {
+
+/// What is wrong with an entity. The least `order` is reported.
+struct Complaint {
+  std::array<std::uint64_t, 3> order{};
+  std::string entity, reason;
+};
+
+/// Keeps the least.
+void keep_least(std::optional<Complaint>& least, Complaint complaint);
+
+/// Every rank throws meshing::InputError of the least of all ranks' complaints; returns where there is none.
+void throw_least(Peers& peers, const std::optional<Complaint>& complaint);
+
+}  // namespace weft::partition

@@ -1,0 +1,57 @@
+// Arrays cut into one contiguous range a rank, and fetching from them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "partition/communication/peers.h"
+
+namespace weft::partition {
+
+/// Rank r has the entries with numbers first(r) to first(r + 1) - 1.
+class Ranges {
+ public:
+  /// From the number of entries here; all ranks call together.
+  Ranges(Peers& peers, std::uint64_t my_count) : firsts_{0} {
+    for (const auto& count : share(peers, std::vector<std::uint64_t>{my_count}))
+      firsts_.push_back(firsts_.back() + count[0]);
+  }
+  std::uint64_t first(int rank) const { return firsts_[static_cast<std::size_t>(rank)]; }
+  std::uint64_t total() const { return firsts_.back(); }
+  /// The rank that has entry `number`, below total().
+  std::size_t rank_of(std::uint64_t number) const {
+    return static_cast<std::size_t>(std::upper_bound(firsts_.begin(), firsts_.end(), number) -
+                                    firsts_.begin()) -
+           1;
+  }
+
+ private:
+  std::vector<std::uint64_t> firsts_;
+};
+
+/// The entries of these numbers (ascending) from the ranks that have them. `entry(i)` is entry i of this
+/// rank's range; all ranks call together.
+template <class T, class Number, class Entry>
+std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Number>& numbers,
+                     const Entry& entry) {
+  std::vector<std::vector<Number>> wanted(static_cast<std::size_t>(peers.ranks()));
+  for (const Number number : numbers) wanted[ranges.rank_of(number)].push_back(number);
+  wanted = partition::exchange(peers, wanted);
+  std::vector<std::vector<T>> replies(wanted.size());
+  for (std::size_t r = 0; r < wanted.size(); ++r) {
+    replies[r].reserve(wanted[r].size());
+    for (const Number number : wanted[r])
+      replies[r].push_back(entry(static_cast<std::size_t>(number - ranges.first(peers.rank()))));
+    wanted[r] = {};
+  }
+  // Ranges ascend with the ranks, and so do the numbers: the replies are in order one after the other.
+  std::vector<T> result;
+  result.reserve(numbers.size());
+  for (auto& reply : partition::exchange(peers, replies))
+    result.insert(result.end(), reply.begin(), reply.end());
+  return result;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,60 @@
+// Dispatches to the partitioners.
+#include "partition/decompose/decomposition.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "partition/decompose/graph_partition.h"
+#include "partition/decompose/ordered_cuts.h"
+#include "partition/decompose/slabs.h"
+#include "partition/decompose/thin_slabs.h"
+
+namespace weft::partition {
+
+namespace {
+
+Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
+                  std::uint32_t num_subdomains, const Partitioner& partitioner) {
+  const bool axes = partitioner.principal_axes;
+  Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, axes);
+  if (partitioner.thin) return {std::move(bricks.subdomains), {}};
+  const Slabs asked = bricks.slabs;
+  const Slabs left = worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
+  if (left == asked) return {std::move(bricks.subdomains), {}};
+  const std::uint64_t bricks_left = num_bricks(left);
+  bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, axes);
+  // Their numbers are spread over all, as subdomains are over the ranks.
+  for (SubdomainId& s : bricks.subdomains)
+    s = static_cast<SubdomainId>(std::uint64_t{s} * num_subdomains / bricks_left);
+  return {
+      std::move(bricks.subdomains),
+      fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of the "
+                  "vertices in interfaces, {6}x{7}x{8} are enough (`:thin` after the slabs keeps them)",
+                  num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
+                  100 * kMostShared, left[0], left[1], left[2])};
+}
+
+}  // namespace
+
+Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
+                        const Partitioner& partitioner) {
+  if (num_subdomains == 0) throw std::invalid_argument("a mesh cannot be decomposed into 0 subdomains");
+  const auto& slabs = partitioner.slabs;
+  if (const std::uint64_t product = num_bricks(slabs); product != 0 && product != num_subdomains)
+    throw std::invalid_argument(fmt::format("a decomposition into {}x{}x{} slabs has {} subdomains, not {}",
+                                            slabs[0], slabs[1], slabs[2], product, num_subdomains));
+  const std::vector<std::uint64_t> weights = integer_weights(peers, items.work);
+  const WeightedItems weighted{items.centres, items.corners, weights, items.numbers, items.cut_tensors};
+  switch (partitioner.kind) {
+    case Partitioner::Kind::pqr:
+      return pqr(peers, weighted, items, num_subdomains, partitioner);
+    case Partitioner::Kind::graph:
+      return {graph_partition(peers, weighted, {items.vertices, items.face_areas}, num_subdomains), {}};
+    case Partitioner::Kind::bisection:
+      break;
+  }
+  return {bisection(peers, weighted, num_subdomains), {}};
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,136 @@
+// METIS on groups of items, each whole on one rank: the only source that names it.
+#include "partition/decompose/graph_partition.h"
+
+#include <metis.h>
+
+#include <algorithm>
+#include <mutex>
+#include <numeric>
+#include <stdexcept>
+#include <type_traits>
+
+#include "partition/communication/agreement.h"
+#include "partition/decompose/dual_graph.h"
+#include "partition/decompose/slabs.h"
+
+namespace weft::partition {
+namespace {
+
+/// A group of more items a subdomain than this is a graph, if it is small enough.
+constexpr std::uint64_t kLeastPerSubdomain = 8;
+
+static_assert(std::is_same_v<idx_t, std::int32_t>, "DualGraph is passed to METIS as it is");
+
+/// An item on its way to the rank that divides its group.
+struct Traveller {
+  std::uint32_t group;
+  DualVertex tet;
+};
+
+/// In METIS's 32 bits: at least 1, all together below 2^30.
+template <class T>
+std::vector<idx_t> small_weights(const std::vector<T>& weights) {
+  double total = 0;
+  for (const T w : weights) total += static_cast<double>(w);
+  const double scale = total > 0 ? 0x1p29 / total : 0;
+  std::vector<idx_t> result;
+  result.reserve(weights.size());
+  for (const T w : weights)
+    result.push_back(std::max<idx_t>(1, static_cast<idx_t>(static_cast<double>(w) * scale)));
+  return result;
+}
+
+/// The part, below num_parts, of each tet.
+std::vector<std::uint32_t> metis_parts(std::span<const DualVertex> tets, std::uint32_t num_parts) {
+  DualGraph graph = dual_graph(tets);
+  std::vector<std::uint64_t> work;
+  for (const DualVertex& tet : tets) work.push_back(tet.weight);
+  std::vector<idx_t> weights = small_weights(work), face_weights = small_weights(graph.face_weights);
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;  // the same parts in every run
+  auto num_vertices = static_cast<idx_t>(tets.size());
+  auto parts_wanted = static_cast<idx_t>(num_parts);
+  idx_t one_weight = 1, cut = 0;
+  std::vector<idx_t> part(tets.size());
+  const auto divide = num_parts <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
+  // METIS draws from rand(): two graphs at once in a process would get each other's numbers.
+  static std::mutex one_at_a_time;
+  const std::scoped_lock lock(one_at_a_time);
+  const int status =
+      divide(&num_vertices, &one_weight, graph.begins.data(), graph.neighbours.data(), weights.data(),
+             nullptr, face_weights.data(), &parts_wanted, nullptr, nullptr, options, &cut, part.data());
+  if (status != METIS_OK) throw std::runtime_error("METIS could not divide the graph of the tets");
+  return {part.begin(), part.end()};
+}
+
+/// The items of the groups that are to be divided, sent to the ranks that do it.
+std::vector<std::vector<Traveller>> send_groups(Peers& peers, const WeightedItems& items,
+                                                const ItemFaces& faces, const Bisected& bisected) {
+  std::vector<std::vector<Traveller>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t i = 0; i < bisected.groups.size(); ++i) {
+    const std::uint32_t g = bisected.groups[i];
+    if (bisected.sizes[g] == 1) continue;
+    to_each[g % to_each.size()].push_back(
+        {g, {items.numbers[i], items.weights[i], faces.vertices[i], faces.areas[i]}});
+  }
+  return partition::exchange(peers, to_each);
+}
+
+/// The part of each traveller in its group, in the order of arrival.
+std::vector<std::vector<std::uint32_t>> divide(const std::vector<std::vector<Traveller>>& arrived,
+                                               const Bisected& bisected) {
+  struct Place {
+    std::uint32_t group;
+    std::uint64_t number;
+    std::size_t from, at;
+  };
+  std::vector<Place> places;
+  std::vector<std::vector<std::uint32_t>> parts;
+  for (std::size_t r = 0; r < arrived.size(); ++r) {
+    for (std::size_t i = 0; i < arrived[r].size(); ++i)
+      places.push_back({arrived[r][i].group, arrived[r][i].tet.number, r, i});
+    parts.emplace_back(arrived[r].size());
+  }
+  // By number, so that the graph does not depend on who sent what.
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.group != b.group ? a.group < b.group : a.number < b.number;
+  });
+  for (auto begin = places.begin(); begin != places.end();) {
+    const auto end =
+        std::find_if(begin, places.end(), [&](const Place& p) { return p.group != begin->group; });
+    std::vector<DualVertex> tets;
+    for (auto p = begin; p != end; ++p) tets.push_back(arrived[p->from][p->at].tet);
+    const std::vector<std::uint32_t> part = metis_parts(tets, bisected.sizes[begin->group]);
+    for (std::size_t i = 0; i < part.size(); ++i) parts[begin[i].from][begin[i].at] = part[i];
+    begin = end;
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<SubdomainId> graph_partition(Peers& peers, const WeightedItems& items, const ItemFaces& faces,
+                                         std::uint32_t num_subdomains, std::uint64_t most_in_graph) {
+  const Bisected bisected =
+      bisect(peers, items, num_subdomains, [&](std::uint64_t count, std::uint32_t size) {
+        return count > most_in_graph || count < kLeastPerSubdomain * size;
+      });
+  const std::vector<std::vector<Traveller>> arrived = send_groups(peers, items, faces, bisected);
+  std::vector<std::vector<std::uint32_t>> parts(arrived.size());
+  agree_on(peers, [&] { parts = divide(arrived, bisected); });
+  parts = partition::exchange(peers, parts);
+
+  std::vector<SubdomainId> first(bisected.sizes.size(), 0);
+  std::exclusive_scan(bisected.sizes.begin(), bisected.sizes.end(), first.begin(), 0u);
+  std::vector<std::size_t> next(parts.size(), 0);
+  std::vector<SubdomainId> result;
+  result.reserve(bisected.groups.size());
+  for (const std::uint32_t g : bisected.groups) {
+    const std::size_t r = g % parts.size();
+    result.push_back(first[g] + (bisected.sizes[g] == 1 ? 0 : parts[r][next[r]++]));
+  }
+  return result;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,52 @@
+// The geometric partitioners: PQR and recursive inertial bisection.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "meshing/base/point.h"
+#include "partition/communication/peers.h"
+#include "partition/decompose/weighted_items.h"
+#include "partition/subdomain/global_id.h"
+
+namespace weft::partition {
+
+/// P, Q, R.
+using Slabs = std::array<std::uint32_t, 3>;
+
+inline std::uint64_t num_bricks(const Slabs& slabs) { return std::uint64_t{slabs[0]} * slabs[1] * slabs[2]; }
+
+/// Items in bricks; part p, q, r is subdomain (p slabs[1] + q) slabs[2] + r.
+struct Bricks {
+  Slabs slabs;
+  std::vector<SubdomainId> subdomains;  ///< of each of this rank's items
+};
+
+/// Sorted by how far they reach along the first axis into slabs[0] parts of equal weight, each along the
+/// second into slabs[1], each along the third into slabs[2]. Zero slabs: chosen so that `num_subdomains`
+/// bricks of the items' box have the least interface.
+Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
+                         bool along_principal_axes);
+
+/// Items in groups, each of which is to become one or more subdomains.
+struct Bisected {
+  std::vector<std::uint32_t> groups;  ///< of each of this rank's items
+  std::vector<std::uint32_t> sizes;   ///< subdomains of each group; they are numbered on through the groups
+};
+
+/// By how far items reach, halves (as nearly as the number of subdomains allows) the groups of more than one
+/// subdomain for which cut(number of items, number of subdomains) holds, across the axis that is longest in
+/// wanted sizes (cutting_axis).
+Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains,
+                const std::function<bool(std::uint64_t, std::uint32_t)>& cut);
+
+/// Halves everything until each part is one subdomain.
+std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains);
+
+/// The P, Q, R of product `num_subdomains` that cut a box of these sides with the least area of interfaces;
+/// of equal ones that with the greatest P, then Q.
+Slabs suitable_slabs(std::uint32_t num_subdomains, const meshing::Vec& sides);
+
+}  // namespace weft::partition

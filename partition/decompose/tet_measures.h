@@ -1,0 +1,32 @@
+// What the partitioners want to know of one tet of the input.
+#pragma once
+
+#include <array>
+
+#include "meshing/base/point.h"
+#include "meshing/metric/metric.h"
+
+namespace weft::partition {
+
+using TetCorners = std::array<meshing::Point, 4>;
+
+/// M^-1 of determinant 1, from log M.
+meshing::SymTensor unit_inverse(const meshing::LogMetric& log_metric);
+
+/// Areas of the faces opposite each corner in M: `inverse` is its unit_inverse, `scale` det(M)^(1/3).
+std::array<float, 4> face_areas(const TetCorners& tet, const meshing::SymTensor& inverse, double scale);
+
+/// The number of vertices that the metric wants on a face, from what its two tets say of its area there (not
+/// positive or NaN: 0): the mean over that of two unit triangles, since a surface has two for a vertex.
+double vertices_wanted(float area, float other_area);
+
+/// T such that n.T.n is in proportion to the square of the metric area of a cut with normal n through a mesh
+/// of tets like this, per unit of area. A cut follows faces. Where the tet is equilateral these turn to all
+/// sides of the cut, so that the faces' metric areas squared, which are quadratic in their normals, are in
+/// the mean those of n and a share that is isotropic: T = S + tr(S M0) M0^-1 / 2, S = `inverse`, M's
+/// unit_inverse, M0 the metric in which the tet is equilateral. Without the second term cuts through a mesh
+/// of isotropic tets would be planned for a plane that its faces cannot follow. (Half: cuts around whole
+/// balls of vertices; a quarter and all of it make 2 to 14 % more area on a uniform cube in polar-2.)
+meshing::SymTensor cut_tensor(const TetCorners& tet, const meshing::SymTensor& inverse);
+
+}  // namespace weft::partition

@@ -1,0 +1,50 @@
+// From every rank's share of the input to the subdomains that start on it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "meshing/base/box.h"
+#include "partition/communication/peers.h"
+#include "partition/decompose/partitioner.h"
+#include "partition/distribute/mesh_slice.h"
+#include "partition/distribute/tet_records.h"
+#include "partition/subdomain/geometry.h"
+#include "partition/subdomain/subdomain_start.h"
+
+namespace weft::partition {
+
+struct DecompositionOptions {
+  std::uint32_t num_subdomains = 1;
+  Partitioner partitioner;
+  double ridge_angle_degrees = 45;  ///< of meshing::Surface
+  double target_complexity = 0;     ///< the metric is scaled to it (paper, equation 3); 0: as it is
+  bool equal_tets = false;          ///< parts of equally many tets of the input, not of equal predicted work
+};
+
+/// What one rank has after the decomposition.
+struct Distributed {
+  std::shared_ptr<const Geometry> geometry;  ///< of the whole mesh
+  std::vector<SubdomainStart> starts;        ///< of the subdomains whose home_rank this is, by id
+  std::vector<std::string> warnings;         ///< what was repaired; the same on every rank
+  meshing::Box box;                          ///< of the whole mesh
+  double complexity = 0;                     ///< of the whole mesh in its metric
+  double mean_quality = 0;                   ///< of the whole mesh's tets
+};
+
+/// Checks, completes, decomposes and distributes the mesh; all ranks call together. Subdomains, geometry,
+/// warnings, box and complexity do not depend on the number of ranks nor on the shares. The geometry, kinds,
+/// flags and hints are those that meshing::import_mesh finds in the whole mesh, but that vertices of the
+/// surface are numbered among those that the boundary lists (so are the hints of corners).
+/// The work of a tet is the number of tets that is expected of it: 12 times its complexity, and a tenth for
+/// handling it.
+///
+/// Throws on every rank alike: meshing::InputError (no file name) in the words of meshing::import_mesh where
+/// it would; std::invalid_argument where the shares do not make up the mesh, or the number of subdomains is
+/// 0, above 2^23 - 2 or not the partitioner's. A rank holds its share of points and tets, its subdomains and
+/// the whole boundary, with up to 350 bytes a tet of temporaries.
+Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options);
+
+}  // namespace weft::partition

@@ -1,0 +1,126 @@
+// The checks of meshing::import_mesh, on a share of the arrays.
+#include "partition/distribute/slice_checks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "meshing/mesh/predicates.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::MeshData;
+
+/// Complaints come in this order.
+enum Stage : std::uint64_t { kSizes, kPoints, kMetrics, kTets, kTriangles, kEdges, kLists, kNoTets };
+
+class Checks {
+ public:
+  explicit Checks(std::uint64_t num_points) : num_points_(num_points) {}
+  const std::optional<Complaint>& first() const { return first_; }
+
+  void size(const char* what, std::size_t refs, std::size_t entities) {
+    if (refs != entities)
+      add(kSizes, fmt::format("{}", what), fmt::format("{} references for {} entities", refs, entities));
+  }
+
+  /// Vertex 0 of a file that counts from 1 is the greatest number here, and named 0 again.
+  template <std::size_t N>
+  void vertices(Stage stage, const char* what, std::uint64_t first,
+                const std::vector<std::array<std::uint32_t, N>>& entities) {
+    for (std::size_t i = 0; i < entities.size(); ++i)
+      for (const std::uint32_t v : entities[i])
+        if (v >= num_points_)
+          return add(stage, fmt::format("{} {}", what, first + i + 1),
+                     fmt::format("vertex {} is out of range 1..{}", v + 1, num_points_), first + i);
+  }
+
+  void list(const char* what, const char* of, const std::vector<std::uint32_t>& list, std::uint64_t count) {
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (list[i] >= count)
+        return add(kLists, fmt::format("{} {}", what, i + 1),
+                   fmt::format("{} {} is out of range 1..{}", of, list[i] + 1, count));
+  }
+
+  void finite(std::uint64_t first, const std::vector<meshing::Point>& points) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (!std::isfinite(points[i].x + points[i].y + points[i].z))
+        return add(kPoints, fmt::format("vertex {}", first + i + 1), "has a coordinate that is not finite",
+                   first + i);
+  }
+
+  /// The density of the wanted mesh must be a number.
+  void densities(std::uint64_t first, const meshing::LogMetricField& log_metrics) {
+    for (std::size_t i = 0; i < log_metrics.size(); ++i)
+      if (!std::isfinite(std::exp(0.5 * trace(log_metrics[i]))))
+        return add(kMetrics, fmt::format("vertex {}", first + i + 1), "has a metric that is not finite",
+                   first + i);
+  }
+
+  /// Complaints of one stage and number keep the order in which they were added.
+  void add(Stage stage, std::string entity, std::string reason, std::uint64_t number = 0) {
+    keep_least(first_, {{stage, number, added_++}, std::move(entity), std::move(reason)});
+  }
+
+ private:
+  std::uint64_t num_points_, added_ = 0;
+  std::optional<Complaint> first_;
+};
+
+void check_boundary(const MeshData& m, std::uint64_t num_points, Checks& checks) {
+  checks.vertices(kTriangles, "triangle", 0, m.triangles);
+  checks.vertices(kEdges, "edge", 0, m.edges);
+  checks.list("corner", "vertex", m.corners, num_points);
+  checks.list("required vertex", "vertex", m.required_points, num_points);
+  checks.list("ridge", "edge", m.ridges, m.edges.size());
+  checks.list("required edge", "edge", m.required_edges, m.edges.size());
+  checks.list("required triangle", "triangle", m.required_triangles, m.triangles.size());
+}
+
+/// Decided alike on all ranks.
+void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets) {
+  const bool mine = points.total() == slice.num_points && tets.total() == slice.num_tets &&
+                    points.first(peers.rank()) == slice.first_point &&
+                    tets.first(peers.rank()) == slice.first_tet &&
+                    slice.log_metrics.size() == slice.points.size();
+  for (const auto& good : share(peers, std::vector<char>{mine}))
+    if (!good[0]) throw std::invalid_argument("the ranks' shares do not make up the mesh");
+}
+
+}  // namespace
+
+void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets) {
+  check_shares(peers, slice, points, tets);
+  const MeshData& m = slice.boundary;
+  Checks checks(slice.num_points);
+  checks.size("vertices", slice.point_refs.size(), slice.points.size());
+  checks.size("tets", slice.tet_refs.size(), slice.tets.size());
+  checks.size("triangles", m.triangle_refs.size(), m.triangles.size());
+  checks.size("edges", m.edge_refs.size(), m.edges.size());
+  checks.finite(slice.first_point, slice.points);
+  checks.densities(slice.first_point, slice.log_metrics);
+  checks.vertices(kTets, "tet", slice.first_tet, slice.tets);
+  check_boundary(m, slice.num_points, checks);
+  if (slice.num_tets == 0) checks.add(kNoTets, "Tetrahedra", "the mesh has none");
+  throw_least(peers, checks.first());
+}
+
+std::optional<Complaint> find_inverted(const MeshSlice& slice,
+                                       std::span<const std::array<const meshing::Point*, 4>> corners) {
+  for (std::size_t t = 0; t < corners.size(); ++t) {
+    const auto& [a, b, c, d] = corners[t];
+    const int sign = meshing::orientation(*a, *b, *c, *d);
+    if (sign > 0) continue;
+    const std::uint64_t number = slice.first_tet + t;
+    const auto vertex = [&](int i) { return std::uint64_t{slice.tets[t][i]} + 1; };
+    return Complaint{
+        {number, 0, 0},
+        fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
+        sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
+  }
+  return {};
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,19 @@
+// Fills what a subdomain starts from.
+#pragma once
+
+#include <span>
+
+#include "partition/distribute/boundary_index.h"
+#include "partition/distribute/point_records.h"
+#include "partition/distribute/tet_records.h"
+#include "partition/subdomain/subdomain_start.h"
+
+namespace weft::partition {
+
+/// The start of one subdomain: its tets in the order given, its vertices in that of the input. `points` are
+/// sorted by number and have at least the tets' vertices.
+SubdomainStart build_start(SubdomainId subdomain, std::span<const TetRecord> tets,
+                           std::span<const PointRecord> points, const Holders& holders,
+                           const BoundaryIndex& boundary);
+
+}  // namespace weft::partition

@@ -1,0 +1,94 @@
+// Moves the tets and finds the holders of their vertices.
+#include "partition/distribute/tet_records.h"
+
+#include "partition/communication/reduce.h"
+
+namespace weft::partition {
+namespace {
+
+std::vector<InputHolder> holders_here(std::span<const TetRecord> tets) {
+  std::vector<InputHolder> result;
+  for (std::size_t begin = 0, end = 0; begin < tets.size(); begin = end) {
+    while (end < tets.size() && tets[end].subdomain == tets[begin].subdomain) ++end;
+    for (const std::uint32_t v : vertices_of(tets.subspan(begin, end - begin)))
+      result.push_back({v, tets[begin].subdomain});
+  }
+  return result;
+}
+
+/// The holders of one vertex, sorted, to each rank that has one of them.
+void send_to_holders(std::span<const InputHolder> holders, std::uint32_t num_subdomains,
+                     std::vector<std::vector<InputHolder>>& to_each) {
+  int last = -1;
+  for (const InputHolder& holder : holders) {
+    const int rank = home_rank(holder.subdomain, num_subdomains, static_cast<int>(to_each.size()));
+    if (rank == last) continue;
+    auto& list = to_each[static_cast<std::size_t>(rank)];
+    list.insert(list.end(), holders.begin(), holders.end());
+    last = rank;
+  }
+}
+
+}  // namespace
+
+std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<const SubdomainId> subdomains,
+                                      std::uint32_t num_subdomains) {
+  std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+    const int rank = home_rank(subdomains[t], num_subdomains, peers.ranks());
+    to_each[static_cast<std::size_t>(rank)].push_back(
+        {slice.first_tet + t, slice.tets[t], slice.tet_refs[t], subdomains[t]});
+  }
+  slice.tets = {};
+  slice.tet_refs = {};
+  auto received = partition::exchange(peers, to_each);
+  to_each = {};
+  std::vector<TetRecord> tets;
+  for (auto& part : received) {
+    tets.insert(tets.end(), part.begin(), part.end());
+    part = {};
+  }
+  std::sort(tets.begin(), tets.end(), [](const TetRecord& a, const TetRecord& b) {
+    return a.subdomain != b.subdomain ? a.subdomain < b.subdomain : a.number < b.number;
+  });
+  return tets;
+}
+
+std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(4 * tets.size());
+  for (const TetRecord& tet : tets) vertices.insert(vertices.end(), tet.vertices.begin(), tet.vertices.end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+std::span<const InputHolder> Holders::of(std::uint32_t vertex) const {
+  const auto begin = std::lower_bound(shared.begin(), shared.end(), InputHolder{vertex, 0});
+  auto end = begin;
+  while (end != shared.end() && end->vertex == vertex) ++end;
+  return {begin, end};
+}
+
+Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_t num_subdomains) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks());
+  std::vector<std::vector<InputHolder>> to_each(ranks);
+  for (const InputHolder& holder : holders_here(tets)) to_each[holder.vertex % ranks].push_back(holder);
+  std::vector<InputHolder> met;
+  for (const auto& part : partition::exchange(peers, to_each))
+    met.insert(met.end(), part.begin(), part.end());
+  std::sort(met.begin(), met.end());
+  to_each.assign(ranks, {});
+  Holders result;
+  for (std::size_t begin = 0, end = 0; begin < met.size(); begin = end, ++result.used) {
+    while (end < met.size() && met[end].vertex == met[begin].vertex) ++end;
+    if (end - begin > 1) send_to_holders(std::span(met).subspan(begin, end - begin), num_subdomains, to_each);
+  }
+  result.used = partition::sum(peers, result.used);
+  for (const auto& part : partition::exchange(peers, to_each))
+    result.shared.insert(result.shared.end(), part.begin(), part.end());
+  std::sort(result.shared.begin(), result.shared.end());
+  return result;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,269 @@
+// The boundary's work of meshing::import_mesh, with faces matched across ranks.
+#include "partition/distribute/whole_boundary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "meshing/mesh/touching_edges.h"
+#include "partition/communication/complaint.h"
+#include "partition/communication/reduce.h"
+#include "partition/distribute/face_records.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::MeshData;
+using Tet = std::array<std::uint32_t, 4>;
+using Triangle = std::array<std::uint32_t, 3>;
+
+constexpr std::uint32_t kDropped = 0xFFFFFFFFu;
+
+/// The faces that meet here, sorted.
+std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks());
+  std::vector<std::vector<FaceRecord>> to_each(ranks);
+  for (std::size_t t = 0; t < slice.tets.size(); ++t)
+    for (std::size_t f = 0; f < 4; ++f) {
+      const FaceRecord record = face_record(slice.tets[t], slice.tet_refs[t], slice.first_tet + t, f);
+      to_each[record.vertices[0] % ranks].push_back(record);
+    }
+  auto received = partition::exchange(peers, to_each);
+  to_each = {};
+  std::vector<FaceRecord> faces;
+  for (auto& part : received) {
+    faces.insert(faces.end(), part.begin(), part.end());
+    part = {};
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+/// A face of more than two tets.
+void refuse_overused(Peers& peers, const std::vector<FaceRecord>& faces) {
+  std::optional<Complaint> first;
+  for (std::size_t i = 0; i + 2 < faces.size() && !first; ++i) {
+    if (!same_face(faces[i], faces[i + 2])) continue;
+    const auto [a, b, c] = faces[i].vertices;
+    first = Complaint{
+        {a, b, c},
+        fmt::format("tets {}, {} and {}", faces[i].tet() + 1, faces[i + 1].tet() + 1, faces[i + 2].tet() + 1),
+        fmt::format("share the face ({} {} {})", a + 1, b + 1, c + 1)};
+  }
+  throw_least(peers, first);
+}
+
+/// Two positive tets across a face see it turning in opposite ways; the same way means they overlap.
+void refuse_overlaps(Peers& peers, const MeshSlice& slice, const Ranges& tets,
+                     const std::vector<FaceRecord>& faces) {
+  struct Overlap {
+    std::uint64_t code = std::numeric_limits<std::uint64_t>::max(), other = 0;
+  };
+  Overlap least;
+  for (std::size_t i = 0; i + 1 < faces.size(); ++i)
+    if (same_face(faces[i], faces[i + 1]) && faces[i].odd() == faces[i + 1].odd() &&
+        faces[i].code < least.code)
+      least = {faces[i].code, faces[i + 1].tet()};
+  least = reduce(peers, std::vector{least},
+                 [](const Overlap& a, const Overlap& b) { return b.code < a.code ? b : a; })[0];
+  if (least.code == Overlap{}.code) return;
+  const std::vector<std::uint64_t> numbers{least.code >> 5, least.other};
+  const auto both = fetch<Tet>(peers, tets, numbers, [&](std::size_t t) { return slice.tets[t]; });
+  throw_least(peers,
+              Complaint{{},
+                        fmt::format("tets {} and {}", numbers[0] + 1, numbers[1] + 1),
+                        both[0] == both[1] ? "are duplicates"
+                                           : "overlap: they lie on the same side of their common face"});
+}
+
+/// A triangle that the input lacks.
+struct Created {
+  std::uint64_t code;  ///< of the face
+  Triangle vertices;
+};
+
+/// What this rank finds out about the triangles whose lowest vertex is its.
+struct TriangleFindings {
+  std::vector<std::uint32_t> repeated;  ///< indices of triangles
+  std::vector<Triangle> outer;          ///< of one tet
+  std::vector<Created> created;
+};
+
+struct SortedTriangle {
+  Triangle vertices;
+  std::uint32_t index;
+  friend auto operator<=>(const SortedTriangle&, const SortedTriangle&) = default;
+};
+
+std::vector<SortedTriangle> my_triangles(const Peers& peers, const std::vector<Triangle>& triangles) {
+  std::vector<SortedTriangle> mine;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    SortedTriangle triangle{triangles[i], i};
+    std::sort(triangle.vertices.begin(), triangle.vertices.end());
+    if (triangle.vertices[0] % static_cast<std::uint32_t>(peers.ranks()) ==
+        static_cast<std::uint32_t>(peers.rank()))
+      mine.push_back(triangle);
+  }
+  std::sort(mine.begin(), mine.end());
+  return mine;
+}
+
+Complaint no_face(const Triangle& v, std::uint32_t index) {
+  return {{index, 0, 0},
+          fmt::format("triangle {} ({} {} {})", std::uint64_t{index} + 1, std::uint64_t{v[0]} + 1,
+                      std::uint64_t{v[1]} + 1, std::uint64_t{v[2]} + 1),
+          "is not a face of any tet"};
+}
+
+/// Walks through faces and triangles, both sorted by vertices.
+TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& faces,
+                                 const std::vector<Triangle>& triangles) {
+  TriangleFindings findings;
+  std::optional<Complaint> first;
+  const std::vector<SortedTriangle> mine = my_triangles(peers, triangles);
+  auto triangle = mine.begin();
+  const auto pass_strangers = [&](const Triangle* face) {
+    for (; triangle != mine.end() && (!face || triangle->vertices < *face); ++triangle)
+      keep_least(first, no_face(triangles[triangle->index], triangle->index));
+  };
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const FaceRecord& face = faces[i];
+    const bool paired = i + 1 < faces.size() && same_face(face, faces[i + 1]);
+    const bool needed = !paired || face.tet_ref != faces[i + 1].tet_ref;
+    if (paired)
+      ++i;
+    else
+      findings.outer.push_back(face.vertices);
+    pass_strangers(&face.vertices);
+    bool covered = false;
+    for (; triangle != mine.end() && triangle->vertices == face.vertices; ++triangle) {
+      if (covered) findings.repeated.push_back(triangle->index);
+      covered = true;
+    }
+    if (covered || !needed) continue;
+    const Triangle v = face.in_order();
+    findings.created.push_back({face.code, {v[0], v[2], v[1]}});
+  }
+  pass_strangers(nullptr);
+  throw_least(peers, first);
+  return findings;
+}
+
+template <class T>
+std::vector<T> gather(Peers& peers, const std::vector<T>& mine) {
+  std::vector<T> all;
+  for (const auto& part : share(peers, mine)) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Copies the triangles without the repeated ones, and then those that were missing in the order of their
+/// tets.
+void take_triangles(const MeshData& m, std::vector<std::uint32_t> repeated, std::vector<Created> created,
+                    WholeBoundary& b) {
+  std::sort(repeated.begin(), repeated.end());
+  std::sort(created.begin(), created.end(),
+            [](const Created& x, const Created& y) { return x.code < y.code; });
+  std::vector<std::uint32_t> new_index(m.triangles.size(), kDropped);
+  for (std::uint32_t i = 0; i < m.triangles.size(); ++i) {
+    if (std::binary_search(repeated.begin(), repeated.end(), i)) continue;
+    new_index[i] = static_cast<std::uint32_t>(b.data.triangles.size());
+    b.data.triangles.push_back(m.triangles[i]);
+    b.data.triangle_refs.push_back(m.triangle_refs[i]);
+  }
+  if (!repeated.empty())
+    b.warnings.push_back(fmt::format("{} repeated triangles were dropped", repeated.size()));
+  for (const std::uint32_t r : m.required_triangles)
+    if (new_index[r] != kDropped) b.data.required_triangles.push_back(new_index[r]);
+  for (const Created& c : created) {
+    b.data.triangles.push_back(c.vertices);
+    b.data.triangle_refs.push_back(0);
+  }
+  if (!created.empty())
+    b.warnings.push_back(
+        fmt::format("{} boundary or interface triangles were missing and have been created with reference 0",
+                    created.size()));
+}
+
+std::array<std::uint32_t, 2> sorted_edge(std::uint32_t a, std::uint32_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Keeps the edges that lie on triangles: the kernel tracks features of the boundary only.
+void take_edges(const MeshData& m, WholeBoundary& b) {
+  std::vector<std::array<std::uint32_t, 2>> sides;
+  if (!m.edges.empty())
+    for (const Triangle& t : b.data.triangles)
+      for (int i = 0; i < 3; ++i) sides.push_back(sorted_edge(t[i], t[(i + 1) % 3]));
+  std::sort(sides.begin(), sides.end());
+  std::vector<std::uint32_t> new_index(m.edges.size(), kDropped);
+  for (std::size_t i = 0; i < m.edges.size(); ++i) {
+    if (!std::binary_search(sides.begin(), sides.end(), sorted_edge(m.edges[i][0], m.edges[i][1]))) continue;
+    new_index[i] = static_cast<std::uint32_t>(b.data.edges.size());
+    b.data.edges.push_back(m.edges[i]);
+    b.data.edge_refs.push_back(m.edge_refs[i]);
+  }
+  for (const std::uint32_t e : m.ridges)
+    if (new_index[e] != kDropped) b.data.ridges.push_back(new_index[e]);
+  for (const std::uint32_t e : m.required_edges)
+    if (new_index[e] != kDropped) b.data.required_edges.push_back(new_index[e]);
+  if (b.data.edges.size() < m.edges.size())
+    b.warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped",
+                                     m.edges.size() - b.data.edges.size()));
+}
+
+/// Renumbers by the points that occur, in their order, so that whatever goes by order stays as it is.
+void compress(WholeBoundary& b) {
+  MeshData& d = b.data;
+  for (const Triangle& t : d.triangles) b.numbers.insert(b.numbers.end(), t.begin(), t.end());
+  for (const auto* list : {&d.corners, &d.required_points})
+    b.numbers.insert(b.numbers.end(), list->begin(), list->end());
+  std::sort(b.numbers.begin(), b.numbers.end());
+  b.numbers.erase(std::unique(b.numbers.begin(), b.numbers.end()), b.numbers.end());
+  const auto renumber = [&](std::span<std::uint32_t> vertices) {
+    for (std::uint32_t& v : vertices)
+      v = static_cast<std::uint32_t>(std::lower_bound(b.numbers.begin(), b.numbers.end(), v) -
+                                     b.numbers.begin());
+  };
+  for (auto& t : d.triangles) renumber(t);
+  for (auto& e : d.edges) renumber(e);
+  renumber(d.corners);
+  renumber(d.required_points);
+}
+
+/// Every rank contributes the points of its share.
+void gather_points(Peers& peers, const MeshSlice& slice, const Ranges& points, WholeBoundary& b) {
+  const auto begin = std::lower_bound(b.numbers.begin(), b.numbers.end(), points.first(peers.rank()));
+  const auto end = std::lower_bound(begin, b.numbers.end(), points.first(peers.rank() + 1));
+  std::vector<meshing::Point> mine;
+  for (auto number = begin; number != end; ++number)
+    mine.push_back(slice.points[*number - slice.first_point]);
+  b.data.points = gather(peers, mine);
+}
+
+}  // namespace
+
+WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Ranges& points,
+                                const Ranges& tets) {
+  TriangleFindings findings;
+  {
+    const std::vector<FaceRecord> faces = meet_faces(peers, slice);
+    refuse_overused(peers, faces);
+    refuse_overlaps(peers, slice, tets, faces);
+    findings = match_triangles(peers, faces, slice.boundary.triangles);
+  }
+  WholeBoundary b;
+  b.data.corners = slice.boundary.corners;
+  b.data.required_points = slice.boundary.required_points;
+  take_triangles(slice.boundary, gather(peers, findings.repeated), gather(peers, findings.created), b);
+  take_edges(slice.boundary, b);
+  const std::size_t touching = meshing::require_touching_edges(gather(peers, findings.outer), b.data);
+  if (touching > 0) b.warnings.push_back(meshing::touching_edges_warning(touching));
+  compress(b);
+  gather_points(peers, slice, points, b);
+  return b;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,72 @@
+// The numbers that the writer uses too, on one rank.
+#include "partition/output/merge_pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "partition/communication/peers.h"
+#include "partition/output/numbering.h"
+#include "partition/output/own_entities.h"
+
+namespace weft::partition {
+namespace {
+
+template <class T>
+void append(const std::vector<T>& from, std::vector<T>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void append_narrow(const std::vector<std::uint64_t>& from, std::vector<std::uint32_t>& to) {
+  for (const std::uint64_t number : from) to.push_back(static_cast<std::uint32_t>(number));
+}
+
+template <std::size_t N>
+void append_narrow(const std::vector<std::array<std::uint64_t, N>>& from,
+                   std::vector<std::array<std::uint32_t, N>>& to) {
+  for (const auto& entity : from) {
+    std::array<std::uint32_t, N> narrow;
+    for (std::size_t i = 0; i < N; ++i) narrow[i] = static_cast<std::uint32_t>(entity[i]);
+    to.push_back(narrow);
+  }
+}
+
+void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, MergedMesh& whole) {
+  meshing::MeshData& mesh = whole.mesh;
+  append(own.points, mesh.points);
+  append(own.point_refs, mesh.point_refs);
+  append(own.log_metrics, whole.log_metrics);
+  append_narrow(own.tets, mesh.tets);
+  append(tet_refs, mesh.tet_refs);
+  append_narrow(own.triangles, mesh.triangles);
+  append(own.triangle_refs, mesh.triangle_refs);
+  append_narrow(own.edges, mesh.edges);
+  append(own.edge_refs, mesh.edge_refs);
+  append_narrow(own.corners, mesh.corners);
+  append_narrow(own.required_points, mesh.required_points);
+  append_narrow(own.ridges, mesh.ridges);
+  append_narrow(own.required_edges, mesh.required_edges);
+  append_narrow(own.required_triangles, mesh.required_triangles);
+}
+
+}  // namespace
+
+MergedMesh merge_pieces(std::span<const MeshPiece> pieces) {
+  Alone alone;
+  const Numbering numbering = number_pieces(alone, pieces);
+  if (numbering.totals.points >= std::numeric_limits<std::uint32_t>::max())
+    throw meshing::InputError("", "", "the merged mesh has too many vertices for 32-bit numbers");
+  std::vector<std::size_t> order(pieces.size());
+  for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
+  std::ranges::sort(order, {}, [&](std::size_t p) { return pieces[p].subdomain; });
+  MergedMesh whole;
+  for (const std::size_t p : order)
+    append(own_entities(pieces[p], numbering.pieces[p]), pieces[p].mesh.tet_refs, whole);
+  return whole;
+}
+
+}  // namespace weft::partition

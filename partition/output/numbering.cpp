@@ -1,0 +1,163 @@
+// Counts go to everyone; numbers of vertices that others own are asked for at the vertices' homes.
+#include "partition/output/numbering.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <sstream>
+#include <string>
+#include <unordered_map>
+
+#include "partition/communication/agreement.h"
+#include "partition/communication/home_rank.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::gmf::MeshCounts;
+
+/// The counts of one kind after the other, for loops over all kinds.
+constexpr std::uint64_t MeshCounts::*kKinds[] = {&MeshCounts::points,
+                                                 &MeshCounts::edges,
+                                                 &MeshCounts::triangles,
+                                                 &MeshCounts::tets,
+                                                 &MeshCounts::corners,
+                                                 &MeshCounts::ridges,
+                                                 &MeshCounts::required_points,
+                                                 &MeshCounts::required_edges,
+                                                 &MeshCounts::required_triangles};
+
+std::string complaint_about(const MeshPiece& piece) {
+  const meshing::MeshData& mesh = piece.mesh;
+  const std::size_t n = mesh.points.size();
+  const bool fits = piece.ids.size() == n && piece.log_metrics.size() == n && mesh.point_refs.size() == n &&
+                    mesh.tet_refs.size() == mesh.tets.size() &&
+                    mesh.triangle_refs.size() == mesh.triangles.size() &&
+                    mesh.edge_refs.size() == mesh.edges.size();
+  return fits ? "" : "subdomain " + std::to_string(piece.subdomain) + ": arrays differ in length";
+}
+
+std::uint64_t count_set(const std::vector<std::uint8_t>& flags) {
+  return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), 1));
+}
+
+/// How many indices of a list are of entities with a flag.
+std::uint64_t count_set(const std::vector<std::uint32_t>& list, const std::vector<std::uint8_t>& flags) {
+  return static_cast<std::uint64_t>(
+      std::count_if(list.begin(), list.end(), [&](std::uint32_t i) { return flags[i] != 0; }));
+}
+
+MeshCounts own_counts(const meshing::MeshData& mesh, const PieceShare& share) {
+  return {.points = count_set(share.points),
+          .edges = count_set(share.edges),
+          .triangles = count_set(share.triangles),
+          .tets = mesh.tets.size(),
+          .corners = count_set(share.corners),
+          .ridges = count_set(mesh.ridges, share.edges),
+          .required_points = count_set(share.required_points),
+          .required_edges = count_set(mesh.required_edges, share.edges),
+          .required_triangles = count_set(mesh.required_triangles, share.triangles)};
+}
+
+struct SubdomainCounts {
+  std::uint64_t subdomain;
+  MeshCounts counts;
+};
+
+/// Fills totals and the first numbers of the pieces here.
+void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& numbering) {
+  std::vector<SubdomainCounts> here;
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    here.push_back({mine[p].subdomain, own_counts(mine[p].mesh, numbering.pieces[p].share)});
+  std::vector<SubdomainCounts> all;
+  for (const auto& of_rank : share(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::ranges::sort(all, {}, &SubdomainCounts::subdomain);
+  std::unordered_map<std::uint64_t, MeshCounts> firsts;
+  for (const SubdomainCounts& part : all) {
+    firsts[part.subdomain] = numbering.totals;
+    for (const auto kind : kKinds) numbering.totals.*kind += part.counts.*kind;
+  }
+  for (std::size_t p = 0; p < mine.size(); ++p) numbering.pieces[p].first = firsts.at(mine[p].subdomain);
+}
+
+void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {
+  std::vector<std::uint64_t> here, all;
+  for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
+  for (const auto& of_rank : share(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::ranges::sort(all);
+  const auto twin = std::ranges::adjacent_find(all);
+  agree(peers,
+        twin == all.end() ? "" : "subdomain " + std::to_string(*twin) + ": there are two pieces of it");
+}
+
+constexpr std::uint64_t kUnknown = ~std::uint64_t{0};
+
+void number_own_points(PieceNumbers& piece) {
+  std::uint64_t next = piece.first.points;
+  piece.points.assign(piece.share.points.size(), kUnknown);
+  for (std::size_t v = 0; v < piece.points.size(); ++v) {
+    if (piece.share.points[v]) piece.points[v] = next++;
+  }
+}
+
+struct PointNumber {
+  EntityKey<1> key;
+  std::uint64_t number;  ///< kUnknown: asks for it
+};
+
+/// Brings the numbers of the vertices that others own.
+void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceNumbers>& pieces) {
+  HomeMail<1, PointNumber> mail(peers.ranks());
+  std::vector<std::uint64_t*> places;
+  for (std::size_t p = 0; p < mine.size(); ++p) {
+    const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
+    for (std::size_t v = 0; v < shared.size(); ++v) {
+      if (!shared[v]) continue;
+      mail.add({{mine[p].ids[v]}, pieces[p].points[v]});
+      places.push_back(&pieces[p].points[v]);
+    }
+  }
+  const auto arrived = mail.deliver(peers);
+  std::unordered_map<GlobalId, std::uint64_t> numbers;
+  for (const auto& of_rank : arrived)
+    for (const PointNumber& point : of_rank)
+      if (point.number != kUnknown) numbers[point.key[0]] = point.number;
+  std::vector<std::vector<std::uint64_t>> answers(arrived.size());
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (const PointNumber& point : arrived[r]) {
+      const auto found = numbers.find(point.key[0]);
+      answers[r].push_back(found == numbers.end() ? kUnknown : found->second);
+    }
+  const std::vector<std::uint64_t> mine_answered = mail.answer(peers, answers);
+  for (std::size_t i = 0; i < places.size(); ++i) *places[i] = mine_answered[i];
+}
+
+std::string complaint_about_points(std::span<const MeshPiece> mine, const std::vector<PieceNumbers>& pieces) {
+  for (std::size_t p = 0; p < mine.size(); ++p) {
+    const auto unknown = std::ranges::find(pieces[p].points, kUnknown);
+    if (unknown == pieces[p].points.end()) continue;
+    std::ostringstream text;
+    text << "subdomain " << mine[p].subdomain << ": vertex "
+         << mine[p].ids[static_cast<std::size_t>(unknown - pieces[p].points.begin())]
+         << " is not in the lowest subdomain that should hold it";
+    return text.str();
+  }
+  return {};
+}
+
+}  // namespace
+
+Numbering number_pieces(Peers& peers, std::span<const MeshPiece> mine) {
+  std::string complaint;
+  for (const MeshPiece& piece : mine) complaint = complaint.empty() ? complaint_about(piece) : complaint;
+  agree(peers, complaint);
+  refuse_twins(peers, mine);
+  Numbering numbering;
+  for (PieceShare& share : shares_of(peers, mine)) numbering.pieces.push_back({std::move(share), {}, {}});
+  sum_counts(peers, mine, numbering);
+  for (PieceNumbers& piece : numbering.pieces) number_own_points(piece);
+  number_others_points(peers, mine, numbering.pieces);
+  agree(peers, complaint_about_points(mine, numbering.pieces));
+  return numbering;
+}
+
+}  // namespace weft::partition

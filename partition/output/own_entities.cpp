@@ -1,0 +1,79 @@
+// Picks what is flagged and renumbers it.
+#include "partition/output/own_entities.h"
+
+#include <cstddef>
+
+namespace weft::partition {
+namespace {
+
+using Flags = std::vector<std::uint8_t>;
+
+template <std::size_t N>
+std::array<std::uint64_t, N> renumbered(const std::array<std::uint32_t, N>& entity,
+                                        const std::vector<std::uint64_t>& numbers) {
+  std::array<std::uint64_t, N> result;
+  for (std::size_t i = 0; i < N; ++i) result[i] = numbers[entity[i]];
+  return result;
+}
+
+template <std::size_t N>
+void pick(const std::vector<std::array<std::uint32_t, N>>& entities, const std::vector<std::int32_t>& refs,
+          const Flags& own, const std::vector<std::uint64_t>& numbers,
+          std::vector<std::array<std::uint64_t, N>>& picked, std::vector<std::int32_t>& picked_refs) {
+  for (std::size_t e = 0; e < entities.size(); ++e) {
+    if (!own[e]) continue;
+    picked.push_back(renumbered(entities[e], numbers));
+    picked_refs.push_back(refs[e]);
+  }
+}
+
+/// The points of a list whose entries have their own flags.
+std::vector<std::uint64_t> pick_points(const std::vector<std::uint32_t>& list, const Flags& own,
+                                       const std::vector<std::uint64_t>& numbers) {
+  std::vector<std::uint64_t> picked;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (own[i]) picked.push_back(numbers[list[i]]);
+  }
+  return picked;
+}
+
+/// The marked ones among a piece's own entities, which are numbered from `first`.
+std::vector<std::uint64_t> pick_marks(const std::vector<std::uint32_t>& marked, const Flags& own,
+                                      std::uint64_t first) {
+  std::vector<std::uint64_t> numbers(own.size());
+  for (std::size_t e = 0; e < own.size(); ++e) {
+    numbers[e] = first;
+    first += own[e];
+  }
+  std::vector<std::uint64_t> picked;
+  for (const std::uint32_t entity : marked) {
+    if (own[entity]) picked.push_back(numbers[entity]);
+  }
+  return picked;
+}
+
+}  // namespace
+
+OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers) {
+  const meshing::MeshData& mesh = piece.mesh;
+  const PieceShare& share = numbers.share;
+  OwnEntities own;
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    if (!share.points[v]) continue;
+    own.points.push_back(mesh.points[v]);
+    own.point_refs.push_back(mesh.point_refs[v]);
+    own.log_metrics.push_back(piece.log_metrics[v]);
+  }
+  own.tets.reserve(mesh.tets.size());
+  for (const auto& tet : mesh.tets) own.tets.push_back(renumbered(tet, numbers.points));
+  pick(mesh.triangles, mesh.triangle_refs, share.triangles, numbers.points, own.triangles, own.triangle_refs);
+  pick(mesh.edges, mesh.edge_refs, share.edges, numbers.points, own.edges, own.edge_refs);
+  own.corners = pick_points(mesh.corners, share.corners, numbers.points);
+  own.required_points = pick_points(mesh.required_points, share.required_points, numbers.points);
+  own.ridges = pick_marks(mesh.ridges, share.edges, numbers.first.edges);
+  own.required_edges = pick_marks(mesh.required_edges, share.edges, numbers.first.edges);
+  own.required_triangles = pick_marks(mesh.required_triangles, share.triangles, numbers.first.triangles);
+  return own;
+}
+
+}  // namespace weft::partition

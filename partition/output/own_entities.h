@@ -1,0 +1,33 @@
+// A piece's part of the whole mesh, in the numbers of the whole mesh.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "meshing/mesh/mesh_data.h"
+#include "partition/output/numbering.h"
+#include "partition/subdomain/mesh_piece.h"
+
+namespace weft::partition {
+
+/// What a piece contributes: its own entities (PieceShare), in its order, by numbers of the whole mesh. Their
+/// own numbers count on from PieceNumbers::first.
+struct OwnEntities {
+  std::vector<meshing::Point> points;
+  std::vector<std::int32_t> point_refs;
+  meshing::LogMetricField log_metrics;
+  std::vector<std::array<std::uint64_t, 4>> tets;
+  std::vector<std::array<std::uint64_t, 3>> triangles;
+  std::vector<std::int32_t> triangle_refs;
+  std::vector<std::array<std::uint64_t, 2>> edges;
+  std::vector<std::int32_t> edge_refs;
+  std::vector<std::uint64_t> corners, required_points;  ///< numbers of points
+  std::vector<std::uint64_t> ridges, required_edges;    ///< numbers of edges
+  std::vector<std::uint64_t> required_triangles;        ///< numbers of triangles
+};
+
+/// Tet references are those of the piece.
+OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers);
+
+}  // namespace weft::partition

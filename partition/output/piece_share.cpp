@@ -1,0 +1,87 @@
+// Vertices know their holders; other entities that may be in several pieces ask at their homes.
+#include "partition/output/piece_share.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "partition/communication/home_rank.h"
+
+namespace weft::partition {
+namespace {
+
+std::vector<std::uint8_t> owned_points(const MeshPiece& piece) {
+  std::vector<std::uint8_t> owned(piece.mesh.points.size(), 1);
+  for (const auto& [vertex, other] : piece.shared) {
+    if (other < piece.subdomain) owned[vertex] = 0;
+  }
+  return owned;
+}
+
+/// Entities of all pieces here that may be in other pieces, each with the flag that its answer goes into.
+template <std::size_t N>
+class Candidates {
+ public:
+  /// Sets the flags of entities that only this piece can have; keeps `flags` to set the others.
+  void add(const MeshPiece& piece, const std::vector<std::uint8_t>& shared,
+           const std::vector<std::array<std::uint32_t, N>>& entities, std::vector<std::uint8_t>& flags) {
+    flags.assign(entities.size(), 1);
+    for (std::size_t e = 0; e < entities.size(); ++e) {
+      EntityKey<N> key;
+      bool all_shared = true;
+      for (std::size_t i = 0; i < N; ++i) {
+        key[i] = piece.ids[entities[e][i]];
+        all_shared = all_shared && shared[entities[e][i]] != 0;
+      }
+      if (!all_shared) continue;
+      holdings_.push_back({sorted_key<N>(key), piece.subdomain});
+      flags_.push_back(&flags[e]);
+    }
+  }
+
+  void decide(Peers& peers) {
+    const std::vector<std::uint8_t> answers = held_by_no_lower<N>(peers, holdings_);
+    for (std::size_t i = 0; i < answers.size(); ++i) *flags_[i] = answers[i];
+  }
+
+ private:
+  std::vector<Holding<N>> holdings_;
+  std::vector<std::uint8_t*> flags_;
+};
+
+std::vector<std::array<std::uint32_t, 1>> as_entities(const std::vector<std::uint32_t>& points) {
+  std::vector<std::array<std::uint32_t, 1>> entities;
+  for (const std::uint32_t point : points) entities.push_back({point});
+  return entities;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> shared_flags(const MeshPiece& piece) {
+  std::vector<std::uint8_t> flags(piece.mesh.points.size(), 0);
+  for (const auto& [vertex, other] : piece.shared) flags[vertex] = 1;
+  return flags;
+}
+
+std::vector<PieceShare> shares_of(Peers& peers, std::span<const MeshPiece> mine) {
+  std::vector<PieceShare> shares(mine.size());
+  Candidates<3> triangles;
+  Candidates<2> edges;
+  Candidates<1> corners, required_points;
+  for (std::size_t p = 0; p < mine.size(); ++p) {
+    const meshing::MeshData& mesh = mine[p].mesh;
+    const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
+    shares[p].points = owned_points(mine[p]);
+    triangles.add(mine[p], shared, mesh.triangles, shares[p].triangles);
+    edges.add(mine[p], shared, mesh.edges, shares[p].edges);
+    corners.add(mine[p], shared, as_entities(mesh.corners), shares[p].corners);
+    required_points.add(mine[p], shared, as_entities(mesh.required_points), shares[p].required_points);
+  }
+  triangles.decide(peers);
+  edges.decide(peers);
+  corners.decide(peers);
+  required_points.decide(peers);
+  return shares;
+}
+
+}  // namespace weft::partition

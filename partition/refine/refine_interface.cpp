@@ -1,0 +1,277 @@
+// Canonical bisection of interface edges.
+#include "partition/refine/refine_interface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+
+#include "meshing/kernel/kernel.h"
+#include "meshing/operators/split_edge.h"
+#include "partition/refine/interface_faces.h"
+
+namespace weft::partition {
+
+using meshing::LogMetric;
+using meshing::Point;
+using meshing::TetFace;
+using meshing::TetId;
+using meshing::TetMesh;
+using meshing::Vec;
+using meshing::VertexId;
+using meshing::VertexKind;
+
+namespace {
+
+using EdgeIndex = InterfaceFaces::EdgeIndex;
+using VertexIndex = RefinedVertices::Index;
+
+/// An edge to be split.
+struct LongEdge {
+  double length;
+  GlobalId low, high;
+  EdgeIndex edge;
+};
+struct ShorterFirst {
+  bool operator()(const LongEdge& x, const LongEdge& y) const {
+    if (x.length != y.length) return x.length < y.length;
+    return std::pair(x.low, x.high) < std::pair(y.low, y.high);
+  }
+};
+
+/// Where the vertices are at present, by index: all of them are frozen.
+std::vector<VertexId> places_of(const RefinedVertices& vertices, const Subdomain& s) {
+  std::vector<VertexId> places(vertices.size());
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
+    if (const VertexId v(i); s.mesh->alive(v) && s.mesh->frozen(v))
+      places.at(vertices.find(s.global_id(v))) = v;
+  return places;
+}
+
+/// All splits down to one length.
+class Level {
+ public:
+  Level(const Subdomain& s, const Geometry& geometry, RefinedVertices& vertices, double longest)
+      : vertices_(vertices),
+        longest_(longest),
+        mesh_(*s.mesh),
+        surface_(geometry.surface),
+        background_(s.background.background()),
+        kernel_{mesh_, background_, geometry.surface, {}},
+        worker_(kernel_, 1, true),
+        faces_(mesh_, geometry.patch_inner),
+        index_of_(mesh_.vertex_slots(), RefinedVertices::kNone),
+        place_(places_of(vertices, s)) {
+    for (VertexIndex i = 0; i < place_.size(); ++i) index_of_.at(place_[i].value) = i;
+  }
+
+  void run() {
+    const VertexIndex known = vertices_.size();
+    consider_edges_from(0);
+    while (!long_edges_.empty()) {
+      const EdgeIndex e = long_edges_.top().edge;
+      long_edges_.pop();
+      split(e);
+    }
+    for (VertexIndex i = known; i < vertices_.size(); ++i) mesh_.freeze(place_[i]);
+    vertices_.sort_new();
+  }
+
+ private:
+  /// a has the lower id.
+  struct Edge {
+    VertexId a, b;
+  };
+
+  VertexIndex index_of(VertexId v) const { return index_of_[v.value]; }
+  GlobalId id(VertexId v) const { return GlobalId::from_value(mesh_.label(v)); }
+  bool is_new(VertexId v) const { return index_of(v) >= vertices_.first_new(); }
+
+  Edge edge(EdgeIndex e) const {
+    const auto [a, b] = faces_.ends(e);
+    return id(a) < id(b) ? Edge{a, b} : Edge{b, a};
+  }
+
+  void consider_edges_from(EdgeIndex first) {
+    for (EdgeIndex e = first; e < faces_.num_edges(); ++e) {
+      const auto [a, b] = edge(e);
+      const double length = length_between(mesh_, a, b);
+      if (length > longest_ && may_split(a, b)) long_edges_.push({length, id(a), id(b), e});
+    }
+  }
+
+  bool may_split(VertexId a, VertexId b) const {
+    return !must_stay(a, b) && !nears_what_stays(a, b) && !nears_what_stays(b, a);
+  }
+
+  bool must_stay(VertexId a, VertexId b) const {
+    const int both = mesh_.flags(a) & mesh_.flags(b);
+    if (both & (meshing::kOnCurved | meshing::kFixed)) return true;
+    if ((mesh_.flags(a) | mesh_.flags(b)) & kDelicate) return true;
+    const meshing::CurveId on = mesh_.curve(a, b);
+    return on.valid() && surface_.curves()[on.value].required;
+  }
+
+  /// Where a long side (a, c) of a face (a, c, d) must stay, splitting what leads from `a` to new vertices of
+  /// the face, and from c, would come nearer to that side without end. Whoever has such an edge has the face.
+  bool nears_what_stays(VertexId a, VertexId b) const {
+    constexpr double kClearlyShort = 0.75;  // beside such a side the splits do end, soon
+    if (is_new(a) || !is_new(b)) return false;
+    return std::ranges::any_of(vertices_.corners(index_of(b)), [&](VertexIndex corner) {
+      if (corner == RefinedVertices::kNone) return false;
+      const VertexId c = place_[corner];
+      return c != a && must_stay(a, c) &&
+             length_between(mesh_, a, c) > kClearlyShort * kernel_.limits.long_edge;
+    });
+  }
+
+  meshing::VertexOnEdge place(const Edge& e) const {
+    const Vec d = mesh_.point(e.b) - mesh_.point(e.a);
+    const double share = meshing::metric_middle(std::sqrt(squared_length(mesh_.metric(e.a), d)),
+                                                std::sqrt(squared_length(mesh_.metric(e.b), d)));
+    meshing::VertexOnEdge at;
+    at.x = mesh_.point(e.a) + share * d;
+    at.log_metric = (1 - share) * mesh_.log_metric(e.a) + share * mesh_.log_metric(e.b);
+    at.curve = mesh_.curve(e.a, e.b);
+    at.background_hint = background_tet(at.x, e);
+    return at;
+  }
+
+  /// The background has corners that stand in the way from one end more often than from both.
+  std::uint32_t background_tet(const Point& x, const Edge& e) const {
+    for (const VertexId v : {e.a, e.b})
+      if (const auto end = background_.walk_towards(x, mesh_.background_hint(v)); end.reached) return end.tet;
+    return background_.at(x, mesh_.background_hint(e.a)).tet;
+  }
+
+  /// Finds the tets around an edge, and one of each set of joined ones (every set has two of the faces, at
+  /// its ends). Returns the patch that the edge lies in, as far as they tell.
+  meshing::PatchId look_around(const Edge& e, EdgeIndex index) {
+    meshing::PatchId patch;
+    for (auto* list : {&at_edge_, &ends_seen_}) list->clear();
+    for (auto* list : {&fans_, &tets_}) list->clear();
+    faces_.append_faces(index, at_edge_);
+    const meshing::Shell& shell = worker_.shell;
+    for (const TetFace face : at_edge_) {
+      if (std::find(ends_seen_.begin(), ends_seen_.end(), face) != ends_seen_.end()) continue;
+      worker_.claims.claim_tet(face.tet());
+      if (gather_shell(mesh_, worker_.claims, face.tet(), e.a, e.b, worker_.shell) !=
+          meshing::Verdict::accepted)
+        throw std::runtime_error("an interface edge has more tets around it than " +
+                                 std::to_string(meshing::Shell::kMaxSize));
+      worker_.claims.release();
+      fans_.push_back(face.tet());
+      for (int i = 0; i < shell.size; ++i) tets_.push_back(shell.tets[i].tet);
+      ends_seen_.emplace_back(shell.tets[0].tet, shell.tets[0].s);
+      ends_seen_.emplace_back(shell.tets[shell.size - 1].tet, shell.tets[shell.size - 1].r);
+      if (const auto on = meshing::classify(mesh_, shell); on.patch.valid()) patch = on.patch;
+    }
+    return patch;
+  }
+
+  void classify(const Edge& e, meshing::PatchId patch, meshing::VertexOnEdge& at) const {
+    const VertexKind near = mesh_.kind(e.a);
+    if (at.curve.valid()) {
+      at.kind = VertexKind::ridge;
+      at.surface_hint = surface_.project_to_curve(at.curve, at.x, near, mesh_.surface_hint(e.a)).hint;
+    } else if (patch.valid()) {
+      at.kind = VertexKind::surface;
+      at.surface_hint = surface_.project_to_patch(patch, at.x, near, mesh_.surface_hint(e.a)).hint;
+    }
+  }
+
+  void split(EdgeIndex index) {
+    const Edge e = edge(index);
+    const meshing::PatchId patch = look_around(e, index);
+    meshing::VertexOnEdge at = place(e);
+    classify(e, patch, at);
+    for (const TetId t : fans_) worker_.claims.claim_tet(t);
+    const VertexId m = split_edge_at(worker_, e.a, e.b, fans_, at);
+    worker_.claims.release();
+    if (!m.valid()) throw std::runtime_error("an interface edge could not be split: a tet would be inverted");
+    remember(m, e);
+    const EdgeIndex first = faces_.num_edges();
+    faces_.split(index, e.a, m, tets_);
+    consider_edges_from(first);
+  }
+
+  void remember(VertexId m, const Edge& e) {
+    const VertexIndex i = vertices_.add_between(index_of(e.a), index_of(e.b));
+    mesh_.set_label(m, vertices_.id(i).value());
+    if (m.value >= index_of_.size()) index_of_.resize(mesh_.vertex_slots(), RefinedVertices::kNone);
+    index_of_[m.value] = i;
+    place_.push_back(m);
+  }
+
+  RefinedVertices& vertices_;
+  const double longest_;
+  TetMesh& mesh_;
+  const meshing::Surface& surface_;
+  const meshing::Background& background_;
+  meshing::Kernel kernel_;
+  meshing::Worker worker_;
+  InterfaceFaces faces_;
+  std::vector<VertexIndex> index_of_;  ///< by slot
+  std::vector<VertexId> place_;        ///< by index
+  std::priority_queue<LongEdge, std::vector<LongEdge>, ShorterFirst> long_edges_;
+  std::vector<TetFace> at_edge_, ends_seen_;  ///< these and the next: look_around()
+  std::vector<TetId> fans_, tets_;
+};
+
+}  // namespace
+
+bool is_delicate(const std::array<Point, 4>& p) {
+  // Halving edges some eight times leaves heights of a 256th; a point is off its edge by 1e-16 of its
+  // coordinates.
+  constexpr double kSafe = 1e-11;
+  double size = 0, largest_area = 0;
+  for (const Point& x : p)
+    for (int k = 0; k < 3; ++k) size = std::max(size, std::abs(x[k]));
+  for (const auto& f : meshing::kTetFaces)
+    largest_area = std::max(largest_area, norm(cross(p[f[1]] - p[f[0]], p[f[2]] - p[f[0]])));
+  const double six_volume = dot(p[1] - p[0], cross(p[2] - p[0], p[3] - p[0]));
+  return !(six_volume > kSafe * size * largest_area);
+}
+
+InterfaceRefinement::InterfaceRefinement(Subdomain& s, const Geometry& geometry)
+    : subdomain_(s), geometry_(geometry), vertices_(s.interface, s.phase) {}
+
+void InterfaceRefinement::refine(double longest) { Level(subdomain_, geometry_, vertices_, longest).run(); }
+
+std::vector<InterfaceVertices> InterfaceRefinement::created() const {
+  const TetMesh& mesh = *subdomain_.mesh;
+  const std::vector<VertexId> places = places_of(vertices_, subdomain_);
+  const auto neighbours = subdomain_.interface.neighbours();
+  std::vector<InterfaceVertices> result(neighbours.size());
+  for (VertexIndex i = vertices_.first_new(); i < vertices_.size(); ++i)
+    for (const SubdomainId other : vertices_.holders(i)) {
+      const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
+      result[at].vertices.push_back({vertices_.id(i), mesh.surface_hint(places[i]), mesh.kind(places[i])});
+    }
+  return result;
+}
+
+void register_interface(Subdomain& s, std::span<const InterfaceVertices> theirs) {
+  std::unordered_map<GlobalId, VertexId> mine;
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
+    if (s.mesh->alive(VertexId(i)) && s.mesh->frozen(VertexId(i)) && s.global_id(VertexId(i)).derived())
+      mine.emplace(s.global_id(VertexId(i)), VertexId(i));
+  std::vector<Holder> lines(s.interface.lines().begin(), s.interface.lines().end());
+  const auto neighbours = s.interface.neighbours();
+  for (std::size_t n = 0; n < theirs.size(); ++n)
+    for (const InterfaceVertices::Vertex& v : theirs[n].vertices) {
+      const auto at = mine.find(v.id);
+      if (at == mine.end()) continue;
+      lines.push_back({v.id, neighbours[n]});
+      // Who has the boundary's faces at an edge knows best how it lies in the boundary.
+      if (v.kind <= s.mesh->kind(at->second)) continue;
+      s.mesh->set_kind(at->second, v.kind);
+      s.mesh->set_surface_hint(at->second, v.surface_hint);
+    }
+  s.interface = Interface(std::move(lines));
+  locate_interface(s);
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,107 @@
+// Layers of tets around wanted vertices, each for the first in the order of priorities.
+#include "partition/shift/choice.h"
+
+#include <algorithm>
+
+#include "partition/subdomain/tets_at.h"
+
+namespace weft::partition {
+
+using meshing::TetFace;
+using meshing::TetId;
+using meshing::TetVertices;
+using meshing::VertexId;
+
+Choice::Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals)
+    : s_(s), mesh_(*s.mesh) {
+  order_.push_back(mine);
+  for (const Proposal& p : proposals) order_.push_back(p.priority);
+  std::sort(order_.begin(), order_.end());
+  const auto place = [&](SubdomainId id) {
+    const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.id == id; });
+    return static_cast<Rank>(at - order_.begin()) + 1;
+  };
+  self_ = place(s.id);
+  for (const SubdomainId neighbour : s.interface.neighbours()) rank_of_neighbour_.push_back(place(neighbour));
+}
+
+Chosen Choice::choose(std::span<const GlobalId> wanted, std::span<const Proposal> proposals,
+                      const ShiftOptions& options) {
+  vertex_.assign(mesh_.vertex_slots(), kNobody);
+  tet_.assign(mesh_.tet_slots(), kNobody);
+  bool any_leave = seed(wanted);
+  for (const Proposal& p : proposals) any_leave |= seed(p.wants);
+  Chosen chosen;
+  if (any_leave) {
+    take_at_vertices();
+    for (int layer = 0; layer < options.layers && !taken_.empty(); ++layer) {
+      if (options.by_faces) {
+        take_across_faces();
+      } else {
+        spread_to_vertices();
+        take_at_vertices();
+      }
+    }
+    for (std::uint32_t i = 0; i < tet_.size(); ++i) {
+      if (tet_[i] == self_) tet_[i] = kNobody;
+      if (tet_[i] != kNobody) chosen.leaving.emplace_back(i);
+    }
+  }
+  chosen.to = std::move(tet_);
+  return chosen;
+}
+
+Rank Choice::rank_of(SubdomainId id) const {
+  const auto neighbours = s_.interface.neighbours();
+  return rank_of_neighbour_[static_cast<std::size_t>(
+      std::lower_bound(neighbours.begin(), neighbours.end(), id) - neighbours.begin())];
+}
+
+/// Wanted vertices belong to the first of their holders. Returns whether any goes to another subdomain.
+bool Choice::seed(std::span<const GlobalId> wanted) {
+  bool any_leave = false;
+  std::uint32_t i = 0;
+  for (const GlobalId id : wanted) {  // both are sorted
+    while (s_.interface.id(i) < id) ++i;
+    Rank first = self_;
+    for (const Holder& h : s_.interface.others(i)) first = std::max(first, rank_of(h.subdomain));
+    vertex_[s_.interface.local(i).value] = first;
+    any_leave |= first != self_;
+  }
+  return any_leave;
+}
+
+/// Every tet that has no subdomain yet takes the first among its vertices'.
+void Choice::take_at_vertices() {
+  taken_.clear();
+  for_each_tet_at(mesh_, vertex_, [&](TetId t, const TetVertices& vertices) {
+    if (tet_[t.value] != kNobody) return;
+    for (const VertexId v : vertices) tet_[t.value] = std::max(tet_[t.value], vertex_[v.value]);
+    taken_.push_back(t.value);
+  });
+}
+
+/// Vertices without a subdomain take the first among the tets that were taken last.
+void Choice::spread_to_vertices() {
+  next_.clear();
+  for (const std::uint32_t i : taken_)
+    for (const VertexId v : mesh_.vertices(TetId(i)))
+      if (vertex_[v.value] == kNobody) next_.push_back({v.value, tet_[i]});
+  for (const auto& [v, r] : next_) vertex_[v] = std::max(vertex_[v], r);
+}
+
+/// The same from tet to tet through faces.
+void Choice::take_across_faces() {
+  next_.clear();
+  for (const std::uint32_t i : taken_)
+    for (int f = 0; f < 4; ++f)
+      if (const TetFace n = mesh_.neighbour(TetId(i), f); n.valid() && tet_[n.tet().value] == kNobody)
+        next_.push_back({n.tet().value, tet_[i]});
+  taken_.clear();
+  for (const auto& [t, r] : next_) {
+    if (tet_[t] == kNobody) taken_.push_back(t);
+    tet_[t] = std::max(tet_[t], r);
+  }
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,37 @@
+// What the tets that leave a subdomain mean for its vertices, and their removal.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "partition/shift/choice.h"
+
+namespace weft::partition {
+
+/// A vertex with a subdomain that tets around it go to (or stay in). Ordered by global id.
+struct Departure {
+  GlobalId id;
+  SubdomainId to;
+  std::uint32_t vertex;
+  friend auto operator<=>(const Departure&, const Departure&) = default;
+};
+
+struct Departures {
+  /// Sorted: where the tets around each vertex go, for vertices of the interface around which not all stay
+  /// and for those that become vertices of it. A vertex that leaves with all its tets for one other concerns
+  /// nobody else.
+  std::vector<Departure> of_interface;
+  /// Vertices of leaving tets, each with a tet that stays; invalid where none does.
+  std::vector<std::uint32_t> vertices;
+  std::vector<meshing::TetId> staying;
+};
+
+/// `interface_index`: by vertex slot, Interface::kNone for vertices that are not of the interface.
+Departures find_departures(const Subdomain& subdomain, const Choice& choice, const Chosen& chosen,
+                           const std::vector<std::uint32_t>& interface_index);
+
+/// Removes the tets that leave, and the vertices that have none left.
+void remove_leaving(Subdomain& subdomain, const Chosen& chosen, const Departures& departures);
+
+}  // namespace weft::partition

@@ -1,0 +1,124 @@
+// Proposals, and the packing of the tets that leave.
+#include <algorithm>
+
+#include "partition/shift/packing.h"
+#include "partition/shift/shift.h"
+#include "partition/subdomain/tets_at.h"
+
+namespace weft::partition {
+
+using meshing::TetId;
+using meshing::TetMesh;
+using meshing::VertexId;
+
+namespace {
+
+bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHasBeenFree); }
+
+/// Marks vertices of poor tets and of those that touch them, by slot: any that is frozen may be in the way.
+std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
+  constexpr float kPoor = 0.5f;
+  std::vector<std::uint8_t> at(mesh.vertex_slots(), 0);
+  bool any = false;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i))) {
+      any = true;
+      for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
+    }
+  if (!any) return at;
+  std::vector<std::uint8_t> near = at;
+  for_each_tet_at(mesh, at, [&](TetId, const meshing::TetVertices& vertices) {
+    for (const VertexId v : vertices) near[v.value] = 1;
+  });
+  return near;
+}
+
+/// Index in the interface of each vertex by slot, kNone for others.
+std::vector<std::uint32_t> interface_index(const Subdomain& s) {
+  std::vector<std::uint32_t> index(s.mesh->vertex_slots(), Interface::kNone);
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) index[s.interface.local(i).value] = i;
+  return index;
+}
+
+/// One for each neighbour, with nothing in it.
+std::vector<Parcel> empty_parcels(const Subdomain& s) {
+  std::vector<Parcel> parcels(s.interface.neighbours().size());
+  for (Parcel& p : parcels) p.from = s.id;
+  return parcels;
+}
+
+/// The neighbours' parcels, in their order.
+std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen& chosen,
+                         const std::vector<Departure>& departures,
+                         const std::vector<std::uint32_t>& interface_index,
+                         std::span<const Proposal> proposals) {
+  const auto neighbours = s.interface.neighbours();
+  std::vector<std::uint32_t> place_of_tet(chosen.to.size());
+  std::vector<Packing> packing;
+  packing.reserve(neighbours.size());
+  for (const SubdomainId neighbour : neighbours)
+    packing.emplace_back(s, neighbour, interface_index, place_of_tet);
+  std::vector<std::size_t> tets_to(choice.ranks(), 0);
+  for (const TetId t : chosen.leaving) ++tets_to[chosen.to[t.value]];
+  std::vector<Packing*> packing_of(choice.ranks(), nullptr);
+  for (Rank r = 1; r < choice.ranks(); ++r) {
+    if (tets_to[r] == 0) continue;
+    packing_of[r] = &packing[static_cast<std::size_t>(
+        std::lower_bound(neighbours.begin(), neighbours.end(), choice.subdomain(r)) - neighbours.begin())];
+    packing_of[r]->reserve(tets_to[r]);
+  }
+  for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
+  std::vector<Parcel> parcels;
+  for (std::size_t n = 0; n < packing.size(); ++n)
+    parcels.push_back(packing[n].finish(chosen, departures, proposals[n].pieces));
+  return parcels;
+}
+
+}  // namespace
+
+std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
+  std::vector<std::uint8_t> poor(s.mesh->vertex_slots(), 0);
+  if (round < kRoundsForQuality) poor = near_poor_tets(*s.mesh);
+  std::vector<GlobalId> ids;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const VertexId v = s.interface.local(i);
+    if (never_free(*s.mesh, v) || poor[v.value]) ids.push_back(s.interface.id(i));
+  }
+  return ids;
+}
+
+std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted) {
+  const auto neighbours = s.interface.neighbours();
+  std::vector<Proposal> proposals(neighbours.size(), Proposal{mine, {}, s.background.piece_ids()});
+  std::uint32_t i = 0;
+  for (const GlobalId id : wanted) {
+    while (s.interface.id(i) < id) ++i;
+    for (const Holder& h : s.interface.others(i))
+      proposals[static_cast<std::size_t>(std::lower_bound(neighbours.begin(), neighbours.end(), h.subdomain) -
+                                         neighbours.begin())]
+          .wants.push_back(id);
+  }
+  return proposals;
+}
+
+std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted,
+                           std::span<const Proposal> proposals, const ShiftOptions& options) {
+  s.departures.clear();
+  const auto wants_nothing = [](const Proposal& p) { return p.wants.empty(); };
+  if (wanted.empty() && std::all_of(proposals.begin(), proposals.end(), wants_nothing))
+    return empty_parcels(s);
+  Choice choice(s, mine, proposals);
+  const Chosen chosen = choice.choose(wanted, proposals, options);
+  if (chosen.leaving.empty()) return empty_parcels(s);
+  const std::vector<std::uint32_t> index = interface_index(s);
+  const Departures departures = find_departures(s, choice, chosen, index);
+  std::vector<Parcel> parcels = pack(s, choice, chosen, departures.of_interface, index, proposals);
+  for (const Departure& d : departures.of_interface) {
+    s.departures.push_back({d.id, d.to});
+    s.mesh->freeze(VertexId(d.vertex));
+  }
+  remove_leaving(s, chosen, departures);
+  return parcels;
+}
+
+}  // namespace weft::partition

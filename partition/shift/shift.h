@@ -1,0 +1,140 @@
+// The interface shift as messages between neighbours: proposals, parcels of tets, notices of who holds what.
+// Plain functions on one subdomain; who calls them when, and how the messages travel, is not known here.
+//
+//   propose()          every subdomain tells its neighbours its priority and which vertices are to be freed
+//   gather()           the holder of highest priority receives all tets around such a vertex and some layers
+//                      more; each tet goes to one subdomain
+//   scatter()          what arrived is joined by global ids; the interface is where others' tets begin now
+//   update_topology()  those who have come to hold a vertex learn of all others who do
+//
+// For each interface vertex the holder of the highest priority receives. A subdomain above all its neighbours
+// receives everything, as in Luby's algorithm; but the others, which would be idle, also receive from those
+// below them. So one round frees all of the interface but for the tets where three subdomains meet, instead
+// of that of a third of them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "partition/shift/colouring.h"
+#include "partition/subdomain/subdomain.h"
+
+namespace weft::partition {
+
+/// What one subdomain tells a neighbour first.
+struct Proposal {
+  Priority priority;
+  std::vector<GlobalId> wants;  ///< shared with the neighbour, to be freed; ascending
+  /// Of the background, those that it has (BackgroundPiece::id), which need not be sent again; ascending.
+  std::vector<std::uint64_t> pieces;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(priority, wants, pieces);
+  }
+};
+
+/// Tets on their way, with all that belongs to them, and what the receiver must know of the sender's
+/// departures.
+struct Parcel {
+  struct Vertex {
+    GlobalId id;
+    meshing::Point point;
+    meshing::LogMetric log_metric;
+    BackgroundTet background;
+    std::uint32_t surface_hint;
+    std::int32_t ref;
+    meshing::VertexKind kind;
+    std::uint8_t flags;
+  };
+  struct Tet {
+    std::array<std::uint32_t, 4> vertices;  ///< in the parcel
+    std::array<std::uint32_t, 4>
+        neighbours;  ///< in the parcel, as meshing::Adjacency; kNoNeighbour elsewhere
+    std::array<meshing::PatchId, 4> patches;
+    std::int32_t ref;
+    float quality;  ///< the kernel's cached one
+  };
+  struct FeatureEdge {
+    std::array<std::uint32_t, 2> ends;  ///< in the parcel
+    meshing::CurveId curve;
+  };
+  SubdomainId from = 0;
+  std::vector<Vertex> vertices;
+  std::vector<Tet> tets;
+  std::vector<FeatureEdge> feature_edges;
+  /// Of the background, those that the receiver lacks; never changed, so shared within a rank.
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
+  /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody
+  /// else had any.
+  std::vector<Holder> now;
+  /// Who held a vertex of the parcel before, for vertices that the receiver did not hold.
+  std::vector<Holder> before;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(from, vertices, tets, feature_edges, now, before);
+    serialize_pieces(archive, pieces);
+  }
+};
+
+/// All holders of vertices that the addressee has come to hold.
+struct Notice {
+  std::vector<Holder> holders;  ///< sorted
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(holders);
+  }
+};
+
+struct ShiftOptions {
+  int layers = 2;         ///< of tets, point-connected, handed over beyond those at the interface
+  bool by_faces = false;  ///< layers grow through faces instead of points
+
+  /// The first shift moves the interface away; later ones free what is left of it, mostly where three
+  /// subdomains meet, for which a layer is enough (a fifth of the tets moved, Q 1 % 0.731 instead of 0.734).
+  ShiftOptions in_round(std::uint64_t round) const {
+    return {round == 0 ? layers : std::min(layers, 1), by_faces};
+  }
+};
+
+/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and
+/// those of poor tets and of tets that touch them. The latter only in the first kRoundsForQuality rounds:
+/// there are tets that no shift can mend.
+inline constexpr std::uint64_t kRoundsForQuality = 10;
+std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
+
+/// One proposal for each of the interface's neighbours, in their order.
+std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine,
+                              std::span<const GlobalId> wanted);
+
+/// Takes the tets that go away out of the mesh. `proposals` are those of the neighbours, in their order; so
+/// are the parcels, many of them empty.
+std::vector<Parcel> gather(Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted,
+                           std::span<const Proposal> proposals, const ShiftOptions& options);
+
+/// What scattering leaves to be said and heard.
+struct Scattered {
+  std::uint64_t received = 0;  ///< tets
+  std::uint64_t thawed = 0;    ///< vertices of the interface that are none any more
+  struct Addressed {
+    SubdomainId to;
+    Notice notice;
+  };
+  std::vector<Addressed> notices;     ///< by addressee, ascending
+  std::vector<SubdomainId> expected;  ///< who sends a notice here, ascending
+};
+
+/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what
+/// was frozen get the mark kFresh: all else has been adapted where it was.
+Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
+
+/// The notices of all that were expected. Returns how many vertices turned out to be no interface.
+std::uint64_t update_topology(Subdomain& subdomain, std::span<const Notice> notices);
+
+}  // namespace weft::partition

@@ -1,0 +1,207 @@
+// Cutting, naming and joining of background pieces.
+#include "partition/subdomain/background_store.h"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "meshing/mesh/tet_tables.h"
+
+namespace weft::partition {
+
+using meshing::Adjacency;
+using meshing::kNoNeighbour;
+
+namespace {
+
+/// Small enough that a parcel takes little more background than it needs, large enough that the faces between
+/// pieces, which have to be matched, are few.
+constexpr std::size_t kTetsOfPiece = 512;
+
+using OpenFace = BackgroundPiece::OpenFace;
+
+bool by_name(const OpenFace& a, const OpenFace& b) { return a.name < b.name; }
+
+/// Names are hashes: with a bucket for each, by their leading bits (the first one is set in all), they are
+/// nearly in order; a quarter of the time of std::sort.
+std::vector<OpenFace> in_order(const std::vector<OpenFace>& faces) {
+  if (faces.size() < 2) return faces;
+  const int bits = std::bit_width(faces.size() - 1);
+  const auto bucket = [&](const OpenFace& f) { return f.name << 1 >> (64 - bits); };
+  std::vector<std::uint32_t> begins((std::size_t{1} << bits) + 1, 0);
+  for (const OpenFace& f : faces) ++begins[bucket(f) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<OpenFace> sorted(faces.size());
+  for (const OpenFace& f : faces) sorted[begins[bucket(f)]++] = f;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    for (std::size_t k = i; k > 0 && by_name(sorted[k], sorted[k - 1]); --k)
+      std::swap(sorted[k], sorted[k - 1]);
+  return sorted;
+}
+
+/// The faces without a neighbour in the piece; ids[i] is the name of its point i.
+std::vector<OpenFace> border_of(const BackgroundPiece& piece, std::span<const GlobalId> ids) {
+  std::vector<OpenFace> border;
+  for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (piece.neighbours[t][f] != kNoNeighbour) continue;
+      std::array<GlobalId, 3> v;
+      for (std::size_t i = 0; i < 3; ++i) v[i] = ids[piece.tets[t][meshing::kTetFaces[f][i]]];
+      std::sort(v.begin(), v.end());
+      const GlobalId name = GlobalId::derived_from(GlobalId::derived_from(v[0], v[1]), v[2]);
+      border.push_back({name.value(), 4 * t + f});
+    }
+  return in_order(border);
+}
+
+/// Cuts tets of a mesh out of it, as pieces of their own.
+class PieceCutter {
+ public:
+  PieceCutter(std::span<const meshing::Point> points, std::span<const meshing::LogMetric> log_metrics,
+              std::span<const GlobalId> ids)
+      : points_(points), log_metrics_(log_metrics), ids_(ids), place_(points.size(), kNowhere) {}
+
+  std::shared_ptr<const BackgroundPiece> cut(std::uint64_t id,
+                                             std::span<const std::array<std::uint32_t, 4>> tets) {
+    auto piece = std::make_shared<BackgroundPiece>();
+    piece->id = id;
+    vertices_.clear();
+    piece->tets.reserve(tets.size());
+    for (const auto& t : tets)
+      piece->tets.push_back({place_of(t[0]), place_of(t[1]), place_of(t[2]), place_of(t[3])});
+    std::vector<GlobalId> names;
+    for (const std::uint32_t v : vertices_) {
+      piece->points.push_back(points_[v]);
+      piece->log_metrics.push_back(log_metrics_[v]);
+      names.push_back(ids_[v]);
+      place_[v] = kNowhere;
+    }
+    piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
+    piece->border = border_of(*piece, names);
+    return piece;
+  }
+
+ private:
+  static constexpr std::uint32_t kNowhere = 0xFFFFFFFFu;
+
+  std::uint32_t place_of(std::uint32_t vertex) {
+    std::uint32_t& place = place_[vertex];
+    if (place == kNowhere) {
+      place = static_cast<std::uint32_t>(vertices_.size());
+      vertices_.push_back(vertex);
+    }
+    return place;
+  }
+
+  std::span<const meshing::Point> points_;
+  std::span<const meshing::LogMetric> log_metrics_;
+  std::span<const GlobalId> ids_;
+  std::vector<std::uint32_t> place_;     ///< vertex -> its place in the piece that is being cut
+  std::vector<std::uint32_t> vertices_;  ///< of that piece
+};
+
+}  // namespace
+
+BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
+                                 std::span<const meshing::LogMetric> log_metrics,
+                                 std::span<const GlobalId> ids,
+                                 std::span<const std::array<std::uint32_t, 4>> tets) {
+  PieceCutter cutter(points, log_metrics, ids);
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece) {
+    const std::uint64_t id = std::uint64_t{subdomain} << 32 | pieces.size();
+    pieces.push_back(cutter.cut(id, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
+  }
+  add(pieces);
+}
+
+void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces) {
+  Adjacency adjacency;
+  std::vector<OpenFace> open;
+  if (background_) adjacency = background_->release_adjacency();
+  make_room(pieces, adjacency);
+  for (const auto& piece : pieces) {
+    if (has(piece->id)) continue;
+    place_.emplace(piece->id, static_cast<std::uint32_t>(mesh_->tets.size()));
+    begins_.push_back(static_cast<std::uint32_t>(mesh_->tets.size()));
+    pieces_.push_back(piece);
+    for (const OpenFace& face : piece->border)
+      open.push_back({face.name, face.code + 4 * std::uint64_t{begins_.back()}});
+    append(*piece, adjacency);
+  }
+  join_faces(std::move(open), adjacency);
+  background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
+}
+
+/// What arrives in all shifts is mostly less than what was there first. (Pages that nobody writes to take no
+/// memory.)
+void BackgroundStore::make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
+                                Adjacency& adjacency) {
+  std::size_t points = mesh_->points.size(), tets = mesh_->tets.size();
+  for (const auto& piece : pieces) points += piece->points.size(), tets += piece->tets.size();
+  if (points > mesh_->points.capacity()) {
+    mesh_->points.reserve(2 * points);
+    log_metrics_->reserve(2 * points);
+  }
+  if (tets > mesh_->tets.capacity()) {
+    mesh_->tets.reserve(2 * tets);
+    adjacency.neighbours.reserve(2 * tets);
+  }
+}
+
+void BackgroundStore::append(const BackgroundPiece& piece, Adjacency& adjacency) {
+  const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
+  const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
+  mesh_->points.insert(mesh_->points.end(), piece.points.begin(), piece.points.end());
+  log_metrics_->insert(log_metrics_->end(), piece.log_metrics.begin(), piece.log_metrics.end());
+  mesh_->tets.insert(mesh_->tets.end(), piece.tets.begin(), piece.tets.end());
+  for (auto& tet : std::span(mesh_->tets).subspan(first_tet))
+    for (std::uint32_t& v : tet) v += first_point;
+  adjacency.neighbours.insert(adjacency.neighbours.end(), piece.neighbours.begin(), piece.neighbours.end());
+  for (auto& tet : std::span(adjacency.neighbours).subspan(first_tet))
+    for (std::uint32_t& code : tet) code += code == kNoNeighbour ? 0 : 4 * first_tet;
+}
+
+/// Joins open faces with their other sides, among them or in the border; the rest becomes border.
+void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacency) {
+  open = in_order(open);
+  std::vector<OpenFace> all;
+  all.reserve(border_.size() + open.size());
+  std::merge(border_.begin(), border_.end(), open.begin(), open.end(), std::back_inserter(all), by_name);
+  border_.clear();
+  for (const OpenFace& face : all) {
+    if (border_.empty() || border_.back().name != face.name) {
+      border_.push_back(face);
+      continue;
+    }
+    const auto a = static_cast<std::uint32_t>(face.code), b = static_cast<std::uint32_t>(border_.back().code);
+    adjacency.neighbours[a >> 2][a & 3] = b;
+    adjacency.neighbours[b >> 2][b & 3] = a;
+    border_.pop_back();
+  }
+}
+
+std::vector<std::shared_ptr<const BackgroundPiece>> BackgroundStore::pieces(
+    std::span<const std::uint64_t> ids) const {
+  std::vector<std::shared_ptr<const BackgroundPiece>> found;
+  for (const auto& piece : pieces_)
+    if (std::binary_search(ids.begin(), ids.end(), piece->id)) found.push_back(piece);
+  return found;
+}
+
+std::vector<std::uint64_t> BackgroundStore::piece_ids() const {
+  std::vector<std::uint64_t> ids;
+  for (const auto& piece : pieces_) ids.push_back(piece->id);
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+BackgroundTet BackgroundStore::name_of(std::uint32_t tet) const {
+  const auto after = std::upper_bound(begins_.begin(), begins_.end(), tet);
+  const std::size_t at = static_cast<std::size_t>(after - begins_.begin()) - 1;
+  return {pieces_[at]->id, tet - begins_[at]};
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,108 @@
+// The background of one subdomain: the pieces of the input mesh that its tets cover, and more of them as tets
+// arrive.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "meshing/metric/background.h"
+#include "partition/subdomain/global_id.h"
+
+namespace weft::partition {
+
+/// Some hundreds of tets of the input with their metric, cut out once and never changed: the unit in which
+/// the background travels with the tets that cover it. Plain arrays.
+struct BackgroundPiece {
+  /// A face that has its other side, if any, in another piece.
+  struct OpenFace {
+    std::uint64_t name = 0;  ///< a hash of its vertices' global ids: the same on the other side
+    std::uint64_t code = 0;  ///< as in meshing::Adjacency
+  };
+
+  std::uint64_t id = 0;
+  std::vector<meshing::Point> points;
+  std::vector<meshing::LogMetric> log_metrics;
+  std::vector<OpenFace> border;  ///< by name
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  std::vector<std::array<std::uint32_t, 4>>
+      neighbours;  ///< as meshing::Adjacency; kNoNeighbour at the piece's border
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(id, points, log_metrics, border, tets, neighbours);
+  }
+};
+
+/// Packs copies of shared pieces, or unpacks pieces to be shared.
+template <class Archive>
+void serialize_pieces(Archive& archive, std::vector<std::shared_ptr<const BackgroundPiece>>& pieces) {
+  std::uint64_t count = pieces.size();
+  archive(count);
+  if constexpr (Archive::kPacks) {
+    for (const auto& piece : pieces) archive(*piece);
+  } else {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      auto piece = std::make_shared<BackgroundPiece>();
+      archive(*piece);
+      pieces.push_back(std::move(piece));
+    }
+  }
+}
+
+/// A tet of the background, named so that every subdomain understands it.
+struct BackgroundTet {
+  std::uint64_t piece = 0;
+  std::uint32_t tet = 0;
+};
+
+/// Joined pieces, which answer as one meshing::Background. Tets keep their numbers (the hints of vertices)
+/// when pieces are added.
+class BackgroundStore {
+ public:
+  BackgroundStore() = default;
+
+  /// Cuts the start of a subdomain into pieces. `tets` must be in an order in which neighbours are near each
+  /// other.
+  BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
+                  std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
+                  std::span<const std::array<std::uint32_t, 4>> tets);
+
+  /// Joins pieces; those that are here already are passed over.
+  void add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces);
+
+  bool has(std::uint64_t piece) const { return place_.contains(piece); }
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces(std::span<const std::uint64_t> ids) const;
+  std::span<const std::shared_ptr<const BackgroundPiece>> all_pieces() const { return pieces_; }
+  /// Of all pieces, ascending.
+  std::vector<std::uint64_t> piece_ids() const;
+
+  BackgroundTet name_of(std::uint32_t tet) const;
+  std::uint32_t tet_of(const BackgroundTet& name) const { return place_.at(name.piece) + name.tet; }
+
+  const meshing::Background& background() const { return *background_; }
+
+ private:
+  using OpenFace = BackgroundPiece::OpenFace;
+
+  void make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
+                 meshing::Adjacency& adjacency);
+  void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
+  void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
+
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;
+  std::vector<std::uint32_t> begins_;                       ///< piece -> its first tet
+  std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
+  std::vector<OpenFace> border_;                            ///< what is still open, by name
+  // Held by pointer: the background refers to them, and the store may move.
+  std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
+  std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =
+      std::make_unique<std::vector<meshing::LogMetric>>();
+  std::unique_ptr<meshing::Background> background_;
+};
+
+}  // namespace weft::partition

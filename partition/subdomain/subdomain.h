@@ -1,0 +1,72 @@
+// One subdomain: a mesh of its own, the background that it covers, and the interface that it shares with
+// others.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "meshing/adapt/stages.h"
+#include "meshing/geometry/surface.h"
+#include "meshing/kernel/tet_mesh.h"
+#include "partition/subdomain/background_store.h"
+#include "partition/subdomain/interface.h"
+#include "partition/subdomain/mesh_piece.h"
+#include "partition/subdomain/subdomain_start.h"
+
+namespace weft::partition {
+
+/// A vertex flag (meshing::VertexFlag leaves the upper bits to callers): some adaptation could change all
+/// around the vertex.
+inline constexpr std::uint8_t kHasBeenFree = 0x80;
+
+/// Another one: the vertex has been one of the interface.
+inline constexpr std::uint8_t kWasInterface = 0x20;
+
+/// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The
+/// steps are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's
+/// label; those of the interface are frozen.
+struct Subdomain {
+  Subdomain() = default;
+  /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
+  Subdomain(const SubdomainStart& start, std::size_t tet_capacity);
+
+  SubdomainId id = 0;
+  std::uint64_t tet_capacity = 0;
+  std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
+  std::unique_ptr<meshing::TetMesh> mesh;
+  BackgroundStore background;
+  Interface interface;
+  /// How often adaptation has begun anew (begin_next_phase). In later phases the interface's edges are longer
+  /// than the background's when they are split.
+  std::uint32_t phase = 0;
+  /// Where the tets around vertices of the old interface have gone from here: between gathering and
+  /// scattering.
+  std::vector<Holder> departures;
+
+  GlobalId global_id(meshing::VertexId v) const { return GlobalId::from_value(mesh->label(v)); }
+
+  /// Packs or unpacks everything: a subdomain moves between ranks.
+  template <class Archive>
+  void serialize(Archive& archive);
+};
+
+/// New vertices get their ids, in the order of their places.
+void name_new_vertices(Subdomain& subdomain);
+
+std::uint64_t count_tets(const Subdomain& subdomain);
+
+/// Adaptation begins anew: nothing counts as having been free, nor as having been interface.
+void begin_next_phase(Subdomain& subdomain);
+
+/// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all
+/// left have no place (until scattering has found who holds them now).
+void locate_interface(Subdomain& subdomain);
+
+/// The subdomain as plain arrays. Numbers change: holes are closed.
+MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface,
+                     const std::vector<bool>& patch_required);
+
+}  // namespace weft::partition
+
+#include "partition/subdomain/subdomain_serialize_inl.h"

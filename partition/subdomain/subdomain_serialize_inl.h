@@ -1,0 +1,28 @@
+// Packing of subdomains for any archive.
+#pragma once
+
+#include "meshing/kernel/tet_mesh_arrays.h"
+#include "partition/subdomain/subdomain.h"
+
+namespace weft::partition {
+
+/// Vertices are a fifth of the tets; boundaries of thin parts need more.
+inline std::size_t vertex_capacity(std::size_t tet_capacity) { return tet_capacity / 2 + 1000; }
+
+template <class Archive>
+void Subdomain::serialize(Archive& archive) {
+  meshing::TetMeshArrays arrays;
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  if constexpr (Archive::kPacks) {
+    arrays = meshing::to_arrays(*mesh);
+    pieces.assign(background.all_pieces().begin(), background.all_pieces().end());
+  }
+  archive(id, tet_capacity, next_local, interface, phase, departures, arrays);
+  serialize_pieces(archive, pieces);
+  if constexpr (!Archive::kPacks) {
+    mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);
+    background.add(pieces);
+  }
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,57 @@
+// What one subdomain starts from: a part of the input mesh as plain arrays, and what it must know of the
+// rest.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "meshing/base/ids.h"
+#include "meshing/base/point.h"
+#include "meshing/geometry/surface.h"
+#include "meshing/metric/metric.h"
+#include "partition/subdomain/global_id.h"
+
+namespace weft::partition {
+
+/// Arrays of one entry a vertex or a tet; indices are local.
+struct SubdomainStart {
+  SubdomainId subdomain = 0;
+
+  std::vector<meshing::Point> points;
+  std::vector<std::int32_t> point_refs;
+  std::vector<meshing::LogMetric> log_metrics;  ///< of the target: scaled, limited and graded already
+  std::vector<GlobalId> ids;               ///< (lowest subdomain that holds the vertex, number in the input)
+  std::vector<meshing::VertexKind> kinds;  ///< by the whole surface
+  std::vector<std::uint8_t> flags;         ///< meshing::VertexFlag
+  std::vector<std::uint32_t> surface_hints;  ///< meshing::Surface::vertex_hint
+
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  std::vector<std::int32_t> tet_refs;
+
+  /// A tet's face on the boundary or on a material interface; of one between two tets of this subdomain both
+  /// are listed.
+  struct BoundaryFace {
+    std::uint32_t tet;
+    std::uint32_t face;
+    meshing::PatchId patch;
+  };
+  std::vector<BoundaryFace> boundary_faces;
+
+  /// Both ends in this subdomain, and so is at least one tet that has the edge.
+  struct FeatureEdge {
+    std::array<std::uint32_t, 2> ends;
+    meshing::CurveId curve;
+  };
+  std::vector<FeatureEdge> feature_edges;
+
+  /// One line for each vertex that other subdomains hold too and each of those subdomains, sorted.
+  struct Shared {
+    std::uint32_t vertex;
+    SubdomainId other;
+    friend auto operator<=>(const Shared&, const Shared&) = default;
+  };
+  std::vector<Shared> shared;
+};
+
+}  // namespace weft::partition

@@ -1,0 +1,105 @@
+// Tests of the common part of two tets.
+#include "meshing/fields/tet_overlap.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <utility>
+
+namespace weft::meshing {
+namespace {
+
+using Tet = std::array<Point, 4>;
+constexpr Tet kUnit = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+double volume(const Tet& t) { return six_volume(t[0], t[1], t[2], t[3]) / 6; }
+
+Point at(const Tet& t, const std::array<double, 4>& l) {
+  return l[0] * t[0] + l[1] * t[1] + (l[2] * t[2] + l[3] * t[3]);
+}
+
+double common_volume(const Tet& a, const Tet& b) {
+  std::vector<OverlapPiece> pieces;
+  overlap(a, b, pieces);
+  double sum = 0;
+  for (const OverlapPiece& piece : pieces) sum += piece.volume;
+  return sum;
+}
+
+Tet shifted(Tet t, const Vec& by, double scale = 1) {
+  for (Point& p : t) p = scale * p + by;
+  return t;
+}
+
+Tet random_tet(std::mt19937& random, double thin = 1) {
+  std::uniform_real_distribution<double> x(0, 1);
+  Tet t;
+  do {
+    for (Point& p : t) p = {x(random), x(random), thin * x(random)};
+    if (volume(t) < 0) std::swap(t[0], t[1]);
+  } while (volume(t) < 1e-3 * thin);
+  return t;
+}
+
+TEST(TetOverlap, OfATetWithItselfIsTheTet) { EXPECT_NEAR(common_volume(kUnit, kUnit), 1.0 / 6, 1e-15); }
+
+TEST(TetOverlap, OfTetsThatOnlyTouchIsNothing) {
+  EXPECT_EQ(common_volume(kUnit, shifted(kUnit, {1, 0, 0})), 0);
+  EXPECT_EQ(common_volume(kUnit, shifted(kUnit, {5, 5, 5})), 0);
+  Tet mirrored = kUnit;
+  for (Point& p : mirrored) p.z = -p.z;
+  std::swap(mirrored[0], mirrored[1]);
+  EXPECT_EQ(common_volume(kUnit, mirrored), 0);
+}
+
+TEST(TetOverlap, OfNestedTetsIsTheInnerOneEitherWayRound) {
+  const Tet inner = shifted(kUnit, {0.1, 0.2, 0.1}, 1e-4);
+  EXPECT_NEAR(common_volume(kUnit, inner) / volume(inner), 1, 1e-14);
+  EXPECT_NEAR(common_volume(inner, kUnit) / volume(inner), 1, 1e-14);
+}
+
+TEST(TetOverlap, OfShiftedTetsIsASmallerTet) {
+  EXPECT_NEAR(common_volume(kUnit, shifted(kUnit, {0.5, 0, 0})), std::pow(0.5, 3) / 6, 1e-15);
+  EXPECT_NEAR(common_volume(kUnit, shifted(kUnit, {0.25, 0.25, 0.25})), std::pow(0.25, 3) / 6, 1e-15);
+}
+
+TEST(TetOverlap, PiecesLieInBothTetsAndKnowTheirPlace) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 300; ++i) {
+    const Tet a = random_tet(random, i % 2 == 0 ? 1 : 1e-3), b = random_tet(random, i % 2 == 0 ? 1 : 1e-3);
+    std::vector<OverlapPiece> pieces;
+    overlap(a, b, pieces);
+    for (const OverlapPiece& piece : pieces) {
+      Tet corners;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto& corner = piece.corners[k];
+        corners[k] = at(a, corner.in_first);
+        EXPECT_LT(norm(corners[k] - at(b, corner.in_second)), 1e-11);
+        for (std::size_t j = 0; j < 4; ++j) {
+          EXPECT_GE(corner.in_first[j], -1e-11);
+          EXPECT_GE(corner.in_second[j], -1e-11);
+        }
+      }
+      EXPECT_NEAR(std::abs(volume(corners)), piece.volume, 1e-11 * volume(a));
+    }
+  }
+}
+
+TEST(TetOverlap, WithThePartsOfATetAddsUp) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 300; ++i) {
+    const Tet a = random_tet(random), whole = random_tet(random);
+    const Point middle = at(whole, {0.4, 0.3, 0.2, 0.1});
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      Tet part = whole;
+      part[k] = middle;
+      sum += common_volume(a, part);
+    }
+    EXPECT_NEAR(sum, common_volume(a, whole), 1e-13);
+  }
+}
+
+}  // namespace
+}  // namespace weft::meshing

@@ -1,0 +1,89 @@
+// What is mended and what is refused in a surface.
+#include "meshing/initial/closed_surface.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "meshing/base/error.h"
+#include "meshing/initial/self_intersections.h"
+#include "tests/meshing/initial/initial_support.h"
+
+namespace weft::meshing {
+namespace {
+
+using support::ball;
+using support::box_surface;
+using support::together;
+using testing::HasSubstr;
+
+std::string refusal(const MeshData& surface) {
+  try {
+    close_surface(surface, {});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ClosedSurface, MergesPointsThatNearlyCoincide) {
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 2);
+  for (std::size_t i = 0; i < box.points.size(); ++i) box.points[i].x += 1e-12 * double(i % 3);
+  const ClosedSurface closed = close_surface(box, {});
+  EXPECT_EQ(closed.mesh.points.size(), 26u);
+  EXPECT_EQ(closed.mesh.triangles.size(), 48u);
+  EXPECT_THAT(closed.warnings, testing::ElementsAre(HasSubstr("28 points merged")));
+}
+
+TEST(ClosedSurface, GivesDegenerateTrianglesToTheirNeighbours) {
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);
+  const auto [a, b, c] = box.triangles[0];  // its edge ab gets a vertex that only this side knows
+  const auto v = static_cast<std::uint32_t>(box.points.size());
+  box.points.push_back(midpoint(box.points[a], box.points[b]));
+  box.point_refs.push_back(0);
+  box.triangles[0] = {a, v, c};
+  box.triangles.push_back({v, b, c});
+  box.triangles.push_back({a, b, v});
+  box.triangle_refs.insert(box.triangle_refs.end(), 2, 1);
+  const ClosedSurface closed = close_surface(box, {});
+  EXPECT_EQ(closed.mesh.triangles.size(), 14u);
+  EXPECT_EQ(closed.mesh.points.size(), 9u);
+}
+
+TEST(ClosedSurface, MergesTheCommonFaceOfTouchingSolids) {
+  const MeshData pair = together(box_surface({0, 0, 0}, {1, 1, 1}, 2), box_surface({1, 0, 0}, {2, 1, 1}, 2));
+  // The diagonals of the common squares agree because both faces are cut alike, seen from their own outside.
+  const ClosedSurface closed = close_surface(pair, {});
+  EXPECT_EQ(closed.mesh.triangles.size(), pair.triangles.size() - 8);
+}
+
+TEST(ClosedSurface, RefusesAnOpenOneNamingTriangleAndPlace) {
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);
+  box.triangles.pop_back();
+  box.triangle_refs.pop_back();
+  EXPECT_THAT(refusal(box),
+              testing::AllOf(HasSubstr("triangle "), HasSubstr("open"), HasSubstr("3 such edges")));
+}
+
+TEST(ClosedSurface, RefusesSelfIntersectionsNamingTriangles) {
+  const MeshData crossing =
+      together(box_surface({0, 0, 0}, {1, 1, 1}, 1), box_surface({0.5, 0.4, 0.3}, {2, 2, 2}, 1));
+  EXPECT_THAT(refusal(crossing), testing::AllOf(HasSubstr("intersects itself"), HasSubstr("triangles ")));
+  EXPECT_THAT(refusal({}), HasSubstr("none"));
+}
+
+TEST(SelfIntersections, SeesOverlapsOfEverySort) {
+  const std::vector<Point> p = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0},   {0.5, 0.5, -1}, {0.5, 0.5, 1},
+                                {3, 3, 1}, {1, 1, 0}, {0.5, 1, 0}, {-1, -1, 0},    {2, -2, 0}};
+  const auto meet = [&](std::array<std::uint32_t, 3> a, std::array<std::uint32_t, 3> b) {
+    return self_intersections(p, std::vector{a, b}, 9).size() == 1;
+  };
+  EXPECT_TRUE(meet({0, 1, 2}, {3, 4, 5}));   // nothing shared, pierced
+  EXPECT_TRUE(meet({0, 1, 2}, {0, 6, 7}));   // a shared vertex, overlapping in a plane
+  EXPECT_TRUE(meet({0, 1, 2}, {0, 1, 7}));   // a shared edge, folded upon itself
+  EXPECT_FALSE(meet({0, 1, 2}, {0, 1, 9}));  // a shared edge, beside each other
+  EXPECT_FALSE(meet({0, 1, 2}, {0, 8, 9}));  // a shared vertex
+  EXPECT_FALSE(meet({0, 1, 2}, {0, 1, 4}));  // a shared edge, at an angle
+}
+
+}  // namespace
+}  // namespace weft::meshing

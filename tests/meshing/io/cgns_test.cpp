@@ -1,0 +1,115 @@
+// CGNS files: round trips, what CGNS's own tools write, damage.
+#include "meshing/io/cgns.h"
+
+#include "tests/meshing/io/format_support.h"
+
+/// CGNS and HDF5 forget what they had read of a damaged file; that is not for us to mend.
+extern "C" const char* __lsan_default_suppressions();  // NOLINT: the name is the sanitizer's
+extern "C" const char* __lsan_default_suppressions() { return "leak:libcgns\nleak:libhdf5\n"; }
+
+namespace weft::meshing {
+namespace {
+
+class Cgns : public testing::Test {
+ protected:
+  TemporaryDirectory directory;
+};
+
+MeshData expected_of(const MeshData& mesh) {
+  MeshData expected = sorted_by_ref(without_marks(mesh));
+  expected.corners.clear();
+  expected.point_refs.assign(mesh.points.size(), 0);
+  return expected;
+}
+
+TEST_F(Cgns, RoundTripIsExact) {
+  MeshContents c = full_contents();
+  c.names = {};
+  write_cgns(directory / "m.cgns", c);
+  const MeshContents read = read_cgns(directory / "m.cgns");
+  expect_equal(read.mesh, expected_of(c.mesh));
+  expect_equal_fields(read.fields, c.fields);
+  EXPECT_TRUE(read.dropped.empty());
+  EXPECT_EQ(directory.num_entries(), 1u);
+}
+
+TEST_F(Cgns, NamesAreKept) {
+  MeshContents c = full_contents();
+  c.names.set(2, -13, "a/b");
+  c.names.set(1, 21, "a name of more than thirty-two characters");
+  write_cgns(directory / "m.cgns", c);
+  const MeshContents read = read_cgns(directory / "m.cgns");
+  EXPECT_EQ(read.mesh.triangle_refs, (std::vector<std::int32_t>{1, 2, 3}));  // -13, 11, 12
+  EXPECT_EQ(read.names.name(2, 1), "a_b");
+  EXPECT_EQ(read.names.name(2, 2), "wing");
+  EXPECT_EQ(read.names.name(2, 3), "far field");
+  EXPECT_EQ(read.mesh.tet_refs, (std::vector<std::int32_t>{-8, 1}));
+  EXPECT_EQ(read.names.name(3, 1), "air");
+  EXPECT_EQ(read.names.name(1, 1), "a name of more than thirty");
+}
+
+TEST_F(Cgns, EmptyPartsAreNoProblem) {
+  MeshContents c;
+  c.mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  c.mesh.triangles = {{0, 1, 2}};
+  c.mesh.triangle_refs = {4};
+  c.complete();
+  write_cgns(directory / "m.cgns", c);
+  expect_equal(read_cgns(directory / "m.cgns").mesh, c.mesh);
+}
+
+TEST_F(Cgns, ComplaintsNameTheFile) {
+  const auto message = [&] { return message_of([&] { read_cgns(directory / "m.cgns"); }); };
+  expect_contains(message(), "m.cgns: cannot read: No such file or directory");
+  put_bytes(directory / "m.cgns", "what is this");
+  expect_contains(message(), "m.cgns: not a CGNS file in HDF5");
+  expect_contains(message_of([&] { write_cgns(directory / "none/m.cgns", full_contents()); }),
+                  "No such file");
+}
+
+TEST_F(Cgns, WrongNumbersAreNamed) {
+  MeshContents c = full_contents();
+  c.mesh.tets[1][2] = 77;
+  write_cgns(directory / "m.cgns", c);
+  expect_contains(message_of([&] { read_cgns(directory / "m.cgns"); }),
+                  "m.cgns: section tets_ref_-8, element 1: vertex index 78 is out of range 1..5");
+  c = full_contents();
+  c.mesh.points[3].y = std::numeric_limits<double>::quiet_NaN();
+  write_cgns(directory / "m.cgns", c);
+  expect_contains(message_of([&] { read_cgns(directory / "m.cgns"); }),
+                  "point 4: a coordinate is not finite");
+}
+
+/// Some bytes will do: most of an HDF5 file is structure that the library checks, and each case takes
+/// milliseconds.
+TEST_F(Cgns, DamageIsRefusedOrHarmless) {
+  write_cgns(directory / "m.cgns", full_contents());
+  const std::string bytes = bytes_of(directory / "m.cgns");
+  // Always another name: the library may keep a damaged file open.
+  int number = 0;
+  const auto message = [&](const std::string& damaged) {
+    const fs::path path = directory / (std::to_string(++number) + ".cgns");
+    put_bytes(path, damaged);
+    const std::string text = message_of([&] { expect_in_range(read_cgns(path).mesh); });
+    fs::remove(path);
+    return text;
+  };
+  for (std::size_t i = 0; i < bytes.size(); i += 151) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ (i % 2 == 0 ? 0xFF : 1));
+    message(damaged);
+  }
+  for (std::size_t length = 0; length < bytes.size(); length += 997) {
+    EXPECT_NE(message(bytes.substr(0, length)), "no error") << length;
+  }
+}
+
+TEST_F(Cgns, FilesOfItsTools) {
+  const MeshContents c = read_cgns(sample("cgns-box.cgns"));
+  EXPECT_EQ(c.mesh.points.size(), 14u);
+  EXPECT_EQ(c.mesh.triangles.size(), 24u);
+  EXPECT_NEAR(total_volume(c.mesh), 1, 1e-14);
+}
+
+}  // namespace
+}  // namespace weft::meshing

@@ -1,0 +1,759 @@
+// Tests of each operator on hand-made configurations: what it does, and why it refuses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+
+#include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/smooth_vertex.h"
+#include "meshing/operators/split_edge.h"
+#include "meshing/operators/surface_fit.h"
+#include "meshing/operators/swap.h"
+#include "tests/support/kernel.h"
+#include "tests/support/meshes.h"
+
+namespace weft::meshing {
+namespace {
+
+using support::expect_same_domain;
+using support::expect_same_lengths;
+using support::expect_sound;
+using support::half_ring_of;
+using support::KernelRig;
+using support::kFaceted;
+using support::octahedron;
+using support::ring_of;
+using support::unit_cube;
+
+// --- one call of each operator, all claims released ---
+
+Verdict split(KernelRig& rig, VertexId a, VertexId b, SplitBounds bounds = {0}) {
+  const TetId t = rig.tet_with(a, b);
+  Verdict r = rig.worker.claims.claim_tet(t);
+  if (r == Verdict::accepted) r = split_edge(rig.worker, t, a, b, bounds);
+  rig.worker.claims.release();
+  return r;
+}
+
+Verdict collapse(KernelRig& rig, VertexId removed, VertexId kept, CollapseGoal goal = CollapseGoal::length) {
+  Verdict r = gather_ball(rig.mesh, rig.worker.claims, removed, rig.worker.ball);
+  if (r == Verdict::accepted) r = collapse_edge(rig.worker, kept, goal);
+  rig.worker.claims.release();
+  return r;
+}
+
+Verdict swap(KernelRig& rig, VertexId a, VertexId b) {
+  const TetId t = rig.tet_with(a, b);
+  Verdict r = rig.worker.claims.claim_tet(t);
+  if (r == Verdict::accepted) r = swap_edge(rig.worker, t, a, b);
+  rig.worker.claims.release();
+  return r;
+}
+
+Verdict swap(KernelRig& rig, TetId t, int face) {
+  Verdict r = rig.worker.claims.claim_tet(t);
+  if (r == Verdict::accepted) r = swap_face(rig.worker, t, face);
+  rig.worker.claims.release();
+  return r;
+}
+
+Verdict smooth(KernelRig& rig, VertexId v) {
+  const Verdict r = smooth_vertex(rig.worker, v);
+  rig.worker.claims.release();
+  return r;
+}
+
+Verdict relocate(KernelRig& rig, VertexId v) {
+  const Verdict r = relocate_vertex(rig.worker, v);
+  rig.worker.claims.release();
+  return r;
+}
+
+double worst(const KernelRig& rig) {
+  double least = 1;
+  for (const TetId t : rig.live_tets()) least = std::min<double>(least, rig.mesh.quality(t));
+  return least;
+}
+
+/// The kernel's mesh is sound, and the exported one fills the same domain with the same faces and edges.
+void expect_kept(KernelRig& rig) {
+  expect_sound(rig.mesh);
+  const MeshData data = rig.export_data();
+  expect_same_domain(data, rig.input);
+  if (!rig.input.edges.empty()) expect_same_lengths(data, rig.input);
+}
+
+/// Refused, and nothing has changed.
+template <class Operation>
+void expect_refused(KernelRig& rig, Verdict expected, Operation operation) {
+  const auto state = [&] {
+    std::vector<std::array<std::uint32_t, 4>> tets;
+    for (const TetId t : rig.live_tets()) {
+      const TetVertices v = rig.mesh.vertices(t);
+      tets.push_back({v[0].value, v[1].value, v[2].value, v[3].value});
+    }
+    return tets;
+  };
+  const auto points = [&] {
+    std::vector<Point> x;
+    for (const VertexId v : rig.live_vertices()) x.push_back(rig.mesh.point(v));
+    return x;
+  };
+  const auto tets_before = state();
+  const auto points_before = points();
+  const auto features_before = rig.mesh.feature_edges().size();
+  EXPECT_EQ(kVerdictNames[static_cast<std::size_t>(operation())],
+            kVerdictNames[static_cast<std::size_t>(expected)]);
+  EXPECT_EQ(state(), tets_before);
+  EXPECT_EQ(points(), points_before);
+  EXPECT_EQ(rig.mesh.feature_edges().size(), features_before);
+  expect_sound(rig.mesh);
+}
+
+/// Rings whose edge is near one of their sides: thin tets there, which a swap gets rid of.
+MeshData ring_off_centre(std::uint32_t n, double height) {
+  MeshData mesh = ring_of(n, height);
+  const Point towards = midpoint(mesh.points[2], mesh.points[3]);
+  for (int i = 0; i < 2; ++i) mesh.points[i] += 0.8 * towards;
+  return mesh;
+}
+MeshData half_ring_off_centre(std::uint32_t n, double length) {
+  MeshData mesh = half_ring_of(n, length);
+  for (int i = 0; i < 2; ++i) mesh.points[i].y = 0.8;
+  return mesh;
+}
+
+// --- split ---
+
+TEST(SplitEdge, DoublesTheTetsOfAnInteriorShell) {
+  for (std::uint32_t n = 3; n <= 9; ++n) {
+    KernelRig rig(ring_of(n, 1), 1, kFaceted);
+    ASSERT_EQ(split(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+    EXPECT_EQ(rig.live_tets().size(), 2 * n);
+    const VertexId p = rig.vertex_at({0, 0, 0});
+    EXPECT_EQ(rig.mesh.point(p), (Point{0, 0, 0}));
+    EXPECT_EQ(rig.mesh.kind(p), VertexKind::interior);
+    EXPECT_EQ(rig.neighbours_of(p).size(), n + 2);
+    expect_kept(rig);
+  }
+}
+
+TEST(SplitEdge, PutsAVertexOnAPlanarBoundary) {
+  for (std::uint32_t n = 2; n <= 5; ++n) {
+    KernelRig rig(half_ring_of(n, 1.3), 1, kFaceted);
+    ASSERT_EQ(split(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+    EXPECT_EQ(rig.live_tets().size(), 2 * n);
+    const VertexId p = rig.vertex_at({0, 0, 0});
+    EXPECT_EQ(rig.mesh.point(p).z, 0);
+    EXPECT_EQ(rig.mesh.kind(p), VertexKind::surface);
+    expect_kept(rig);
+  }
+}
+
+TEST(SplitEdge, PutsAVertexOnARidgeWhichStaysOne) {
+  KernelRig rig(unit_cube(1));
+  const VertexId a = rig.vertex_at({0, 0, 0}), b = rig.vertex_at({0, 0, 1});
+  const CurveId curve = rig.mesh.curve(a, b);
+  ASSERT_TRUE(curve.valid());
+  ASSERT_EQ(split(rig, a, b), Verdict::accepted);
+  const VertexId p = rig.vertex_at({0, 0, 0.5});
+  EXPECT_EQ(rig.mesh.point(p), (Point{0, 0, 0.5}));
+  EXPECT_EQ(rig.mesh.kind(p), VertexKind::ridge);
+  EXPECT_EQ(rig.mesh.curve(a, p), curve);
+  EXPECT_EQ(rig.mesh.curve(p, b), curve);
+  EXPECT_FALSE(rig.mesh.curve(a, b).valid());
+  expect_kept(rig);
+}
+
+TEST(SplitEdge, AnEdgeBetweenRidgesThatIsNoneIsOnTheSurface) {
+  KernelRig rig(unit_cube(1));
+  const VertexId a = rig.vertex_at({0, 0, 0});
+  for (const VertexId b : rig.neighbours_of(a)) {
+    if (norm2(rig.mesh.point(b)) != 2) continue;  // a diagonal of a side
+    ASSERT_EQ(split(rig, a, b), Verdict::accepted);
+    const VertexId p = rig.vertex_at(0.5 * rig.mesh.point(b));
+    EXPECT_EQ(rig.mesh.kind(p), VertexKind::surface);
+    break;
+  }
+  const VertexId opposite = rig.vertex_at({1, 1, 1});
+  ASSERT_TRUE(rig.tet_with(a, opposite).valid());
+  ASSERT_EQ(split(rig, a, opposite), Verdict::accepted);
+  EXPECT_EQ(rig.mesh.kind(rig.vertex_at({0.5, 0.5, 0.5})), VertexKind::interior);
+  expect_kept(rig);
+}
+
+TEST(SplitEdge, PutsAVertexOnAnInterface) {
+  KernelRig rig(support::layered_box(1, 1, 2));
+  const VertexId a = rig.vertex_at({0, 0, 1});
+  const VertexId b =
+      rig.tet_with(a, rig.vertex_at({1, 1, 1})).valid() ? rig.vertex_at({1, 1, 1}) : VertexId();
+  ASSERT_TRUE(b.valid());
+  ASSERT_EQ(split(rig, a, b), Verdict::accepted);
+  const VertexId p = rig.vertex_at({0.5, 0.5, 1});
+  EXPECT_EQ(rig.mesh.point(p), (Point{0.5, 0.5, 1}));
+  EXPECT_EQ(rig.mesh.kind(p), VertexKind::surface);
+  expect_kept(rig);
+}
+
+TEST(SplitEdge, PutsTheVertexWhereBothHalvesAreEquallyLong) {
+  MeshData mesh = ring_of(5, 1);
+  LogMetricField field;
+  for (const Point& p : mesh.points) field.push_back(identity_tensor(-2 * (p.z + 1) * std::log(2.0)));
+  KernelRig rig(mesh, field, kFaceted);
+  ASSERT_EQ(split(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+  const VertexId p(rig.worker.mesh.tet_of(VertexId(0)).valid() ? rig.vertex_at({0, 0, 0}) : VertexId());
+  const auto length = [&](VertexId v) {
+    return edge_length(rig.mesh.point(v) - rig.mesh.point(p), rig.mesh.metric(v), rig.mesh.metric(p));
+  };
+  EXPECT_LT(rig.mesh.point(p).z, -0.1);
+  EXPECT_NEAR(length(VertexId(0)) / length(VertexId(1)), 1, 0.02);
+  const LogMetric expected = identity_tensor(-2 * (rig.mesh.point(p).z + 1) * std::log(2.0));
+  EXPECT_NEAR(rig.mesh.log_metric(p).xx, expected.xx, 1e-12) << "not the background's metric";
+}
+
+TEST(SplitEdge, RefusesARequiredEdge) {
+  MeshData mesh = unit_cube(2);
+  for (std::uint32_t e = 0; e < mesh.edges.size(); ++e) mesh.required_edges.push_back(e);
+  KernelRig rig(mesh, 0.1, kFaceted);
+  expect_refused(rig, Verdict::required, [&] {
+    return split(rig, rig.vertex_at({0, 0, 0}), rig.vertex_at({0, 0, 0.5}));
+  });
+}
+
+TEST(SplitEdge, RefusesTheEdgesOfARequiredTriangle) {
+  MeshData mesh = unit_cube(2);
+  mesh.required_triangles.push_back(0);
+  KernelRig rig(mesh, 0.1, kFaceted);
+  const auto& t = mesh.triangles[0];
+  for (int i = 0; i < 3; ++i)
+    expect_refused(rig, Verdict::required,
+                   [&] { return split(rig, VertexId(t[i]), VertexId(t[(i + 1) % 3])); });
+}
+
+TEST(SplitEdge, RefusesWhatWouldBeTooShort) {
+  KernelRig rig(ring_of(5, 1), 1, kFaceted);
+  expect_refused(rig, Verdict::too_short, [&] { return split(rig, VertexId(0), VertexId(1), {1.001}); });
+  EXPECT_EQ(split(rig, VertexId(0), VertexId(1), {0.999}), Verdict::accepted);
+}
+
+TEST(SplitEdge, RefusesWhatWouldBePoor) {
+  KernelRig rig(ring_of(4, 0.1), 1, kFaceted);
+  rig.kernel.limits.split_quality = 0.9;
+  expect_refused(rig, Verdict::worsens_quality, [&] { return split(rig, VertexId(0), VertexId(1), {0, 1}); });
+}
+
+TEST(SplitEdge, RefusesWhatIsTooLarge) {
+  KernelRig rig(ring_of(Shell::kMaxSize + 1, 1), 1, kFaceted);
+  expect_refused(rig, Verdict::too_large, [&] { return split(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(SplitEdge, RefusesAFrozenRing) {
+  KernelRig rig(ring_of(5, 1), 1, kFaceted);
+  rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
+  expect_refused(rig, Verdict::frozen, [&] { return split(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(SplitEdge, OnACurvedBoundaryTheVertexLiesOnTheReferenceSurface) {
+  KernelRig rig(support::ball(1, 1), 0.3);
+  const auto on_sphere = [&](VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; };
+  const auto vertices = rig.live_vertices();
+  const VertexId a = *std::find_if(vertices.begin(), vertices.end(), on_sphere);
+  const auto neighbours = rig.neighbours_of(a);
+  const VertexId b = *std::find_if(neighbours.begin(), neighbours.end(), on_sphere);
+  const Point middle = midpoint(rig.mesh.point(a), rig.mesh.point(b));
+  ASSERT_LT(norm(middle), 0.97);
+  ASSERT_EQ(split(rig, a, b), Verdict::accepted);
+  const VertexId p = rig.vertex_at(middle);
+  EXPECT_TRUE(on_sphere(p));
+  EXPECT_NEAR(norm(rig.mesh.point(p)), 1, 0.005);
+  expect_sound(rig.mesh);
+  EXPECT_TRUE(check_mesh(rig.export_data()).ok());
+}
+
+// --- collapse ---
+
+TEST(CollapseEdge, AnInteriorVertexGoesIntoAnyBoundaryVertexThatSeesIt) {
+  for (std::uint32_t kept = 1; kept <= 6; ++kept) {
+    KernelRig rig(octahedron(), 2, kFaceted);
+    ASSERT_EQ(collapse(rig, VertexId(0), VertexId(kept)), Verdict::accepted);
+    EXPECT_EQ(rig.live_tets().size(), 4u);
+    EXPECT_FALSE(rig.mesh.alive(VertexId(0)));
+    expect_kept(rig);
+  }
+}
+
+TEST(CollapseEdge, UndoesASplit) {
+  for (std::uint32_t n = 3; n <= 8; ++n) {
+    KernelRig rig(ring_of(n, 1), 2, kFaceted);
+    ASSERT_EQ(split(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+    ASSERT_EQ(collapse(rig, rig.vertex_at({0, 0, 0}), VertexId(n % 2)), Verdict::accepted);
+    EXPECT_EQ(rig.live_tets().size(), n);
+    EXPECT_TRUE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+    expect_kept(rig);
+  }
+}
+
+TEST(CollapseEdge, RefusesToRemoveACorner) {
+  KernelRig rig(unit_cube(2), 2);
+  for (const VertexId kept : rig.neighbours_of(rig.vertex_at({0, 0, 0})))
+    expect_refused(rig, Verdict::required, [&] { return collapse(rig, rig.vertex_at({0, 0, 0}), kept); });
+}
+
+TEST(CollapseEdge, RefusesToRemoveARequiredPoint) {
+  MeshData mesh = unit_cube(2);
+  std::uint32_t centre = 0;
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+    if (mesh.points[v] == Point{0.5, 0.5, 0.5}) centre = v;
+  mesh.required_points.push_back(centre);
+  KernelRig rig(mesh, 2, kFaceted);
+  for (const VertexId kept : rig.neighbours_of(VertexId(centre)))
+    expect_refused(rig, Verdict::required, [&] { return collapse(rig, VertexId(centre), kept); });
+}
+
+TEST(CollapseEdge, RefusesToRemoveAVertexOfARequiredTriangle) {
+  MeshData mesh = unit_cube(3);
+  std::uint32_t inner = 0;  // a triangle with a vertex inside a side
+  const auto inside = [&](std::uint32_t v) {
+    const Point& p = mesh.points[v];
+    return p.x == 0 && p.y > 0 && p.y < 1 && p.z > 0 && p.z < 1;
+  };
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (std::ranges::count_if(mesh.triangles[t], inside) > 0) inner = t;
+  mesh.required_triangles.push_back(inner);
+  KernelRig rig(mesh, 2, kFaceted);
+  for (const std::uint32_t v : mesh.triangles[inner])
+    for (const VertexId kept : rig.neighbours_of(VertexId(v)))
+      expect_refused(rig, Verdict::required, [&] { return collapse(rig, VertexId(v), kept); });
+}
+
+TEST(CollapseEdge, ARidgeVertexGoesOnlyAlongItsRidge) {
+  KernelRig rig(unit_cube(2), 2);
+  const VertexId removed = rig.vertex_at({0.5, 0, 0});
+  ASSERT_EQ(rig.mesh.kind(removed), VertexKind::ridge);
+  for (const VertexId kept : rig.neighbours_of(removed)) {
+    const Point& p = rig.mesh.point(kept);
+    if (p.y == 0 && p.z == 0) continue;
+    expect_refused(rig, Verdict::breaks_classification, [&] { return collapse(rig, removed, kept); });
+  }
+  ASSERT_EQ(collapse(rig, removed, rig.vertex_at({0, 0, 0})), Verdict::accepted);
+  EXPECT_TRUE(rig.mesh.curve(rig.vertex_at({0, 0, 0}), rig.vertex_at({1, 0, 0})).valid());
+  expect_kept(rig);
+}
+
+TEST(CollapseEdge, ASurfaceVertexGoesOnlyAlongItsPatch) {
+  KernelRig rig(unit_cube(2), 2);
+  const VertexId removed = rig.vertex_at({0.5, 0.5, 0});
+  ASSERT_EQ(rig.mesh.kind(removed), VertexKind::surface);
+  int accepted_ways = 0;
+  for (const VertexId kept : rig.neighbours_of(removed))
+    if (rig.mesh.point(kept).z > 0)
+      expect_refused(rig, Verdict::breaks_classification, [&] { return collapse(rig, removed, kept); });
+  for (const VertexId kept : rig.neighbours_of(removed)) {
+    if (rig.mesh.point(kept).z > 0) continue;
+    KernelRig fresh(unit_cube(2), 2);
+    accepted_ways += collapse(fresh, removed, kept) == Verdict::accepted;
+    expect_kept(fresh);
+  }
+  EXPECT_GT(accepted_ways, 0);
+}
+
+TEST(CollapseEdge, AnInterfaceVertexGoesOnlyAlongTheInterface) {
+  KernelRig rig(support::layered_box(2, 2, 2), 4);
+  const VertexId removed = rig.vertex_at({0.5, 0.5, 1});
+  ASSERT_EQ(rig.mesh.kind(removed), VertexKind::surface);
+  bool done = false;
+  for (const VertexId kept : rig.neighbours_of(removed))
+    if (rig.mesh.point(kept).z != 1)
+      expect_refused(rig, Verdict::breaks_classification, [&] { return collapse(rig, removed, kept); });
+  for (const VertexId kept : rig.neighbours_of(removed))
+    if (!done && rig.mesh.point(kept).z == 1) done = collapse(rig, removed, kept) == Verdict::accepted;
+  EXPECT_TRUE(done);
+  expect_kept(rig);
+}
+
+TEST(CollapseEdge, RefusesToInvert) {
+  // Vertex 1 is pushed in beyond the middle: 3 does not see the faces on its other side.
+  MeshData mesh = octahedron({-0.5, 0, 0});
+  mesh.points[1] = {-0.2, 0, 0};
+  KernelRig rig(mesh, 2, kFaceted);
+  expect_refused(rig, Verdict::inverts, [&] { return collapse(rig, VertexId(0), VertexId(3)); });
+}
+
+TEST(CollapseEdge, RefusesEdgesThatAreTooLong) {
+  KernelRig rig(octahedron(), 1, kFaceted);
+  expect_refused(rig, Verdict::too_long, [&] { return collapse(rig, VertexId(0), VertexId(3)); });
+}
+
+TEST(CollapseEdge, RefusesTetsThatArePoor) {
+  KernelRig rig(octahedron({0.33, 0.33, 0.33}), 2, kFaceted);  // a flat tet on one side
+  EXPECT_EQ(collapse(rig, VertexId(0), VertexId(1), CollapseGoal::quality), Verdict::accepted);
+  expect_kept(rig);
+  KernelRig good(octahedron(), 2, kFaceted);
+  expect_refused(good, Verdict::worsens_quality,
+                 [&] { return collapse(good, VertexId(0), VertexId(1), CollapseGoal::quality); });
+}
+
+TEST(CollapseEdge, RefusesATetThatLiesUponACurvedSurface) {
+  KernelRig rig(support::ball(0, 1), 4);
+  expect_refused(rig, Verdict::breaks_topology, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(CollapseEdge, RefusesFrozenNeighboursAndThoseThatOthersHold) {
+  KernelRig rig(octahedron(), 2, kFaceted);
+  Claims other(rig.mesh, 2, false);
+  ASSERT_EQ(other.claim(VertexId(4)), Verdict::accepted);
+  EXPECT_EQ(collapse(rig, VertexId(0), VertexId(1)), Verdict::conflict);
+  other.release();
+  rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
+  expect_refused(rig, Verdict::frozen, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(CollapseEdge, OnASphereKeepsTheSphereASphere) {
+  KernelRig rig(support::ball(2, 2), 2);
+  rig.kernel.limits.hausd = 0.1;
+  int accepted = 0, tries = 0;
+  for (const VertexId v : rig.live_vertices()) {
+    if (!rig.mesh.alive(v)) continue;
+    for (const VertexId kept : rig.neighbours_of(v)) {
+      ++tries;
+      if (collapse(rig, v, kept) != Verdict::accepted) continue;
+      ++accepted;
+      break;
+    }
+  }
+  EXPECT_GT(accepted, 20) << "of " << tries;
+  expect_sound(rig.mesh);
+  const MeshData data = rig.export_data();
+  const CheckReport report = check_mesh(data);
+  for (const auto& problem : report.problems) ADD_FAILURE() << problem;
+  // Euler's number of the boundary: still a sphere.
+  std::set<std::uint32_t> vertices;
+  for (const auto& t : data.triangles) vertices.insert(t.begin(), t.end());
+  EXPECT_EQ(2 * vertices.size(), 4 + data.triangles.size());
+}
+
+// --- swaps ---
+
+TEST(SwapEdge, ThreeTetsBecomeTwo) {
+  KernelRig rig(ring_of(3, std::sqrt(2.0)), 1, kFaceted);
+  const double before = worst(rig);
+  ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), 2u);
+  EXPECT_GT(worst(rig), before);
+  EXPECT_NEAR(worst(rig), 1, 1e-6) << "two regular tets";
+  EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+  expect_kept(rig);
+}
+
+TEST(SwapFace, TwoTetsBecomeThreeAndBackAgain) {
+  MeshData two = support::mesh_of(
+      {{0, 0, -0.3}, {0, 0, 0.3}, {1, 0, 0}, {-0.5, std::sqrt(0.75), 0}, {-0.5, -std::sqrt(0.75), 0}},
+      {{2, 3, 4, 1}, {2, 4, 3, 0}});
+  KernelRig rig(two, 1, kFaceted);
+  const TetId t = rig.tet_with(VertexId(1), VertexId(2));
+  ASSERT_EQ(swap(rig, t, rig.mesh.local_index(t, VertexId(1))), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), 3u);
+  EXPECT_TRUE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+  expect_sound(rig.mesh);
+  // The same domain in another metric: the edge has become far too long.
+  for (const VertexId v : rig.live_vertices()) {
+    const Metric m{1, 0, 1, 0, 0, 100};
+    rig.mesh.set_metric(v, log_of(m), m);
+  }
+  rig.judge_by(MetricMean::arithmetic);
+  ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), 2u);
+  expect_kept(rig);
+}
+
+TEST(SwapEdge, FourTetsTurnTheirEdge) {
+  KernelRig rig(ring_of(4, 1.6), 1, kFaceted);
+  const double before = worst(rig);
+  ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), 4u);
+  EXPECT_GT(worst(rig), before);
+  EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+  expect_kept(rig);
+}
+
+TEST(SwapEdge, RingsOfUpToNineAreTriangulated) {
+  for (std::uint32_t n = 5; n <= kMaxRing; ++n) {
+    KernelRig rig(ring_off_centre(n, 4), 1, kFaceted);
+    const double before = worst(rig);
+    ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted) << n;
+    EXPECT_EQ(rig.live_tets().size(), 2 * (n - 2));
+    EXPECT_GT(worst(rig), before);
+    EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+    expect_kept(rig);
+  }
+}
+
+TEST(SwapEdge, FindsTheBestTriangulationOfTheRing) {
+  // The dynamic program against all triangulations of a pentagon, each a fan.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> shift(-0.2, 0.2);
+  int swapped = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    MeshData mesh = ring_of(5, 2.5);
+    for (Point& p : mesh.points) {
+      const double x = shift(random), y = shift(random), z = shift(random);
+      p += Point{x, y, z};
+    }
+    KernelRig rig(mesh, 1, kFaceted);
+    double best = -1;
+    for (std::uint32_t apex = 0; apex < 5; ++apex) {
+      double least = 1;
+      for (std::uint32_t i = 1; i <= 3; ++i) {
+        const VertexId u(2 + apex), v(2 + (apex + i) % 5), w(2 + (apex + i + 1) % 5);
+        least = std::min({least, judge_quality(rig.mesh, u, v, w, VertexId(1)),
+                          judge_quality(rig.mesh, v, u, w, VertexId(0))});
+      }
+      best = std::max(best, least);
+    }
+    const double before = worst(rig);
+    const Verdict r = swap(rig, VertexId(0), VertexId(1));
+    if (best > 1.02 * before + 2e-3) {
+      EXPECT_EQ(r, Verdict::accepted);
+    }
+    if (best <= before) {
+      EXPECT_EQ(r, Verdict::worsens_quality);
+    }
+    if (r != Verdict::accepted) continue;
+    ++swapped;
+    EXPECT_NEAR(worst(rig), best, 1e-6);
+    expect_kept(rig);
+  }
+  EXPECT_GT(swapped, 10);
+}
+
+TEST(SwapEdge, RefusesWhatIsNoBetter) {
+  KernelRig rig(ring_of(5, 0.6), 1, kFaceted);
+  expect_refused(rig, Verdict::worsens_quality, [&] { return swap(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(SwapEdge, RefusesWhatIsTooLarge) {
+  KernelRig rig(ring_of(kMaxRing + 1, 4), 1, kFaceted);
+  expect_refused(rig, Verdict::too_large, [&] { return swap(rig, VertexId(0), VertexId(1)); });
+}
+
+TEST(SwapEdge, ABoundaryEdgeTurnsWithinItsPlane) {
+  for (std::uint32_t n = 2; n <= 6; ++n) {
+    KernelRig rig(half_ring_off_centre(n, 4), 1, kFaceted);
+    ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted) << n;
+    EXPECT_TRUE(rig.tet_with(VertexId(2), VertexId(n + 2)).valid());
+    EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+    expect_kept(rig);
+  }
+}
+
+TEST(SwapEdge, RefusesARidge) {
+  KernelRig rig(unit_cube(2), 0.5);
+  expect_refused(rig, Verdict::breaks_classification, [&] {
+    return swap(rig, rig.vertex_at({0, 0, 0}), rig.vertex_at({0, 0, 0.5}));
+  });
+}
+
+TEST(SwapEdge, RefusesAnEdgeBetweenPatchesOfDifferentReference) {
+  MeshData mesh = half_ring_of(3, 4);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto has = [&](std::uint32_t v) { return std::ranges::count(mesh.triangles[i], v) > 0; };
+    if (has(0) && has(1) && has(2)) mesh.triangle_refs[i] = 7;
+  }
+  KernelRig rig(mesh, 1, kFaceted);
+  expect_refused(rig, Verdict::breaks_classification, [&] { return swap(rig, VertexId(0), VertexId(1)); });
+}
+
+/// A half ring of one material above the plane z = 0 and its mirror image of another below.
+MeshData two_half_rings(std::uint32_t n, double length) {
+  MeshData mesh = half_ring_off_centre(n, length);
+  const auto mirrored = [n](std::uint32_t v) { return v <= 2 || v == n + 2 ? v : v + n; };
+  for (std::uint32_t v = 3; v < n + 2; ++v) {
+    const Point p = mesh.points[v];
+    mesh.points.push_back({p.x, p.y, -p.z});
+    mesh.point_refs.push_back(0);
+  }
+  for (std::uint32_t t = 0; t < n; ++t) {
+    const auto [i, j, k, l] = mesh.tets[t];
+    mesh.tets.push_back({mirrored(i), mirrored(j), mirrored(l), mirrored(k)});
+    mesh.tet_refs.push_back(2);
+  }
+  mesh.triangles.clear();
+  mesh.triangle_refs.clear();
+  support::add_boundary_triangles(mesh);
+  return mesh;
+}
+
+TEST(SwapEdge, AnEdgeOfAnInterfaceTurnsWithinItsPlaneForBothMaterials) {
+  for (std::uint32_t n = 2; n <= 6; ++n) {
+    const MeshData mesh = two_half_rings(n, 4);
+    ASSERT_TRUE(check_mesh(mesh).ok());
+    KernelRig rig(mesh, 1, kFaceted);
+    const double before = worst(rig);
+    ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted) << n;
+    EXPECT_GT(worst(rig), before);
+    EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
+    EXPECT_TRUE(rig.tet_with(VertexId(2), VertexId(n + 2)).valid());
+    expect_kept(rig);
+  }
+}
+
+TEST(SwapFace, RefusesTheFacesOfAnInterface) {
+  KernelRig rig(support::layered_box(2, 2, 2), 0.5);
+  int faces = 0;
+  for (const TetId t : rig.live_tets())
+    for (int f = 0; f < 4; ++f) {
+      if (!rig.mesh.patch(t, f).valid() || !rig.mesh.neighbour(t, f).valid()) continue;
+      ++faces;
+      EXPECT_EQ(swap(rig, t, f), Verdict::breaks_classification);
+    }
+  EXPECT_EQ(faces, 2 * 8);
+  expect_kept(rig);
+}
+
+TEST(SwapFace, RefusesTheBoundary) {
+  KernelRig rig(support::two_tets(), 1, kFaceted);
+  for (const TetId t : rig.live_tets())
+    for (int f = 0; f < 4; ++f)
+      if (!rig.mesh.neighbour(t, f).valid())
+        expect_refused(rig, Verdict::breaks_classification, [&] { return swap(rig, t, f); });
+}
+
+TEST(SwapFace, RefusesToInvert) {
+  // The line between the apexes passes beside the face.
+  const MeshData mesh = support::mesh_of({{1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}, {3, 0, 0.4}, {3, 0, -0.4}},
+                                         {{0, 1, 2, 3}, {0, 2, 1, 4}});
+  KernelRig rig(mesh, 1, kFaceted);
+  for (const TetId t : rig.live_tets())
+    for (int f = 0; f < 4; ++f) {
+      if (!rig.mesh.neighbour(t, f).valid()) continue;
+      const Verdict r = swap(rig, t, f);
+      EXPECT_TRUE(r == Verdict::inverts || r == Verdict::worsens_quality);
+    }
+  EXPECT_EQ(rig.live_tets().size(), 2u);
+  expect_kept(rig);
+}
+
+TEST(SwapEdge, RefusesAFrozenRingAndSwapFaceAFrozenApex) {
+  KernelRig rig(ring_of(4, 4), 1, kFaceted);
+  rig.mesh.freeze(VertexId(4));
+  rig.mesh.set_frozen_are_untouchable(true);
+  expect_refused(rig, Verdict::frozen, [&] { return swap(rig, VertexId(0), VertexId(1)); });
+  KernelRig two(support::two_tets(), 1, kFaceted);
+  two.mesh.freeze(VertexId(4));
+  two.mesh.set_frozen_are_untouchable(true);
+  const TetId t = two.tet_with(VertexId(0), VertexId(3));
+  expect_refused(two, Verdict::frozen, [&] { return swap(two, t, two.mesh.local_index(t, VertexId(3))); });
+}
+
+TEST(SwapEdge, LeavesASwapToTheWorstTetOfTheShell) {
+  MeshData mesh = ring_of(5, 4);
+  mesh.points[3] = 0.7 * mesh.points[3];
+  KernelRig rig(mesh, 1, kFaceted);
+  TetId worst_tet = rig.live_tets()[0], other;
+  for (const TetId t : rig.live_tets())
+    if (rig.mesh.quality(t) < rig.mesh.quality(worst_tet)) worst_tet = t;
+  for (const TetId t : rig.live_tets())
+    if (t != worst_tet) other = t;
+  rig.mesh.mark(worst_tet, kCheckSwap);
+  ASSERT_EQ(rig.worker.claims.claim_tet(other), Verdict::accepted);
+  EXPECT_EQ(swap_edge(rig.worker, other, VertexId(0), VertexId(1)), Verdict::not_needed);
+  EXPECT_EQ(swap_edge(rig.worker, worst_tet, VertexId(0), VertexId(1)), Verdict::accepted);
+  rig.worker.claims.release();
+  expect_kept(rig);
+}
+
+// --- moves ---
+
+class MoveVertex : public testing::TestWithParam<MetricMean> {};
+
+TEST_P(MoveVertex, SmoothingBringsTheCentreOfAnOctahedronHome) {
+  KernelRig rig(octahedron({0.3, -0.2, 0.4}), 1, kFaceted);
+  rig.judge_by(GetParam());
+  const double before = worst(rig);
+  ASSERT_EQ(smooth(rig, VertexId(0)), Verdict::accepted);
+  for (int i = 0; i < 10; ++i) smooth(rig, VertexId(0));
+  EXPECT_GT(worst(rig), before);
+  EXPECT_LT(norm(rig.mesh.point(VertexId(0))), 0.03);
+  EXPECT_EQ(smooth(rig, VertexId(0)), Verdict::not_needed);
+  expect_kept(rig);
+}
+
+TEST_P(MoveVertex, RelocationRepairsAnInteriorVertex) {
+  KernelRig rig(octahedron({0.45, 0.25, 0.28}), 1, kFaceted);
+  rig.judge_by(GetParam());
+  const double before = worst(rig);
+  ASSERT_LT(before, 0.2);
+  ASSERT_EQ(relocate(rig, VertexId(0)), Verdict::accepted);
+  EXPECT_GT(worst(rig), 0.7);
+  EXPECT_EQ(rig.mesh.point(VertexId(0)), rig.mesh.point(rig.vertex_at({0, 0, 0})));
+  expect_kept(rig);
+}
+
+TEST_P(MoveVertex, AMovedVertexReadsTheMetricWhereItIsNow) {
+  MeshData mesh = octahedron({0.3, -0.2, 0.4});
+  LogMetricField field;
+  for (const Point& p : mesh.points) field.push_back(identity_tensor(0.3 * p.x - 0.2 * p.z));
+  KernelRig rig(mesh, field, kFaceted);
+  rig.judge_by(GetParam());
+  ASSERT_EQ(smooth(rig, VertexId(0)), Verdict::accepted);
+  const Point& p = rig.mesh.point(VertexId(0));
+  EXPECT_NEAR(rig.mesh.log_metric(VertexId(0)).yy, 0.3 * p.x - 0.2 * p.z, 1e-12);
+  expect_kept(rig);
+}
+
+TEST_P(MoveVertex, AVertexOfAPlaneStaysInItAndOneOfARidgeOnIt) {
+  MeshData mesh = unit_cube(3);
+  for (Point& p : mesh.points)
+    for (int i = 0; i < 3; ++i)
+      if (p[i] > 0 && p[i] < 1) p[i] = p[i] * p[i];  // off balance; every vertex stays where it belongs
+  KernelRig rig(mesh, 0.3, kFaceted);
+  rig.judge_by(GetParam());
+  std::map<VertexKind, int> moved;
+  for (const VertexId v : rig.live_vertices()) {
+    const Point before = rig.mesh.point(v);
+    if (smooth(rig, v) != Verdict::accepted) {
+      EXPECT_EQ(rig.mesh.point(v), before);
+      continue;
+    }
+    ++moved[rig.mesh.kind(v)];
+    for (int i = 0; i < 3; ++i)
+      if (before[i] == 0 || before[i] == 1) {
+        EXPECT_EQ(rig.mesh.point(v)[i], before[i]) << "exactly";
+      }
+  }
+  EXPECT_GT(moved[VertexKind::interior], 0);
+  EXPECT_GT(moved[VertexKind::surface], 0);
+  EXPECT_GT(moved[VertexKind::ridge], 0);
+  EXPECT_EQ(moved[VertexKind::corner], 0);
+  expect_kept(rig);
+}
+
+TEST_P(MoveVertex, NeverMovesAFixedOrFrozenVertex) {
+  MeshData mesh = octahedron({0.3, -0.2, 0.4});
+  mesh.required_points.push_back(0);
+  KernelRig required(mesh, 1, kFaceted);
+  required.judge_by(GetParam());
+  expect_refused(required, Verdict::required, [&] { return smooth(required, VertexId(0)); });
+  expect_refused(required, Verdict::not_needed, [&] { return relocate(required, VertexId(0)); });
+  mesh.required_points.clear();
+  KernelRig frozen(mesh, 1, kFaceted);
+  frozen.judge_by(GetParam());
+  frozen.mesh.freeze(VertexId(3));
+  frozen.mesh.set_frozen_are_untouchable(true);
+  expect_refused(frozen, Verdict::frozen, [&] { return smooth(frozen, VertexId(0)); });
+  expect_refused(frozen, Verdict::frozen, [&] { return relocate(frozen, VertexId(0)); });
+}
+
+INSTANTIATE_TEST_SUITE_P(, MoveVertex, testing::Values(MetricMean::arithmetic, MetricMean::log_euclidean),
+                         [](const auto& param_info) {
+                           return param_info.param == MetricMean::arithmetic ? "arithmetic" : "log_euclidean";
+                         });
+
+}  // namespace
+}  // namespace weft::meshing

@@ -1,0 +1,56 @@
+// Cuts whole meshes into the ranks' shares.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include "partition/distribute/mesh_slice.h"
+
+namespace weft::support {
+
+/// A mesh and its metric.
+struct MetricMesh {
+  meshing::MeshData mesh;
+  meshing::LogMetricField log_metrics;
+};
+
+/// Where shares begin: even, or drawn by `seed` such that some are empty and some large.
+inline std::uint64_t share_begin(std::uint64_t count, int rank, int ranks, unsigned seed) {
+  const auto even = count * static_cast<std::uint64_t>(rank) / static_cast<std::uint64_t>(ranks);
+  if (seed == 0 || rank == 0 || rank == ranks) return even;
+  std::vector<std::uint64_t> cuts;
+  std::mt19937 random(seed);
+  for (int r = 1; r < ranks; ++r) cuts.push_back(random() % 3 == 0 ? count : random() % (count + 1));
+  std::sort(cuts.begin(), cuts.end());
+  return cuts[static_cast<std::size_t>(rank - 1)];
+}
+
+inline partition::MeshSlice slice_of(const MetricMesh& whole, int rank, int ranks, unsigned seed = 0) {
+  const meshing::MeshData& m = whole.mesh;
+  partition::MeshSlice slice;
+  slice.num_points = m.points.size();
+  slice.num_tets = m.tets.size();
+  slice.first_point = share_begin(m.points.size(), rank, ranks, seed);
+  slice.first_tet = share_begin(m.tets.size(), rank, ranks, seed);
+  const auto cut = [](const auto& array, std::uint64_t begin, std::uint64_t end) {
+    const auto clamp = [&](std::uint64_t i) {
+      return array.begin() + static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(i, array.size()));
+    };
+    return std::decay_t<decltype(array)>(clamp(begin), clamp(end));
+  };
+  const std::uint64_t end_point = share_begin(m.points.size(), rank + 1, ranks, seed);
+  const std::uint64_t end_tet = share_begin(m.tets.size(), rank + 1, ranks, seed);
+  slice.points = cut(m.points, slice.first_point, end_point);
+  slice.point_refs = cut(m.point_refs, slice.first_point, end_point);
+  slice.log_metrics = cut(whole.log_metrics, slice.first_point, end_point);
+  slice.tets = cut(m.tets, slice.first_tet, end_tet);
+  slice.tet_refs = cut(m.tet_refs, slice.first_tet, end_tet);
+  slice.boundary = m;
+  slice.boundary.points.clear();
+  slice.boundary.point_refs.clear();
+  slice.boundary.tets.clear();
+  slice.boundary.tet_refs.clear();
+  return slice;
+}
+
+}  // namespace weft::support

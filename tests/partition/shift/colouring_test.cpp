@@ -1,0 +1,131 @@
+// The colouring played on random graphs.
+#include "partition/shift/colouring.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace weft::partition {
+namespace {
+
+using Graph = std::vector<std::vector<SubdomainId>>;
+
+Graph random_graph(std::uint32_t n, double density, std::mt19937& random) {
+  Graph graph(n);
+  std::bernoulli_distribution joined(density);
+  for (SubdomainId a = 0; a < n; ++a)
+    for (SubdomainId b = a + 1; b < n; ++b)
+      if (joined(random)) graph[a].push_back(b), graph[b].push_back(a);
+  return graph;
+}
+
+/// Who receives among those that take part.
+std::vector<bool> receivers(const Graph& graph, const std::vector<Priority>& priorities,
+                            const std::vector<bool>& takes_part) {
+  std::vector<bool> result(graph.size(), false);
+  for (SubdomainId s = 0; s < graph.size(); ++s) {
+    std::vector<Priority> neighbours;
+    for (const SubdomainId n : graph[s])
+      if (takes_part[n]) neighbours.push_back(priorities[n]);
+    result[s] = takes_part[s] && receives(priorities[s], neighbours);
+  }
+  return result;
+}
+
+/// Few values, so that ties are common.
+std::vector<Priority> draw(std::uint32_t n, std::mt19937& random) {
+  std::vector<Priority> priorities(n);
+  for (SubdomainId s = 0; s < n; ++s) priorities[s] = {random() % 5, s};
+  return priorities;
+}
+
+class OnRandomGraphs : public ::testing::TestWithParam<double> {
+ protected:
+  template <class Check>
+  void for_graphs(const Check& check) {
+    std::mt19937 random(7);
+    for (int repeat = 0; repeat < 30; ++repeat) {
+      const std::uint32_t n = 1 + random() % 80;
+      check(random_graph(n, GetParam(), random), random);
+    }
+  }
+};
+
+TEST_P(OnRandomGraphs, NoNeighboursReceiveAndSomebodyDoes) {
+  for_graphs([](const Graph& graph, std::mt19937& random) {
+    const auto n = static_cast<std::uint32_t>(graph.size());
+    const auto receiving = receivers(graph, draw(n, random), std::vector<bool>(n, true));
+    EXPECT_NE(std::count(receiving.begin(), receiving.end(), true), 0);
+    for (SubdomainId s = 0; s < n; ++s)
+      for (const SubdomainId other : graph[s]) EXPECT_FALSE(receiving[s] && receiving[other]);
+  });
+}
+
+TEST_P(OnRandomGraphs, RepeatedAmongTheRestTheSetIsMaximal) {
+  for_graphs([](const Graph& graph, std::mt19937& random) {
+    const auto n = static_cast<std::uint32_t>(graph.size());
+    const auto priorities = draw(n, random);
+    std::vector<bool> open(n, true), chosen(n, false);
+    while (std::count(open.begin(), open.end(), true) > 0) {
+      const auto receiving = receivers(graph, priorities, open);
+      ASSERT_NE(std::count(receiving.begin(), receiving.end(), true), 0);
+      for (SubdomainId s = 0; s < n; ++s) {
+        if (!receiving[s]) continue;
+        chosen[s] = true;
+        open[s] = false;
+        for (const SubdomainId other : graph[s]) open[other] = false;
+      }
+    }
+    for (SubdomainId s = 0; s < n; ++s) {
+      const auto near =
+          std::count_if(graph[s].begin(), graph[s].end(), [&](SubdomainId o) { return chosen[o]; });
+      EXPECT_EQ(chosen[s], near == 0);
+    }
+  });
+}
+
+TEST_P(OnRandomGraphs, EverybodyReceivesInAsManyRoundsAsSubdomainsWhenReceiversStepBack) {
+  for_graphs([](const Graph& graph, std::mt19937&) {
+    const auto n = static_cast<std::uint32_t>(graph.size());
+    std::vector<Priority> priorities(n);
+    std::vector<bool> received(n, false);
+    for (SubdomainId s = 0; s < n; ++s) priorities[s] = {0, s};
+    for (std::uint32_t round = 0; round < n; ++round) {
+      const auto receiving = receivers(graph, priorities, std::vector<bool>(n, true));
+      for (SubdomainId s = 0; s < n; ++s) {
+        if (receiving[s]) received[s] = true;
+        priorities[s].value = receiving[s] ? 0 : priorities[s].value + 1;
+      }
+    }
+    EXPECT_EQ(std::count(received.begin(), received.end(), false), 0);
+  });
+}
+
+TEST_P(OnRandomGraphs, EverybodyReceivesWithRandomPriorities) {
+  for_graphs([](const Graph& graph, std::mt19937& random) {
+    const auto n = static_cast<std::uint32_t>(graph.size());
+    std::vector<bool> waiting(n, true);
+    // Each round half of the edges' ends or more are expected to leave (Luby): 64 rounds for 80 subdomains
+    // among those that wait is beyond all chance.
+    for (int round = 0; round < 64; ++round) {
+      const auto receiving = receivers(graph, draw(n, random), waiting);
+      for (SubdomainId s = 0; s < n; ++s)
+        if (receiving[s]) waiting[s] = false;
+    }
+    EXPECT_LE(std::count(waiting.begin(), waiting.end(), true), std::max(0, static_cast<int>(n) - 64));
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Colouring, OnRandomGraphs, ::testing::Values(0.0, 0.02, 0.1, 0.5, 1.0));
+
+TEST(Colouring, TiesAreSettledById) {
+  const std::vector<Priority> neighbours{{3, 5}, {2, 9}};
+  EXPECT_TRUE(receives({3, 6}, neighbours));
+  EXPECT_FALSE(receives({3, 4}, neighbours));
+  EXPECT_TRUE(receives({4, 0}, neighbours));
+  EXPECT_TRUE(receives({0, 0}, {}));
+}
+
+}  // namespace
+}  // namespace weft::partition

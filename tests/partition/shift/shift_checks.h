@@ -1,0 +1,104 @@
+// What must be true of all subdomains between two steps.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "meshing/mesh/check_mesh.h"
+#include "partition/verify/check_pieces.h"
+#include "tests/partition/scenes.h"
+#include "tests/partition/shift/rounds.h"
+
+namespace weft::support {
+
+using TetName = std::array<partition::GlobalId, 4>;
+
+/// Which subdomain has each tet.
+inline std::map<TetName, partition::SubdomainId> tets_of(
+    const std::vector<partition::Subdomain>& subdomains) {
+  std::map<TetName, partition::SubdomainId> tets;
+  for (const auto& s : subdomains)
+    for (std::uint32_t i = 0; i < s.mesh->tet_slots(); ++i) {
+      const meshing::TetId t(i);
+      if (!s.mesh->alive(t)) continue;
+      TetName name;
+      for (int k = 0; k < 4; ++k) name[k] = s.global_id(s.mesh->vertex(t, k));
+      std::sort(name.begin(), name.end());
+      EXPECT_TRUE(tets.emplace(name, s.id).second) << "a tet is in two subdomains";
+    }
+  return tets;
+}
+
+inline partition::ExpectedTotals totals_of(const meshing::MeshData& mesh) {
+  const meshing::CheckReport report = check_mesh(mesh);
+  EXPECT_TRUE(report.ok());
+  return {report.volume, report.area_by_ref};
+}
+
+/// The invariants of distributed data.
+inline void expect_conforming(const Rounds& rounds, const std::optional<partition::ExpectedTotals>& totals) {
+  partition::Alone alone;
+  const auto pieces = rounds.pieces();
+  EXPECT_THAT(check_pieces(alone, pieces, totals).problems, ::testing::ElementsAre());
+}
+
+/// The interface's table fits the mesh, and whatever others may have on their side is frozen.
+inline void expect_sound_interface(const partition::Subdomain& s, const partition::Geometry& geometry) {
+  const meshing::TetMesh& mesh = *s.mesh;
+  std::size_t misplaced = 0, unlisted = 0, unguarded = 0, unlinked = 0;
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+    const meshing::VertexId v = s.interface.local(i);
+    misplaced += !v.valid() || !mesh.alive(v) || !mesh.frozen(v) || s.global_id(v) != s.interface.id(i);
+    misplaced += s.interface.held_by(i, s.id);
+  }
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (const meshing::VertexId v(i); mesh.alive(v) && mesh.frozen(v))
+      unlisted += s.interface.find(s.global_id(v)) == partition::Interface::kNone;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const meshing::TetId t(i);
+    if (!mesh.alive(t)) continue;
+    for (int f = 0; f < 4; ++f) {
+      const meshing::TetFace n = mesh.neighbour(t, f);
+      if (n.valid()) {
+        unlinked += !mesh.alive(n.tet()) || mesh.neighbour(n.tet(), n.face()) != meshing::TetFace(t, f);
+        continue;
+      }
+      const meshing::PatchId patch = mesh.patch(t, f);
+      if (patch.valid() && !geometry.patch_inner[patch.value]) continue;
+      for (const int k : meshing::kTetFaces[f]) unguarded += !mesh.frozen(mesh.vertex(t, k));
+    }
+  }
+  EXPECT_EQ(misplaced, 0u) << "of the interface's vertices in subdomain " << s.id;
+  EXPECT_EQ(unlisted, 0u) << "frozen vertices of subdomain " << s.id;
+  EXPECT_EQ(unguarded, 0u) << "vertices of faces to other subdomains of " << s.id;
+  EXPECT_EQ(unlinked, 0u) << "neighbours of tets of subdomain " << s.id;
+}
+
+/// What a vertex is on the boundary and whether it has been free is the same in all copies.
+inline void expect_copies_agree(const std::vector<partition::Subdomain>& subdomains) {
+  constexpr int kOwn = partition::kWasInterface | meshing::kFrozen;
+  std::map<partition::GlobalId, std::pair<meshing::VertexKind, int>> seen;
+  std::size_t differ = 0;
+  for (const auto& s : subdomains)
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+      const meshing::VertexId v = s.interface.local(i);
+      const std::pair mine(s.mesh->kind(v), s.mesh->flags(v) & ~kOwn);
+      differ += seen.emplace(s.interface.id(i), mine).first->second != mine;
+    }
+  EXPECT_EQ(differ, 0u) << "copies of vertices";
+}
+
+inline void expect_sound(Rounds& rounds, const std::optional<partition::ExpectedTotals>& totals) {
+  for (const auto& s : rounds.subdomains()) expect_sound_interface(s, rounds.geometry());
+  expect_copies_agree(rounds.subdomains());
+  expect_conforming(rounds, totals);
+}
+
+}  // namespace weft::support

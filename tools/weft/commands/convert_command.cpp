@@ -1,0 +1,122 @@
+// `weft convert`: from one file format to another.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/options/option_checks.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/text.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::Dropped;
+using meshing::MeshContents;
+using meshing::SolutionData;
+using meshing::WriteOptions;
+
+constexpr const char* kFooter = R"(Examples:
+  weft convert fine.meshb fine.vtu --sol fine.solb --compress
+  weft convert wing.msh wing.lb8.ugrid
+
+Volumes: .meshb .mesh (Gamma), .msh (Gmsh), .ugrid (as .lb8.ugrid, .b8.ugrid, .lb8l.ugrid, ...; ASCII
+without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .ply. Each is read and written.
+Fields of the input and of --sol go into the result where its format holds them, else beside it into
+a .solb, beside a .mesh into a .sol. Says what is dropped: what weft has no place for, and what the
+new format cannot hold.)";
+
+struct ConvertCommand {
+  std::string input, output, solution;
+  WriteOptions options;
+};
+
+std::string dropped_text(const std::vector<Dropped>& dropped) {
+  std::string text;
+  for (const Dropped& d : dropped) {
+    text += d.count > 0 ? fmt::format("dropped: {} {}\n", grouped(d.count), d.what)
+                        : fmt::format("dropped: {}\n", d.what);
+  }
+  return text;
+}
+
+/// Adds the fields of --sol to those that the input itself has.
+void add_solution(const ConvertCommand& command, MeshContents& contents) {
+  SolutionData solution = meshing::read_solution(command.solution);
+  if (solution.num_points != contents.mesh.points.size())
+    throw meshing::InputError(command.solution, "",
+                              fmt::format("is the solution of another mesh: it has {} vertices, {} has {}",
+                                          grouped(std::uint64_t{solution.num_points}), command.input,
+                                          grouped(std::uint64_t{contents.mesh.points.size()})));
+  std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
+}
+
+/// The mesh and, where it has fields that its format does not hold, the solution beside it.
+void write(const ConvertCommand& command, const MeshContents& contents) {
+  const bool beside = !contents.fields.fields.empty() && meshing::holds_volumes(command.output) &&
+                      !meshing::holds_fields(command.output);
+  if (beside) check_writable(output_paths(command.output).solution);
+  meshing::write_mesh_contents(command.output, contents, command.options);
+  if (beside) meshing::write_solution(output_paths(command.output).solution, contents.fields);
+}
+
+int run_convert(const ConvertCommand& command) {
+  check_writable(command.output);
+  MeshContents contents = meshing::read_mesh_contents(command.input);
+  if (!command.solution.empty()) add_solution(command, contents);
+  write(command, contents);
+  const auto& mesh = contents.mesh;
+  fmt::print("{}: {} vertices, {} tets, {} triangles\n", command.output,
+             grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
+             grouped(std::uint64_t{mesh.triangles.size()}));
+  fmt::print("{}{}", dropped_text(contents.dropped),
+             dropped_text(meshing::lost_in(command.output, contents, command.options)));
+  return kDone;
+}
+
+void add_choices(CLI::App& sub, WriteOptions& options) {
+  static const std::map<std::string, WriteOptions::Encoding> encodings = {
+      {"binary", WriteOptions::Encoding::binary},
+      {"ascii", WriteOptions::Encoding::ascii},
+      {"big-endian", WriteOptions::Encoding::big_endian}};
+  sub.add_option("--encoding", options.encoding,
+                 "binary (default) or ascii, of .msh, .stl, .ply and .vtu; big-endian, of .ply")
+      ->transform(CLI::CheckedTransformer(encodings).description(""))
+      ->type_name("WORD");
+  static const std::map<std::string, int> versions = {{"4.1", 4}, {"2.2", 2}};
+  sub.add_option("--msh-version", options.gmsh_version, "4.1 (default) or 2.2, of .msh")
+      ->transform(CLI::CheckedTransformer(versions).description(""))
+      ->type_name("V");
+  sub.add_flag("--compress", options.compress, "compress the arrays of a .vtu or .pvtu");
+  sub.add_option("--pieces", options.pieces, "pieces of a .pvtu; default 2")
+      ->check(CLI::Range(1, 100000).description(""))
+      ->type_name("N");
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("convert", "convert a mesh and its fields to another format");
+  sub->footer(kFooter);
+  auto command = std::make_shared<ConvertCommand>();
+  sub->add_option("IN", command->input, "the mesh")->type_name("FILE")->required();
+  sub->add_option("OUT", command->output, "the result; its extension names the format")
+      ->type_name("FILE")
+      ->check(mesh_output_name())
+      ->required();
+  sub->add_option("--sol,--metric", command->solution,
+                  "fields at the vertices, .solb or .sol (also -sol, -met)")
+      ->type_name("FILE");
+  add_choices(*sub, command->options);
+  sub->callback([command, &action] { action = [command] { return run_convert(*command); }; });
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,76 @@
+// `weft interpolate`: fields of one mesh at the vertices of another.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "meshing/fields/transfer.h"
+#include "meshing/io/mesh_file.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/named_error.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/options/field_source.h"
+#include "tools/weft/options/option_checks.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/text.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::MeshData;
+using meshing::SolutionData;
+
+constexpr const char* kFooter = R"(Example:
+  weft interpolate wing.meshb fine.meshb --field mach.solb -o fine-mach.solb --transfer conservative
+
+Linear interpolation is exact for linear fields. The conservative transfer is that too, keeps the integral
+of every component to 1e-12 of that of its absolute value and makes no new extremes. Vertices of TO outside
+FROM get the value of its closest point. Said of every component: its integral and by what share it
+changed, and the differences that are left when the result is interpolated back to FROM, in the L2
+norm and the largest one, as shares of the field's own.)";
+
+struct InterpolateCommand {
+  std::string from, to, output;
+  FieldRequest fields;
+  int threads = 1;
+};
+
+int run_interpolate(const InterpolateCommand& command) {
+  check_writable(command.output);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(command.threads));
+  const MeshData from = meshing::read_mesh(command.from), to = meshing::read_mesh(command.to);
+  const SolutionData fields = read_fields(command.fields, from.points.size(), command.from);
+  const meshing::Transfer result =
+      naming(command.from, [&] { return meshing::transfer(from, fields, to, command.fields.method); });
+  meshing::write_solution(command.output, result.fields);
+  fmt::print("{}: {} fields at {} vertices\n", command.output, fields.fields.size(),
+             grouped(std::uint64_t{to.points.size()}));
+  fmt::print("{}", accounts_text(result.accounts, command.fields.method));
+  for (const std::string& warning : transfer_warnings(result, command.from))
+    fmt::print("warning: {}\n", warning);
+  return kDone;
+}
+
+}  // namespace
+
+void add_interpolate_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("interpolate", "carry fields from one mesh to another");
+  sub->footer(kFooter);
+  auto command = std::make_shared<InterpolateCommand>();
+  sub->add_option("FROM", command->from, "the mesh that the fields belong to")->type_name("FILE")->required();
+  sub->add_option("TO", command->to, "the mesh that they are wanted on")->type_name("FILE")->required();
+  add_field_options(*sub, command->fields, "FROM", "Options")->required();
+  sub->add_option("-o,-x,--out", command->output,
+                  "the fields at the vertices of TO, .solb or .sol (also -out)")
+      ->type_name("FILE")
+      ->check(solution_name())
+      ->required();
+  add_threads(*sub, command->threads);
+  sub->callback([command, &action] { action = [command] { return run_interpolate(*command); }; });
+}
+
+}  // namespace weft::tools

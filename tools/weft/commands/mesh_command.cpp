@@ -1,0 +1,233 @@
+// `weft mesh`: initial meshes, of a surface or of simple bodies.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "meshing/initial/shapes.h"
+#include "meshing/io/mesh_file.h"
+#include "meshing/mesh/structured_box.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/jobs/volume_job.h"
+#include "tools/weft/options/option_checks.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/text.h"
+
+namespace weft::tools {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  weft mesh part.stl -o part.meshb
+  weft mesh part.stl --size 0.05 --growth 1.2 -o part.meshb
+  weft mesh part.stl --background old.meshb --metric sizes.solb -o part.meshb
+  weft mesh ball --size 0.1 -o ball.meshb
+
+SURFACE is any mesh file with triangles. They must close one or several volumes; shared faces divide
+materials, which get the references 1, 2 ... of tets. The triangles stay as they are, and sizes grow
+from theirs into the volume, faster than --growth where theirs do. Repaired with a note: points at the
+same place, triangles without area or given twice, orientations. Refused: open and self-intersecting
+surfaces.)";
+
+constexpr const char* kBoxFooter = R"(Example:
+  weft mesh box -o cube.meshb --cells 8 8 8
+
+References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The box's 12
+edges are ridges, its 8 corners corners.)";
+
+struct BoxCommand {
+  std::string output;
+  std::array<std::uint32_t, 3> cells = {8, 8, 8};
+  std::array<double, 3> min = {0, 0, 0}, max = {1, 1, 1};
+};
+
+int run_box(const BoxCommand& command) {
+  const auto point = [](const std::array<double, 3>& x) { return meshing::Point{x[0], x[1], x[2]}; };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!(command.min[axis] < command.max[axis]))
+      throw CLI::ValidationError("--max", "must lie above --min in every direction");
+  check_writable(command.output);
+  const meshing::MeshData mesh =
+      meshing::structured_box({command.cells, point(command.min), point(command.max)});
+  meshing::write_mesh(command.output, mesh);
+  fmt::print("{}: {} vertices, {} tets\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
+             grouped(std::uint64_t{mesh.tets.size()}));
+  return kDone;
+}
+
+struct SurfaceCommand {
+  std::string input;
+  VolumeRequest volume;
+};
+
+int run_surface(const SurfaceCommand& command) {
+  if (command.input.empty())
+    throw CLI::RequiredError(
+        "give a surface (weft mesh part.stl -o part.meshb) or a subcommand: box, ball, "
+        "cylinder, delta-wing",
+        CLI::ExitCodes::RequiredError);
+  if (command.volume.output.empty())
+    throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
+  if (command.volume.background.empty() != command.volume.metric.empty())
+    throw CLI::ValidationError("--background", "belongs together with --metric");
+  meshing::RefNames names;
+  const meshing::MeshData surface = meshing::read_mesh(command.input, &names);
+  return make_volume(command.input, surface, names, command.volume);
+}
+
+CLI::Option* add_growth(CLI::App& sub, double& growth) {
+  return sub.add_option("--growth", growth, "from edge to edge, away from the surface; default 1.3")
+      ->type_name("G")
+      ->check(CLI::Range(1.0, 100.0).description(""));
+}
+
+void add_sizes(CLI::App& sub, VolumeRequest& volume) {
+  add_growth(sub, volume.fill.growth)->group("Sizes");
+  sub.add_option("--size", volume.fill.size, "largest size; default: none")
+      ->type_name("H")
+      ->check(positive_number())
+      ->group("Sizes");
+  sub.add_option("--background", volume.background, "a mesh of tets around or beside the surface")
+      ->type_name("FILE")
+      ->group("Sizes");
+  sub.add_option("--metric", volume.metric, "wanted sizes at its vertices, instead of the surface's")
+      ->type_name("FILE")
+      ->group("Sizes");
+}
+
+void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
+  sub.add_flag("--materials", volume.grid.keep_enclosed,
+               "a shell inside a volume bounds a material, not a hole")
+      ->group("Surface");
+  sub.add_option("--merge", volume.checks.merge_tolerance,
+                 "points nearer than this share of the diagonal are one; default 1e-9")
+      ->type_name("T")
+      ->check(CLI::Range(0.0, 0.01).description(""))
+      ->group("Surface");
+  sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "let the surface be adapted, within --hausd")
+      ->group("Surface");
+  sub.add_option("--hausd", volume.fill.adapt.hausd,
+                 "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
+      ->type_name("D")
+      ->check(positive_number())
+      ->group("Surface");
+  sub.add_option("--ridge-angle", volume.fill.adapt.ridge_angle_degrees,
+                 "keep boundary edges sharper than this; default 45 (also -ar)")
+      ->type_name("DEG")
+      ->check(CLI::Range(0.0, 180.0).description(""))
+      ->group("Surface");
+}
+
+void add_box(CLI::App& mesh, Action& action) {
+  CLI::App* box = mesh.add_subcommand("box", "a structured box of tets");
+  box->footer(kBoxFooter);
+  auto command = std::make_shared<BoxCommand>();
+  box->add_option("-o,-x,--out", command->output, "the mesh (also -out)")
+      ->type_name("FILE")
+      ->check(volume_output_name())
+      ->required();
+  box->add_option("--cells", command->cells, "cells in x, y and z, of 6 tets each; default 8 8 8")
+      ->type_name("NX NY NZ")
+      ->check(CLI::Range(1, 100000).description(""));
+  box->add_option("--min", command->min, "lower corner; default 0 0 0")
+      ->type_name("X Y Z")
+      ->check(finite_number());
+  box->add_option("--max", command->max, "upper corner; default 1 1 1")
+      ->type_name("X Y Z")
+      ->check(finite_number());
+  box->callback([command, &action] { action = [command] { return run_box(*command); }; });
+}
+
+/// A body: its options and how to make its surface.
+template <class Options, class MakeSurface>
+void add_body(CLI::App& mesh, Action& action, const std::string& name, const std::string& help,
+              const std::function<void(CLI::App&, Options&)>& declare, const MakeSurface& make_surface) {
+  struct Command {
+    Options options;
+    VolumeRequest volume;
+  };
+  CLI::App* sub = mesh.add_subcommand(name, help);
+  auto command = std::make_shared<Command>();
+  add_volume_output(*sub, command->volume);
+  sub->get_option("--out")->required();
+  declare(*sub, command->options);
+  sub->callback([command, make_surface, name, &action] {
+    action = [command, make_surface, name] {
+      return make_volume(name, make_surface(command->options, command->volume), {}, command->volume);
+    };
+  });
+}
+
+void add_place(CLI::App& sub, const char* name, meshing::Point& place, const char* help) {
+  sub.add_option_function<std::array<double, 3>>(
+         name,
+         [&place](const std::array<double, 3>& x) {
+           place = {x[0], x[1], x[2]};
+         },
+         help)
+      ->type_name("X Y Z")
+      ->check(finite_number());
+}
+
+void add_length(CLI::App& sub, const char* name, double& length, const char* help) {
+  sub.add_option(name, length, help)->type_name("L")->check(positive_number());
+}
+
+void add_bodies(CLI::App& mesh, Action& action) {
+  add_body<meshing::BallOptions>(
+      mesh, action, "ball", "a ball",
+      [](CLI::App& sub, meshing::BallOptions& o) {
+        add_length(sub, "--radius", o.radius, "default 1");
+        add_place(sub, "--center", o.center, "default 0 0 0");
+        add_length(sub, "--size", o.size, "of the edges; default 0.1");
+      },
+      [](const meshing::BallOptions& o, VolumeRequest&) { return meshing::ball_surface(o); });
+  add_body<meshing::CylinderOptions>(
+      mesh, action, "cylinder", "an upright cylinder",
+      [](CLI::App& sub, meshing::CylinderOptions& o) {
+        add_length(sub, "--radius", o.radius, "default 1");
+        add_length(sub, "--height", o.height, "default 2");
+        add_place(sub, "--base", o.base, "middle of the lower end; default 0 0 0");
+        add_length(sub, "--size", o.size, "of the edges; default 0.1");
+      },
+      [](const meshing::CylinderOptions& o, VolumeRequest&) { return meshing::cylinder_surface(o); });
+  struct Wing {
+    meshing::DeltaWingOptions surface;
+    double growth = 1.3, far_size = 0;
+  };
+  add_body<Wing>(
+      mesh, action, "delta-wing", "UGAWG's delta wing in its far-field box",
+      [](CLI::App& sub, Wing& o) {
+        add_length(sub, "--size", o.surface.size,
+                   "of the edges on the wing; default: as coarse as it can be");
+        add_length(sub, "--far-size", o.far_size, "largest size; default: none");
+        add_growth(sub, o.growth);
+      },
+      [](const Wing& o, VolumeRequest& volume) {
+        volume.fill.remesh_surface = true;
+        volume.fill.growth = o.growth;
+        volume.fill.size = o.far_size;
+        return meshing::delta_wing_surface(o.surface);
+      });
+}
+
+}  // namespace
+
+void add_mesh_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("mesh", "make a start mesh of a surface or of a simple body");
+  sub->footer(kFooter);
+  auto command = std::make_shared<SurfaceCommand>();
+  sub->add_option("SURFACE", command->input, "closed triangles, in any format")->type_name("FILE");
+  add_volume_output(*sub, command->volume);
+  add_sizes(*sub, command->volume);
+  add_surface_options(*sub, command->volume);
+  add_box(*sub, action);
+  add_bodies(*sub, action);
+  sub->callback([sub, command, &action] {
+    if (sub->get_subcommands().empty()) action = [command] { return run_surface(*command); };
+  });
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,72 @@
+// `weft metric`: makes a metric, limits, grades and scales it, without adapting to it.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "meshing/io/mesh_file.h"
+#include "meshing/metric/measures.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/options/metric_source.h"
+#include "tools/weft/options/option_checks.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/text.h"
+
+namespace weft::tools {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  weft metric wing.meshb --sol mach.solb --complexity 50000 --hgrad 1.5 -o metric.solb
+  weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
+  weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
+
+Whatever is given is intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
+the complexity is right in the end: with the boundary's demands (--curvature, --sagitta, --wall), which are
+not scaled, and within the limits, gradation among them.)";
+
+struct MetricCommand {
+  std::string mesh, output;
+  MetricRequest metric;
+  int threads = 1;
+};
+
+int run_metric(const MetricCommand& command) {
+  if (!command.metric.given())
+    throw CLI::RequiredError(
+        "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
+        CLI::ExitCodes::RequiredError);
+  check_request(command.metric);
+  check_writable(command.output);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(command.threads));
+  const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
+  const auto [field, warnings] = make_metric(command.metric, mesh, command.mesh);
+  meshing::write_solution(command.output, meshing::solution_from_metric(field));
+  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("{}: metric at {} vertices, complexity {}\n", command.output,
+             grouped(std::uint64_t{field.size()}), grouped(meshing::complexity(mesh, field)));
+  return kDone;
+}
+
+}  // namespace
+
+void add_metric_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand(
+      "metric", "make a metric from a solution, a mesh or a formula; limit, grade, scale it");
+  sub->footer(kFooter);
+  auto command = std::make_shared<MetricCommand>();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
+  sub->add_option("-o,-x,--out", command->output, "the metric, .solb or .sol (also -out)")
+      ->type_name("FILE")
+      ->check(solution_name())
+      ->required();
+  add_metric_source(*sub, command->metric);
+  add_metric_construction(*sub, command->metric);
+  add_metric_processing(*sub, command->metric);
+  add_threads(*sub, command->threads);
+  sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,78 @@
+// `weft report`: the page of a run, or two runs compared.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "meshing/base/error.h"
+#include "tools/report/compare.h"
+#include "tools/report/report_page.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/report/json_file.h"
+#include "tools/weft/terminal/exit_codes.h"
+
+namespace weft::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFooter = R"(Examples:
+  weft report run/profile.json -o run.html
+  weft report before/profile.json after/profile.json
+  weft report before/profile.json after/profile.json -o compared.html
+
+One file: writes the page again that `weft adapt --report DIR` leaves as DIR/report.html. Two: says what
+got slower, by operation and rank, and how the meshes differ; with -o as a page too. report.json can be
+compared as well.)";
+
+/// call(); what it has against a document is said with the file's name.
+template <class Call>
+auto naming_json(const std::string& file, const Call& call) {
+  try {
+    return call();
+  } catch (const std::invalid_argument& error) {
+    throw meshing::InputError(file, "", error.what());
+  } catch (const Json::exception& error) {
+    throw meshing::InputError(file, "", error.what());
+  }
+}
+
+struct ReportCommand {
+  std::string a, b, output;
+};
+
+int run_report(const ReportCommand& command) {
+  if (command.b.empty() && command.output.empty())
+    throw CLI::RequiredError("give a second run to compare with, or -o for the page of this one",
+                             CLI::ExitCodes::RequiredError);
+  if (!command.output.empty()) check_writable(command.output);
+  const Json a = read_json(command.a);
+  if (command.b.empty()) {
+    write_text(command.output, naming_json(command.a, [&] { return report::report_page(a); }));
+    return kDone;
+  }
+  const Json b = read_json(command.b);
+  const report::Comparison comparison = naming_json(
+      command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
+  fmt::print("{}", report::comparison_text(comparison));
+  if (!command.output.empty())
+    write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
+  return kDone;
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("report", "make the page of a run, or compare two runs");
+  sub->footer(kFooter);
+  auto command = std::make_shared<ReportCommand>();
+  sub->add_option("A", command->a, "profile.json or report.json of a run")->type_name("FILE")->required();
+  sub->add_option("B", command->b, "that of another one")->type_name("FILE");
+  sub->add_option("-o,-x,--out", command->output, "the page, .html (also -out)")->type_name("FILE");
+  sub->callback([command, &action] { action = [command] { return run_report(*command); }; });
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,195 @@
+// `weft stat`: the measures of a mesh, in a metric or by itself.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "meshing/metric/measures.h"
+#include "tools/picture/histogram_plot.h"
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/options/metric_source.h"
+#include "tools/weft/options/picture_options.h"
+#include "tools/weft/report/report_json.h"
+#include "tools/weft/report/summary.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/text.h"
+#include "tools/weft/terminal/version.h"
+
+namespace weft::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using meshing::MeshData;
+using meshing::Point;
+
+constexpr const char* kFooter = R"(Examples:
+  weft stat wing.meshb --metric wing.solb --histogram
+  weft stat wing.meshb --metric wing.solb --plot wing.pdf
+
+Without a metric: counts, shapes of the tets, bounding box, volumes and areas by reference. With one:
+mean ratios of the tets and lengths of the edges in it, as `weft adapt` reports them.)";
+
+struct StatCommand {
+  std::string mesh;
+  MetricRequest metric;
+  std::string plot;
+  bool json = false, histogram = false;
+};
+
+/// What can be said of a mesh without a metric.
+struct Geometry {
+  Point min, max;
+  meshing::ShapeMeasures shape;
+  std::map<std::int32_t, double> volume_by_ref, area_by_ref;
+};
+
+Geometry geometry_of(const MeshData& mesh) {
+  Geometry g;
+  g.shape = meshing::measure_shape(mesh);
+  if (!mesh.points.empty()) g.min = g.max = mesh.points.front();
+  for (const Point& p : mesh.points)
+    for (int axis = 0; axis < 3; ++axis) {
+      g.min[axis] = std::min(g.min[axis], p[axis]);
+      g.max[axis] = std::max(g.max[axis], p[axis]);
+    }
+  const auto& p = mesh.points;
+  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
+    const auto& [a, b, c, d] = mesh.tets[i];
+    g.volume_by_ref[mesh.tet_refs[i]] += six_volume(p[a], p[b], p[c], p[d]) / 6;
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& [a, b, c] = mesh.triangles[i];
+    g.area_by_ref[mesh.triangle_refs[i]] += norm(cross(p[b] - p[a], p[c] - p[a])) / 2;
+  }
+  return g;
+}
+
+Json json_of(const std::map<std::int32_t, double>& by_ref) {
+  Json all = Json::object();
+  for (const auto& [ref, value] : by_ref) all[std::to_string(ref)] = value;
+  return all;
+}
+
+Json json_of(const MeshData& mesh, const Geometry& g) {
+  return {{"schema", "weft-stat-1"},
+          {"version", kVersion},
+          {"vertices", mesh.points.size()},
+          {"tets", mesh.tets.size()},
+          {"triangles", mesh.triangles.size()},
+          {"edges", mesh.edges.size()},
+          {"corners", mesh.corners.size()},
+          {"ridges", mesh.ridges.size()},
+          {"required",
+           {{"vertices", mesh.required_points.size()},
+            {"edges", mesh.required_edges.size()},
+            {"triangles", mesh.required_triangles.size()}}},
+          {"shape",
+           {{"quality",
+             {{"mean", g.shape.quality_mean},
+              {"min", g.shape.quality_min},
+              {"quantile_0.01", g.shape.quality_q01}}},
+            {"least_dihedral_degrees", g.shape.least_dihedral_degrees}}},
+          {"bounding_box", {{g.min.x, g.min.y, g.min.z}, {g.max.x, g.max.y, g.max.z}}},
+          {"volume_by_ref", json_of(g.volume_by_ref)},
+          {"area_by_ref", json_of(g.area_by_ref)}};
+}
+
+std::string by_ref_text(const char* what, const std::map<std::int32_t, double>& by_ref) {
+  std::string text;
+  double total = 0;
+  for (const auto& [ref, value] : by_ref) {
+    text += fmt::format("  {} of reference {:<10}{:>16.9g}\n", what, ref, value);
+    total += value;
+  }
+  if (by_ref.size() > 1) text += fmt::format("  {} in all{:<14}{:>16.9g}\n", what, "", total);
+  return text;
+}
+
+std::string geometry_text(const MeshData& mesh, const Geometry& g) {
+  std::string text;
+  const auto line = [&](const char* name, std::size_t n) {
+    if (n > 0) text += fmt::format("  {:<20}{:>14}\n", name, grouped(std::uint64_t{n}));
+  };
+  line("vertices", mesh.points.size());
+  line("tets", mesh.tets.size());
+  line("triangles", mesh.triangles.size());
+  line("edges", mesh.edges.size());
+  line("corners", mesh.corners.size());
+  line("ridges", mesh.ridges.size());
+  line("required vertices", mesh.required_points.size());
+  line("required edges", mesh.required_edges.size());
+  line("required triangles", mesh.required_triangles.size());
+  if (!mesh.tets.empty()) text += fmt::format("  {}\n", shape_text(g.shape));
+  text += fmt::format("  box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", g.min.x, g.min.y,
+                      g.min.z, g.max.x, g.max.y, g.max.z);
+  return text + by_ref_text("volume", g.volume_by_ref) + by_ref_text("area  ", g.area_by_ref);
+}
+
+std::string histograms_text(const meshing::Measures& measures) {
+  return histogram_text("quality of the tets (mean ratio)", measures.quality) + "\n" +
+         histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
+}
+
+picture::PlotText plot_text(const StatCommand& command, const meshing::Measures& m) {
+  const auto file = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  return {fmt::format("{} in the metric {}", file(command.mesh), file(command.metric.name())),
+          fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
+                      grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
+          fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
+                      grouped(m.num_edges), percent(m.edges_unit), percent(m.edges_short, 2),
+                      percent(m.edges_long, 2), m.length_min, m.length_max)};
+}
+
+void plot(const StatCommand& command, const meshing::Measures& measures) {
+  if (measures.num_tets == 0) throw meshing::InputError(command.mesh, "", "has no tets to plot");
+  write_text(command.plot,
+             picture::histogram_plot(measures, plot_text(command, measures), picture_format(command.plot)));
+}
+
+int run_stat(const StatCommand& command) {
+  if (command.histogram && !command.metric.given())
+    throw CLI::RequiresError("--histogram", "--metric or --metric-fn");
+  if (!command.plot.empty() && !command.metric.given())
+    throw CLI::RequiresError("--plot", "--metric or --metric-fn");
+  if (!command.plot.empty()) check_writable(command.plot);
+  const MeshData mesh = meshing::read_mesh(command.mesh);
+  const Geometry geometry = geometry_of(mesh);
+  Json json = json_of(mesh, geometry);
+  std::string text = geometry_text(mesh, geometry);
+  if (command.metric.given()) {
+    const meshing::Measures measures =
+        meshing::measure(mesh, make_metric(command.metric, mesh, command.mesh).field);
+    json["measures"] = tools::json_of(measures);
+    text = measures_table({{"", &measures}});
+    if (command.histogram) text += "\n" + histograms_text(measures);
+    if (!command.plot.empty()) plot(command, measures);
+  }
+  fmt::print("{}", command.json ? json.dump(1) + "\n" : text);
+  return kDone;
+}
+
+}  // namespace
+
+void add_stat_command(CLI::App& app, Action& action) {
+  CLI::App* sub =
+      app.add_subcommand("stat", "measure a mesh: counts, volumes, quality and lengths in a metric");
+  sub->footer(kFooter);
+  auto command = std::make_shared<StatCommand>();
+  sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
+  add_metric_source(*sub, command->metric);
+  sub->add_flag("--json", command->json, "everything as JSON, histograms included");
+  sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");
+  sub->add_option("--plot", command->plot, "these histograms as a figure: .png, .svg or .pdf")
+      ->type_name("FILE")
+      ->check(picture_name());
+  sub->callback([command, &action] { action = [command] { return run_stat(*command); }; });
+}
+
+}  // namespace weft::tools

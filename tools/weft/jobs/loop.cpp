@@ -1,0 +1,249 @@
+// Cycles, markers, resumption.
+#include "tools/weft/jobs/loop.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "tools/weft/jobs/outputs.h"
+#include "tools/weft/jobs/shell_command.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/interrupt.h"
+#include "tools/weft/terminal/text.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using meshing::InputError;
+
+constexpr const char* kSchema = "weft-cycle-1";
+
+/// Keeps a second loop out of a folder. The solver inherits the lock: one that outlived a killed loop would
+/// write into the cycle that is being done again.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    const fs::path path = folder / "lock";
+    descriptor_ = open(path.c_str(), O_RDWR | O_CREAT, 0666);
+    if (descriptor_ < 0) throw InputError(path.string(), "", "cannot be made");
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+    close(descriptor_);
+    throw InputError(folder.string(), "",
+                     "another loop, or a solver that one left behind, still runs in this folder");
+  }
+  ~FolderLock() { close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+/// The files of one cycle.
+struct CycleFiles {
+  fs::path folder, mesh, solution, restart, log, marker;
+};
+
+class Loop {
+ public:
+  explicit Loop(const LoopConfig& config) : config_(config) {}
+
+  int run() {
+    make_folder(config_.folder.string());
+    const FolderLock lock(config_.folder);
+    const std::size_t first = count_finished();
+    if (first > 0) fmt::print("cycles 0 to {} are done already\n", first - 1);
+    forget_from(first);
+    remove_half_written(config_.folder);
+    for (std::size_t cycle = first; cycle < cycles(); ++cycle)
+      if (!do_cycle(cycle)) return interrupted(cycle);
+    write_table();
+    fmt::print("{}: {} cycles done\n", config_.folder.string(), cycles());
+    return finished_.back().at("goal_met") == true ? kDone : kGoalNotMet;
+  }
+
+ private:
+  std::size_t cycles() const { return config_.complexities.size() + 1; }
+
+  CycleFiles files(std::size_t cycle) const {
+    const fs::path folder = config_.folder / fmt::format("{:03}", cycle);
+    const fs::path mesh = folder / ("mesh" + config_.mesh_extension);
+    return {folder,
+            cycle == 0 ? config_.mesh : mesh,
+            folder / ("solution" + config_.solution_extension),
+            cycle == 0 ? fs::path() : fs::path(output_paths(mesh.string()).fields),
+            folder / "solver.log",
+            folder / "done.json"};
+  }
+
+  /// Reads the markers of the cycles that need not be done again.
+  std::size_t count_finished() {
+    for (std::size_t cycle = 0; cycle < cycles(); ++cycle) {
+      const CycleFiles f = files(cycle);
+      if (!fs::exists(f.marker) || !fs::exists(f.solution) || !fs::exists(f.mesh)) break;
+      finished_.push_back(read_marker(f.marker));
+      check_settings(cycle);
+    }
+    return finished_.size();
+  }
+
+  static Json read_marker(const fs::path& path) {
+    std::ifstream in(path);
+    Json marker = Json::parse(in, nullptr, false);
+    const bool good = marker.is_object() && marker.value("schema", "") == kSchema &&
+                      marker.contains("settings") && marker["settings"].is_object() &&
+                      marker.contains("goal_met");
+    if (!good)
+      throw InputError(path.string(), "", "is no marker of a cycle: remove it to do the cycle again");
+    return marker;
+  }
+
+  void check_settings(std::size_t cycle) const {
+    const Json wanted = config_.settings(cycle);
+    const Json& made = finished_.back().at("settings");
+    for (const auto& [key, value] : wanted.items())
+      if (!made.contains(key) || made.at(key) != value)
+        throw InputError(
+            config_.file, key,
+            fmt::format("has changed since cycle {} was done: remove {} to do it and all later ones again",
+                        cycle, files(cycle).folder.string()));
+  }
+
+  /// What came after a cycle that is to be done again was made from it.
+  void forget_from(std::size_t first) const {
+    for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) fs::remove(files(cycle).marker);
+  }
+
+  /// What a killed run was writing still has its temporary name; the lock says that nobody writes it now.
+  static void remove_half_written(const fs::path& folder) {
+    std::vector<fs::path> left;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+      if (entry.path().filename().string().starts_with(".weft-")) left.push_back(entry.path());
+    for (const fs::path& path : left) fs::remove(path);
+  }
+
+  /// False when interrupted.
+  bool do_cycle(std::size_t cycle) {
+    const CycleFiles f = files(cycle);
+    make_folder(f.folder.string());
+    remove_half_written(f.folder);
+    fs::remove(f.solution);  // a solver that writes none must not seem to have
+    Json marker = {
+        {"schema", kSchema}, {"cycle", cycle}, {"settings", config_.settings(cycle)}, {"goal_met", true}};
+    if (cycle > 0 && !adapt(cycle, marker)) return false;
+    if (!solve(cycle, marker)) return false;
+    write_text(f.marker.string(), marker.dump(1) + "\n");
+    finished_.push_back(std::move(marker));
+    write_table();
+    report(finished_.back());
+    return true;
+  }
+
+  bool adapt(std::size_t cycle, Json& marker) const {
+    const CycleFiles last = files(cycle - 1), now = files(cycle);
+    AdaptRequest request = config_.adapt;
+    request.input = last.mesh.string();
+    request.output = now.mesh.string();
+    request.report = now.folder.string();
+    request.page = false;
+    request.metric.solutions = request.fields.files = {last.solution.string()};
+    request.metric.complexity = config_.complexities[cycle - 1];
+    request.progress = ProgressStyle::none;
+    const AdaptOutcome outcome = run_adapt(request);
+    const AdaptRun& run = outcome.run;
+    if (run.report.interrupted) return false;
+    marker["goal_met"] = run.missed.empty();
+    marker["target_complexity"] = request.metric.complexity;
+    marker["complexity"] = run.after.complexity;
+    marker["vertices"] = run.after.num_vertices;
+    marker["tets"] = run.after.num_tets;
+    marker["unit_edges"] = run.after.edges_unit;
+    marker["adapt_seconds"] = run.times.total;
+    return true;
+  }
+
+  bool solve(std::size_t cycle, Json& marker) const {
+    const CycleFiles f = files(cycle);
+    const std::string line = filled_in(config_.solver, {{"mesh", f.mesh.string()},
+                                                        {"solution", f.solution.string()},
+                                                        {"restart", f.restart.string()},
+                                                        {"cycle", std::to_string(cycle)}});
+    const auto start = std::chrono::steady_clock::now();
+    const InterruptGuard interrupt;
+    const ShellResult result = run_shell(line, config_.home, f.log, *interrupt.flag());
+    if (interrupt.raised()) return false;
+    const std::string where = fmt::format("cycle {}", cycle);
+    if (result.status != 0)
+      throw InputError(config_.file, "solver",
+                       fmt::format("{}: ended with {}; it said: {}", where, result.status, f.log.string()));
+    if (!fs::exists(f.solution))
+      throw InputError(
+          config_.file, "solver",
+          fmt::format("{}: wrote no {}; it said: {}", where, f.solution.string(), f.log.string()));
+    check_solution(f);
+    marker["solver_seconds"] =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return true;
+  }
+
+  /// Better found now than when the next cycle wants to read it.
+  void check_solution(const CycleFiles& f) const {
+    const FieldRequest request{{f.solution.string()}, config_.adapt.fields.method};
+    const std::size_t num_points = meshing::read_mesh(f.mesh).points.size();
+    const meshing::SolutionData solution = read_fields(request, num_points, f.mesh.string());
+    meshing::scalar_fields(solution, num_points, f.solution.string());
+  }
+
+  void report(const Json& marker) const {
+    const auto cycle = marker.at("cycle").get<std::size_t>();
+    std::string text = fmt::format("cycle {} of {}: ", cycle, cycles() - 1);
+    if (cycle > 0)
+      text += fmt::format(
+          "complexity {}, {} vertices, {} tets, {} unit edges{}; adapted in {}, ",
+          grouped(marker.at("complexity").get<double>()), grouped(marker.at("vertices").get<std::uint64_t>()),
+          grouped(marker.at("tets").get<std::uint64_t>()), percent(marker.at("unit_edges").get<double>()),
+          marker.at("goal_met") == true ? "" : " (GOAL NOT MET)",
+          seconds_text(marker.at("adapt_seconds").get<double>()));
+    fmt::print("{}solved in {}\n", text, seconds_text(marker.at("solver_seconds").get<double>()));
+    std::fflush(stdout);  // a loop can take days: its lines must not wait in a buffer
+  }
+
+  void write_table() const {
+    const char* const columns[] = {"cycle", "target_complexity", "complexity",    "vertices",
+                                   "tets",  "unit_edges",        "adapt_seconds", "solver_seconds"};
+    std::string text = fmt::format("{}\n", fmt::join(columns, ","));
+    for (const Json& marker : finished_)
+      for (const char* column : columns) {
+        text += marker.contains(column) ? marker.at(column).dump() : "";
+        text += column == std::end(columns)[-1] ? "\n" : ",";
+      }
+    write_text((config_.folder / "cycles.csv").string(), text);
+  }
+
+  int interrupted(std::size_t cycle) const {
+    fmt::print("interrupted in cycle {}: run the same command again to go on there\n", cycle);
+    return kGoalNotMet;
+  }
+
+  const LoopConfig& config_;
+  std::vector<Json> finished_;  ///< the markers
+};
+
+}  // namespace
+
+int run_loop(const LoopConfig& config) { return Loop(config).run(); }
+
+}  // namespace weft::tools

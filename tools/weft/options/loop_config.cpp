@@ -1,0 +1,232 @@
+// Reads the keys; each one that is asked for is ticked off, and what is left over is unknown.
+#include "tools/weft/options/loop_config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "tools/weft/options/arguments.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using meshing::InputError;
+
+Json parse(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw InputError(file, "", "cannot be opened");
+  try {
+    return Json::parse(in);
+  } catch (const Json::parse_error& error) {
+    const std::string text = error.what();  // "[json.exception...] parse error at line 1, column 2: ..."
+    const auto at = text.find("at line");
+    throw InputError(file, "", "is not JSON: " + (at == std::string::npos ? text : text.substr(at)));
+  }
+}
+
+/// One object of the file. Names in messages are those of a path, such as metric.hgrad.
+class Section {
+ public:
+  Section(const std::string& file, const Json& json, std::string prefix)
+      : file_(file), json_(json), prefix_(std::move(prefix)) {
+    if (!json.is_object()) fail("", "must be an object: {...}");
+  }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& reason) const {
+    const std::string name =
+        key.empty() && !prefix_.empty() ? prefix_.substr(0, prefix_.size() - 1) : prefix_ + key;
+    throw InputError(file_, name, reason);
+  }
+
+  const Json* find(const std::string& key) {
+    known_.push_back(key);
+    const auto at = json_.find(key);
+    return at == json_.end() ? nullptr : &*at;
+  }
+  const Json& need(const std::string& key) {
+    const Json* value = find(key);
+    if (!value) fail(key, "is missing");
+    return *value;
+  }
+
+  void text(const std::string& key, std::string& value) {
+    if (const Json* json = find(key)) value = text_of(key, *json);
+  }
+  std::string text_of(const std::string& key, const Json& json) const {
+    if (!json.is_string() || json.get<std::string>().empty()) fail(key, "must be a string that is not empty");
+    return json.get<std::string>();
+  }
+
+  void number(const std::string& key, double least, double& value) {
+    if (const Json* json = find(key)) value = number_of(key, *json, least);
+  }
+  /// A finite number of at least `least`; 0 means above zero.
+  double number_of(const std::string& key, const Json& json, double least) const {
+    const double x = json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+    if (!(std::isfinite(x) && x >= least && x > 0))
+      fail(key,
+           least > 0 ? fmt::format("must be a number from {} up", least) : "must be a number above zero");
+    return x;
+  }
+  int count_of(const std::string& key, const Json& json, int most) const {
+    const double x = number_of(key, json, 1);
+    if (x != std::floor(x) || x > most) fail(key, fmt::format("must be a whole number from 1 to {}", most));
+    return static_cast<int>(x);
+  }
+
+  template <class Value>
+  void choice(const std::string& key, const std::map<std::string, Value>& choices, Value& value) {
+    const Json* json = find(key);
+    if (!json) return;
+    const auto at = json->is_string() ? choices.find(json->get<std::string>()) : choices.end();
+    if (at != choices.end()) {
+      value = at->second;
+      return;
+    }
+    std::string names;
+    for (const auto& [name, unused] : choices) names += (names.empty() ? "" : " or ") + name;
+    fail(key, "must be " + names);
+  }
+
+  /// To be called when all keys have been asked for.
+  void refuse_unknown() const {
+    for (const auto& [key, value] : json_.items()) {
+      if (std::ranges::find(known_, key) != known_.end()) continue;
+      const std::string closest = closest_word(key, known_);
+      fail(key, closest.empty() ? "is unknown; known are " + fmt::format("{}", fmt::join(known_, ", "))
+                                : "is unknown; did you mean " + closest + "?");
+    }
+  }
+
+ private:
+  const std::string& file_;
+  const Json& json_;
+  std::string prefix_;
+  std::vector<std::string> known_;
+};
+
+void read_norm(Section& section, double& norm) {
+  const Json* json = section.find("norm");
+  if (!json) return;
+  norm = json->is_string() && json->get<std::string>() == "inf" ? std::numeric_limits<double>::infinity()
+                                                                : section.number_of("norm", *json, 1);
+}
+
+void read_metric(const std::string& file, const Json& json, MetricRequest& metric) {
+  static const std::map<std::string, meshing::Recovery> recoveries = {
+      {"lsq", meshing::Recovery::least_squares}, {"l2", meshing::Recovery::double_projection}};
+  static const std::map<std::string, meshing::GradationSpace> spaces = {
+      {"metric", meshing::GradationSpace::metric}, {"mixed", meshing::GradationSpace::mixed}};
+  Section section(file, json, "metric.");
+  read_norm(section, metric.multiscale.norm);
+  section.choice("recovery", recoveries, metric.multiscale.recovery);
+  section.number("hmin", 0, metric.limits.hmin);
+  section.number("hmax", 0, metric.limits.hmax);
+  section.number("aspect", 1, metric.limits.aspect);
+  section.number("hgrad", 1, metric.limits.gradation);
+  section.choice("hgrad_space", spaces, metric.limits.space);
+  section.refuse_unknown();
+  if (metric.limits.hmax > 0 && metric.limits.hmin > metric.limits.hmax)
+    section.fail("hmin", "is larger than hmax");
+}
+
+void read_adapt(const std::string& file, const Json& json, meshing::AdaptOptions& options) {
+  Section section(file, json, "adapt.");
+  if (const Json* threads = section.find("threads"))
+    options.threads = section.count_of("threads", *threads, 1024);
+  section.number("hausd", 0, options.hausd);
+  section.number("ridge_angle", 0, options.ridge_angle_degrees);
+  if (options.ridge_angle_degrees > 180) section.fail("ridge_angle", "must be at most 180");
+  section.refuse_unknown();
+}
+
+/// Every complexity as often as "cycles" says.
+void read_complexities(Section& section, std::vector<double>& complexities) {
+  const Json& list = section.need("complexities");
+  const Json* cycles = section.find("cycles");
+  const int repeats = cycles ? section.count_of("cycles", *cycles, 1000) : 1;
+  if (!list.is_array() || list.empty())
+    section.fail("complexities", "must be a list of numbers: [1000, 2000]");
+  for (std::size_t i = 0; i < list.size(); ++i)
+    complexities.insert(complexities.end(), static_cast<std::size_t>(repeats),
+                        section.number_of(fmt::format("complexities[{}]", i), list[i], 0));
+}
+
+void read_solver(Section& section, std::string& solver) {
+  solver = section.text_of("solver", section.need("solver"));
+  for (const char* placeholder : {"{mesh}", "{solution}"})
+    if (solver.find(placeholder) == std::string::npos)
+      section.fail("solver", std::string("does not say ") + placeholder);
+}
+
+void read_extensions(Section& section, LoopConfig& config) {
+  section.text("mesh_extension", config.mesh_extension);
+  const std::string mesh = "mesh" + config.mesh_extension;
+  if (!config.mesh_extension.starts_with(".") || !meshing::is_mesh_name(mesh) ||
+      !meshing::holds_volumes(mesh))
+    section.fail("mesh_extension", "must be one of " + meshing::volume_extensions());
+  config.solution_extension = meshing::solution_beside(mesh).extension().string();
+  section.text("solution_extension", config.solution_extension);
+  if (!config.solution_extension.starts_with("."))
+    section.fail("solution_extension", "must begin with a dot");
+}
+
+}  // namespace
+
+LoopConfig read_loop_config(const std::string& file) {
+  static const std::map<std::string, meshing::TransferMethod> methods = {
+      {"linear", meshing::TransferMethod::linear}, {"conservative", meshing::TransferMethod::conservative}};
+  const Json json = parse(file);
+  LoopConfig config;
+  config.file = file;
+  config.home = fs::absolute(file).parent_path();
+  config.adapt.options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Section section(file, json, "");
+  config.mesh = config.home / section.text_of("mesh", section.need("mesh"));
+  read_solver(section, config.solver);
+  read_complexities(section, config.complexities);
+  std::string folder = fs::path(file).stem().string();
+  section.text("folder", folder);
+  config.folder = config.home / folder;
+  read_extensions(section, config);
+  if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.adapt.metric);
+  if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config.adapt.options);
+  section.choice("transfer", methods, config.adapt.fields.method);
+  section.refuse_unknown();
+  if (!fs::is_regular_file(config.mesh)) section.fail("mesh", "there is no file " + config.mesh.string());
+  return config;
+}
+
+Json LoopConfig::settings(std::size_t cycle) const {
+  Json all = {{"solver", solver}, {"solution_extension", solution_extension}};
+  if (cycle == 0) {
+    all["mesh"] = mesh.filename().string();
+    return all;
+  }
+  const MetricRequest& metric = adapt.metric;
+  all["complexity"] = complexities[cycle - 1];
+  all["mesh_extension"] = mesh_extension;
+  all["metric"] = {
+      {"norm", fmt::format("{}", metric.multiscale.norm)},
+      {"recovery", metric.multiscale.recovery == meshing::Recovery::least_squares ? "lsq" : "l2"},
+      {"hmin", metric.limits.hmin},
+      {"hmax", metric.limits.hmax},
+      {"aspect", metric.limits.aspect},
+      {"hgrad", metric.limits.gradation},
+      {"hgrad_space", metric.limits.space == meshing::GradationSpace::metric ? "metric" : "mixed"}};
+  all["adapt"] = {{"hausd", adapt.options.hausd}, {"ridge_angle", adapt.options.ridge_angle_degrees}};
+  all["transfer"] = adapt.fields.method == meshing::TransferMethod::linear ? "linear" : "conservative";
+  return all;
+}
+
+}  // namespace weft::tools

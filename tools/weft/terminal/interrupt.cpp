@@ -1,0 +1,50 @@
+// The signal handlers; their flags are the only globals of the command, because a handler can reach nothing
+// else.
+#include "tools/weft/terminal/interrupt.h"
+
+#include <csignal>
+
+namespace weft::tools {
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+std::atomic<bool> state_wanted = false;
+
+extern "C" void request_end(int) { interrupted.store(true); }
+extern "C" void request_state(int) { state_wanted.store(true); }
+
+void install(void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;  // the second signal kills
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+  interrupted.store(false);
+  install(request_end);
+}
+
+InterruptGuard::~InterruptGuard() { install(SIG_DFL); }
+
+const std::atomic<bool>* InterruptGuard::flag() const { return &interrupted; }
+
+StateRequest::StateRequest() {
+  struct sigaction action {};
+  action.sa_handler = request_state;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+StateRequest::~StateRequest() { std::signal(SIGUSR1, SIG_DFL); }
+
+bool StateRequest::take() { return state_wanted.exchange(false); }
+
+}  // namespace weft::tools
