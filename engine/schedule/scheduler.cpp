@@ -254,14 +254,14 @@ void Scheduler::move(ObjectId id, Rank to) {
   Cell* cell = find(id);
   if (cell == nullptr || !cell->type->movable || to == options_.rank || cell->leaves_for.valid()) return;
   cell->leaves_for = to;
-  if (cell->state != Cell::State::running) leavers_.push_back(id);
+  if (cell->state != Cell::State::running) migrating_.push_back(id);
 }
 
 bool Scheduler::send_leavers() {
   std::vector<std::unique_ptr<Cell>> cells;
   {
     const Lock lock(mutex_);
-    for (const ObjectId id : std::exchange(leavers_, {})) {
+    for (const ObjectId id : std::exchange(migrating_, {})) {
       if (auto cell = take_out(id)) cells.push_back(std::move(cell));
     }
   }
@@ -503,10 +503,10 @@ std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint 
   }
   ++handled_;
   if (method) costs_.measured(name, cell.id, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
-  if (cell.destroyed) return bury(cell);
+  if (cell.destroyed) return destroy(cell);
   if (cell.leaves_for.valid()) {
     cell.state = Cell::State::leaving;
-    leavers_.push_back(cell.id);
+    migrating_.push_back(cell.id);
     wake_();
   } else if (cell.mailbox.empty()) {
     cell.state = Cell::State::idle;
@@ -520,7 +520,7 @@ std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint 
   return nullptr;
 }
 
-std::unique_ptr<Cell> Scheduler::bury(Cell& cell) {
+std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
   if (!cell.mailbox.empty() || cell.waits) {
     fail(text("object ", cell.id, " (", cell.type->name, ") was destroyed on rank ", options_.rank.value,
               " while ", cell.waits ? "events or messages" : "messages", " waited for it"));
@@ -563,7 +563,7 @@ void Scheduler::wake_when_ready(bool on) {
 
 std::optional<WaveCount> Scheduler::passive_count() const {
   const Lock lock(mutex_);
-  if (failure_ || busy_ > 0 || !ready_.empty() || !leavers_.empty() || !finished_.empty())
+  if (failure_ || busy_ > 0 || !ready_.empty() || !migrating_.empty() || !finished_.empty())
     return std::nullopt;
   return WaveCount{sent_, received_, parked_.size() + waiting_};
 }

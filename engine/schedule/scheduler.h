@@ -138,7 +138,7 @@ class Scheduler {
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
   std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
-  std::unique_ptr<Cell> bury(Cell& cell);
+  std::unique_ptr<Cell> destroy(Cell& cell);
   std::unique_ptr<Cell> take_out(ObjectId id);
   void send_object(std::unique_ptr<Cell> cell);
   void tell_location(Rank to, ObjectId id, Location location);
@@ -165,7 +165,7 @@ class Scheduler {
   Directory directory_;
   CostModel costs_;
   std::unordered_map<ObjectId, std::vector<Task>> parked_;  ///< came before their object
-  std::vector<ObjectId> leavers_;
+  std::vector<ObjectId> migrating_;
   std::vector<ObjectId> finished_;
   std::uint32_t created_ = 0;
   std::uint64_t messages_ = 0;

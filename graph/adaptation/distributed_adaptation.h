@@ -24,7 +24,7 @@ struct DistributedOptions {
   double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
   int threads = 1;                   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
-  NewsBoard* news = nullptr;            ///< of this rank
+  ProgressBoard* news = nullptr;        ///< of this rank
   std::function<void()> on_start = {};  ///< called when the decomposition is done
   const std::atomic<bool>* interrupt = nullptr;
 };

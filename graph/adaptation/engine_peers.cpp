@@ -7,7 +7,7 @@
 
 namespace weft::graph::adaptation {
 
-std::vector<partition::Bytes> EnginePeers::exchange(std::vector<partition::Bytes> to_each) {
+std::vector<partition::Bytes> EnginePeers::all_to_all(std::vector<partition::Bytes> to_each) {
   const auto mine = static_cast<std::size_t>(rank());
   std::vector<engine::Payload> payloads(to_each.size());
   for (std::size_t to = 0; to < to_each.size(); ++to) {

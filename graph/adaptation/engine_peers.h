@@ -21,7 +21,7 @@ class EnginePeers final : public partition::Peers {
 
   int rank() const override { return exchange_.runtime().rank().value; }
   int ranks() const override { return exchange_.runtime().ranks(); }
-  std::vector<partition::Bytes> exchange(std::vector<partition::Bytes> to_each) override;
+  std::vector<partition::Bytes> all_to_all(std::vector<partition::Bytes> to_each) override;
 
  private:
   dataflow::RankExchange exchange_;

@@ -22,14 +22,14 @@ double shifts_after(std::uint32_t more, double ratio) {
 
 }  // namespace
 
-void NewsBoard::post(const SubdomainNews& news) {
+void ProgressBoard::post(const SubdomainProgress& news) {
   const std::lock_guard lock(mutex_);
   latest_[news.subdomain] = news;
 }
 
-std::vector<SubdomainNews> NewsBoard::take() {
+std::vector<SubdomainProgress> ProgressBoard::take() {
   const std::lock_guard lock(mutex_);
-  std::vector<SubdomainNews> news;
+  std::vector<SubdomainProgress> news;
   news.reserve(latest_.size());
   for (const auto& [subdomain, latest] : latest_) news.push_back(latest);
   latest_.clear();
@@ -39,8 +39,8 @@ std::vector<SubdomainNews> NewsBoard::take() {
 ProgressTable::ProgressTable(std::uint32_t subdomains, std::uint32_t most_shifts, engine::TimePoint begin)
     : subdomains_(subdomains), most_shifts_(most_shifts), begin_(begin) {}
 
-void ProgressTable::hear(const std::vector<SubdomainNews>& news) {
-  for (const SubdomainNews& n : news) {
+void ProgressTable::hear(const std::vector<SubdomainProgress>& news) {
+  for (const SubdomainProgress& n : news) {
     const auto [known, first] = known_.try_emplace(n.subdomain, n);
     if (!first && n.number > known->second.number) known->second = n;
   }

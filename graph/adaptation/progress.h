@@ -15,7 +15,7 @@
 namespace weft::graph::adaptation {
 
 /// A subdomain's own account. Plain data.
-struct SubdomainNews {
+struct SubdomainProgress {
   partition::SubdomainId subdomain = 0;
   std::uint32_t number = 0;   ///< of this subdomain's news: the highest is the latest, wherever it comes from
   std::uint32_t step = 0;     ///< 0: adapts its interior; r + 1: in round r of the shifts
@@ -26,21 +26,21 @@ struct SubdomainNews {
 };
 
 /// The news of the subdomains of one rank; for all threads.
-class NewsBoard {
+class ProgressBoard {
  public:
-  void post(const SubdomainNews& news);
+  void post(const SubdomainProgress& news);
   /// The latest of each subdomain that has posted since the last call.
-  std::vector<SubdomainNews> take();
+  std::vector<SubdomainProgress> take();
 
  private:
   std::mutex mutex_;
-  std::unordered_map<partition::SubdomainId, SubdomainNews> latest_;
+  std::unordered_map<partition::SubdomainId, SubdomainProgress> latest_;
 };
 
 /// What can be said of a run at some time.
 struct RunProgress {
   std::uint32_t subdomains = 0, most_shifts = 0;
-  std::uint32_t step = 0;  ///< of the slowest subdomain that does not rest: as SubdomainNews::step
+  std::uint32_t step = 0;  ///< of the slowest subdomain that does not rest: as SubdomainProgress::step
   std::uint32_t done = 0;  ///< subdomains that are through this step, those at rest included
   std::uint32_t at_rest = 0;
   double share = 0;             ///< of this step's work that is done, by predicted tets
@@ -63,7 +63,7 @@ class ProgressTable {
  public:
   ProgressTable(std::uint32_t subdomains, std::uint32_t most_shifts, engine::TimePoint begin);
 
-  void hear(const std::vector<SubdomainNews>& news);
+  void hear(const std::vector<SubdomainProgress>& news);
   /// To be called now and then, with ascending times: how long steps take is seen only then.
   RunProgress at(engine::TimePoint time);
 
@@ -76,7 +76,7 @@ class ProgressTable {
 
   std::uint32_t subdomains_, most_shifts_;
   engine::TimePoint begin_;
-  std::unordered_map<partition::SubdomainId, SubdomainNews> known_;
+  std::unordered_map<partition::SubdomainId, SubdomainProgress> known_;
   std::uint32_t step_ = 0;
   double step_began_ = 0;       ///< seconds since the run began
   double share_at_begin_ = 0;   ///< of the step: some subdomains are ahead

@@ -71,7 +71,7 @@ struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
   const std::atomic<bool>* interrupt = nullptr;  ///< when true, subdomains finish with what they have
-  NewsBoard* news = nullptr;                     ///< where subdomains tell how far they are; null: nowhere
+  ProgressBoard* news = nullptr;                 ///< where subdomains tell how far they are; null: nowhere
 };
 
 /// One round of one subdomain, for the report.
@@ -148,7 +148,7 @@ class SubdomainTask {
   std::vector<ShiftRecord> shifts_;
   meshing::OperationCounts counts_;
   meshing::NonconformingParts left_;  ///< after the last adaptation
-  SubdomainNews news_;
+  SubdomainProgress news_;
 };
 
 /// The object of a subdomain: made on its home rank, in the order of their ids.

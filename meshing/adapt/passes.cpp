@@ -62,7 +62,7 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
       w.counts.add(Operator::split, r);
     }
   }
-  return w.mesh.lies_on_curved(v) ? split_lying(w, t, v) : Verdict::not_needed;
+  return w.mesh.all_on_curved_boundary(v) ? split_lying(w, t, v) : Verdict::not_needed;
 }
 
 bool on_boundary(const TetMesh& mesh, const TetVertices& v) {
@@ -219,8 +219,8 @@ Verdict improve(Worker& w, TetId t, double quality) {
 
 }  // namespace
 
-std::uint64_t resolve_curved_pass(Crew& crew) {
-  return crew.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
+std::uint64_t resolve_curved_pass(WorkerPool& pool) {
+  return pool.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
     Verdict r = w.claims.claim_tet(t);
     if (r == Verdict::accepted) {
       w.mesh.mark(t, kCheckLong);
@@ -231,29 +231,29 @@ std::uint64_t resolve_curved_pass(Crew& crew) {
   });
 }
 
-std::uint64_t split_pass(Crew& crew) { return crew.sweep_tets(kCheckLong, split_longest); }
+std::uint64_t split_pass(WorkerPool& pool) { return pool.sweep_tets(kCheckLong, split_longest); }
 
-std::uint64_t collapse_pass(Crew& crew) {
-  return crew.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
+std::uint64_t collapse_pass(WorkerPool& pool) {
+  return pool.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
     return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
   });
 }
 
-std::uint64_t swap_pass(Crew& crew, double quality, double quality_at_frozen) {
-  return crew.sweep_tets(kCheckSwap, [quality, quality_at_frozen](Worker& w, TetId t) {
+std::uint64_t swap_pass(WorkerPool& pool, double quality, double quality_at_frozen) {
+  return pool.sweep_tets(kCheckSwap, [quality, quality_at_frozen](Worker& w, TetId t) {
     if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
     if (w.mesh.quality(t) >= quality_at_frozen && has_frozen(w.mesh, t)) return Verdict::not_needed;
     return swap_any(w, t);
   });
 }
 
-std::uint64_t smooth_pass(Crew& crew) {
-  return crew.sweep_vertices(
+std::uint64_t smooth_pass(WorkerPool& pool) {
+  return pool.sweep_vertices(
       kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
 }
 
-std::uint64_t smooth_poor(Crew& crew, double quality) {
-  return crew.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
+std::uint64_t smooth_poor(WorkerPool& pool, double quality) {
+  return pool.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
     if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
     Verdict any = Verdict::not_needed;
     for (const VertexId v : w.mesh.vertices(t))
@@ -262,8 +262,8 @@ std::uint64_t smooth_poor(Crew& crew, double quality) {
   });
 }
 
-std::uint64_t improve_pass(Crew& crew, double quality) {
-  return crew.sweep_tets(kCheckPoor, [quality](Worker& w, TetId t) { return improve(w, t, quality); });
+std::uint64_t improve_pass(WorkerPool& pool, double quality) {
+  return pool.sweep_tets(kCheckPoor, [quality](Worker& w, TetId t) { return improve(w, t, quality); });
 }
 
 }  // namespace weft::meshing

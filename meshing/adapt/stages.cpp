@@ -378,7 +378,7 @@ class Adaptation {
 
   Kernel& kernel_;
   TetMesh& mesh_;
-  Crew crew_;
+  WorkerPool crew_;
   const AdaptOptions& options_;
   const Extent extent_;
   AdaptReport& report_;

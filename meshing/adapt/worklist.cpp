@@ -1,15 +1,15 @@
-// The crew of workers.
+// The pool of workers.
 #include "meshing/adapt/worklist.h"
 
 namespace weft::meshing {
 
-Crew::Crew(Kernel& kernel, int threads, const std::atomic<bool>* interrupt)
+WorkerPool::WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt)
     : kernel_(kernel), arena_(threads), interrupt_(interrupt) {
   for (int i = 0; i < threads; ++i)
     workers_.push_back(std::make_unique<Worker>(kernel, static_cast<std::uint32_t>(i) + 1, threads == 1));
 }
 
-OperationCounts Crew::take_counts() {
+OperationCounts WorkerPool::take_counts() {
   OperationCounts sum;
   for (auto& w : workers_) {
     sum += w->counts;
@@ -18,19 +18,19 @@ OperationCounts Crew::take_counts() {
   return sum;
 }
 
-std::uint64_t Crew::live_tets() const {
+std::uint64_t WorkerPool::live_tets() const {
   std::uint64_t free = 0;
   for (const auto& w : workers_) free += w->free_tets.size();
   return kernel_.mesh.tet_slots() - free;
 }
 
-std::uint64_t Crew::live_vertices() const {
+std::uint64_t WorkerPool::live_vertices() const {
   std::uint64_t free = 0;
   for (const auto& w : workers_) free += w->free_vertices.size();
   return kernel_.mesh.vertex_slots() - free;
 }
 
-void Crew::forget_free_slots() {
+void WorkerPool::forget_free_slots() {
   for (auto& w : workers_) {
     w->free_tets.clear();
     w->free_vertices.clear();

@@ -15,9 +15,9 @@
 namespace weft::meshing {
 
 /// The threads of one adaptation, with a Worker each.
-class Crew {
+class WorkerPool {
  public:
-  Crew(Kernel& kernel, int threads, const std::atomic<bool>* interrupt);
+  WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt);
 
   /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were
   /// accepted.
@@ -46,7 +46,7 @@ class Crew {
     });
   }
 
-  /// Runs a plain function with the crew's threads at hand.
+  /// Runs a plain function with the pool's threads at hand.
   template <class F>
   auto run(F f) {
     return arena_.execute(f);

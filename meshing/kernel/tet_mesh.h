@@ -145,7 +145,7 @@ class TetMesh {
   /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface
   /// is retriangulated under it the mesh may come to overlap although all its tets are positive. None is ever
   /// created.
-  bool lies_on_curved(const TetVertices& v) const {
+  bool all_on_curved_boundary(const TetVertices& v) const {
     return flags(v[0]) & flags(v[1]) & flags(v[2]) & flags(v[3]) & kOnCurved;
   }
   std::int32_t ref(VertexId v) const { return vertex_refs_[v.value]; }

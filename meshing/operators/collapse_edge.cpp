@@ -149,14 +149,14 @@ Verdict judge_topology(const Worker& w, VertexId removed, VertexId kept, const E
   return Verdict::accepted;
 }
 
-/// No tet may come to lie flat upon a curved surface (TetMesh::lies_on_curved).
+/// No tet may come to lie flat upon a curved surface (TetMesh::all_on_curved_boundary).
 bool lies_down(const TetMesh& mesh, const Ball& ball, VertexId kept) {
   if (!(mesh.flags(kept) & kOnCurved)) return false;
   return std::any_of(ball.tets.begin(), ball.tets.end(), [&](const Ball::Entry& e) {
     if (mesh.local_index(e.tet, kept) >= 0) return false;
     TetVertices v = mesh.vertices(e.tet);
     v[e.local] = kept;
-    return mesh.lies_on_curved(v);
+    return mesh.all_on_curved_boundary(v);
   });
 }
 

@@ -290,7 +290,7 @@ Verdict swap_face(Worker& w, TetId t, int face) {
   std::array<double, 3> quality;
   const Corner cp = corner(mesh, p), cq = corner(mesh, q);
   for (int i = 0; i < 3; ++i) {
-    if (mesh.lies_on_curved({q, p, f[i], f[(i + 1) % 3]})) return Verdict::breaks_topology;
+    if (mesh.all_on_curved_boundary({q, p, f[i], f[(i + 1) % 3]})) return Verdict::breaks_topology;
     quality[i] = judge_quality(mesh.metric_mean(), cq, cp, corner(mesh, f[i]), corner(mesh, f[(i + 1) % 3]));
     if (quality[i] < 0) return Verdict::inverts;
     if (quality[i] <= enough) return Verdict::worsens_quality;

@@ -9,7 +9,7 @@ namespace weft::partition {
 
 void agree(Peers& peers, const std::string& complaint) {
   const std::vector<char> mine(complaint.begin(), complaint.end());
-  for (const std::vector<char>& text : share(peers, mine)) {
+  for (const std::vector<char>& text : allgather(peers, mine)) {
     if (!text.empty()) throw meshing::InputError("", "", std::string(text.begin(), text.end()));
   }
 }
@@ -17,7 +17,7 @@ void agree(Peers& peers, const std::string& complaint) {
 std::string text_of_first(Peers& peers, const std::string& text) {
   std::vector<char> mine;
   if (peers.rank() == 0) mine.assign(text.begin(), text.end());
-  const std::vector<char> first = share(peers, mine).front();
+  const std::vector<char> first = allgather(peers, mine).front();
   return {first.begin(), first.end()};
 }
 

@@ -36,28 +36,28 @@ int home_rank(const EntityKey<N>& key, int ranks) {
 /// Records on their way to the homes of their keys, and the way back: answers come in the order of the
 /// records.
 template <std::size_t N, class Record>
-class HomeMail {
+class Rendezvous {
  public:
-  explicit HomeMail(int ranks) : letters_(static_cast<std::size_t>(ranks)) {}
+  explicit Rendezvous(int ranks) : outgoing_(static_cast<std::size_t>(ranks)) {}
 
   /// Record has a member `key`.
   void add(const Record& record) {
-    const int home = home_rank<N>(record.key, static_cast<int>(letters_.size()));
+    const int home = home_rank<N>(record.key, static_cast<int>(outgoing_.size()));
     homes_.push_back(home);
-    letters_[static_cast<std::size_t>(home)].push_back(record);
+    outgoing_[static_cast<std::size_t>(home)].push_back(record);
   }
 
   /// All ranks: what has arrived here, by rank of origin.
   std::vector<std::vector<Record>> deliver(Peers& peers) {
-    auto arrived = partition::exchange(peers, letters_);
-    letters_.clear();
+    auto arrived = partition::all_to_all(peers, outgoing_);
+    outgoing_.clear();
     return arrived;
   }
 
   /// All ranks, after deliver(): answers[r][i] is for arrived[r][i]; returns those to this rank's records.
   template <class Answer>
   std::vector<Answer> answer(Peers& peers, const std::vector<std::vector<Answer>>& answers) const {
-    const std::vector<std::vector<Answer>> back = partition::exchange(peers, answers);
+    const std::vector<std::vector<Answer>> back = partition::all_to_all(peers, answers);
     std::vector<std::size_t> next(back.size());
     std::vector<Answer> mine;
     mine.reserve(homes_.size());
@@ -67,7 +67,7 @@ class HomeMail {
 
  private:
   std::vector<int> homes_;  ///< of each record
-  std::vector<std::vector<Record>> letters_;
+  std::vector<std::vector<Record>> outgoing_;
 };
 
 /// An entity that a subdomain has and others may have too.
@@ -80,7 +80,7 @@ struct Holding {
 /// All ranks: for each of these entities 1 where no lower subdomain on any rank has named it too, else 0.
 template <std::size_t N>
 std::vector<std::uint8_t> held_by_no_lower(Peers& peers, std::span<const Holding<N>> holdings) {
-  HomeMail<N, Holding<N>> mail(peers.ranks());
+  Rendezvous<N, Holding<N>> mail(peers.ranks());
   for (const Holding<N>& holding : holdings) mail.add(holding);
   const auto arrived = mail.deliver(peers);
 

@@ -20,27 +20,27 @@ class Peers {
   virtual int rank() const = 0;
   virtual int ranks() const = 0;
   /// Sends to_each[r] to rank r (this one included) and returns what each rank has sent here.
-  virtual std::vector<Bytes> exchange(std::vector<Bytes> to_each) = 0;
+  virtual std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) = 0;
 };
 
 /// One rank.
-class Alone final : public Peers {
+class SelfPeers final : public Peers {
  public:
   int rank() const override { return 0; }
   int ranks() const override { return 1; }
-  std::vector<Bytes> exchange(std::vector<Bytes> to_each) override { return to_each; }
+  std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override { return to_each; }
 };
 
 /// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r.
 template <class T>
-std::vector<std::vector<T>> exchange(Peers& peers, const std::vector<std::vector<T>>& to_each) {
+std::vector<std::vector<T>> all_to_all(Peers& peers, const std::vector<std::vector<T>>& to_each) {
   static_assert(std::is_trivially_copyable_v<T>);
   std::vector<Bytes> bytes(to_each.size());
   for (std::size_t r = 0; r < to_each.size(); ++r) {
     bytes[r].resize(to_each[r].size() * sizeof(T));
     if (!bytes[r].empty()) std::memcpy(bytes[r].data(), to_each[r].data(), bytes[r].size());
   }
-  bytes = peers.exchange(std::move(bytes));
+  bytes = peers.all_to_all(std::move(bytes));
   std::vector<std::vector<T>> received(bytes.size());
   for (std::size_t r = 0; r < bytes.size(); ++r) {
     received[r].resize(bytes[r].size() / sizeof(T));
@@ -51,10 +51,8 @@ std::vector<std::vector<T>> exchange(Peers& peers, const std::vector<std::vector
 
 /// The same array to every rank: result[r] is that of rank r.
 template <class T>
-std::vector<std::vector<T>> share(Peers& peers, const std::vector<T>& mine) {
-  // Qualified: std::exchange would be found too, by way of the vector.
-  return partition::exchange(peers,
-                             std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
+std::vector<std::vector<T>> allgather(Peers& peers, const std::vector<T>& mine) {
+  return all_to_all(peers, std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
 }
 
 }  // namespace weft::partition

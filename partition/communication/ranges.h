@@ -15,7 +15,7 @@ class Ranges {
  public:
   /// From the number of entries here; all ranks call together.
   Ranges(Peers& peers, std::uint64_t my_count) : firsts_{0} {
-    for (const auto& count : share(peers, std::vector<std::uint64_t>{my_count}))
+    for (const auto& count : allgather(peers, std::vector<std::uint64_t>{my_count}))
       firsts_.push_back(firsts_.back() + count[0]);
   }
   std::uint64_t first(int rank) const { return firsts_[static_cast<std::size_t>(rank)]; }
@@ -38,7 +38,7 @@ std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Numbe
                      const Entry& entry) {
   std::vector<std::vector<Number>> wanted(static_cast<std::size_t>(peers.ranks()));
   for (const Number number : numbers) wanted[ranges.rank_of(number)].push_back(number);
-  wanted = partition::exchange(peers, wanted);
+  wanted = partition::all_to_all(peers, wanted);
   std::vector<std::vector<T>> replies(wanted.size());
   for (std::size_t r = 0; r < wanted.size(); ++r) {
     replies[r].reserve(wanted[r].size());
@@ -49,7 +49,7 @@ std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Numbe
   // Ranges ascend with the ranks, and so do the numbers: the replies are in order one after the other.
   std::vector<T> result;
   result.reserve(numbers.size());
-  for (auto& reply : partition::exchange(peers, replies))
+  for (auto& reply : partition::all_to_all(peers, replies))
     result.insert(result.end(), reply.begin(), reply.end());
   return result;
 }

@@ -20,13 +20,13 @@ std::vector<T> reduce(Peers& peers, const std::vector<T>& mine, const Combine& c
   std::vector<std::vector<T>> blocks(ranks);
   for (std::size_t r = 0; r < ranks; ++r)
     blocks[r].assign(mine.begin() + mine.size() * r / ranks, mine.begin() + mine.size() * (r + 1) / ranks);
-  blocks = partition::exchange(peers, blocks);
+  blocks = partition::all_to_all(peers, blocks);
   std::vector<T> block = std::move(blocks[0]);
   for (std::size_t r = 1; r < ranks; ++r)
     for (std::size_t i = 0; i < block.size(); ++i) block[i] = combine(block[i], blocks[r][i]);
   std::vector<T> result;
   result.reserve(mine.size());
-  for (const std::vector<T>& part : share(peers, block))
+  for (const std::vector<T>& part : allgather(peers, block))
     result.insert(result.end(), part.begin(), part.end());
   return result;
 }

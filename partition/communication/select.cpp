@@ -21,7 +21,7 @@ double value_of(std::uint64_t key) { return std::bit_cast<double>(key & kSign ? 
 std::vector<std::uint64_t> count_bytes(Peers& peers, const std::vector<std::uint64_t>& keys, int shift) {
   std::vector<std::uint64_t> counts(256), sums(256);
   for (const std::uint64_t key : keys) ++counts[key >> shift & 0xFF];
-  for (const auto& of_rank : share(peers, counts))
+  for (const auto& of_rank : allgather(peers, counts))
     for (std::size_t b = 0; b < sums.size(); ++b) sums[b] += of_rank[b];
   return sums;
 }

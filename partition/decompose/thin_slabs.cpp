@@ -66,7 +66,7 @@ void for_each_face(Peers& peers, const ItemFaces& faces, const std::vector<Subdo
   std::vector<std::vector<Side>> to_each(ranks);
   for (const Side& side : sides) to_each[side.vertices[0] % ranks].push_back(side);
   sides.clear();
-  for (const auto& part : partition::exchange(peers, to_each))
+  for (const auto& part : partition::all_to_all(peers, to_each))
     sides.insert(sides.end(), part.begin(), part.end());
   pair_up(sides, action);
 }

@@ -103,7 +103,7 @@ TetMeasures check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges
     const auto p = points.of(t);
     corners.push_back({&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point});
   }
-  throw_least(peers, find_inverted(slice, corners));
+  throw_first(peers, find_inverted(slice, corners));
   return measure_tets(peers, slice, points);
 }
 
@@ -155,7 +155,7 @@ void find_inner_patches(Peers& peers, const WholeBoundary& boundary, std::span<c
   for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t)
     ++triangles[geometry.surface.triangle_patch(t).value];
   std::vector<std::int64_t> sum(faces.size(), 0);
-  for (const auto& part : share(peers, faces))
+  for (const auto& part : allgather(peers, faces))
     for (std::size_t p = 0; p < part.size(); ++p) sum[p] += part[p];
   for (std::size_t p = 0; p < sum.size(); ++p) geometry.patch_inner[p] = sum[p] > triangles[p];
 }
@@ -170,7 +170,7 @@ void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
   std::sort(delicate.begin(), delicate.end());
   delicate.erase(std::unique(delicate.begin(), delicate.end()), delicate.end());
   std::vector<std::uint64_t> all;
-  for (const auto& part : share(peers, delicate)) all.insert(all.end(), part.begin(), part.end());
+  for (const auto& part : allgather(peers, delicate)) all.insert(all.end(), part.begin(), part.end());
   std::sort(all.begin(), all.end());
   for (SubdomainStart& s : starts)
     for (std::size_t v = 0; v < s.ids.size(); ++v)

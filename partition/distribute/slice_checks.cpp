@@ -19,7 +19,7 @@ enum Stage : std::uint64_t { kSizes, kPoints, kMetrics, kTets, kTriangles, kEdge
 class Checks {
  public:
   explicit Checks(std::uint64_t num_points) : num_points_(num_points) {}
-  const std::optional<Complaint>& first() const { return first_; }
+  const std::optional<InputIssue>& first() const { return first_; }
 
   void size(const char* what, std::size_t refs, std::size_t entities) {
     if (refs != entities)
@@ -66,7 +66,7 @@ class Checks {
 
  private:
   std::uint64_t num_points_, added_ = 0;
-  std::optional<Complaint> first_;
+  std::optional<InputIssue> first_;
 };
 
 void check_boundary(const MeshData& m, std::uint64_t num_points, Checks& checks) {
@@ -85,7 +85,7 @@ void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, co
                     points.first(peers.rank()) == slice.first_point &&
                     tets.first(peers.rank()) == slice.first_tet &&
                     slice.log_metrics.size() == slice.points.size();
-  for (const auto& good : share(peers, std::vector<char>{mine}))
+  for (const auto& good : allgather(peers, std::vector<char>{mine}))
     if (!good[0]) throw std::invalid_argument("the ranks' shares do not make up the mesh");
 }
 
@@ -104,18 +104,18 @@ void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, co
   checks.vertices(kTets, "tet", slice.first_tet, slice.tets);
   check_boundary(m, slice.num_points, checks);
   if (slice.num_tets == 0) checks.add(kNoTets, "Tetrahedra", "the mesh has none");
-  throw_least(peers, checks.first());
+  throw_first(peers, checks.first());
 }
 
-std::optional<Complaint> find_inverted(const MeshSlice& slice,
-                                       std::span<const std::array<const meshing::Point*, 4>> corners) {
+std::optional<InputIssue> find_inverted(const MeshSlice& slice,
+                                        std::span<const std::array<const meshing::Point*, 4>> corners) {
   for (std::size_t t = 0; t < corners.size(); ++t) {
     const auto& [a, b, c, d] = corners[t];
     const int sign = meshing::orientation(*a, *b, *c, *d);
     if (sign > 0) continue;
     const std::uint64_t number = slice.first_tet + t;
     const auto vertex = [&](int i) { return std::uint64_t{slice.tets[t][i]} + 1; };
-    return Complaint{
+    return InputIssue{
         {number, 0, 0},
         fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
         sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "meshing/base/point.h"
-#include "partition/communication/complaint.h"
+#include "partition/communication/input_issue.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
 #include "partition/distribute/mesh_slice.h"
@@ -18,7 +18,7 @@ namespace weft::partition {
 void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets);
 
 /// The first of these tets that is inverted or flat. corners[i] are the points of tet first_tet + i.
-std::optional<Complaint> find_inverted(const MeshSlice& slice,
-                                       std::span<const std::array<const meshing::Point*, 4>> corners);
+std::optional<InputIssue> find_inverted(const MeshSlice& slice,
+                                        std::span<const std::array<const meshing::Point*, 4>> corners);
 
 }  // namespace weft::partition

@@ -41,7 +41,7 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
   }
   slice.tets = {};
   slice.tet_refs = {};
-  auto received = partition::exchange(peers, to_each);
+  auto received = partition::all_to_all(peers, to_each);
   to_each = {};
   std::vector<TetRecord> tets;
   for (auto& part : received) {
@@ -75,7 +75,7 @@ Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_
   std::vector<std::vector<InputHolder>> to_each(ranks);
   for (const InputHolder& holder : holders_here(tets)) to_each[holder.vertex % ranks].push_back(holder);
   std::vector<InputHolder> met;
-  for (const auto& part : partition::exchange(peers, to_each))
+  for (const auto& part : partition::all_to_all(peers, to_each))
     met.insert(met.end(), part.begin(), part.end());
   std::sort(met.begin(), met.end());
   to_each.assign(ranks, {});
@@ -85,7 +85,7 @@ Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_
     if (end - begin > 1) send_to_holders(std::span(met).subspan(begin, end - begin), num_subdomains, to_each);
   }
   result.used = partition::sum(peers, result.used);
-  for (const auto& part : partition::exchange(peers, to_each))
+  for (const auto& part : partition::all_to_all(peers, to_each))
     result.shared.insert(result.shared.end(), part.begin(), part.end());
   std::sort(result.shared.begin(), result.shared.end());
   return result;

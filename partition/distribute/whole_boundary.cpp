@@ -9,7 +9,7 @@
 #include <span>
 
 #include "meshing/mesh/touching_edges.h"
-#include "partition/communication/complaint.h"
+#include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/face_records.h"
 
@@ -31,7 +31,7 @@ std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
       const FaceRecord record = face_record(slice.tets[t], slice.tet_refs[t], slice.first_tet + t, f);
       to_each[record.vertices[0] % ranks].push_back(record);
     }
-  auto received = partition::exchange(peers, to_each);
+  auto received = partition::all_to_all(peers, to_each);
   to_each = {};
   std::vector<FaceRecord> faces;
   for (auto& part : received) {
@@ -44,16 +44,16 @@ std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
 
 /// A face of more than two tets.
 void refuse_overused(Peers& peers, const std::vector<FaceRecord>& faces) {
-  std::optional<Complaint> first;
+  std::optional<InputIssue> first;
   for (std::size_t i = 0; i + 2 < faces.size() && !first; ++i) {
     if (!same_face(faces[i], faces[i + 2])) continue;
     const auto [a, b, c] = faces[i].vertices;
-    first = Complaint{
+    first = InputIssue{
         {a, b, c},
         fmt::format("tets {}, {} and {}", faces[i].tet() + 1, faces[i + 1].tet() + 1, faces[i + 2].tet() + 1),
         fmt::format("share the face ({} {} {})", a + 1, b + 1, c + 1)};
   }
-  throw_least(peers, first);
+  throw_first(peers, first);
 }
 
 /// Two positive tets across a face see it turning in opposite ways; the same way means they overlap.
@@ -72,11 +72,11 @@ void refuse_overlaps(Peers& peers, const MeshSlice& slice, const Ranges& tets,
   if (least.code == Overlap{}.code) return;
   const std::vector<std::uint64_t> numbers{least.code >> 5, least.other};
   const auto both = fetch<Tet>(peers, tets, numbers, [&](std::size_t t) { return slice.tets[t]; });
-  throw_least(peers,
-              Complaint{{},
-                        fmt::format("tets {} and {}", numbers[0] + 1, numbers[1] + 1),
-                        both[0] == both[1] ? "are duplicates"
-                                           : "overlap: they lie on the same side of their common face"});
+  throw_first(peers,
+              InputIssue{{},
+                         fmt::format("tets {} and {}", numbers[0] + 1, numbers[1] + 1),
+                         both[0] == both[1] ? "are duplicates"
+                                            : "overlap: they lie on the same side of their common face"});
 }
 
 /// A triangle that the input lacks.
@@ -111,7 +111,7 @@ std::vector<SortedTriangle> my_triangles(const Peers& peers, const std::vector<T
   return mine;
 }
 
-Complaint no_face(const Triangle& v, std::uint32_t index) {
+InputIssue no_face(const Triangle& v, std::uint32_t index) {
   return {{index, 0, 0},
           fmt::format("triangle {} ({} {} {})", std::uint64_t{index} + 1, std::uint64_t{v[0]} + 1,
                       std::uint64_t{v[1]} + 1, std::uint64_t{v[2]} + 1),
@@ -122,7 +122,7 @@ Complaint no_face(const Triangle& v, std::uint32_t index) {
 TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& faces,
                                  const std::vector<Triangle>& triangles) {
   TriangleFindings findings;
-  std::optional<Complaint> first;
+  std::optional<InputIssue> first;
   const std::vector<SortedTriangle> mine = my_triangles(peers, triangles);
   auto triangle = mine.begin();
   const auto pass_strangers = [&](const Triangle* face) {
@@ -148,14 +148,14 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
     findings.created.push_back({face.code, {v[0], v[2], v[1]}});
   }
   pass_strangers(nullptr);
-  throw_least(peers, first);
+  throw_first(peers, first);
   return findings;
 }
 
 template <class T>
 std::vector<T> gather(Peers& peers, const std::vector<T>& mine) {
   std::vector<T> all;
-  for (const auto& part : share(peers, mine)) all.insert(all.end(), part.begin(), part.end());
+  for (const auto& part : allgather(peers, mine)) all.insert(all.end(), part.begin(), part.end());
   return all;
 }
 

@@ -146,7 +146,7 @@ void for_each_count(Sums& sums, const Visit& visit) {
 void add_counts(Peers& peers, Sums& sums) {
   std::vector<std::uint64_t> counts;
   for_each_count(sums, [&](std::uint64_t& count) { counts.push_back(std::exchange(count, 0)); });
-  for (const auto& of_rank : share(peers, counts)) {
+  for (const auto& of_rank : allgather(peers, counts)) {
     std::size_t next = 0;
     for_each_count(sums, [&](std::uint64_t& count) { count += of_rank[next++]; });
   }
@@ -154,7 +154,7 @@ void add_counts(Peers& peers, Sums& sums) {
 
 void add_extremes(Peers& peers, Sums& sums) {
   const std::vector<double> mine = {sums.tets.quality_min, sums.edges.length_min, sums.edges.length_max};
-  for (const auto& of_rank : share(peers, mine)) {
+  for (const auto& of_rank : allgather(peers, mine)) {
     sums.tets.quality_min = std::min(sums.tets.quality_min, of_rank[0]);
     sums.edges.length_min = std::min(sums.edges.length_min, of_rank[1]);
     sums.edges.length_max = std::max(sums.edges.length_max, of_rank[2]);
@@ -164,7 +164,8 @@ void add_extremes(Peers& peers, Sums& sums) {
 /// By subdomain, so that rounding does not depend on who has which.
 void add_reals(Peers& peers, Sums& sums) {
   std::vector<PieceSums> all;
-  for (const auto& of_rank : share(peers, sums.pieces)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  for (const auto& of_rank : allgather(peers, sums.pieces))
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all, {}, &PieceSums::subdomain);
   sums.tets.volume = sums.tets.complexity = sums.tets.quality = sums.edges.length = 0;
   for (const PieceSums& piece : all) {

@@ -56,7 +56,7 @@ void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, M
 }  // namespace
 
 MergedMesh merge_pieces(std::span<const MeshPiece> pieces) {
-  Alone alone;
+  SelfPeers alone;
   const Numbering numbering = number_pieces(alone, pieces);
   if (numbering.totals.points >= std::numeric_limits<std::uint32_t>::max())
     throw meshing::InputError("", "", "the merged mesh has too many vertices for 32-bit numbers");

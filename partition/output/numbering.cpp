@@ -69,7 +69,7 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
   for (std::size_t p = 0; p < mine.size(); ++p)
     here.push_back({mine[p].subdomain, own_counts(mine[p].mesh, numbering.pieces[p].share)});
   std::vector<SubdomainCounts> all;
-  for (const auto& of_rank : share(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all, {}, &SubdomainCounts::subdomain);
   std::unordered_map<std::uint64_t, MeshCounts> firsts;
   for (const SubdomainCounts& part : all) {
@@ -82,7 +82,7 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
 void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {
   std::vector<std::uint64_t> here, all;
   for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
-  for (const auto& of_rank : share(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all);
   const auto twin = std::ranges::adjacent_find(all);
   agree(peers,
@@ -106,7 +106,7 @@ struct PointNumber {
 
 /// Brings the numbers of the vertices that others own.
 void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceNumbers>& pieces) {
-  HomeMail<1, PointNumber> mail(peers.ranks());
+  Rendezvous<1, PointNumber> mail(peers.ranks());
   std::vector<std::uint64_t*> places;
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const std::vector<std::uint8_t> shared = shared_flags(mine[p]);

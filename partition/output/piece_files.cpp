@@ -101,7 +101,7 @@ void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers&
 std::vector<std::uint64_t> all_subdomains(Peers& peers, std::span<const MeshPiece> mine) {
   std::vector<std::uint64_t> here, all;
   for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
-  for (const auto& of_rank : share(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all);
   return all;
 }

@@ -200,7 +200,7 @@ class NewHolders {
       said.push_back(p.now);
       mention(p.now, p.from);
     }
-    said.push_back(those_who_stayed());
+    said.push_back(remaining_holders());
     lines_ = merge_unique(std::move(said));
   }
 
@@ -230,7 +230,7 @@ class NewHolders {
   }
 
   /// A holder that says nothing of a vertex keeps all its tets around it.
-  std::vector<Holder> those_who_stayed() const {
+  std::vector<Holder> remaining_holders() const {
     std::vector<Holder> stayed;
     for (std::uint32_t i = 0; i < s_.interface.size(); ++i) {
       if (!mentioned_[i]) continue;

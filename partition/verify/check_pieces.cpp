@@ -64,7 +64,7 @@ void check_one(const MeshPiece& piece, Problems& problems) {
 
 /// All records of all ranks whose home is here, in a fixed order of `order(record)`.
 template <std::size_t N, class Record, class Order>
-std::vector<Record> gathered(Peers& peers, HomeMail<N, Record>& mail, const Order& order) {
+std::vector<Record> gathered(Peers& peers, Rendezvous<N, Record>& mail, const Order& order) {
   std::vector<Record> records;
   for (const auto& of_rank : mail.deliver(peers))
     records.insert(records.end(), of_rank.begin(), of_rank.end());
@@ -87,7 +87,7 @@ void for_each_group(const std::vector<Record>& records, const Visit& visit) {
 constexpr auto kByKeyAndSubdomain = [](const auto& record) { return std::tie(record.key, record.subdomain); };
 
 void check_all_faces(Peers& peers, std::span<const MeshPiece> mine, Problems& problems) {
-  HomeMail<3, OpenFace> mail(peers.ranks());
+  Rendezvous<3, OpenFace> mail(peers.ranks());
   for (const MeshPiece& piece : mine)
     for (const OpenFace& face : check_faces(piece, problems)) mail.add(face);
   for_each_group(gathered(peers, mail, kByKeyAndSubdomain),
@@ -100,7 +100,7 @@ struct PlacedTet {
 };
 
 void check_twin_tets(Peers& peers, std::span<const MeshPiece> mine, Problems& problems) {
-  HomeMail<4, PlacedTet> mail(peers.ranks());
+  Rendezvous<4, PlacedTet> mail(peers.ranks());
   for (const MeshPiece& piece : mine)
     for (std::size_t t = 0; t < piece.mesh.tets.size(); ++t) {
       const auto& [a, b, c, d] = piece.mesh.tets[t];
@@ -164,8 +164,8 @@ void check_holders(std::span<const VertexCopy> copies, std::span<const NamedHold
 }
 
 void check_vertices(Peers& peers, std::span<const MeshPiece> mine, Problems& problems) {
-  HomeMail<1, VertexCopy> copy_mail(peers.ranks());
-  HomeMail<1, NamedHolder> holder_mail(peers.ranks());
+  Rendezvous<1, VertexCopy> copy_mail(peers.ranks());
+  Rendezvous<1, NamedHolder> holder_mail(peers.ranks());
   for (const MeshPiece& piece : mine) {
     for (std::size_t v = 0; v < piece.ids.size(); ++v)
       copy_mail.add({{piece.ids[v]}, piece.subdomain, piece.mesh.points[v], piece.log_metrics[v]});
@@ -210,7 +210,7 @@ void sum_sizes(Peers& peers, std::span<const MeshPiece> mine, PiecesReport& repo
   std::vector<Part> parts, all;
   for (std::size_t p = 0; p < mine.size(); ++p)
     std::ranges::copy(parts_of(mine[p], shares[p]), std::back_inserter(parts));
-  for (const auto& of_rank : share(peers, parts)) std::ranges::copy(of_rank, std::back_inserter(all));
+  for (const auto& of_rank : allgather(peers, parts)) std::ranges::copy(of_rank, std::back_inserter(all));
   std::ranges::stable_sort(all, {}, &Part::subdomain);
   CompensatedSum volume;
   std::map<std::int32_t, CompensatedSum> areas;
@@ -241,13 +241,14 @@ void compare_totals(const PiecesReport& report, const ExpectedTotals& expected, 
 /// Brings what all ranks have found to all of them.
 void gather_problems(Peers& peers, Problems&& found, std::size_t limit, PiecesReport& report) {
   const std::uint64_t mine = found.count();
-  for (const auto& count : share(peers, std::vector<std::uint64_t>{mine})) report.num_problems += count[0];
+  for (const auto& count : allgather(peers, std::vector<std::uint64_t>{mine}))
+    report.num_problems += count[0];
   std::vector<char> lines;
   for (const std::string& sentence : found.take()) {
     lines.insert(lines.end(), sentence.begin(), sentence.end());
     lines.push_back('\n');
   }
-  for (const auto& of_rank : share(peers, lines)) {
+  for (const auto& of_rank : allgather(peers, lines)) {
     std::istringstream text(std::string(of_rank.begin(), of_rank.end()));
     for (std::string line; std::getline(text, line);) report.problems.push_back(line);
   }

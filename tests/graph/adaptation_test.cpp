@@ -44,7 +44,7 @@ struct Setting {
   engine::BalancerFactory balancer = engine::work_stealing();
   std::chrono::microseconds delay{0};
   std::atomic<bool>* interrupt = nullptr;
-  NewsBoard* news = nullptr;
+  ProgressBoard* news = nullptr;
 };
 
 MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
@@ -117,7 +117,7 @@ using PieceBytes = std::map<SubdomainId, partition::Bytes>;
 PieceBytes gather_bytes(partition::Peers& peers, const std::vector<MeshPiece>& mine) {
   PieceBytes all;
   std::uint64_t most = 0;
-  for (const auto& n : partition::share(peers, std::vector<std::uint64_t>{mine.size()}))
+  for (const auto& n : partition::allgather(peers, std::vector<std::uint64_t>{mine.size()}))
     most = std::max(most, n[0]);
   for (std::uint64_t i = 0; i < most; ++i) {
     std::vector<partition::Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
@@ -126,7 +126,7 @@ PieceBytes gather_bytes(partition::Peers& peers, const std::vector<MeshPiece>& m
       const partition::Bytes piece = bytes_of(mine[i]);
       to_each[0].insert(to_each[0].end(), piece.begin(), piece.end());
     }
-    for (const partition::Bytes& arrived : peers.exchange(std::move(to_each))) {
+    for (const partition::Bytes& arrived : peers.all_to_all(std::move(to_each))) {
       if (arrived.empty()) continue;
       SubdomainId id;
       std::memcpy(&id, arrived.data() + sizeof(std::uint64_t), sizeof(id));
@@ -150,7 +150,8 @@ void expect_sound(RankOutcome rank, const MetricMesh& whole, const Setting& sett
   const auto report = check_pieces(rank.peers, rank.result.pieces, totals_of(whole.mesh));
   EXPECT_THAT(report.problems, ElementsAre());
   std::uint64_t pieces = 0;
-  for (const auto& n : partition::share(rank.peers, std::vector<std::uint64_t>{rank.result.pieces.size()}))
+  for (const auto& n :
+       partition::allgather(rank.peers, std::vector<std::uint64_t>{rank.result.pieces.size()}))
     pieces += n[0];
   EXPECT_EQ(pieces, setting.subdomains);
   ASSERT_EQ(rank.result.was_interface.size(), rank.result.pieces.size());
@@ -302,7 +303,7 @@ TEST_P(AdaptationOnRanks, ShiftsUntilNothingIsWanted) {
       std::vector<ShiftRecord> mine;
       for (const auto& shifts : rank.result.shifts) mine.insert(mine.end(), shifts.begin(), shifts.end());
       std::map<std::uint64_t, ShiftRecord> rounds;
-      for (const auto& part : partition::share(rank.peers, mine))
+      for (const auto& part : partition::allgather(rank.peers, mine))
         for (const ShiftRecord& r : part) {
           ShiftRecord& sum = rounds[r.round];
           sum.wanted += r.wanted, sum.sent += r.sent, sum.received += r.received, sum.thawed += r.thawed;
@@ -318,9 +319,9 @@ TEST_P(AdaptationOnRanks, ShiftsUntilNothingIsWanted) {
 }
 
 /// The news of a rank's subdomains against the pieces that it has in the end.
-void expect_all_at_rest(const std::vector<SubdomainNews>& news, const std::vector<MeshPiece>& pieces) {
+void expect_all_at_rest(const std::vector<SubdomainProgress>& news, const std::vector<MeshPiece>& pieces) {
   EXPECT_EQ(news.size(), pieces.size());
-  for (const SubdomainNews& n : news) {
+  for (const SubdomainProgress& n : news) {
     const auto piece = std::find_if(pieces.begin(), pieces.end(),
                                     [&](const MeshPiece& p) { return p.subdomain == n.subdomain; });
     ASSERT_NE(piece, pieces.end());
@@ -334,7 +335,7 @@ TEST_P(AdaptationOnRanks, SubdomainsTellHowFarTheyAreAndChangeNothingByIt) {
   const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
   const PieceBytes silent = on_one_rank(whole, Setting{});
   on_ranks(GetParam(), [&](Transport& network) {
-    NewsBoard board;
+    ProgressBoard board;
     Setting setting;
     setting.balancer = engine::no_balancing();  // who rests may be moved, and tells nothing then
     setting.news = &board;

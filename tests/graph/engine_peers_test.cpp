@@ -48,7 +48,7 @@ void expect_exchanges(partition::Peers& peers, int exchanges, std::size_t longes
       to_each.push_back(message(exchange, peers.rank(), other, longest));
       expected.push_back(message(exchange, other, peers.rank(), longest));
     }
-    ASSERT_TRUE(peers.exchange(std::move(to_each)) == expected) << "exchange " << exchange;
+    ASSERT_TRUE(peers.all_to_all(std::move(to_each)) == expected) << "exchange " << exchange;
   }
 }
 
@@ -144,7 +144,7 @@ TEST_P(EnginePeersOnRanks, RefusesAMessageTooMany) {
     Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
     EnginePeers peers(runtime);
     const auto ranks = static_cast<std::size_t>(GetParam());
-    EXPECT_THAT(failure_of([&] { peers.exchange(std::vector<partition::Bytes>(ranks + 1)); }),
+    EXPECT_THAT(failure_of([&] { peers.all_to_all(std::vector<partition::Bytes>(ranks + 1)); }),
                 HasSubstr(std::to_string(ranks + 1) + " payloads for " + std::to_string(ranks) + " ranks"));
   });
 }

@@ -18,7 +18,7 @@ class Scene {
       : table_(subdomains, most_shifts, 100 * kSecond) {}
 
   void at_step(std::uint32_t subdomain, std::uint32_t step, float done = 0, bool rests = false) {
-    SubdomainNews news;
+    SubdomainProgress news;
     news.subdomain = subdomain;
     news.number = ++number_;
     news.step = step;
@@ -37,8 +37,8 @@ class Scene {
   std::uint32_t number_ = 0;
 };
 
-TEST(NewsBoard, KeepsTheLatestOfEachSubdomainUntilItIsTaken) {
-  NewsBoard board;
+TEST(ProgressBoard, KeepsTheLatestOfEachSubdomainUntilItIsTaken) {
+  ProgressBoard board;
   for (std::uint32_t number : {1u, 2u, 3u}) board.post({.subdomain = 7, .number = number});
   board.post({.subdomain = 8, .number = 1});
   auto news = board.take();

@@ -520,15 +520,15 @@ TEST(AdaptFrozen, VerticesAreBitIdenticalAfterAllPasses) {
       rig.mesh.freeze(v);
       frozen.push_back(p);
     }
-    Crew crew(rig.kernel, threads, nullptr);
+    WorkerPool pool(rig.kernel, threads, nullptr);
     for (int round = 0; round < 5; ++round) {
       for (const TetId t : rig.live_tets()) rig.mesh.mark(t, kAllTetMarks);
       for (const VertexId v : rig.live_vertices()) rig.mesh.mark(v, kCheckShort | kCheckPlace);
-      split_pass(crew);
-      collapse_pass(crew);
-      swap_pass(crew, 0.8);
-      smooth_pass(crew);
-      improve_pass(crew, 0.4);
+      split_pass(pool);
+      collapse_pass(pool);
+      swap_pass(pool, 0.8);
+      smooth_pass(pool);
+      improve_pass(pool, 0.4);
     }
     support::expect_sound(rig.mesh);
     EXPECT_GT(rig.live_tets().size(), mesh.tets.size());

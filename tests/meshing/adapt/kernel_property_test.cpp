@@ -373,21 +373,21 @@ TEST(KernelProperty, PassesOfManyThreadsDoNoHarm) {
     support::jitter_interior(mesh, 0.03);
     std::mt19937 random(9);
     KernelRig rig(mesh, random_field(mesh, 0.1, 0.4, random));
-    Crew crew(rig.kernel, threads, nullptr);
+    WorkerPool pool(rig.kernel, threads, nullptr);
     for (int round = 0; round < 4; ++round) {
       for (const TetId t : rig.live_tets()) rig.mesh.mark(t, kAllTetMarks);
       for (const VertexId v : rig.live_vertices()) rig.mesh.mark(v, kCheckShort | kCheckPlace);
-      split_pass(crew);
-      collapse_pass(crew);
-      swap_pass(crew, 0.9);
-      smooth_pass(crew);
-      improve_pass(crew, 0.5);
+      split_pass(pool);
+      collapse_pass(pool);
+      swap_pass(pool, 0.9);
+      smooth_pass(pool);
+      improve_pass(pool, 0.5);
       expect_sound(rig.mesh);
-      EXPECT_EQ(rig.live_tets().size(), crew.live_tets());
-      EXPECT_EQ(rig.live_vertices().size(), crew.live_vertices());
+      EXPECT_EQ(rig.live_tets().size(), pool.live_tets());
+      EXPECT_EQ(rig.live_vertices().size(), pool.live_vertices());
     }
     EXPECT_GT(rig.live_tets().size(), 4 * 2048u) << "too small for several threads";
-    expect_all_operators_acted(crew.take_counts());
+    expect_all_operators_acted(pool.take_counts());
     expect_same_domain(rig.export_data(), mesh);
   }
 }

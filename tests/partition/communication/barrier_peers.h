@@ -26,7 +26,7 @@ class MeetingRoom {
   explicit MeetingRoom(int ranks) : mail_(ranks, std::vector<Bytes>(ranks)) {}
 
   int ranks() const { return static_cast<int>(mail_.size()); }
-  std::vector<Bytes> exchange(int rank, std::vector<Bytes> to_each) {
+  std::vector<Bytes> all_to_all(int rank, std::vector<Bytes> to_each) {
     if (to_each.size() != mail_.size()) throw std::logic_error("exchange with a wrong number of ranks");
     for (std::size_t r = 0; r < mail_.size(); ++r) mail_[r][rank] = std::move(to_each[r]);
     meet();
@@ -66,8 +66,8 @@ class BarrierPeers final : public Peers {
   BarrierPeers(MeetingRoom& room, int rank) : room_(room), rank_(rank) {}
   int rank() const override { return rank_; }
   int ranks() const override { return room_.ranks(); }
-  std::vector<Bytes> exchange(std::vector<Bytes> to_each) override {
-    return room_.exchange(rank_, std::move(to_each));
+  std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override {
+    return room_.all_to_all(rank_, std::move(to_each));
   }
 
  private:

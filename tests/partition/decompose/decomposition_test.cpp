@@ -173,7 +173,7 @@ TEST_P(Partitioners, CutTetsThatAllLieInOnePlace) {
 }
 
 TEST_P(Partitioners, RefuseNoSubdomains) {
-  Alone alone;
+  SelfPeers alone;
   EXPECT_THROW(decompose(alone, {}, 0, parse_partitioner(GetParam())), std::invalid_argument);
 }
 
@@ -216,7 +216,7 @@ TEST(Pqr, ThinSlabsAreFewerUnlessTheyAreToStay) {
 }
 
 TEST(Pqr, RefusesSlabsOfAnotherProduct) {
-  Alone alone;
+  SelfPeers alone;
   EXPECT_THROW(decompose(alone, {}, 5, parse_partitioner("pqr:2x2x2")), std::invalid_argument);
 }
 
@@ -264,7 +264,7 @@ TEST(PrincipalAxes, AreThoseOfAnEllipsoid) {
   for (int i = 0; i < 20000; ++i)
     points.push_back(Point{1000, 0, 0} + 9 * normal(random) * expected[0] + 3 * normal(random) * expected[1] +
                      normal(random) * expected[2]);
-  Alone alone;
+  SelfPeers alone;
   const std::vector<std::uint64_t> weights(points.size(), std::uint64_t{1} << 40), numbers(points.size());
   const std::vector<std::uint32_t> groups(points.size(), 0);
   const Axes found = principal_axes(covariances(alone, {points, {}, weights, numbers, {}}, groups, 1)[0]);

@@ -95,7 +95,7 @@ TEST(OrderedCuts, AreThoseOfASortOfAllItems) {
 }
 
 TEST(OrderedCuts, HandleTheGreatestTotal) {
-  Alone alone;
+  SelfPeers alone;
   const std::vector<std::uint64_t> keys{3, 2, 1, 0}, numbers{0, 1, 2, 3};
   const std::vector<std::uint64_t> weights(4, (std::uint64_t{1} << 60) - 1);
   const std::vector<std::uint32_t> groups(4, 0);
@@ -112,7 +112,7 @@ TEST(OrderedCuts, KeysOrderAsNumbersDo) {
 }
 
 TEST(OrderedCuts, IntegerWeightsKeepProportions) {
-  Alone alone;
+  SelfPeers alone;
   const std::vector<double> work{1e-3, 2e-3, 1, 0, -5, std::nan("")};
   const auto weights = integer_weights(alone, work);
   EXPECT_NEAR(static_cast<double>(weights[1]) / static_cast<double>(weights[0]), 2, 1e-12);
@@ -121,7 +121,7 @@ TEST(OrderedCuts, IntegerWeightsKeepProportions) {
 }
 
 TEST(OrderedCuts, IntegerWeightsSurviveAnySpread) {
-  Alone alone;
+  SelfPeers alone;
   const std::vector<double> spread{1e-300, 1e300, std::numeric_limits<double>::infinity()};
   const auto weights = integer_weights(alone, spread);
   EXPECT_EQ(weights[0], 1u);
@@ -150,7 +150,7 @@ TEST(Reduce, OrderedSumIsExactAndTheSameForAllRanks) {
     });
   for (const double found : sums) EXPECT_EQ(found, sums[0]);
   EXPECT_NEAR(sums[0], static_cast<double>(exact), 1e-14 * static_cast<double>(exact));
-  Alone alone;
+  SelfPeers alone;
   EXPECT_EQ(ordered_sum(alone, std::vector<double>(3, 0)), 0);
 }
 

@@ -356,9 +356,9 @@ class CountingPeers final : public Peers {
   explicit CountingPeers(Peers& peers) : peers_(peers) {}
   int rank() const override { return peers_.rank(); }
   int ranks() const override { return peers_.ranks(); }
-  std::vector<Bytes> exchange(std::vector<Bytes> to_each) override {
+  std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override {
     std::size_t bytes = 0;
-    auto received = peers_.exchange(std::move(to_each));
+    auto received = peers_.all_to_all(std::move(to_each));
     for (const Bytes& part : received) bytes += part.size();
     most = std::max(most, bytes);
     return received;

@@ -135,7 +135,7 @@ TEST(WritePieces, BytesAreThoseOfTheMergedMeshForAnyRanks) {
 TEST(WritePieces, WritesTheMeshAlone) {
   const CutMesh cut = random_cut(5);
   const TemporaryDirectory directory;
-  Alone alone;
+  SelfPeers alone;
   write_pieces(alone, cut.pieces, directory / "m.meshb");
   EXPECT_EQ(directory.num_entries(), 1u);
   EXPECT_EQ(meshing::read_gmf_mesh(directory / "m.meshb").tets.size(), cut.whole.mesh.tets.size());

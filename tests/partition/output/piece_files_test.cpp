@@ -75,7 +75,7 @@ TEST(PiecesAsVtu, TogetherAreTheMergedMesh) {
 TEST(PiecesAsVtu, SayWhatViewersShow) {
   const CutMesh cut = random_cut(3);
   const TemporaryDirectory directory;
-  Alone alone;
+  SelfPeers alone;
   write_pieces_as_vtu(alone, cut.pieces, directory / "m.pvtu");
   for (const std::string name : {"m.pvtu", "m_0.vtu", "m_3.vtu"})
     for (const std::string array :
@@ -150,7 +150,7 @@ TEST(PiecesForParmmg, ReadBackAreThePiecesAndNameEachOther) {
 TEST(PiecesForParmmg, BinaryFilesHoldTheSame) {
   const CutMesh cut = random_cut(4);
   const TemporaryDirectory directory;
-  Alone alone;
+  SelfPeers alone;
   write_pieces_for_parmmg(alone, cut.pieces, directory / "m.meshb");
   const MeshPiece& piece = cut.pieces[1];
   meshing::expect_equal(meshing::read_gmf_mesh(directory / "m.1.meshb"), piece.mesh);

@@ -44,7 +44,7 @@ inline partition::ExpectedTotals totals_of(const meshing::MeshData& mesh) {
 
 /// The invariants of distributed data.
 inline void expect_conforming(const Rounds& rounds, const std::optional<partition::ExpectedTotals>& totals) {
-  partition::Alone alone;
+  partition::SelfPeers alone;
   const auto pieces = rounds.pieces();
   EXPECT_THAT(check_pieces(alone, pieces, totals).problems, ::testing::ElementsAre());
 }

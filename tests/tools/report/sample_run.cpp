@@ -29,8 +29,9 @@ Adapted adapted_box(std::uint32_t cells) {
   return result;
 }
 
-tools::AdaptRun account_of(const Adapted& mesh, const SimulationRules& rules, const SimulatedRun& simulated) {
-  tools::AdaptRun run;
+tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
+                            const SimulatedRun& simulated) {
+  tools::RunResult run;
   run.arguments = {"adapt",   "box.meshb",    "--metric-fn",
                    "polar-1", "--subdomains", std::to_string(rules.subdomains),
                    "-o",      "layer.meshb"};
@@ -49,7 +50,7 @@ tools::AdaptRun account_of(const Adapted& mesh, const SimulationRules& rules, co
   account.subdomains = rules.subdomains;
   account.partitioner = "bisection";
   account.former_interface = run.after;
-  run.subdomains = std::make_shared<tools::SubdomainAccount>(std::move(account));
+  run.subdomains = std::make_shared<tools::DistributedStats>(std::move(account));
   return run;
 }
 

@@ -192,7 +192,7 @@ class AdaptJob {
   StateRequest state_request_;
   Progress progress_;
   Stopwatch total_, watch_;
-  AdaptRun run_;
+  RunResult run_;
   MeshData input_, mesh_;
   meshing::RefNames names_;             ///< of the input's references, which the result keeps
   std::optional<MeshData> background_;  ///< empty: the input
@@ -202,8 +202,8 @@ class AdaptJob {
 
 }  // namespace
 
-AdaptRun begin_account(const AdaptRequest& request) {
-  AdaptRun run;
+RunResult begin_account(const AdaptRequest& request) {
+  RunResult run;
   run.arguments = request.arguments;
   run.input = request.input;
   run.metric = request.metric.name();

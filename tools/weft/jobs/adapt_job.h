@@ -30,11 +30,11 @@ struct AdaptRequest {
 
 struct AdaptOutcome {
   int code;  ///< kDone, or kGoalNotMet with the reasons in `run`
-  AdaptRun run;
+  RunResult run;
 };
 
 /// What is known of a run before it starts.
-AdaptRun begin_account(const AdaptRequest& request);
+RunResult begin_account(const AdaptRequest& request);
 
 /// Writes mesh, metric, fields and report; ends early with the valid mesh reached so far on Ctrl-C. Throws
 /// InputError where no mesh comes about, and CLI::ParseError for a request that makes no sense.

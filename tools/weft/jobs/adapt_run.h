@@ -15,7 +15,7 @@
 
 namespace weft::tools {
 
-struct SubdomainAccount;
+struct DistributedStats;
 
 struct StageTimes {
   double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
@@ -26,7 +26,7 @@ struct MeshCounts {
 };
 MeshCounts count(const meshing::MeshData& mesh);
 
-struct AdaptRun {
+struct RunResult {
   std::vector<std::string> arguments;  ///< as typed
   std::string input, metric;
   OutputPaths outputs;
@@ -38,7 +38,7 @@ struct AdaptRun {
   std::optional<meshing::Measures> before;  ///< empty when the metric belongs to another mesh than the input
   meshing::Measures after;
   meshing::AdaptReport report;
-  std::shared_ptr<const SubdomainAccount> subdomains;  ///< null: the whole mesh was adapted at once
+  std::shared_ptr<const DistributedStats> subdomains;  ///< null: the whole mesh was adapted at once
   meshing::TransferMethod transfer = meshing::TransferMethod::linear;
   std::vector<meshing::ComponentAccount> field_accounts;  ///< empty: no fields
   StageTimes times;

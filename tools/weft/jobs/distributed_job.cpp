@@ -88,7 +88,7 @@ class DistributedJob {
     return finish();
   }
 
-  const AdaptRun& account() const { return run_; }
+  const RunResult& account() const { return run_; }
   bool first() const { return runtime_->rank().value == 0; }
 
  private:
@@ -98,18 +98,18 @@ class DistributedJob {
 
   /// The subdomains' news go to rank 0 twice a second.
   engine::Bulletins bulletins() {
-    return {
-        std::chrono::milliseconds(500),
-        [this] {
-          const auto news = news_.take();
-          return news.empty() ? engine::Payload{} : engine::packed(news);
-        },
-        [this](engine::Rank, engine::Payload payload) {
-          if (!table_) return;  // a run before or after that of the adaptation
-          if (payload.size() > 0)
-            table_->hear(engine::unpacked<std::vector<graph::adaptation::SubdomainNews>>(std::move(payload)));
-          progress_.update(table_->at(engine::now()));
-        }};
+    return {std::chrono::milliseconds(500),
+            [this] {
+              const auto news = news_.take();
+              return news.empty() ? engine::Payload{} : engine::packed(news);
+            },
+            [this](engine::Rank, engine::Payload payload) {
+              if (!table_) return;  // a run before or after that of the adaptation
+              if (payload.size() > 0)
+                table_->hear(
+                    engine::unpacked<std::vector<graph::adaptation::SubdomainProgress>>(std::move(payload)));
+              progress_.update(table_->at(engine::now()));
+            }};
   }
 
   std::string name_of(engine::ObjectId id) const {
@@ -187,11 +187,11 @@ class DistributedJob {
     run_.times.adapt = result_.adaptation_seconds;
     run_.report.interrupted = interrupt_.raised();
     watch_.lap();
-    tell_what_was_done(options);
+    gather_statistics(options);
   }
 
   /// Rank 0 hears of all.
-  void tell_what_was_done(const graph::adaptation::DistributedOptions& options) {
+  void gather_statistics(const graph::adaptation::DistributedOptions& options) {
     dataflow_exchange_.emplace(*runtime_);
     graph::dataflow::ExecutionLog log =
         gather_log(*dataflow_exchange_, graph::adaptation::execution_log(*runtime_));
@@ -203,11 +203,12 @@ class DistributedJob {
     std::vector<graph::adaptation::ShiftRecord> mine;
     for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
     std::vector<graph::adaptation::ShiftRecord> all;
-    for (const auto& part : partition::share(*peers_, mine)) all.insert(all.end(), part.begin(), part.end());
+    for (const auto& part : partition::allgather(*peers_, mine))
+      all.insert(all.end(), part.begin(), part.end());
     for (const auto& counts :
-         partition::share(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
+         partition::allgather(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
       run_.report.counts += counts[0];
-    SubdomainAccount account = account_for(log, std::move(summaries), all);
+    DistributedStats account = account_for(log, std::move(summaries), all);
     account.subdomains = options.decomposition.num_subdomains;
     account.ranks = runtime_->ranks();
     account.partitioner = partitioner_of(subdomains_);
@@ -215,7 +216,7 @@ class DistributedJob {
     account.coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
     account.decomposition_seconds = result_.decomposition_seconds;
     account.adaptation_seconds = result_.adaptation_seconds;
-    account_ = std::make_shared<SubdomainAccount>(std::move(account));
+    account_ = std::make_shared<DistributedStats>(std::move(account));
     run_.subdomains = account_;
   }
 
@@ -301,7 +302,7 @@ class DistributedJob {
   const SubdomainRequest& subdomains_;
   InterruptGuard interrupt_;
   Progress progress_;
-  graph::adaptation::NewsBoard news_;
+  graph::adaptation::ProgressBoard news_;
   std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
   Stopwatch total_, watch_;
   RankData rank_;
@@ -311,12 +312,12 @@ class DistributedJob {
   std::optional<EnginePeers> peers_;
   std::optional<graph::dataflow::RankExchange> dataflow_exchange_;
   DistributedResult result_;
-  std::shared_ptr<SubdomainAccount> account_;
+  std::shared_ptr<DistributedStats> account_;
   RunRecord record_;
   std::optional<report::MemorySampler> memory_;
   meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
-  AdaptRun run_;
+  RunResult run_;
 };
 
 int refuse(const engine::Transport& transport, const std::exception& error) {

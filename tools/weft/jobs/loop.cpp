@@ -163,7 +163,7 @@ class Loop {
     request.metric.complexity = config_.complexities[cycle - 1];
     request.progress = ProgressStyle::none;
     const AdaptOutcome outcome = run_adapt(request);
-    const AdaptRun& run = outcome.run;
+    const RunResult& run = outcome.run;
     if (run.report.interrupted) return false;
     marker["goal_met"] = run.missed.empty();
     marker["target_complexity"] = request.metric.complexity;

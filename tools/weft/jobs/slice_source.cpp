@@ -95,7 +95,7 @@ std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t tot
           whole.begin() + static_cast<std::ptrdiff_t>(s.first),
           whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
     }
-  return partition::exchange(peers, to_each)[0];
+  return partition::all_to_all(peers, to_each)[0];
 }
 
 /// An array of rank 0, on all ranks.
@@ -103,7 +103,7 @@ template <class T>
 void tell_all(Peers& peers, std::vector<T>& values) {
   std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
   if (peers.rank() == 0) std::fill(to_each.begin(), to_each.end(), values);
-  values = partition::exchange(peers, to_each)[0];
+  values = partition::all_to_all(peers, to_each)[0];
 }
 
 MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {

@@ -78,10 +78,10 @@ bool is_adaptation(const std::string& operation) {
 
 }  // namespace
 
-SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
+DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
                              std::vector<engine::RankSummary> summaries,
                              const std::vector<ShiftRecord>& shifts) {
-  SubdomainAccount account;
+  DistributedStats account;
   std::map<std::string, double> sum;
   for (const engine::RankSummary& summary : summaries) {
     const std::map<std::string, double> seconds = seconds_of(log, summary);
@@ -102,7 +102,7 @@ SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
   return account;
 }
 
-std::string subdomains_text(const SubdomainAccount& a) {
+std::string subdomains_text(const DistributedStats& a) {
   std::string text = fmt::format("{} subdomains by {} on {} rank{}, {} layers\n", a.subdomains, a.partitioner,
                                  a.ranks, a.ranks == 1 ? "" : "s", a.layers);
   double total = 0;

@@ -32,7 +32,7 @@ struct ShiftAccount {
   std::uint64_t thawed = 0;     ///< copies of vertices that are no interface any more
 };
 
-struct SubdomainAccount {
+struct DistributedStats {
   std::uint32_t subdomains = 0;
   int ranks = 1;
   std::string partitioner;
@@ -48,11 +48,11 @@ struct SubdomainAccount {
 };
 
 /// From the runs of all nodes, the engine's summaries and the shifts of all subdomains.
-SubdomainAccount account_for(const graph::dataflow::ExecutionLog& log,
+DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
                              std::vector<engine::RankSummary> summaries,
                              const std::vector<graph::adaptation::ShiftRecord>& shifts);
 
 /// The readable account: times by operation, shifts, messages.
-std::string subdomains_text(const SubdomainAccount& account);
+std::string subdomains_text(const DistributedStats& account);
 
 }  // namespace weft::tools

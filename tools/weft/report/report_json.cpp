@@ -76,7 +76,7 @@ Json json_of(const meshing::ComponentAccount& a) {
           {"stays_definite", a.stays_definite}};
 }
 
-Json fields_json(const AdaptRun& run) {
+Json fields_json(const RunResult& run) {
   Json components = Json::array();
   for (const meshing::ComponentAccount& account : run.field_accounts) components.push_back(json_of(account));
   return {{"transfer", name_of(run.transfer)}, {"components", components}};
@@ -88,7 +88,7 @@ Json json_of(const std::vector<OperationTime>& operations) {
   return seconds;
 }
 
-Json json_of(const SubdomainAccount& a) {
+Json json_of(const DistributedStats& a) {
   Json shifts = Json::array(), ranks = Json::array();
   for (const ShiftAccount& s : a.shifts)
     shifts.push_back({{"shift", s.round + 1},
@@ -143,7 +143,7 @@ Json json_of(const meshing::Measures& m) {
             {"histogram_log", json_of(m.length_log)}}}};
 }
 
-Json json_of(const AdaptRun& run) {
+Json json_of(const RunResult& run) {
   Json stages = Json::array();
   for (const meshing::StageReport& stage : run.report.stages) stages.push_back(json_of(stage));
   return {

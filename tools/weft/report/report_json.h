@@ -11,6 +11,6 @@ namespace weft::tools {
 nlohmann::ordered_json json_of(const meshing::Measures& measures);
 
 /// Schema "weft-report-1".
-nlohmann::ordered_json json_of(const AdaptRun& run);
+nlohmann::ordered_json json_of(const RunResult& run);
 
 }  // namespace weft::tools

@@ -128,7 +128,7 @@ RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField
   return record;
 }
 
-void write_record(const AdaptRun& run, const RunRecord& record, const std::string& case_name) {
+void write_record(const RunResult& run, const RunRecord& record, const std::string& case_name) {
   const fs::path folder = fs::path(run.report_path).parent_path();
   const nlohmann::ordered_json report = json_of(run);
   const bool executed = record.graph.executed();

@@ -63,7 +63,7 @@ RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField
 
 /// profile.json and report.html in the folder of run.report_path, graph.json too where there is a graph.
 /// Throws InputError.
-void write_record(const AdaptRun& run, const RunRecord& record, const std::string& case_name);
+void write_record(const RunResult& run, const RunRecord& record, const std::string& case_name);
 
 /// For --graph: the format is that of the extension. Drawings of more than 500 runs are collapsed by rounds.
 void write_graph(const std::string& path, const graph::dataflow::GraphDump& graph);

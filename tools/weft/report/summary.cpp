@@ -43,7 +43,7 @@ const std::vector<MeasureRow>& measure_rows() {
   return rows;
 }
 
-std::string verdict_line(const AdaptRun& run) {
+std::string verdict_line(const RunResult& run) {
   if (run.missed.empty())
     return fmt::format("GOAL MET: {} of the edges are unit, complexity {} for a target of {}\n",
                        percent(run.after.edges_unit), grouped(run.after.complexity),
@@ -53,7 +53,7 @@ std::string verdict_line(const AdaptRun& run) {
   return text;
 }
 
-std::string times_text(const AdaptRun& run) {
+std::string times_text(const RunResult& run) {
   std::string text = fmt::format("{:<28}{:>12}{:>14}{:>14}\n", "time", "seconds", "vertices", "tets");
   const auto row = [&](const std::string& name, double seconds, const std::string& vertices = "",
                        const std::string& tets = "") {
@@ -73,7 +73,7 @@ std::string times_text(const AdaptRun& run) {
   return text;
 }
 
-std::string speed_text(const AdaptRun& run) {
+std::string speed_text(const RunResult& run) {
   const double tets = static_cast<double>(run.after.num_tets);
   return fmt::format("{} with {} thread{}: {} tets/s; peak memory {}\n", seconds_text(run.times.adapt),
                      run.threads, run.threads == 1 ? "" : "s",
@@ -175,7 +175,7 @@ std::string histogram_text(const std::string& title, const meshing::Histogram& h
   return text;
 }
 
-std::string summary_text(const AdaptRun& run) {
+std::string summary_text(const RunResult& run) {
   std::string text = fmt::format("weft adapt {} to {}\n\n", run.input, run.metric);
   text += verdict_line(run);
   text += speed_text(run) + "\n";

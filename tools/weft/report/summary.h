@@ -20,6 +20,6 @@ std::string shape_text(const meshing::ShapeMeasures& shape);
 /// Bars of a histogram, one line a bin.
 std::string histogram_text(const std::string& title, const meshing::Histogram& histogram);
 
-std::string summary_text(const AdaptRun& run);
+std::string summary_text(const RunResult& run);
 
 }  // namespace weft::tools

@@ -1,5 +1,5 @@
 // One error for all ranks.
-#include "partition/communication/complaint.h"
+#include "partition/communication/input_issue.h"
 
 #include <utility>
 
@@ -9,7 +9,7 @@
 namespace weft::partition {
 namespace {
 
-using Order = std::array<std::uint64_t, 4>;  // present (0) or not (1), then Complaint::order
+using Order = std::array<std::uint64_t, 4>;  // present (0) or not (1), then InputIssue::order
 
 Bytes bytes_of(const std::string& text) {
   const auto* data = reinterpret_cast<const std::byte*>(text.data());
@@ -24,21 +24,21 @@ std::string text_of(const Bytes& bytes) {
 std::string spread(Peers& peers, const std::string& text) {
   std::string found;
   for (const Bytes& bytes :
-       peers.exchange(std::vector<Bytes>(static_cast<std::size_t>(peers.ranks()), bytes_of(text))))
+       peers.all_to_all(std::vector<Bytes>(static_cast<std::size_t>(peers.ranks()), bytes_of(text))))
     if (!bytes.empty()) found = text_of(bytes);
   return found;
 }
 
 }  // namespace
 
-void keep_least(std::optional<Complaint>& least, Complaint complaint) {
+void keep_least(std::optional<InputIssue>& least, InputIssue complaint) {
   if (!least || complaint.order < least->order) least = std::move(complaint);
 }
 
-void throw_least(Peers& peers, const std::optional<Complaint>& complaint) {
+void throw_first(Peers& peers, const std::optional<InputIssue>& complaint) {
   Order mine{1, 0, 0, 0};
   if (complaint) mine = {0, complaint->order[0], complaint->order[1], complaint->order[2]};
-  const auto orders = share(peers, std::vector<Order>{mine});
+  const auto orders = allgather(peers, std::vector<Order>{mine});
   std::size_t least = 0;
   for (std::size_t r = 1; r < orders.size(); ++r)
     if (orders[r][0] < orders[least][0]) least = r;

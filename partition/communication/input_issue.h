@@ -11,15 +11,15 @@
 namespace weft::partition {
 
 /// What is wrong with an entity. The least `order` is reported.
-struct Complaint {
+struct InputIssue {
   std::array<std::uint64_t, 3> order{};
   std::string entity, reason;
 };
 
 /// Keeps the least.
-void keep_least(std::optional<Complaint>& least, Complaint complaint);
+void keep_least(std::optional<InputIssue>& least, InputIssue complaint);
 
 /// Every rank throws meshing::InputError of the least of all ranks' complaints; returns where there is none.
-void throw_least(Peers& peers, const std::optional<Complaint>& complaint);
+void throw_first(Peers& peers, const std::optional<InputIssue>& complaint);
 
 }  // namespace weft::partition
