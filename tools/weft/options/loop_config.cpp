@@ -123,8 +123,8 @@ void read_norm(Section& section, double& norm) {
 }
 
 void read_metric(const std::string& file, const Json& json, MetricRequest& metric) {
-  static const std::map<std::string, meshing::Recovery> recoveries = {
-      {"lsq", meshing::Recovery::least_squares}, {"l2", meshing::Recovery::double_projection}};
+  static const std::map<std::string, meshing::HessianRecovery> recoveries = {
+      {"lsq", meshing::HessianRecovery::least_squares}, {"l2", meshing::HessianRecovery::double_projection}};
   static const std::map<std::string, meshing::GradationSpace> spaces = {
       {"metric", meshing::GradationSpace::metric}, {"mixed", meshing::GradationSpace::mixed}};
   Section section(file, json, "metric.");
@@ -218,7 +218,7 @@ Json LoopConfig::settings(std::size_t cycle) const {
   all["mesh_extension"] = mesh_extension;
   all["metric"] = {
       {"norm", fmt::format("{}", metric.multiscale.norm)},
-      {"recovery", metric.multiscale.recovery == meshing::Recovery::least_squares ? "lsq" : "l2"},
+      {"recovery", metric.multiscale.recovery == meshing::HessianRecovery::least_squares ? "lsq" : "l2"},
       {"hmin", metric.limits.hmin},
       {"hmax", metric.limits.hmax},
       {"aspect", metric.limits.aspect},

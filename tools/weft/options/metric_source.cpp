@@ -128,8 +128,8 @@ void add_metric_source(CLI::App& command, MetricRequest& request) {
 }
 
 void add_metric_construction(CLI::App& command, MetricRequest& request) {
-  static const std::map<std::string, meshing::Recovery> recoveries = {
-      {"lsq", meshing::Recovery::least_squares}, {"l2", meshing::Recovery::double_projection}};
+  static const std::map<std::string, meshing::HessianRecovery> recoveries = {
+      {"lsq", meshing::HessianRecovery::least_squares}, {"l2", meshing::HessianRecovery::double_projection}};
   constexpr const char* kSolution = "Metric from a solution";
   constexpr const char* kBoundary = "Metric from mesh and boundary";
   auto* solution = command
