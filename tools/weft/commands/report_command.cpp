@@ -2,22 +2,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "meshing/base/error.h"
-#include "tools/report/compare.h"
-#include "tools/report/report_page.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/report/json_file.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kFooter = R"(Examples:
   weft report run/profile.json -o run.html
@@ -28,18 +20,6 @@ One file: writes the page again that `weft adapt --report DIR` leaves as DIR/rep
 got slower, by operation and rank, and how the meshes differ; with -o as a page too. report.json can be
 compared as well.)";
 
-/// call(); what it has against a document is said with the file's name.
-template <class Call>
-auto naming_json(const std::string& file, const Call& call) {
-  try {
-    return call();
-  } catch (const std::invalid_argument& error) {
-    throw meshing::InputError(file, "", error.what());
-  } catch (const Json::exception& error) {
-    throw meshing::InputError(file, "", error.what());
-  }
-}
-
 struct ReportCommand {
   std::string a, b, output;
 };
@@ -49,17 +29,10 @@ int run_report(const ReportCommand& command) {
     throw CLI::RequiredError("give a second run to compare with, or -o for the page of this one",
                              CLI::ExitCodes::RequiredError);
   if (!command.output.empty()) check_writable(command.output);
-  const Json a = read_json(command.a);
-  if (command.b.empty()) {
-    write_text(command.output, naming_json(command.a, [&] { return report::report_page(a); }));
-    return kDone;
-  }
-  const Json b = read_json(command.b);
-  const report::Comparison comparison = naming_json(
-      command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
-  fmt::print("{}", report::comparison_text(comparison));
-  if (!command.output.empty())
-    write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
+  if (command.b.empty())
+    write_report_page(command.a, command.output);
+  else
+    fmt::print("{}", compare_reports(command.a, command.b, command.output));
   return kDone;
 }
 

@@ -8,16 +8,14 @@
 #include <memory>
 #include <set>
 
-#include "meshing/io/mesh_file.h"
-#include "meshing/mesh/check_mesh.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
 
-using meshing::CheckReport;
 using ByRef = std::map<std::int32_t, double>;
 
 constexpr const char* kFooter = R"(Example:
@@ -73,11 +71,11 @@ int print_differences(const char* what, const ByRef& ours, const ByRef& theirs) 
 }
 
 int run_verify(const VerifyCommand& command) {
-  const CheckReport report = meshing::check_mesh(meshing::read_mesh(command.mesh));
+  const CheckReport report = verify(read_mesh(command.mesh));
   print_report(command.mesh, report);
   int differences = 0;
   if (!command.against.empty()) {
-    const CheckReport other = meshing::check_mesh(meshing::read_mesh(command.against), 0);
+    const CheckReport other = verify(read_mesh(command.against), 0);
     fmt::print("against {}\n", command.against);
     differences += print_differences("volume", report.volume_by_ref, other.volume_by_ref);
     differences += print_differences("area", report.area_by_ref, other.area_by_ref);

@@ -5,15 +5,11 @@
 #include <cstdint>
 #include <string>
 
-#include "graph/adaptation/progress.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 
 enum class ProgressStyle { automatic, plain, none };
-
-/// "shift 2 of at most 8: 100 of 128 subdomains, ...": what a run in subdomains has done, what is wrong as
-/// yet, and how long it takes, as far as that can be told.
-std::string text_of(const graph::adaptation::RunProgress& progress);
 
 class Progress {
  public:
@@ -24,8 +20,10 @@ class Progress {
 
   /// Share done in [0, 1], tets now (0: not known). Prints at most one plain line in two seconds.
   void update(const std::string& stage, double done, std::uint64_t tets);
-  /// The same for a run in subdomains.
-  void update(const graph::adaptation::RunProgress& progress);
+  /// A sentence instead.
+  void sentence(const std::string& text);
+  /// Whichever the library tells.
+  void show(const weft::Progress& progress);
   /// A line at once, whatever the style.
   void say(const std::string& stage, double done, std::uint64_t tets);
   /// Takes the bar off the terminal, so that the summary starts on a clean line.
