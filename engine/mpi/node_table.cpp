@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <sstream>
@@ -91,6 +92,10 @@ void NodeTable::watch(std::size_t self) {
   for (std::size_t line = 0; line < lines_.size(); ++line) {
     if (line != self && lives(lines_[line])) watched_.push_back(line);
   }
+}
+
+bool NodeTable::watches(std::size_t line) const {
+  return std::find(watched_.begin(), watched_.end(), line) != watched_.end();
 }
 
 std::optional<std::size_t> NodeTable::dead() const {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 namespace weft::engine {
@@ -252,6 +253,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     if (segment == segments.end()) throw TransportError("a packet lacks a segment");
     return std::move(*segment++);
   };
+  std::exception_ptr failure;
   for (std::uint32_t i = 0; i < header.frames; ++i) {
     const auto frame_header = take_plain<FrameHeader>(head);
     Frame frame{frame_header.kind, {}, 0};
@@ -268,8 +270,14 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    if (header.phase == phase_) deliver(from, std::move(frame), receive);
+    if (header.phase != phase_) continue;
+    try {
+      deliver(from, std::move(frame), receive);
+    } catch (...) {  // the frames behind it are no worse for it: one may be the stop that all wait for
+      if (!failure) failure = std::current_exception();
+    }
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void Exchange::deliver(Rank from, Frame frame, const Receive& receive) {

@@ -110,13 +110,13 @@ int lose_a_rank(MpiTransport& transport) {
   if (me.rank() == victim) std::raise(SIGKILL);
   if (me.rank() != Rank(0)) std::this_thread::sleep_for(20s);  // until rank 0 ends it all
   const auto start = contract::Clock::now();
-  while (!transport.dead_peer() && contract::Clock::now() - start < 10s) {
+  while (!transport.lost_peer() && contract::Clock::now() - start < 10s) {
     me.poll();
     transport.wait(1ms);
   }
   const double seconds = std::chrono::duration<double>(contract::Clock::now() - start).count();
-  const auto dead = transport.dead_peer();
-  std::printf("found dead: %d after %.3f s\n", dead ? dead->value : -1, seconds);
+  const auto dead = transport.lost_peer();
+  std::printf("found dead: %d after %.3f s\n", dead ? dead->rank.value : -1, seconds);
   try {
     transport.close();
   } catch (const TransportError& error) {
