@@ -17,6 +17,7 @@
 #include <limits>
 #include <system_error>
 
+#include "engine/mpi/ancestry.h"
 #include "engine/mpi/mpi_calls.h"
 #include "engine/mpi/node_table.h"
 
@@ -805,7 +806,7 @@ void MpiTransport::Impl::abandon(std::uint32_t ended_phase) noexcept {
 
 bool under_mpirun() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"}) {
-    if (std::getenv(name)) return true;
+    if (std::getenv(name)) return !inherited_from_rank(name);
   }
   return false;
 }

@@ -28,8 +28,8 @@ bool mpi_is_running();
 /// MPI_COMM_WORLD, when MPI is running.
 CallersCommunicator world_of_caller();
 
-/// True when this process was started by mpirun, srun or the like (judged by their environment variables); a
-/// program that was not need not touch MPI.
+/// True when this process was started by mpirun, srun or the like as a rank (judged by their environment
+/// variables, unless it has them from a rank that started it); a program that was not need not touch MPI.
 bool under_mpirun();
 
 /// The thread that constructs it is the communication thread of transport.h, the only one that calls MPI.

@@ -65,7 +65,7 @@ class Runtime::Implementation final : private BalanceActions {
       : options_(std::move(options)),
         transport_(transport),
         registry_(registry),
-        exchange_(transport, options_.exchange),
+        exchange_(transport, options_.exchange, registry.fingerprint()),
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
@@ -420,10 +420,12 @@ void Runtime::Implementation::let_go() {
   };
   try {
     if (!exchange_.progress(receive_or_drop)) transport_.wait(std::chrono::milliseconds(1));
-  } catch (const std::exception& error) {
+  } catch (const TransportError& error) {
     network_failed(error.what());
     failure_->broken = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it may fail at once, every time
+  } catch (const std::exception& error) {  // something cannot be read; of interest only if all was well
+    if (!failure_) network_failed(error.what());
   }
 }
 

@@ -2,8 +2,12 @@
 // other, with MPI initialised and finalised by the caller. Started by mpirun with any number of ranks.
 #include <gtest/gtest.h>
 #include <mpi.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -154,6 +158,67 @@ TEST(Guest, AnAbandonedNetworkIsUsedNoMoreButMpiAndTheOtherRanksGoOn) {
   }
   expect_mpi_runs();
   keep_contract(all, {});  // a new one does
+}
+
+/// Sets a limit of this process for as long as it lives.
+class Limit {
+ public:
+  Limit(__rlimit_resource resource, rlim_t value) : resource_(resource) {
+    getrlimit(resource_, &before_);
+    const rlimit limit{std::min(value, before_.rlim_max), before_.rlim_max};
+    setrlimit(resource_, &limit);
+  }
+  ~Limit() { setrlimit(resource_, &before_); }
+  Limit(const Limit&) = delete;
+  Limit& operator=(const Limit&) = delete;
+
+ private:
+  __rlimit_resource resource_;
+  rlimit before_{};
+};
+
+TEST(Guest, ToRunOutOfFileDescriptorsIsNobodysDeath) {
+  MpiTransport transport(world_of_caller());
+  {
+    const Limit no_files(RLIMIT_NOFILE, 0);
+    EXPECT_FALSE(transport.lost_peer());
+  }
+  EXPECT_FALSE(transport.lost_peer());
+  transport.close();
+}
+
+rlim_t address_space_in_use() {
+  std::ifstream statm("/proc/self/statm");
+  rlim_t pages = 0;
+  statm >> pages;
+  return pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(Guest, ARankWithoutMemoryForAPacketFailsTheNetworkInsteadOfWaitingForEver) {
+  if (world_size() == 1) GTEST_SKIP() << "for several ranks";
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "an allocation that fails ends a process under the address sanitizer";
+#endif
+  {
+    MpiTransport transport(world_of_caller());
+    contract::Player player(transport);
+    player.meet();
+    if (transport.rank() == Rank(0)) {
+      std::vector<Blob> segments;
+      segments.push_back(Blob::allocate(std::size_t{1} << 30));
+      player.send(Rank(1), {}, std::move(segments));
+    }
+    if (transport.rank() == Rank(1)) {
+      const Limit memory(RLIMIT_AS, address_space_in_use() + (std::size_t{256} << 20));
+      EXPECT_THROW(player.until([&] { return player.has_mail(); }), TransportError);
+      EXPECT_THROW(player.poll(), TransportError) << "for good";
+      transport.abandon();
+    } else {
+      player.until([&] { return transport.lost_peer().has_value(); });
+      EXPECT_EQ(transport.lost_peer()->rank, Rank(1));
+    }
+  }
+  expect_mpi_runs();
 }
 
 // --- run_on

@@ -33,6 +33,7 @@ TEST(MpiTransport, MisuseIsRefused) { contract::misuse_is_refused(*player); }
 TEST(MpiTransport, SelfSends) { contract::self_sends(*player); }
 TEST(MpiTransport, RandomTrafficArrivesOnceAndWhole) { contract::all_to_all(*player, 60, kLargest / 8); }
 TEST(MpiTransport, ReceiversMaySend) { contract::receivers_may_send(*player, 50); }
+TEST(MpiTransport, ReceiversMayThrow) { contract::receivers_may_throw(*player); }
 TEST(MpiTransport, WakeEndsWaitAndIsRemembered) { contract::wakes(*player); }
 TEST(MpiTransport, IdlesCheaply) { contract::idles_cheaply(*player); }
 TEST(MpiTransport, SleepersWakeSoon) { contract::sleepers_wake_soon(*player); }
