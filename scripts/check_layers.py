@@ -72,8 +72,9 @@ ALLOWED = {
 WHOLE_TREES = ("tools", "tests")
 # Library -> (pattern of its headers, paths that may include them).
 LIBRARIES = {
-    "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"), ["engine/mpi/mpi_transport.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
-                                             "tools/bench/engine/plain_mpi.cpp"]),
+    "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"),
+            ["engine/mpi/mpi_transport.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
+             "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/library/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),

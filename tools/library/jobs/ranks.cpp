@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "engine/mpi/mpi_transport.h"
 #include "engine/network/loopback_transport.h"
 #include "engine/run/launch.h"
 #include "engine/run/runtime.h"
@@ -37,7 +38,11 @@ void on_one_rank(const RankBody& body) {
 
 void on_world(const RankBody& body) {
   if (!engine::under_mpirun()) return on_one_rank(body);
-  translating([&] { engine::run_on_world(body); });
+  translating([&] {
+    if (engine::mpi_is_running()) return engine::run_on(engine::world_of_caller(), body);
+    engine::MpiTransport transport(nullptr, nullptr);
+    engine::run_and_close(transport, body);
+  });
 }
 
 }  // namespace weft::tools
