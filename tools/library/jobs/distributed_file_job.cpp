@@ -18,11 +18,11 @@
 #include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/file_outputs.h"
-#include "tools/library/jobs/gather_pieces.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
+#include "tools/library/parts/piece_moves.h"
 #include "tools/library/report/report_json.h"
 
 namespace weft::tools {

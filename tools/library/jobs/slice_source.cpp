@@ -131,6 +131,17 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
   return input;
 }
 
+/// The values of all ranks on rank 0, in their order; elsewhere none.
+template <class T>
+std::vector<T> concentrate(Peers& peers, const std::vector<T>& mine) {
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  to_each[0] = mine;
+  std::vector<T> all;
+  for (const auto& of_rank : partition::all_to_all(peers, to_each))
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  return all;
+}
+
 }  // namespace
 
 MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {
@@ -170,6 +181,35 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
 SliceInput read_slice(Peers& peers, const Files& files, const Options& options) {
   return only_scaled(files, options) && peers.ranks() > 1 ? read_share(peers, files, options)
                                                           : read_whole(peers, files, options);
+}
+
+meshing::MeshData gather_whole(Peers& peers, const MeshSlice& slice) {
+  MeshData whole;
+  if (peers.rank() == 0) whole = slice.boundary;
+  whole.points = concentrate(peers, slice.points);
+  whole.point_refs = concentrate(peers, slice.point_refs);
+  whole.tets = concentrate(peers, slice.tets);
+  whole.tet_refs = concentrate(peers, slice.tet_refs);
+  return whole;
+}
+
+std::vector<meshing::LogMetric> gather_to_first(Peers& peers, const std::vector<meshing::LogMetric>& mine) {
+  return concentrate(peers, mine);
+}
+
+std::vector<meshing::LogMetric> deal_by_slices(Peers& peers, const std::vector<meshing::LogMetric>& whole,
+                                               const MeshSlice& slice) {
+  const auto counts = partition::allgather(peers, std::vector<std::uint64_t>{slice.points.size()});
+  std::vector<std::vector<meshing::LogMetric>> to_each(counts.size());
+  if (peers.rank() == 0) {
+    auto next = whole.begin();
+    for (std::size_t r = 0; r < counts.size(); ++r) {
+      const auto end = next + static_cast<std::ptrdiff_t>(counts[r][0]);
+      to_each[r].assign(next, end);
+      next = end;
+    }
+  }
+  return partition::all_to_all(peers, to_each)[0];
 }
 
 }  // namespace weft::tools

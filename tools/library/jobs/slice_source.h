@@ -32,4 +32,14 @@ SliceInput read_slice(partition::Peers& peers, const Files& files, const Options
 partition::MeshSlice deal_out(partition::Peers& peers, const meshing::MeshData& mesh,
                               const meshing::LogMetricField& metric);
 
+/// All ranks: the whole mesh of the slices on rank 0; elsewhere empty.
+meshing::MeshData gather_whole(partition::Peers& peers, const partition::MeshSlice& slice);
+/// All ranks: the values of all ranks on rank 0, in their order; elsewhere none.
+std::vector<meshing::LogMetric> gather_to_first(partition::Peers& peers,
+                                                const std::vector<meshing::LogMetric>& mine);
+/// All ranks: of values at the whole mesh's points, which rank 0 has, those at the slice's points.
+std::vector<meshing::LogMetric> deal_by_slices(partition::Peers& peers,
+                                               const std::vector<meshing::LogMetric>& whole,
+                                               const partition::MeshSlice& slice);
+
 }  // namespace weft::tools
