@@ -53,7 +53,7 @@ std::vector<Neighbours> make_subdomains(engine::Context& context, std::vector<Su
     const auto ref =
         dataflow::create<SubdomainTask>(context, SubdomainTask(std::move(subdomain), predicted), recording);
     if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
-      throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
+      throw std::logic_error("subdomain " + std::to_string(start.subdomain.value) +
                              " is not the object that others expect");
     start = {};
     const double to_adapt = plan.is_coarse(0) ? static_cast<double>(num_tets) : predicted;

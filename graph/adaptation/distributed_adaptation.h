@@ -31,7 +31,7 @@ struct DistributedOptions {
 
 /// Whom a subdomain shares its interface with.
 struct Neighbours {
-  partition::SubdomainId subdomain = 0;
+  partition::SubdomainId subdomain;
   std::vector<partition::SubdomainId> others;
 
   template <class Archive>

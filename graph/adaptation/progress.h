@@ -16,7 +16,7 @@ namespace weft::graph::adaptation {
 
 /// A subdomain's own account. Plain data.
 struct SubdomainProgress {
-  partition::SubdomainId subdomain = 0;
+  partition::SubdomainId subdomain;
   std::uint32_t number = 0;   ///< of this subdomain's news: the highest is the latest, wherever it comes from
   std::uint32_t step = 0;     ///< 0: adapts its interior; r + 1: in round r of the shifts
   bool rests = false;         ///< nothing is left to do for it, unless a neighbour wakes it

@@ -21,7 +21,7 @@ constexpr double kShareShifted = 0.3;
 /// For each subdomain and round another number.
 std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
   return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0),
-                                           partition::GlobalId(0, round + 1))
+                                           partition::GlobalId(SubdomainId(0), round + 1))
       .value();
 }
 
@@ -33,9 +33,9 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
 }
 
 /// The first subdomain whose home is this rank.
-SubdomainId first_of(const AdaptationPlan& plan, int ranks, int home) {
+std::uint32_t first_of(const AdaptationPlan& plan, int ranks, int home) {
   const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
-  return static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
+  return static_cast<std::uint32_t>((share + static_cast<std::uint64_t>(ranks) - 1) /
                                   static_cast<std::uint64_t>(ranks));
 }
 
@@ -49,14 +49,15 @@ const Phase& AdaptationPlan::phase_of(std::uint64_t round) const {
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
   return {
-      engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first_of(plan, ranks, home))}};
+      engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain.value - first_of(plan, ranks, home))}};
 }
 
 std::optional<SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks, engine::ObjectId object) {
   if (plan.first_object == 0 || object.number < plan.first_object) return {};  // 0: there is no plan yet
-  const SubdomainId subdomain = first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
+  const std::uint32_t subdomain =
+      first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
   if (subdomain >= first_of(plan, ranks, object.home.value + 1)) return {};
-  return subdomain;
+  return SubdomainId(subdomain);
 }
 
 SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
@@ -256,12 +257,6 @@ double SubdomainTask::share_wanted(std::span<const partition::Proposal> proposal
   return std::min(1.0, static_cast<double>(wanted) / static_cast<double>(all));
 }
 
-/// How many neighbours come before this subdomain: 0 where it receives from all (Luby's independent set).
-double SubdomainTask::colour(std::span<const partition::Proposal> proposals) const {
-  return static_cast<double>(std::count_if(proposals.begin(), proposals.end(),
-                                           [&](const auto& p) { return priority_ < p.priority; }));
-}
-
 std::optional<BeginShift> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
   woken_for_ = round;
   if (!rests_) return {};
@@ -289,7 +284,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   context.expect<&SubdomainTask::scatter>(
       round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * tets_after(rank, round)));
   context.count("tets sent", static_cast<double>(record.sent));
-  context.count("colour", colour(proposals));
+  const partition::ReceiverOrder order(priority_, partition::priorities_of(proposals));
+  context.count("colour", static_cast<double>(order.above_self()));
 }
 
 /// Nothing is adapted where all of it is to be next.

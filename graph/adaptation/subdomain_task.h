@@ -131,7 +131,6 @@ class SubdomainTask {
   void tell_done(const RankData& rank, std::uint64_t round, double done);
   double share_wanted(std::span<const partition::Proposal> proposals) const;
   partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
-  double colour(std::span<const partition::Proposal> proposals) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);
 

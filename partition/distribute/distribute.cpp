@@ -208,7 +208,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   result.geometry = geometry;
   const BoundaryIndex index(boundary, *geometry);
   auto begin = mine.begin();
-  for (SubdomainId s = 0; s < options.num_subdomains; ++s) {
+  for (SubdomainId s(0); s.value < options.num_subdomains; ++s.value) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));

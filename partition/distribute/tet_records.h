@@ -15,7 +15,7 @@ namespace weft::partition {
 
 /// The rank on which a subdomain starts: contiguous and even.
 inline int home_rank(SubdomainId subdomain, std::uint32_t num_subdomains, int ranks) {
-  return static_cast<int>(std::uint64_t{subdomain} * static_cast<std::uint64_t>(ranks) / num_subdomains);
+  return static_cast<int>(std::uint64_t{subdomain.value} * static_cast<std::uint64_t>(ranks) / num_subdomains);
 }
 
 /// A tet of the input; vertices are numbered as in the whole input.

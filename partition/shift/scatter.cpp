@@ -208,7 +208,7 @@ class NewHolders {
   /// Of a vertex of the interface.
   bool mentioned(std::uint32_t i) const { return mentioned_[i]; }
   std::span<const Holder> of(GlobalId vertex) const {
-    const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, 0}, by_vertex);
+    const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, SubdomainId(0)}, by_vertex);
     return {first, last};
   }
 

@@ -62,7 +62,7 @@ struct Parcel {
     std::array<std::uint32_t, 2> ends;  ///< in the parcel
     meshing::CurveId curve;
   };
-  SubdomainId from = 0;
+  SubdomainId from;
   std::vector<Vertex> vertices;
   std::vector<Tet> tets;
   std::vector<FeatureEdge> feature_edges;
@@ -91,6 +91,9 @@ struct Notice {
     archive(holders);
   }
 };
+
+/// Of the neighbours, in their order.
+std::vector<Priority> priorities_of(std::span<const Proposal> proposals);
 
 struct ShiftOptions {
   int layers = 2;         ///< of tets, point-connected, handed over beyond those at the interface

@@ -13,7 +13,7 @@ namespace weft::partition {
 /// A part of the result mesh. Every tet of the result is in one piece; a vertex, a feature edge or a triangle
 /// (of a material interface) may be in several.
 struct MeshPiece {
-  SubdomainId subdomain = 0;
+  SubdomainId subdomain;
   meshing::MeshData mesh;  ///< local indices
   meshing::LogMetricField log_metrics;
   std::vector<GlobalId> ids;                   ///< of mesh.points

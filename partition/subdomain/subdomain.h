@@ -31,7 +31,7 @@ struct Subdomain {
   /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
   Subdomain(const SubdomainStart& start, std::size_t tet_capacity);
 
-  SubdomainId id = 0;
+  SubdomainId id;
   std::uint64_t tet_capacity = 0;
   std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
   std::unique_ptr<meshing::TetMesh> mesh;

@@ -16,7 +16,7 @@ namespace weft::partition {
 
 /// Arrays of one entry a vertex or a tet; indices are local.
 struct SubdomainStart {
-  SubdomainId subdomain = 0;
+  SubdomainId subdomain;
 
   std::vector<meshing::Point> points;
   std::vector<std::int32_t> point_refs;

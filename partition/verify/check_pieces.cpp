@@ -31,31 +31,31 @@ void check_ids(const MeshPiece& piece, Problems& problems) {
   std::vector<GlobalId> ids = piece.ids;
   std::ranges::sort(ids);
   if (!ids.empty() && !ids[0].valid())
-    problems.add("subdomain ", piece.subdomain, ": a vertex has no global id");
+    problems.add("subdomain ", piece.subdomain.value, ": a vertex has no global id");
   for (std::size_t i = 1; i < ids.size(); ++i)
     if (ids[i] == ids[i - 1])
-      problems.add("subdomain ", piece.subdomain, ": two vertices have the global id ", ids[i]);
+      problems.add("subdomain ", piece.subdomain.value, ": two vertices have the global id ", ids[i]);
 }
 
 void check_shared(const MeshPiece& piece, Problems& problems) {
   for (std::size_t i = 0; i < piece.shared.size(); ++i) {
     const auto& [vertex, other] = piece.shared[i];
     if (vertex >= piece.mesh.points.size() || other == piece.subdomain)
-      problems.add("subdomain ", piece.subdomain, ": holders of vertices ", i + 1, ": names vertex ",
-                   vertex + 1, " and subdomain ", other);
+      problems.add("subdomain ", piece.subdomain.value, ": holders of vertices ", i + 1, ": names vertex ",
+                   vertex + 1, " and subdomain ", other.value);
     if (i > 0 && !(piece.shared[i - 1] < piece.shared[i]))
-      problems.add("subdomain ", piece.subdomain, ": holders of vertices ", i + 1, ": are not sorted");
+      problems.add("subdomain ", piece.subdomain.value, ": holders of vertices ", i + 1, ": are not sorted");
   }
 }
 
 void check_one(const MeshPiece& piece, Problems& problems) {
   const std::size_t n = piece.mesh.points.size();
   if (piece.ids.size() != n || piece.log_metrics.size() != n)
-    problems.add("subdomain ", piece.subdomain, ": ", piece.ids.size(), " global ids and ",
+    problems.add("subdomain ", piece.subdomain.value, ": ", piece.ids.size(), " global ids and ",
                  piece.log_metrics.size(), " metrics for ", n, " vertices");
   Problems of_mesh = problems.fresh();
   meshing::check_arrays(piece.mesh, of_mesh);
-  problems.append(std::move(of_mesh), "subdomain " + std::to_string(piece.subdomain) + ": ");
+  problems.append(std::move(of_mesh), "subdomain " + std::to_string(piece.subdomain.value) + ": ");
   check_ids(piece, problems);
   check_shared(piece, problems);
 }
@@ -104,7 +104,7 @@ void check_twin_tets(Peers& peers, std::span<const MeshPiece> mine, Problems& pr
   for (const MeshPiece& piece : mine)
     for (std::size_t t = 0; t < piece.mesh.tets.size(); ++t) {
       const auto& [a, b, c, d] = piece.mesh.tets[t];
-      mail.add({sorted_key<4>({piece.ids[a], piece.ids[b], piece.ids[c], piece.ids[d]}), piece.subdomain, t});
+      mail.add({sorted_key<4>({piece.ids[a], piece.ids[b], piece.ids[c], piece.ids[d]}), piece.subdomain.value, t});
     }
   const auto order = [](const PlacedTet& p) { return std::tie(p.key, p.subdomain, p.tet); };
   for_each_group(gathered(peers, mail, order), [&](const PlacedTet* begin, const PlacedTet* end) {
@@ -168,9 +168,9 @@ void check_vertices(Peers& peers, std::span<const MeshPiece> mine, Problems& pro
   Rendezvous<1, NamedHolder> holder_mail(peers.ranks());
   for (const MeshPiece& piece : mine) {
     for (std::size_t v = 0; v < piece.ids.size(); ++v)
-      copy_mail.add({{piece.ids[v]}, piece.subdomain, piece.mesh.points[v], piece.log_metrics[v]});
+      copy_mail.add({{piece.ids[v]}, piece.subdomain.value, piece.mesh.points[v], piece.log_metrics[v]});
     for (const auto& [vertex, other] : piece.shared)
-      holder_mail.add({{piece.ids[vertex]}, piece.subdomain, other});
+      holder_mail.add({{piece.ids[vertex]}, piece.subdomain.value, other.value});
   }
   const std::vector<VertexCopy> copies = gathered(peers, copy_mail, kByKeyAndSubdomain);
   const std::vector<NamedHolder> named = gathered(
@@ -200,8 +200,8 @@ std::vector<Part> parts_of(const MeshPiece& piece, const PieceShare& own) {
     const auto& [a, b, c] = piece.mesh.triangles[t];
     if (own.triangles[t]) areas[piece.mesh.triangle_refs[t]].add(norm(cross(p[b] - p[a], p[c] - p[a])) / 2);
   }
-  std::vector<Part> parts{{piece.subdomain, 0, 0, volume.value()}};
-  for (const auto& [ref, area] : areas) parts.push_back({piece.subdomain, 1, ref, area.value()});
+  std::vector<Part> parts{{piece.subdomain.value, 0, 0, volume.value()}};
+  for (const auto& [ref, area] : areas) parts.push_back({piece.subdomain.value, 1, ref, area.value()});
   return parts;
 }
 

@@ -472,7 +472,7 @@ TEST(SubdomainOf, IsTheInverseOfObjectOf) {
   plan.subdomains = 11;
   plan.first_object = 2;
   for (const int ranks : {1, 2, 3, 8, 20}) {
-    for (SubdomainId s = 0; s < plan.subdomains; ++s)
+    for (SubdomainId s(0); s.value < plan.subdomains; ++s.value)
       EXPECT_EQ(subdomain_of(plan, ranks, object_of(plan, ranks, s).id), s) << ranks;
     EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 1})) << "a mailbox";
     EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 20})) << "beyond them all";

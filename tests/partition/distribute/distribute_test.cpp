@@ -76,7 +76,7 @@ TEST_P(Distribute, DoesNotDependOnTheNumberOfRanks) {
     for (const int ranks : support::kNumbersOfRanks) {
       const Distributed found = distribute_on(ranks, whole, options, seed + static_cast<unsigned>(ranks));
       ASSERT_EQ(found.starts.size(), GetParam());
-      for (SubdomainId s = 0; s < GetParam(); ++s)
+      for (SubdomainId s(0); s.value < GetParam(); ++s.value)
         ASSERT_TRUE(same(found.starts[s], expected.starts[s])) << s << " on " << ranks << " ranks";
       EXPECT_EQ(found.warnings, expected.warnings);
       EXPECT_EQ(found.complexity, expected.complexity);
@@ -399,7 +399,7 @@ TEST(HomeRank, SpreadsSubdomainsInOrder) {
     for (const std::uint32_t n : {1u, 5u, 16u, 1000u}) {
       int last = 0;
       std::map<int, std::uint32_t> counts;
-      for (SubdomainId s = 0; s < n; ++s) {
+      for (SubdomainId s(0); s.value < n; ++s.value) {
         const int rank = home_rank(s, n, ranks);
         EXPECT_TRUE(rank >= last && rank < ranks);
         ++counts[last = rank];

@@ -130,11 +130,11 @@ TEST(RefineInterface, SplitsNoEdgeThatMustStay) {
     std::vector<std::set<EdgeName>> kept(scene.subdomains);
     for (const Subdomain& s : rounds.subdomains())
       for (const auto& [name, edge] : interface_edges(s, cut.geometry))
-        if (must_stay(s, cut.geometry, edge.first, edge.second)) kept[s.id].insert(name);
+        if (must_stay(s, cut.geometry, edge.first, edge.second)) kept[s.id.value].insert(name);
     rounds.refine_interfaces();
     for (const Subdomain& s : rounds.subdomains()) {
       const Edges now = interface_edges(s, cut.geometry);
-      for (const EdgeName& name : kept[s.id])
+      for (const EdgeName& name : kept[s.id.value])
         EXPECT_TRUE(now.contains(name)) << name.first << ' ' << name.second;
     }
   });
@@ -220,7 +220,7 @@ TEST(RefineInterface, RefinesMaterialInterfacesBetweenSubdomains) {
   scene.mesh = layered_box(3, 2, 3);
   shuffle(scene.mesh, 4);
   scene.log_metrics = wanted_sizes(scene.mesh, 0.1, 4);
-  for (const std::int32_t ref : scene.mesh.tet_refs) scene.part.push_back(static_cast<SubdomainId>(ref - 1));
+  for (const std::int32_t ref : scene.mesh.tet_refs) scene.part.push_back(SubdomainId(static_cast<std::uint32_t>(ref - 1)));
   scene.subdomains = 3;
   const Cut cut = scene.cut();
   Rounds rounds = refined(scene, cut);

@@ -32,8 +32,8 @@ TEST(RefinedVertices, ThoseOfTheInterfaceAreTheirOwnCorners) {
   EXPECT_EQ(vertices.first_new(), 2u);
   EXPECT_EQ(vertices.id(1), name(1));
   EXPECT_THAT(vertices.corners(1), ElementsAre(1, kNone, kNone));
-  EXPECT_THAT(vertices.holders(0), ElementsAre(4, 7));
-  EXPECT_THAT(vertices.holders(1), ElementsAre(7));
+  EXPECT_THAT(vertices.holders(0), ElementsAre(SubdomainId(4), SubdomainId(7)));
+  EXPECT_THAT(vertices.holders(1), ElementsAre(SubdomainId(7)));
   EXPECT_EQ(vertices.find(name(1)), 1u);
   EXPECT_EQ(vertices.find(name(2)), kNone);
   EXPECT_EQ(vertices.find(GlobalId::derived_from(name(0), name(1))), kNone);
@@ -44,7 +44,7 @@ TEST(RefinedVertices, ANewOneIsHeldByThoseWhoHoldBothEnds) {
   const auto side = vertices.add_between(1, 0);
   EXPECT_EQ(vertices.id(side), GlobalId::derived_from(name(1), name(0)));
   EXPECT_THAT(vertices.corners(side), ElementsAre(1, 0, kNone));
-  EXPECT_THAT(vertices.holders(side), ElementsAre(2, 3));
+  EXPECT_THAT(vertices.holders(side), ElementsAre(SubdomainId(2), SubdomainId(3)));
   const auto inside = vertices.add_between(side, 2);
   EXPECT_THAT(vertices.corners(inside), ElementsAre(1, 0, 2));
   EXPECT_THAT(vertices.holders(inside), IsEmpty());
@@ -75,7 +75,7 @@ TEST(RefinedVertices, HoldersAreThoseOfAllCornersHoweverDeep) {
   for (int trial = 0; trial < 50; ++trial) {
     std::vector<std::set<SubdomainId>> holders(3);
     for (auto& set : holders)
-      for (SubdomainId s = 1; s < 8; ++s)
+      for (SubdomainId s(1); s.value < 8; ++s.value)
         if (random() % 3 > 0 || s == 1) set.insert(s);
     RefinedVertices vertices(interface_of(holders));
     std::set<GlobalId> names;
@@ -90,7 +90,7 @@ TEST(RefinedVertices, HoldersAreThoseOfAllCornersHoweverDeep) {
     for (const GlobalId id : names) EXPECT_EQ(vertices.id(vertices.find(id)), id);
     for (auto i = vertices.first_new(); i < vertices.size(); ++i) {
       std::vector<SubdomainId> all;
-      for (SubdomainId s = 1; s < 8; ++s)
+      for (SubdomainId s(1); s.value < 8; ++s.value)
         if (std::ranges::all_of(vertices.corners(i),
                                 [&](auto c) { return c == kNone || holders[c].contains(s); }))
           all.push_back(s);

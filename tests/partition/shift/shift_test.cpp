@@ -43,7 +43,7 @@ std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains,
     for (const GlobalId id : list) winners.try_emplace(id);
   for (auto& [id, winner] : winners)
     for (const Subdomain& s : subdomains)
-      if (s.interface.find(id) != Interface::kNone) winner = std::max(winner, priorities[s.id]);
+      if (s.interface.find(id) != Interface::kNone) winner = std::max(winner, priorities[s.id.value]);
   return winners;
 }
 
@@ -209,8 +209,8 @@ TEST(Shift, WantsWhatIsInThePoorTetsWay) {
 }
 
 TEST(Shift, EqualPrioritiesAreOrderedBySubdomain) {
-  EXPECT_LT((Priority{1, 5}), (Priority{2, 0}));
-  EXPECT_LT((Priority{2, 0}), (Priority{2, 5}));
+  EXPECT_LT((Priority{1, SubdomainId(5)}), (Priority{2, SubdomainId(0)}));
+  EXPECT_LT((Priority{2, SubdomainId(0)}), (Priority{2, SubdomainId(5)}));
 }
 
 std::size_t count_interfaces(const std::vector<Subdomain>& subdomains) {

@@ -93,7 +93,7 @@ TEST(BackgroundStore, AnswersWhereItCovers) {
     const Whole whole(seed);
     const auto part = parts(whole.mesh, 4, seed % 3, seed);
     std::size_t tets = 0;
-    for (SubdomainId s = 0; s < 4; ++s) {
+    for (SubdomainId s(0); s.value < 4; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
       tets += store.background().mesh().tets.size();
       expect_answers(store, whole, seed);
@@ -122,7 +122,7 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
     const Whole whole(seed);
     const auto part = parts(whole.mesh, 5, seed % 3, seed);
     Pieces all;
-    for (SubdomainId s = 0; s < 5; ++s) {
+    for (SubdomainId s(0); s.value < 5; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
       all.insert(all.end(), store.all_pieces().begin(), store.all_pieces().end());
     }
@@ -158,7 +158,7 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
     EXPECT_TRUE(store.has(names[t].piece));
     EXPECT_EQ(store.tet_of(names[t]), t);
   }
-  for (const SubdomainId other : {0u, 2u}) store.add(whole.store(other, part).all_pieces());
+  for (const SubdomainId other : {SubdomainId(0), SubdomainId(2)}) store.add(whole.store(other, part).all_pieces());
   for (std::uint32_t t = 0; t < own; ++t) EXPECT_EQ(store.tet_of(names[t]), t);
   const BackgroundStore fresh = whole.store(2, part);
   for (std::uint32_t t = 0; t < fresh.background().mesh().tets.size(); ++t) {
@@ -174,7 +174,7 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
 
 TEST(BackgroundStore, GivesPiecesByTheirIds) {
   const Whole whole(0);
-  const BackgroundStore store = whole.store(0, std::vector<SubdomainId>(whole.mesh.tets.size(), 0));
+  const BackgroundStore store = whole.store(SubdomainId(0), std::vector<SubdomainId>(whole.mesh.tets.size(), SubdomainId(0)));
   ASSERT_GT(store.all_pieces().size(), 3u);
   const std::vector<std::uint64_t> ids{store.all_pieces()[0]->id, store.all_pieces()[2]->id};
   const Pieces found = store.pieces(ids);
@@ -196,7 +196,7 @@ TEST(BackgroundStore, PiecesOfTwoSubdomainsHaveDifferentIds) {
   const auto part = parts(whole.mesh, 3, 1, 0);
   std::set<std::uint64_t> ids;
   std::size_t pieces = 0;
-  for (SubdomainId s = 0; s < 3; ++s) {
+  for (SubdomainId s(0); s.value < 3; ++s.value) {
     const BackgroundStore store = whole.store(s, part);
     for (const auto& piece : store.all_pieces()) ids.insert(piece->id);
     pieces += store.all_pieces().size();

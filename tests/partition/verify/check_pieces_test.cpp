@@ -134,7 +134,7 @@ TEST(CheckPieces, FindsTwoTetsOnOneSideOfAFace) {
 TEST(CheckPieces, FindsAFaceWithoutATetOnItsOtherSide) {
   EXPECT_THAT(
       problems_after([](MeshPiece& a, MeshPiece& b) {
-        b = MeshPiece{.subdomain = 1, .mesh = {}, .log_metrics = {}, .ids = {}, .shared = {}};
+        b = MeshPiece{.subdomain = SubdomainId(1), .mesh = {}, .log_metrics = {}, .ids = {}, .shared = {}};
         a.shared.clear();
       }),
       ElementsAre("subdomain 0: face (0:0 0:1 0:2) of tet 1: without a triangle and without a tet on its "
@@ -226,7 +226,7 @@ TEST(CheckPieces, FindsCopiesThatDiffer) {
 
 TEST(CheckPieces, FindsHoldersThatAreWrong) {
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) {
-                std::erase(a.shared, SubdomainStart::Shared{local(a, 1), 1});
+                std::erase(a.shared, SubdomainStart::Shared{local(a, 1), SubdomainId(1)});
               }),
               ElementsAre("vertex 0:1: subdomain 0 does not name subdomain 1, which has it too"));
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) {
@@ -243,7 +243,7 @@ TEST(CheckPieces, FindsHoldersThatAreWrong) {
 
 TEST(CheckPieces, FindsTwoPiecesOfOneSubdomain) {
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece& b) {
-                b.subdomain = 0;
+                b.subdomain = SubdomainId(0);
                 a.shared.clear();
                 b.shared.clear();
               }),
@@ -309,7 +309,7 @@ TEST(CheckPieces, FindsRandomDamage) {
         std::swap(piece->mesh.tets[t][1], piece->mesh.tets[t][2]);
         break;
       default:
-        piece->ids[piece->mesh.tets[t][0]] = GlobalId(99, 1);
+        piece->ids[piece->mesh.tets[t][0]] = GlobalId(SubdomainId(99), 1);
     }
     const PiecesReport report = check_on(2, cut.pieces, totals_of(cut.whole));
     // A vertex of one piece alone may have any name.

@@ -114,7 +114,7 @@ class DistributedJob {
 
   std::string name_of(engine::ObjectId id) const {
     const auto subdomain = subdomain_of(rank_.plan, runtime_->ranks(), id);
-    return subdomain ? fmt::format("subdomain {}", *subdomain)
+    return subdomain ? fmt::format("subdomain {}", subdomain->value)
                      : fmt::format("mailbox of rank {}", id.home.value);
   }
 
