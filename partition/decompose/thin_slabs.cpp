@@ -1,4 +1,4 @@
-// The vertices wanted on each cut between two slabs, and how many of the cuts are worth while.
+// Expected vertices on each cut between two slabs, and the number of slabs that follows.
 #include "partition/decompose/thin_slabs.h"
 
 #include <algorithm>
@@ -8,14 +8,12 @@
 #include <vector>
 
 #include "meshing/mesh/tet_tables.h"
+#include "meshing/metric/expected_size.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/tet_measures.h"
 
 namespace weft::partition {
 namespace {
-
-/// Of an adapted mesh, six tets a vertex.
-constexpr double kVerticesPerComplexity = 2;
 
 /// A face of a tet. Plain data without padding.
 struct Side {
@@ -86,8 +84,7 @@ std::array<Cuts, 3> measure_cuts(Peers& peers, const ItemFaces& faces, const Bri
     const double wanted = std::clamp(vertices_wanted(a.area, b.area), 0.5, kMost);  // it has some already
     const std::int64_t quanta = std::llround(wanted / kQuantum);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t i = a.brick / stride[axis] % slabs[axis],
-                          j = b.brick / stride[axis] % slabs[axis];
+      const std::uint32_t i = a.brick / stride[axis] % slabs[axis], j = b.brick / stride[axis] % slabs[axis];
       steps[first[axis] + std::min(i, j)] += quanta;
       steps[first[axis] + std::max(i, j)] -= quanta;
     }
@@ -136,7 +133,7 @@ Slabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span<const dou
                        const Bricks& bricks) {
   const std::uint32_t fewest = fewest_slabs(num_bricks(bricks.slabs));
   if (*std::max_element(bricks.slabs.begin(), bricks.slabs.end()) <= fewest) return bricks.slabs;
-  const double all = kVerticesPerComplexity * ordered_sum(peers, complexities);
+  const double all = meshing::kVerticesPerComplexity * ordered_sum(peers, complexities);
   if (!(all > 0)) return bricks.slabs;
   return fewer_slabs(measure_cuts(peers, faces, bricks), bricks.slabs, kMostShared * all, fewest);
 }

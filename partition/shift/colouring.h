@@ -30,7 +30,7 @@ class ReceiverOrder {
   ReceiverOrder(const Priority& self, std::span<const Priority> neighbours);
 
   Place self() const { return self_; }
-  /// Places are 0 (nobody) to size() - 1.
+  /// Places are 0 (kNobody) to size() - 1.
   std::size_t size() const { return order_.size() + 1; }
   SubdomainId subdomain(Place place) const { return order_[place - 1].id; }
   Place place_of(SubdomainId neighbour) const;
@@ -41,9 +41,9 @@ class ReceiverOrder {
   Place receiver(std::span<const Holder> others) const;
 
  private:
-  std::vector<Priority> order_;       ///< ascending
-  std::vector<SubdomainId> ids_;      ///< of the neighbours, ascending
-  std::vector<Place> place_;          ///< of the neighbours
+  std::vector<Priority> order_;   ///< ascending
+  std::vector<SubdomainId> ids_;  ///< of the neighbours, ascending
+  std::vector<Place> place_;      ///< of the neighbours
   Place self_ = kNobody;
 };
 

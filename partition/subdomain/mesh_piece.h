@@ -1,4 +1,4 @@
-// What one subdomain leaves at the end: a part of the result as plain arrays.
+// The result of one subdomain: a part of the mesh as plain arrays.
 #pragma once
 
 #include <vector>

@@ -56,7 +56,7 @@ void name_new_vertices(Subdomain& subdomain);
 
 std::uint64_t count_tets(const Subdomain& subdomain);
 
-/// Adaptation begins anew: nothing counts as having been free, nor as having been interface.
+/// Begins the next phase: no vertex counts as having been free or as former interface.
 void begin_next_phase(Subdomain& subdomain);
 
 /// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all

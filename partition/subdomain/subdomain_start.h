@@ -1,5 +1,5 @@
-// What one subdomain starts from: a part of the input mesh as plain arrays, and what it must know of the
-// rest.
+// The initial data of one subdomain: a part of the input mesh as plain arrays, and its connections to the
+// other parts.
 #pragma once
 
 #include <array>

@@ -192,7 +192,7 @@ TEST(Pqr, SlabsAreSortedAlongTheirAxes) {
     for (std::size_t i = 0; i < subdomains.size(); ++i) {
       double x = w.corners[i][0][axis];
       for (const Point& p : w.corners[i]) x = std::max(x, p[axis]);
-      auto& [lo, hi] = bounds.try_emplace(subdomains[i] / parts_below, x, x).first->second;
+      auto& [lo, hi] = bounds.try_emplace(subdomains[i].value / parts_below, x, x).first->second;
       lo = std::min(lo, x), hi = std::max(hi, x);
     }
     for (const auto& [slab, bound] : bounds)
@@ -248,7 +248,7 @@ TEST(Bisection, CutsAcrossTheLongestPrincipalAxis) {
   double least = 100, greatest = -100;
   for (std::size_t i = 0; i < 1000; ++i) {
     const double along = w.centres[i].x + w.centres[i].y;
-    if (subdomains[i] == 0)
+    if (subdomains[i].value == 0)
       greatest = std::max(greatest, along);
     else
       least = std::min(least, along);

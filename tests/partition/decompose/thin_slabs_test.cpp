@@ -56,7 +56,7 @@ Slabs worthwhile_on(int ranks, const Scene& scene) {
       part.vertices.push_back(scene.vertices[i]);
       part.areas.push_back(scene.areas[i]);
       part.complexities.push_back(scene.complexities[i]);
-      part.bricks.subdomains.push_back(scene.bricks.subdomains[i]);
+      part.bricks.numbers.push_back(scene.bricks.numbers[i]);
     }
     const Slabs found = worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks);
     if (peers.rank() == 0) result = found;
@@ -83,7 +83,7 @@ double shared(const Scene& scene, const Slabs& to) {
       std::array<std::uint32_t, 3> key;
       for (std::size_t i = 0; i < 3; ++i) key[i] = scene.vertices[t][meshing::kTetFaces[f][i]];
       std::sort(key.begin(), key.end());
-      faces[key].push_back({scene.bricks.subdomains[t], scene.areas[t][f]});
+      faces[key].push_back({scene.bricks.numbers[t], scene.areas[t][f]});
     }
   const Slabs& from = scene.bricks.slabs;
   double vertices = 0;

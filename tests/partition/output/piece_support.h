@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <random>
 #include <set>
@@ -20,6 +21,10 @@
 namespace weft::partition {
 
 inline constexpr int kRankCounts[] = {1, 2, 3, 4, 8};
+
+inline std::vector<SubdomainId> subdomain_ids(std::initializer_list<std::uint32_t> numbers) {
+  return {numbers.begin(), numbers.end()};
+}
 
 /// Cuts a mesh by the subdomain of each tet. Slow and simple: each piece takes of every kind of entity those
 /// that a tet of it has.

@@ -19,7 +19,8 @@ namespace weft::support {
 /// One for each subdomain; values repeat, so that ids have to decide now and then.
 inline std::vector<partition::Priority> random_priorities(std::size_t subdomains, std::mt19937& random) {
   std::vector<partition::Priority> priorities;
-  for (std::uint32_t i = 0; i < subdomains; ++i) priorities.push_back({random() % subdomains, partition::SubdomainId(i)});
+  for (std::uint32_t i = 0; i < subdomains; ++i)
+    priorities.push_back({random() % subdomains, partition::SubdomainId(i)});
   return priorities;
 }
 
@@ -141,7 +142,7 @@ class Rounds {
   void register_interfaces(ForEach<partition::InterfaceVertices> created) {
     const ForEach<SubdomainId> neighbours = find_neighbours();
     for (std::size_t i = 0; i < subdomains_.size(); ++i)
-      register_interface(subdomains_[i], arrived_at(i, created, neighbours));
+      register_interface(subdomains_[i], geometry_, arrived_at(i, created, neighbours));
   }
 
   ForEach<SubdomainId> find_neighbours() const {

@@ -17,12 +17,17 @@ using ::testing::IsEmpty;
 using Table = std::map<GlobalId, std::set<SubdomainId>>;
 
 /// Lines in no order, many of them repeated.
+GlobalId random_id(std::mt19937_64& random, std::uint64_t vertices) {
+  const std::uint64_t local = random() % vertices;
+  return {SubdomainId(static_cast<std::uint32_t>(random() % 5)), local};
+}
+
 std::vector<Holder> random_lines(unsigned seed) {
   std::mt19937_64 random(seed);
   std::vector<Holder> lines;
   const std::size_t count = random() % 200, vertices = 1 + random() % 60;
   for (std::size_t i = 0; i < count; ++i) {
-    const GlobalId counted(random() % 5, random() % vertices);
+    const GlobalId counted = random_id(random, vertices);
     const GlobalId id = random() % 4 ? counted : GlobalId::derived_from(counted, GlobalId(SubdomainId(1), 1));
     lines.push_back({id, SubdomainId(static_cast<std::uint32_t>(random() % 7))});
   }
@@ -102,7 +107,8 @@ TEST(Interface, ItsLinesMakeItAgain) {
 }
 
 TEST(Interface, PlacesAreUnknownUntilSet) {
-  Interface interface(std::vector<Holder>{{GlobalId(SubdomainId(0), 4), SubdomainId(1)}, {GlobalId(SubdomainId(0), 2), SubdomainId(1)}});
+  Interface interface(std::vector<Holder>{{GlobalId(SubdomainId(0), 4), SubdomainId(1)},
+                                          {GlobalId(SubdomainId(0), 2), SubdomainId(1)}});
   EXPECT_FALSE(interface.local(0).valid());
   interface.set_local(1, meshing::VertexId(17));
   EXPECT_FALSE(interface.local(0).valid());
@@ -110,23 +116,28 @@ TEST(Interface, PlacesAreUnknownUntilSet) {
 }
 
 TEST(SortUnique, SortsByVertexThenSubdomain) {
-  std::vector<Holder> lines{
-      {GlobalId(SubdomainId(1), 0), SubdomainId(3)}, {GlobalId(SubdomainId(0), 9), SubdomainId(5)}, {GlobalId(SubdomainId(1), 0), SubdomainId(2)}, {GlobalId(SubdomainId(0), 9), SubdomainId(5)}};
+  std::vector<Holder> lines{{GlobalId(SubdomainId(1), 0), SubdomainId(3)},
+                            {GlobalId(SubdomainId(0), 9), SubdomainId(5)},
+                            {GlobalId(SubdomainId(1), 0), SubdomainId(2)},
+                            {GlobalId(SubdomainId(0), 9), SubdomainId(5)}};
   sort_unique(lines);
-  EXPECT_THAT(lines,
-              ElementsAre(Holder{GlobalId(SubdomainId(0), 9), SubdomainId(5)}, Holder{GlobalId(SubdomainId(1), 0), SubdomainId(2)}, Holder{GlobalId(SubdomainId(1), 0), SubdomainId(3)}));
+  EXPECT_THAT(lines, ElementsAre(Holder{GlobalId(SubdomainId(0), 9), SubdomainId(5)},
+                                 Holder{GlobalId(SubdomainId(1), 0), SubdomainId(2)},
+                                 Holder{GlobalId(SubdomainId(1), 0), SubdomainId(3)}));
 }
 
 TEST(GlobalIds, DerivedNamesAreApartFromCountedOnes) {
   std::set<GlobalId> names;
   for (std::uint64_t a = 0; a < 60; ++a)
     for (std::uint64_t b = 0; b < 60; ++b) {
-      const GlobalId derived = GlobalId::derived_from(GlobalId(SubdomainId(2), a), GlobalId(SubdomainId(3), b));
+      const GlobalId derived =
+          GlobalId::derived_from(GlobalId(SubdomainId(2), a), GlobalId(SubdomainId(3), b));
       EXPECT_TRUE(derived.derived());
       EXPECT_TRUE(names.insert(derived).second) << a << ' ' << b;
       EXPECT_EQ(derived, GlobalId::derived_from(GlobalId(SubdomainId(2), a), GlobalId(SubdomainId(3), b)));
     }
-  EXPECT_FALSE(GlobalId(SubdomainId((1u << 23) - 3), (std::uint64_t{1} << GlobalId::kLocalBits) - 1).derived());
+  EXPECT_FALSE(
+      GlobalId(SubdomainId((1u << 23) - 3), (std::uint64_t{1} << GlobalId::kLocalBits) - 1).derived());
 }
 
 }  // namespace

@@ -51,6 +51,7 @@ int run(AdaptCommand& command) {
   command.options.threads = command.threads > 0 ? command.threads : threads_of_rank();
   if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
   if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
+  if (command.subdomains.check) throw CLI::RequiresError("--check", "--subdomains");
   if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");
   const AdaptOutcome outcome = run_adapt(command);
   if (!command.quiet) fmt::print("{}", summary_text(outcome.run));
@@ -148,7 +149,8 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 2")
+  sub.add_option("--layers", request.layers,
+                 "layers of tets handed over in the first shift; default 2; at most 1 in later ones")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
@@ -170,6 +172,8 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
                  "frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
+      ->group(kGroup);
+  sub.add_flag("--check", request.check, "check the invariants of all subdomains after every round; slow")
       ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&request] { request.refine_interface = false; },

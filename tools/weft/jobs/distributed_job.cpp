@@ -28,6 +28,7 @@
 #include "partition/output/merge_pieces.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
+#include "partition/verify/check_subdomains.h"
 #include "tools/weft/jobs/gather_pieces.h"
 #include "tools/weft/jobs/named_error.h"
 #include "tools/weft/jobs/slice_source.h"
@@ -170,6 +171,7 @@ class DistributedJob {
     options.refine_interface = subdomains_.refine_interface;
     options.tets_at_frozen_stay = subdomains_.freeze_tets;
     options.hausd = request_.options.hausd;
+    options.check = subdomains_.check;
     options.threads = request_.options.threads;
     options.interrupt = interrupt_.flag();
     if (request_.progress != ProgressStyle::none) options.news = &news_;
@@ -213,6 +215,7 @@ class DistributedJob {
     account.ranks = runtime_->ranks();
     account.partitioner = partitioner_of(subdomains_);
     account.layers = options.shift.layers;
+    account.checks = result_.checks;
     account.coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
     account.decomposition_seconds = result_.decomposition_seconds;
     account.adaptation_seconds = result_.adaptation_seconds;
@@ -337,6 +340,8 @@ int run_on_rank(const AdaptRequest& request, const SubdomainRequest& subdomains,
   } catch (const meshing::InputError& error) {
     return refuse(transport, error);
   } catch (const std::invalid_argument& error) {
+    return refuse(transport, error);
+  } catch (const partition::InvariantViolation& error) {
     return refuse(transport, error);
   }
 }

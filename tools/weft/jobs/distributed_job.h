@@ -18,6 +18,7 @@ struct SubdomainRequest {
   bool refine_interface = true;
   bool freeze_tets = false;
   std::string balancer = "stealing";
+  bool check = false;  ///< graph::adaptation::DistributedOptions::check
 };
 
 /// Whether this run works in subdomains: it was asked to, or to partition, or is under mpirun.

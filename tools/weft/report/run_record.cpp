@@ -109,8 +109,8 @@ void gather_view(RankExchange& exchange, partition::Peers& peers,
   record.box = common_box(peers, pieces);
   report::MeshView mine;
   for (const partition::MeshPiece& piece : pieces)
-    append(mine,
-           report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain.value, record.box, true, options));
+    append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain.value, record.box, true,
+                                   options));
   thin_out(mine, record.box, options);
   for (report::MeshView& part : gather(exchange, std::move(mine))) {
     if (!part.layers.empty()) append(record.mesh, std::move(part));
@@ -178,7 +178,8 @@ engine::Annotations trace_annotations(const RunRecord& record,
   engine::Annotations annotations;
   annotations.object_kind = graph.description.name;
   annotations.number_of = [plan, ranks](engine::ObjectId object) -> std::optional<std::uint64_t> {
-    return subdomain_of(plan, ranks, object);
+    const auto subdomain = subdomain_of(plan, ranks, object);
+    return subdomain ? std::optional<std::uint64_t>(subdomain->value) : std::nullopt;
   };
   for (const auto& node : graph.description.nodes) annotations.names.push_back(node.name);
   for (const auto& edge : graph.description.edges) annotations.names.push_back(edge.name);
