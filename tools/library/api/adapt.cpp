@@ -104,6 +104,7 @@ FilesResult adapt_files(const Files& files, const Options& options) {
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as "
         "polar-2)");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
+  if (options.run.check) throw OptionError("--check", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
   if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
   return tools::adapt_files_as_one(files, options);

@@ -26,7 +26,7 @@ struct PieceSize {
 std::vector<int> ranks_of_subdomains(Peers& peers, const std::vector<MeshPiece>& pieces) {
   std::vector<PieceSize> mine;
   for (const MeshPiece& piece : pieces)
-    mine.push_back({static_cast<std::uint64_t>(piece.subdomain), piece.mesh.tets.size()});
+    mine.push_back({std::uint64_t{piece.subdomain.value}, piece.mesh.tets.size()});
   std::vector<std::uint64_t> tets;
   std::uint64_t total = 0;
   for (const auto& of_rank : partition::allgather(peers, mine))
@@ -70,9 +70,9 @@ class Merger {
  private:
   void add_points(const MeshPiece& piece, const partition::PieceNumbers& numbers) {
     std::vector<int> owners(piece.ids.size(), rank_of(piece.subdomain));
-    auto lowest = std::vector<std::uint64_t>(piece.ids.size(), static_cast<std::uint64_t>(piece.subdomain));
+    auto lowest = std::vector<std::uint64_t>(piece.ids.size(), std::uint64_t{piece.subdomain.value});
     for (const auto& shared : piece.shared) {
-      const auto other = static_cast<std::uint64_t>(shared.other);
+      const auto other = std::uint64_t{shared.other.value};
       if (other >= lowest[shared.vertex]) continue;
       lowest[shared.vertex] = other;
       owners[shared.vertex] = rank_of_[other];
@@ -92,7 +92,7 @@ class Merger {
   }
 
   int rank_of(partition::SubdomainId subdomain) const {
-    return rank_of_[static_cast<std::size_t>(subdomain)];
+    return rank_of_[subdomain.value];
   }
 
   template <std::size_t N>
@@ -159,7 +159,7 @@ std::vector<std::vector<int>> holders_of(const std::vector<MeshPiece>& pieces,
   std::unordered_map<std::uint64_t, std::vector<int>> by_id;
   for (std::size_t p = 0; p < pieces.size(); ++p)
     for (const auto& shared : pieces[p].shared) {
-      const int rank = rank_of[static_cast<std::size_t>(shared.other)];
+      const int rank = rank_of[shared.other.value];
       if (rank == mine) continue;
       std::vector<int>& ranks = by_id[numbering.pieces[p].points[shared.vertex]];
       if (std::ranges::find(ranks, rank) == ranks.end()) ranks.push_back(rank);
@@ -176,7 +176,7 @@ PartWithMetric part_of_pieces(Peers& peers, graph::dataflow::RankExchange& excha
                               std::vector<MeshPiece> pieces, bool ghosts) {
   const std::vector<int> rank_of = ranks_of_subdomains(peers, pieces);
   pieces = move_pieces(exchange, std::move(pieces), [&](const MeshPiece& piece) {
-    return rank_of[static_cast<std::size_t>(piece.subdomain)];
+    return rank_of[piece.subdomain.value];
   });
   const partition::Numbering numbering = partition::number_pieces(peers, pieces);
   PartWithMetric result;

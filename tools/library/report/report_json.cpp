@@ -102,6 +102,7 @@ Json json_of(const DistributedStats& a) {
           {"partitioner", a.partitioner},
           {"ranks", a.ranks},
           {"layers", a.layers},
+          {"checks", a.checks},
           {"decomposition_seconds", a.decomposition_seconds},
           {"adaptation_seconds", a.adaptation_seconds},
           {"seconds_by_operation", json_of(a.sum)},

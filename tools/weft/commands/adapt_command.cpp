@@ -183,7 +183,8 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", distributed.layers, "layers of tets handed over in the first shift; default 2")
+  sub.add_option("--layers", distributed.layers,
+                 "layers of tets handed over in the first shift; default 2; at most 1 in later ones")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
@@ -206,6 +207,8 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
                  "frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
+      ->group(kGroup);
+  sub.add_flag("--check", command.options.run.check, "check the invariants of all subdomains after every round; slow")
       ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&distributed] { distributed.interface_refinement = false; },

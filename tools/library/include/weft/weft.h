@@ -225,6 +225,7 @@ struct DistributedStats {
   int ranks = 1;
   std::string partitioner;
   int layers = 0;
+  std::uint32_t checks = 0;  ///< of all invariants; 0: not asked for
   double decomposition_seconds = 0, adaptation_seconds = 0;
   std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
   std::vector<ShiftStats> shifts;
