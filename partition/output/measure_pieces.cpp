@@ -118,7 +118,8 @@ Sums sum_here(std::span<const MeshPiece> mine, const std::vector<Part>& parts) {
     const TetTotals tets = sum_tets(parts[p].tets, mesh.points, mine[p].log_metrics, qualities);
     const EdgeTotals edges = sum_edges(parts[p].edges, parts[p].counts, mesh.points, mine[p].log_metrics);
     sums.qualities.insert(sums.qualities.end(), qualities.begin(), qualities.end());
-    sums.pieces.push_back({mine[p].subdomain.value, tets.volume, tets.complexity, tets.quality, edges.length});
+    sums.pieces.push_back(
+        {mine[p].subdomain.value, tets.volume, tets.complexity, tets.quality, edges.length});
     sums.tets += tets;
     sums.edges += edges;
     sums.counts.num_vertices += parts[p].num_vertices;

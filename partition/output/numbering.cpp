@@ -76,7 +76,8 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
     firsts[part.subdomain] = numbering.totals;
     for (const auto kind : kKinds) numbering.totals.*kind += part.counts.*kind;
   }
-  for (std::size_t p = 0; p < mine.size(); ++p) numbering.pieces[p].first = firsts.at(mine[p].subdomain.value);
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    numbering.pieces[p].first = firsts.at(mine[p].subdomain.value);
 }
 
 void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {

@@ -19,7 +19,8 @@ ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> nei
 }
 
 ReceiverOrder::Place ReceiverOrder::place_of(SubdomainId neighbour) const {
-  return place_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), neighbour) - ids_.begin())];
+  return place_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), neighbour) -
+                                         ids_.begin())];
 }
 
 ReceiverOrder::Place ReceiverOrder::receiver(std::span<const Holder> others) const {

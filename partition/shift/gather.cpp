@@ -64,7 +64,8 @@ std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen&
   for (Place r = 1; r < choice.order().size(); ++r) {
     if (tets_to[r] == 0) continue;
     packing_of[r] = &packing[static_cast<std::size_t>(
-        std::lower_bound(neighbours.begin(), neighbours.end(), choice.order().subdomain(r)) - neighbours.begin())];
+        std::lower_bound(neighbours.begin(), neighbours.end(), choice.order().subdomain(r)) -
+        neighbours.begin())];
     packing_of[r]->reserve(tets_to[r]);
   }
   for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);

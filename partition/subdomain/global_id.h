@@ -40,7 +40,9 @@ class GlobalId {
   constexpr bool derived() const { return value_ & kDerived; }
 
   constexpr bool valid() const { return value_ != 0; }
-  constexpr SubdomainId owner() const { return SubdomainId(static_cast<std::uint32_t>((value_ >> kLocalBits) - 1)); }
+  constexpr SubdomainId owner() const {
+    return SubdomainId(static_cast<std::uint32_t>((value_ >> kLocalBits) - 1));
+  }
   constexpr std::uint64_t local() const { return value_ & ((std::uint64_t{1} << kLocalBits) - 1); }
   constexpr std::uint64_t value() const { return value_; }  ///< 0 for none
 

@@ -124,8 +124,8 @@ std::vector<OpenFace> check_faces(const MeshPiece& piece, Problems& problems) {
       check_inner_face(piece, {&face, end - begin}, has_triangle, problems);
     } else {
       const std::int32_t ref = has_triangle ? piece.mesh.triangle_refs[triangle->entity] : 0;
-      open.push_back({face.key, piece.subdomain.value, face.entity, piece.mesh.tet_refs[face.entity], face.side,
-                      ref, has_triangle});
+      open.push_back({face.key, piece.subdomain.value, face.entity, piece.mesh.tet_refs[face.entity],
+                      face.side, ref, has_triangle});
     }
   }
   return open;

@@ -14,7 +14,7 @@ namespace weft::partition {
 struct OpenFace {
   EntityKey<3> key;
   std::uint64_t subdomain;  ///< SubdomainId::value
-  std::uint64_t tet;  ///< 0-based, in the piece
+  std::uint64_t tet;        ///< 0-based, in the piece
   std::int32_t tet_ref;
   std::int32_t side;  ///< 1 or -1: where the tet is, seen from the vertices in the order of the key
   std::int32_t triangle_ref;

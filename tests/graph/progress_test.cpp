@@ -39,7 +39,8 @@ class Scene {
 
 TEST(ProgressBoard, KeepsTheLatestOfEachSubdomainUntilItIsTaken) {
   ProgressBoard board;
-  for (std::uint32_t number : {1u, 2u, 3u}) board.post({.subdomain = partition::SubdomainId(7), .number = number});
+  for (std::uint32_t number : {1u, 2u, 3u})
+    board.post({.subdomain = partition::SubdomainId(7), .number = number});
   board.post({.subdomain = partition::SubdomainId(8), .number = 1});
   auto news = board.take();
   ASSERT_EQ(news.size(), 2u);

@@ -82,7 +82,8 @@ class Cutting {
 
   /// Its number in the subdomain.
   std::uint32_t add_vertex(partition::SubdomainStart& s, std::uint32_t v) {
-    const auto [at, is_new] = local_[s.subdomain.value].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
+    const auto [at, is_new] =
+        local_[s.subdomain.value].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
     if (!is_new) return at->second;
     const meshing::TetMesh& whole = *imported_.mesh;
     s.points.push_back(mesh_.points[v]);

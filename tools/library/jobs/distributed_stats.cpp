@@ -131,7 +131,8 @@ std::string subdomains_text(const DistributedStats& a) {
         "fine\n";
   if (a.checks > 0)
     text += fmt::format(
-        "all invariants checked {} times, and held: after the decomposition, the interior adaptation and each "
+        "all invariants checked {} times, and held: after the decomposition, the interior adaptation and "
+        "each "
         "shift\n",
         a.checks);
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(a.messages),

@@ -91,9 +91,7 @@ class Merger {
     }
   }
 
-  int rank_of(partition::SubdomainId subdomain) const {
-    return rank_of_[subdomain.value];
-  }
+  int rank_of(partition::SubdomainId subdomain) const { return rank_of_[subdomain.value]; }
 
   template <std::size_t N>
   std::array<std::uint32_t, N> local_of(const std::array<std::uint32_t, N>& entity) const {
@@ -175,9 +173,8 @@ std::vector<std::vector<int>> holders_of(const std::vector<MeshPiece>& pieces,
 PartWithMetric part_of_pieces(Peers& peers, graph::dataflow::RankExchange& exchange,
                               std::vector<MeshPiece> pieces, bool ghosts) {
   const std::vector<int> rank_of = ranks_of_subdomains(peers, pieces);
-  pieces = move_pieces(exchange, std::move(pieces), [&](const MeshPiece& piece) {
-    return rank_of[piece.subdomain.value];
-  });
+  pieces = move_pieces(exchange, std::move(pieces),
+                       [&](const MeshPiece& piece) { return rank_of[piece.subdomain.value]; });
   const partition::Numbering numbering = partition::number_pieces(peers, pieces);
   PartWithMetric result;
   std::vector<Tensor> log_metrics;

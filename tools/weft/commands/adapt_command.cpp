@@ -208,7 +208,8 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_flag("--check", command.options.run.check, "check the invariants of all subdomains after every round; slow")
+  sub.add_flag("--check", command.options.run.check,
+               "check the invariants of all subdomains after every round; slow")
       ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&distributed] { distributed.interface_refinement = false; },
