@@ -91,7 +91,7 @@ TEST(Door, GivesTheSameMeshInSubdomainsFromMemoryAsFromFiles) {
   const Mesh start = box_of(4);
   write_mesh((folder / "start.meshb").string(), start);
   Options options = one_thread();
-  options.metric.function = "polar-1";
+  options.metric.function = "uniform:0.2";
   options.metric.complexity = 800;
   options.distributed.subdomains = 4;
   Files files;

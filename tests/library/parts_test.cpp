@@ -155,7 +155,9 @@ TEST(Parts, GiveTheSameMeshHoweverTheyAreSpreadAndAsOneMeshInSubdomainsDoes) {
       shape_of(adapt(split.communicator, other, metric_of(other), options_of()), split.communicator);
   EXPECT_EQ(expected, spread);
   const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
-  const Result in_memory = adapt(all.mesh, metric_of(all), options_of());
+  Part same;
+  same.mesh = whole;
+  const Result in_memory = adapt(whole, metric_of(same), options_of());
   EXPECT_EQ(12 * in_memory.mesh.tets.size(), expected.size());
   const PartResult alone = adapt(MPI_COMM_SELF, all, metric_of(all), options_of());
   EXPECT_EQ(shape_of(alone, MPI_COMM_SELF), expected);

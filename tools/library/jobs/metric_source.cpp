@@ -121,6 +121,12 @@ bool has_demand(const MetricOptions& options) {
   return options.curvature > 0 || options.sagitta > 0 || !options.wall.refs.empty();
 }
 
+bool scaled_alone(const MetricOptions& options) {
+  const bool limited = options.hmin > 0 || options.hmax > 0 || options.aspect > 0 || options.hgrad > 1;
+  return !limited && options.sol.empty() && options.solutions.empty() && !options.implied &&
+         !has_demand(options);
+}
+
 std::string name_of(const MetricOptions& options) {
   std::vector<std::string> parts = files_of(options);
   if (!options.function.empty()) parts.push_back(options.function);

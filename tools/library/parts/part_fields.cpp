@@ -83,7 +83,8 @@ class Exchange {
   Exchange(Peers& peers, const Part& from, std::vector<std::size_t> shapes)
       : peers_(peers), from_(from), shapes_(std::move(shapes)) {
     for (const std::size_t n : shapes_) width_ += n;
-    if (!from.mesh.tets.empty()) background_.reset(new meshing::Background(meshing::field_background(from.mesh)));
+    if (!from.mesh.tets.empty())
+      background_.reset(new meshing::Background(meshing::field_background(from.mesh)));
   }
 
   /// All ranks: asks each rank r for the values at the points asked[r], and keeps what is nearer than before.
