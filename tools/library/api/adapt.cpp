@@ -119,6 +119,8 @@ std::vector<std::string> published_cases() {
 std::string summary(const Report& report) { return tools::summary_text(report); }
 std::string summary(const FilesResult& result) { return tools::summary_text(result); }
 
+std::string to_json(const Measures& measures) { return tools::json_of(measures).dump(1); }
+
 std::string to_json(const Report& report) {
   tools::RunResult run;
   static_cast<Report&>(run) = report;

@@ -122,7 +122,7 @@ struct MetricOptions {
   GradationSpace hgrad_space = GradationSpace::metric;
 
   /// Whether any source or demand is given.
-  bool given() const;
+  WEFT_API bool given() const;
 };
 
 /// How far a run is.
