@@ -69,7 +69,7 @@ ALLOWED = {
 WHOLE_TREES = ("tools", "tests")
 # Library -> (pattern of its headers, paths that may include them).
 LIBRARIES = {
-    "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"), ["engine/mpi/mpi_transport.cpp", "tools/bench/engine/plain_mpi.cpp"]),
+    "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"), ["engine/mpi/mpi_transport.cpp", "engine/mpi/mpi_version.cpp", "tools/bench/engine/plain_mpi.cpp"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),

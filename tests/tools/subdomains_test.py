@@ -165,11 +165,11 @@ class LookingOn(Subdomains):
         lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
         about = [line for line in lines if re.match(
             r"weft: (interior|shift \d+ of at most 12): \d+ of 12 subdomains( \(\d+ at rest\))?, "
-            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
-            r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
+            r"(time left unknown|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
+            r"(, [\d,]+ tets?, remaining: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
         self.assertTrue(about, errors)
         self.assertEqual(len(about), sum("subdomains" in line for line in lines), errors)
-        self.assertTrue(any("wrong as yet" in line for line in about), errors)
+        self.assertTrue(any("remaining" in line for line in about), errors)
         for step, all_left, most in re.findall(r"about (\d+) s more, all about (\d+) s \(at most (\d+) s\)", errors):
             self.assertTrue(int(step) <= int(all_left) <= int(most), errors)
 

@@ -11,6 +11,7 @@
 #include "tools/weft/jobs/adapt_job.h"
 #include "tools/weft/jobs/distributed_job.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/report/graph_output.h"
 #include "tools/weft/report/summary.h"
 
@@ -23,19 +24,18 @@ constexpr const char* kFooter = R"(Examples:
   weft adapt wing.meshb --sol mach.solb --field flow.solb --transfer conservative -o fine.meshb
   weft adapt cube.meshb --metric-fn polar-2 -o layer.meshb --threads 2 --report report
 
-Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the fields carried along
-(fine-fields.solb); each whole or not at all.
---metric holds a symmetric tensor (m11 m12 m22 m13 m23 m33) or a wanted size at every vertex of the
-input, or of --background; --sol a solution whose interpolation error is to be least. The metric is scaled
-so that it has the --complexity once it is limited (--hmin, --hmax, --aspect) and graded (--hgrad); expect
-about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with the valid mesh reached so far
-and exit code 1.
+Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the transferred fields
+(fine-fields.solb). A file is written completely or not at all.
+--metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
+--background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
+the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
+and 12 tets per unit of complexity. Ctrl-C ends the run with a valid intermediate mesh and exit code 1.
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand : AdaptRequest {
   SubdomainRequest subdomains;
   int threads = 0;  ///< 0: not given
-  bool quiet = false;
+  Verbosity verbosity;
 };
 
 /// Ranks share a machine: unless told otherwise each works with one thread.
@@ -47,13 +47,14 @@ int run(AdaptCommand& command) {
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
         CLI::ExitCodes::RequiredError);
   check_request(command.metric);
-  if (command.quiet) command.progress = ProgressStyle::none;
+  command.progress = command.verbosity.style();
   command.options.threads = command.threads > 0 ? command.threads : threads_of_rank();
-  if (in_subdomains(command.subdomains)) return run_in_subdomains(command, command.subdomains, command.quiet);
+  if (in_subdomains(command.subdomains))
+    return run_in_subdomains(command, command.subdomains, command.verbosity.quiet);
   if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
   if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");
   const AdaptOutcome outcome = run_adapt(command);
-  if (!command.quiet) fmt::print("{}", summary_text(outcome.run));
+  command.verbosity.print("{}", summary_text(outcome.run));
   return outcome.code;
 }
 
@@ -74,7 +75,7 @@ void add_background(CLI::App& sub, AdaptCommand& command) {
 
 void add_geometry(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("--ridge-angle", command.options.ridge_angle_degrees,
-                 "keep boundary edges sharper than this; default 45 (also -ar)")
+                 "keep boundary edges with a sharper angle; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
@@ -85,56 +86,49 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->group("Geometry");
 }
 
-void add_account(CLI::App& sub, AdaptCommand& command) {
-  constexpr const char* kGroup = "Account";
+void add_report_options(CLI::App& sub, AdaptCommand& command) {
+  constexpr const char* kGroup = "Report";
   static const CLI::Validator graph_name(
       [](const std::string& name) {
         return graph_format(name) ? std::string()
-                                  : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
+                                  : "'" + name + "' must end in .json, .dot, .graphml or .svg";
       },
       "");
-  sub.add_option("--report", command.report,
-                 "folder for report.html and, for programs, report.json and profile.json")
+  sub.add_option("--report", command.report, "folder for report.html, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
   std::vector<std::string> cases;
   for (const std::string_view name : report::published_cases()) cases.emplace_back(name);
-  sub.add_option("--case", command.case_name, "also show published figures of this case; see below")
+  sub.add_option("--case", command.case_name, "compare with published figures of this case; see below")
       ->type_name("NAME")
       ->check(CLI::IsMember(cases).description(""))
       ->needs("--report")
       ->group(kGroup);
   sub.add_option("--graph", command.graph,
-                 "executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
+                 "executed task graph: .json, .dot, .graphml or .svg; the planned one beside it")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
-  sub.add_option("--trace", command.trace, "a timeline for ui.perfetto.dev, .json")
+  sub.add_option("--trace", command.trace, "timeline for ui.perfetto.dev, .json")
       ->type_name("FILE")
       ->group(kGroup);
 }
 
 void add_run(CLI::App& sub, AdaptCommand& command) {
-  static const std::map<std::string, ProgressStyle> styles = {
-      {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
-  sub.add_option("--threads", command.threads, "threads (of each rank); default: all cores, under mpirun one")
+  sub.add_option("--threads", command.threads, "threads per rank; default: all cores, under mpirun 1")
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""))
       ->group("Run");
-  add_account(sub, command);
-  sub.add_option("--progress", command.progress, "auto (a bar on a terminal, else lines), plain or none")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
-      ->type_name("STYLE")
-      ->group("Run");
-  sub.add_flag("--quiet", command.quiet, "print nothing but errors")->group("Run");
-  sub.add_flag("--force", command.force, "start even if the memory seems too small")->group("Run");
+  add_report_options(sub, command);
+  add_verbosity(sub, command.verbosity, "Run");
+  sub.add_flag("--force", command.force, "run even if the memory seems insufficient")->group("Run");
 }
 
 void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
   constexpr const char* kGroup = "Subdomains";
   static const std::map<std::string, bool> connections = {{"points", false}, {"faces", true}};
   sub.add_option("--subdomains", request.subdomains,
-                 "adapt in N parts; else under mpirun or with --partitioner 4 for each thread")
+                 "number of subdomains; default 4 per thread under mpirun or with --partitioner")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
@@ -144,20 +138,20 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->group(kGroup);
   static const std::map<std::string, bool> shares = {{"work", false}, {"tets", true}};
   sub.add_option("--equal", request.equal_tets,
-                 "parts of equal predicted work (default) or of equally many tets of the input")
+                 "balance subdomains by predicted work (default) or by tets of the input")
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", request.layers, "layers of tets handed over in the first shift; default 2")
+  sub.add_option("--layers", request.layers, "layers of tets migrated in the first shift; default 2")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
-  sub.add_option("--layers-by", request.by_faces, "layers grow through points (default) or faces")
+  sub.add_option("--layers-by", request.by_faces, "layers grow across points (default) or faces")
       ->transform(CLI::CheckedTransformer(connections).description(""))
       ->type_name("KIND")
       ->group(kGroup);
   sub.add_option("--shifts", request.shifts,
-                 "auto (default: until all the interface has been free, at most 12) or at most N")
+                 "auto (default: until the whole interface is adapted, at most 12) or at most N")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
@@ -167,13 +161,13 @@ void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
       ->group(kGroup);
   static const std::map<std::string, bool> frozen = {{"vertices", false}, {"tets", true}};
   sub.add_option("--freeze", request.freeze_tets,
-                 "frozen at an interface: vertices (default) or, as in the paper, tets")
+                 "what is frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&request] { request.refine_interface = false; },
-         "leave the interface coarse before the interior is adapted")
+         "do not refine the interface before the interior is adapted")
       ->group(kGroup);
 }
 

@@ -13,6 +13,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/jobs/named_error.h"
 #include "tools/weft/jobs/outputs.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/report/graph_output.h"
 #include "tools/weft/report/json_file.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -31,9 +32,9 @@ constexpr const char* kFooter = R"(Examples:
   weft graph run/graph.json --round 2 --subdomain 17 --format graphml > part.graphml
   weft graph run/graph.json --plan -o plan.svg
 
-FILE is a graph.json or a profile.json of `weft adapt --report DIR`, or what `weft adapt --graph FILE`
-wrote as .json. Without -o the graph is printed. The extension of the output names the format where
---format does not. Rounds count from 0.)";
+FILE is the graph.json or profile.json of `weft adapt --report DIR`, or a .json of `weft adapt --graph`.
+Without -o the graph is printed (not with --quiet). The format follows from --format or the extension of the
+output. Rounds count from 0.)";
 
 struct GraphCommand {
   std::string file, output;
@@ -41,21 +42,21 @@ struct GraphCommand {
   graph::dataflow::DumpFilter filter;
   Collapse collapse = Collapse::none;
   bool plan = false;
+  Verbosity verbosity;
 };
 
 GraphFormat format_of(const GraphCommand& command) {
   if (command.format) return *command.format;
   if (command.output.empty()) return GraphFormat::dot;
   if (const auto named = graph_format(command.output)) return *named;
-  throw CLI::ValidationError("--out",
-                             "'" + command.output + "' ends in no format: .dot, .graphml, .json or .svg");
+  throw CLI::ValidationError("--out", "'" + command.output + "' must end in .dot, .graphml, .json or .svg");
 }
 
 GraphDump read_dump(const std::string& path) {
   Json json = read_json(path);
   if (json.is_object() && json.value("schema", "") == "weft-profile-1") {
     Json inner = std::move(json["graph"]);
-    if (inner.is_null()) throw meshing::InputError(path, "", "has no graph: the run kept none");
+    if (inner.is_null()) throw meshing::InputError(path, "", "contains no graph: the run recorded none");
     json = std::move(inner);
   }
   try {
@@ -68,6 +69,8 @@ GraphDump read_dump(const std::string& path) {
 int run_graph(const GraphCommand& command) {
   const GraphFormat format = format_of(command);
   if (!command.output.empty()) check_writable(command.output);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   const GraphDump all = read_dump(command.file);
   const GraphDump dump = [&] {
     try {
@@ -76,32 +79,35 @@ int run_graph(const GraphCommand& command) {
       throw meshing::InputError(command.file, "", error.what());
     }
   }();
+  progress.phase("drawing");
   const std::string text = naming(command.file, [&] {
     return command.plan && format != GraphFormat::json ? drawing_text(drawing_of(dump.description), format)
                                                        : graph_text(dump, format, command.collapse);
   });
+  progress.finish();
   if (command.output.empty())
-    fmt::print("{}", text);
+    command.verbosity.print("{}", text);
   else
     write_text(command.output, text);
   return kDone;
 }
 
 void add_filters(CLI::App& sub, GraphCommand& command) {
-  constexpr const char* kGroup = "What is left";
+  constexpr const char* kGroup = "Filters";
   static const std::map<std::string, Collapse> collapses = {
       {"none", Collapse::none}, {"rounds", Collapse::rounds}, {"subdomains", Collapse::instances}};
-  sub.add_option("--round", command.filter.round, "only runs of this round")->type_name("N")->group(kGroup);
-  sub.add_option("--subdomain", command.filter.instance, "only runs of this subdomain")
+  sub.add_option("--round", command.filter.round, "only tasks of this round")->type_name("N")->group(kGroup);
+  sub.add_option("--subdomain", command.filter.instance, "only tasks of this subdomain")
       ->type_name("N")
       ->group(kGroup);
   sub.add_flag("--critical-path", command.filter.critical_path_only, "only the critical path")->group(kGroup);
   sub.add_option("--collapse", command.collapse,
-                 "one vertex for each run (none), node and round (rounds) or subdomain")
+                 "merge tasks: none (default), rounds (by node and round) or subdomains")
       ->transform(CLI::CheckedTransformer(collapses).description(""))
       ->type_name("BY")
       ->group(kGroup);
-  sub.add_flag("--plan", command.plan, "the graph that every subdomain has, as planned")->group(kGroup);
+  sub.add_flag("--plan", command.plan, "the planned graph, which is the same for every subdomain")
+      ->group(kGroup);
 }
 
 }  // namespace
@@ -110,13 +116,14 @@ void add_graph_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("graph", "filter and draw the task graph of a run");
   sub->footer(kFooter);
   auto command = std::make_shared<GraphCommand>();
-  sub->add_option("FILE", command->file, "the dump")->type_name("FILE")->required();
+  sub->add_option("FILE", command->file, "the recorded graph")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the result; default: standard output (also -out)")
       ->type_name("FILE");
   sub->add_option("--format", command->format, "dot, graphml, json or svg (needs Graphviz)")
       ->transform(CLI::CheckedTransformer(graph_formats()).description(""))
       ->type_name("FORMAT");
   add_filters(*sub, *command);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_graph(*command); }; });
 }
 

@@ -11,6 +11,7 @@
 #include "tools/weft/jobs/outputs.h"
 #include "tools/weft/options/metric_source.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/text.h"
 
@@ -22,14 +23,15 @@ constexpr const char* kFooter = R"(Examples:
   weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
   weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
 
-Whatever is given is intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
-the complexity is right in the end: with the boundary's demands (--curvature, --sagitta, --wall), which are
-not scaled, and within the limits, gradation among them.)";
+All metrics given are intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
+the result has the --complexity after intersection with the boundary sizes (--curvature, --sagitta, --wall),
+which are not scaled, and after limits and gradation.)";
 
 struct MetricCommand {
   std::string mesh, output;
   MetricRequest metric;
   int threads = 1;
+  Verbosity verbosity;
 };
 
 int run_metric(const MetricCommand& command) {
@@ -41,12 +43,17 @@ int run_metric(const MetricCommand& command) {
   check_writable(command.output);
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(command.threads));
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
+  progress.phase("metric");
   const auto [field, warnings] = make_metric(command.metric, mesh, command.mesh);
+  progress.phase("writing");
   meshing::write_solution(command.output, meshing::solution_from_metric(field));
-  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("{}: metric at {} vertices, complexity {}\n", command.output,
-             grouped(std::uint64_t{field.size()}), grouped(meshing::complexity(mesh, field)));
+  progress.finish();
+  for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
+  command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output,
+                          grouped(std::uint64_t{field.size()}), grouped(meshing::complexity(mesh, field)));
   return kDone;
 }
 
@@ -66,6 +73,7 @@ void add_metric_command(CLI::App& app, Action& action) {
   add_metric_construction(*sub, command->metric);
   add_metric_processing(*sub, command->metric);
   add_threads(*sub, command->threads);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
 }
 

@@ -19,6 +19,7 @@
 #include "tools/weft/options/metric_source.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/picture_options.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 
 namespace weft::tools {
@@ -35,18 +36,17 @@ constexpr const char* kFooter = R"(Examples:
   weft view wing.meshb --only 1,2,3 --clip y=0 --from iso -o wing.svg
   weft view flow.vtu --color-by field:mach --clip z=0.1 --slice --from z -o mach.png
 
-Shows the surface. --clip cuts away what lies on the eye's side of a plane like x=0.5, or on the side to
-which the normal N points from P, and leaves whole tets, or with --slice a plane section. Azimuths
-count from x towards y, elevations from there up to z, in degrees. --color-by takes
-  none           the surface in one colour, what a cut lays bare in another (default)
+Shows the surface. --clip removes what lies on the viewer's side of a plane like x=0.5, or on the side of P
+to which the normal N points, and shows whole tets, or with --slice a plane section. Azimuths are measured
+from x towards y, elevations from there towards z, in degrees. --color-by takes
+  none           the surface in one colour, cut tets in another (default)
   ref            references of the triangles
-  subdomain      references of the tets; of a .pvtu, its pieces: those of a run in subdomains
+  subdomain      references of the tets; of a .pvtu, its pieces (subdomains)
   quality        mean ratio of the tets, in the metric where one is given
-  length         length of the edges in the metric: each colours the third of a face beside it
+  length         length of the edges in the metric: each colours the adjacent third of a face
   nonconforming  in red the tets with an edge outside [1/√2, √2] in the metric
-  field[:NAME]   a scalar of --field or of MESH itself, or the length of a vector
-The picture is .png, or .pdf or .svg with sharp text around an image. Where edges lie closer than
-pixels their lines fade.)";
+  field[:NAME]   a scalar of --field or of MESH, or the length of a vector
+The picture is a .png, or a .pdf or .svg with vector text around an image. Edges closer than a pixel fade.)";
 
 struct ViewCommand {
   std::string mesh, output;
@@ -57,6 +57,7 @@ struct ViewCommand {
   bool dark = false, flip = false, no_edges = false, no_legend = false, no_axes = false;
   std::vector<std::int32_t> only;
   picture::PictureOptions picture;
+  Verbosity verbosity;
 };
 
 const std::map<std::string, ColourBy>& colourings() {
@@ -76,7 +77,7 @@ std::string kind_of(const std::string& colour_by) {
 std::string check_colouring(const std::string& word) {
   if (colourings().contains(kind_of(word))) return {};
   return "'" + word +
-         "' is none of none, ref, subdomain, quality, length, nonconforming, field and field:NAME";
+         "' is not one of none, ref, subdomain, quality, length, nonconforming, field and field:NAME";
 }
 
 /// Returns parse(), with what it finds wrong told as the fault of `option`.
@@ -94,7 +95,7 @@ picture::View view_of(const ViewCommand& command) {
   if (command.up.empty()) return {toward_eye, picture::default_up(toward_eye)};
   const meshing::Vec up = parsed("--up", [&] { return picture::direction_named(command.up); });
   if (!(norm(cross(up, toward_eye)) > 0))
-    throw CLI::ValidationError("--up", "'" + command.up + "' is along the line of sight of --from");
+    throw CLI::ValidationError("--up", "'" + command.up + "' is parallel to the view direction --from");
   return {toward_eye, up};
 }
 
@@ -175,6 +176,8 @@ int run_view(const ViewCommand& command) {
   check_needs(command, by);
   const picture::PictureOptions options = picture_options(command, by);
   check_writable(command.output);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   meshing::RefNames names;
   const MeshData mesh = mesh_to_show(command, by, names);
   meshing::LogMetricField metric;
@@ -182,25 +185,26 @@ int run_view(const ViewCommand& command) {
   std::vector<double> field;
   std::string field_name;
   if (by == ColourBy::field) std::tie(field, field_name) = colour_field(command, mesh.points.size());
+  progress.phase("drawing");
   const picture::ColourSource source{by, mesh, metric, field, field_name};
   const std::string bytes = naming(command.mesh, [&] {
     return picture::mesh_picture(source, names, options, picture_format(command.output));
   });
   write_text(command.output, bytes);
-  fmt::print("{}: {} x {} pixels\n", command.output, options.width, options.height);
+  progress.finish();
+  command.verbosity.print("{}: {} x {} pixels\n", command.output, options.width, options.height);
   return kDone;
 }
 
 void add_camera_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Camera";
-  sub.add_option("--from", command.from,
-                 "where the eye is: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
+  sub.add_option("--from", command.from, "viewpoint: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
       ->type_name("VIEW")
       ->group(kGroup);
-  sub.add_option("--up", command.up, "what is up in the picture, named likewise; default z")
+  sub.add_option("--up", command.up, "direction that points up in the picture, named likewise; default z")
       ->type_name("VIEW")
       ->group(kGroup);
-  auto* zoom = sub.add_option("--zoom", command.picture.zoom, "enlarge by this factor; default 1")
+  auto* zoom = sub.add_option("--zoom", command.picture.zoom, "magnification; default 1")
                    ->type_name("F")
                    ->check(positive_number())
                    ->group(kGroup);
@@ -213,14 +217,14 @@ void add_camera_options(CLI::App& sub, ViewCommand& command) {
 void add_cut_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Cut";
   auto* clip = sub.add_option("--clip", command.clip,
-                              "cut away one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
+                              "remove one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
                    ->type_name("PLANE")
                    ->group(kGroup);
-  sub.add_flag("--flip", command.flip, "cut away the other side")->needs(clip)->group(kGroup);
+  sub.add_flag("--flip", command.flip, "remove the other side")->needs(clip)->group(kGroup);
   sub.add_flag("--slice", command.picture.planar, "a plane section instead of whole tets")
       ->needs(clip)
       ->group(kGroup);
-  sub.add_option("--only", command.only, "of the surface, only triangles of these references")
+  sub.add_option("--only", command.only, "show only surface triangles of these references")
       ->type_name("REF,...")
       ->delimiter(',')
       ->expected(1)
@@ -240,19 +244,21 @@ void add_colour_options(CLI::App& sub, ViewCommand& command) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kGroup);
-  sub.add_option("--range", command.range, "the ends of the colour bar: LO,HI")
+  sub.add_option("--range", command.range, "limits of the colour bar: LO,HI")
       ->type_name("RANGE")
       ->group(kGroup);
-  sub.add_flag("--dark", command.dark, "on a dark ground")->group(kGroup);
+  sub.add_flag("--dark", command.dark, "dark background")->group(kGroup);
 }
 
 void add_sheet_options(CLI::App& sub, ViewCommand& command) {
-  constexpr const char* kGroup = "Sheet";
+  constexpr const char* kGroup = "Layout";
   sub.add_option("--size", command.size, "WIDTHxHEIGHT in pixels; default 1600x1200")
       ->type_name("SIZE")
       ->group(kGroup);
-  sub.add_option("--title", command.picture.title, "above the picture")->type_name("TEXT")->group(kGroup);
-  sub.add_option("--line-width", command.picture.line_width, "of edges; default 1")
+  sub.add_option("--title", command.picture.title, "title above the picture")
+      ->type_name("TEXT")
+      ->group(kGroup);
+  sub.add_option("--line-width", command.picture.line_width, "line width of edges; default 1")
       ->type_name("W")
       ->check(positive_number())
       ->group(kGroup);
@@ -277,6 +283,7 @@ void add_view_command(CLI::App& app, Action& action) {
   add_camera_options(*sub, *command);
   add_sheet_options(*sub, *command);
   add_metric_source(*sub, command->metric);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_view(*command); }; });
 }
 

@@ -14,6 +14,7 @@
 #include "meshing/base/printable.h"
 #include "meshing/io/mesh_file.h"
 #include "tools/weft/jobs/named_error.h"
+#include "tools/weft/jobs/run_work.h"
 #include "tools/weft/jobs/stopwatch.h"
 #include "tools/weft/report/report_json.h"
 #include "tools/weft/report/run_record.h"
@@ -87,14 +88,23 @@ class AdaptJob {
   }
 
   void prepare_metric() {
-    progress_.update("metric", 0, run_.input_counts.tets);
+    predict_work(request_.metric.complexity);
+    progress_.update("metric", work_->at_metric(), run_.input_counts.tets);
     const std::string& owner = background_ ? request_.background : request_.input;
     MadeMetric made = make_metric(request_.metric, background(), owner);
     field_ = std::move(made.field);
     run_.warnings = std::move(made.warnings);
     run_.target_complexity = request_.metric.complexity > 0 ? request_.metric.complexity
                                                             : meshing::complexity(background(), field_);
+    predict_work(run_.target_complexity);
     run_.times.metric = watch_.lap();
+  }
+
+  /// For the percentage; a complexity of 0 is not known yet, and taken to be the input's.
+  void predict_work(double complexity) {
+    constexpr double kTetsOfComplexity = 12;
+    const double tets = static_cast<double>(run_.input_counts.tets);
+    work_.emplace(tets, complexity > 0 ? kTetsOfComplexity * complexity : tets, request_.fields.given());
   }
 
   void check_size() {
@@ -115,7 +125,7 @@ class AdaptJob {
   void measure_before() {
     watch_.lap();
     if (background_) return;
-    progress_.update("measuring", 0, run_.input_counts.tets);
+    progress_.update("measuring", work_->at_measures_before(), run_.input_counts.tets);
     run_.before = meshing::measure(input_, field_);
     run_.times.measure = watch_.lap();
   }
@@ -124,8 +134,9 @@ class AdaptJob {
     meshing::AdaptOptions options = request_.options;
     options.interrupt = interrupt_.flag();
     options.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
-      progress_.update(stage, done, tets);
-      if (state_request_.take()) progress_.say(stage, done, tets);
+      const double share = work_->at_adaptation(done);
+      progress_.update(stage, share, tets);
+      if (state_request_.take()) progress_.say(stage, share, tets);
     };
     meshing::AdaptResult result = naming(request_.input, [&] {
       return meshing::adapt(input_, {&background(), &field_}, options);
@@ -139,7 +150,8 @@ class AdaptJob {
   }
 
   void measure_after() {
-    progress_.update("measuring", 1, run_.output_counts.tets);
+    work_->adapted(static_cast<double>(run_.output_counts.tets));
+    progress_.update("measuring", work_->at_adaptation(1), run_.output_counts.tets);
     run_.after = meshing::measure(mesh_, log_metrics_);
     run_.missed = missed_goals(run_.after, request_.metric.complexity, run_.report.interrupted);
     run_.times.measure += watch_.lap();
@@ -147,7 +159,7 @@ class AdaptJob {
 
   void carry_fields() {
     if (!request_.fields.given()) return;
-    progress_.update("fields", 1, run_.output_counts.tets);
+    progress_.update("fields", work_->at_fields(), run_.output_counts.tets);
     watch_.lap();
     meshing::Transfer result = naming(
         request_.input, [&] { return meshing::transfer(input_, fields_, mesh_, request_.fields.method); });
@@ -160,7 +172,7 @@ class AdaptJob {
   }
 
   void write() {
-    progress_.update("writing", 1, run_.output_counts.tets);
+    progress_.update("writing", work_->at_writing(), run_.output_counts.tets);
     write_mesh_with_solution(run_.outputs, mesh_, meshing::solution_from_metric(log_metrics_), fields_,
                              names_);
     run_.times.write = watch_.lap();
@@ -191,6 +203,7 @@ class AdaptJob {
   InterruptGuard interrupt_;
   StateRequest state_request_;
   Progress progress_;
+  std::optional<RunWork> work_;  ///< once the input has been read
   Stopwatch total_, watch_;
   RunResult run_;
   MeshData input_, mesh_;
@@ -209,6 +222,7 @@ RunResult begin_account(const AdaptRequest& request) {
   run.metric = request.metric.name();
   run.outputs = output_paths(request.output);
   run.threads = request.options.threads;
+  run.asked_complexity = request.metric.complexity;
   if (!request.report.empty()) run.report_path = (fs::path(request.report) / "report.json").string();
   return run;
 }

@@ -33,7 +33,8 @@ struct RunResult {
   std::string report_path;  ///< empty: no report
   int threads = 1;
   MeshCounts input_counts, output_counts;
-  double target_complexity = 0;
+  double asked_complexity = 0;   ///< --complexity; 0: none was asked for
+  double target_complexity = 0;  ///< else the metric's own on its background, which the result need not have
   SizePrediction predicted;
   std::optional<meshing::Measures> before;  ///< empty when the metric belongs to another mesh than the input
   meshing::Measures after;

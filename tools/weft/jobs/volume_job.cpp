@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <map>
 
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/measures.h"
@@ -31,7 +30,7 @@ class VolumeJob {
         surface_(surface),
         names_(names),
         request_(request),
-        progress_(request.quiet ? ProgressStyle::none : request.progress) {}
+        progress_(request.verbosity.style()) {}
 
   int run() {
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
@@ -43,7 +42,7 @@ class VolumeJob {
     progress_.update("writing", 1, result_.mesh.tets.size());
     write();
     progress_.finish();
-    if (!request_.quiet) print_summary();
+    print_summary();
     return result_.report.interrupted ? kGoalNotMet : kDone;
   }
 
@@ -93,13 +92,15 @@ class VolumeJob {
 
   void print_summary() const {
     const MeshData& mesh = result_.mesh;
-    for (const std::string& w : warnings_) fmt::print("note: {}\n", w);
-    fmt::print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request_.output,
-               grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
-               grouped(std::uint64_t{mesh.triangles.size()}), grid_.regions, grid_.regions == 1 ? "" : "s");
-    fmt::print("{}\n", shape_text(meshing::measure_shape(mesh)));
-    fmt::print("surface and initial grid {}, filling {}\n", seconds_text(grid_seconds_),
-               seconds_text(fill_seconds_));
+    const Verbosity& verbosity = request_.verbosity;
+    for (const std::string& w : warnings_) verbosity.print("note: {}\n", w);
+    verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request_.output,
+                    grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
+                    grouped(std::uint64_t{mesh.triangles.size()}), grid_.regions,
+                    grid_.regions == 1 ? "" : "s");
+    verbosity.print("{}\n", shape_text(meshing::measure_shape(mesh)));
+    verbosity.print("surface and initial grid {}, filling {}\n", seconds_text(grid_seconds_),
+                    seconds_text(fill_seconds_));
   }
 
   const std::string& name_;
@@ -117,16 +118,11 @@ class VolumeJob {
 }  // namespace
 
 void add_volume_output(CLI::App& command, VolumeRequest& request) {
-  static const std::map<std::string, ProgressStyle> styles = {
-      {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
   command.add_option("-o,-x,--out", request.output, "the mesh (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name());
   add_threads(command, request.fill.adapt.threads);
-  command.add_option("--progress", request.progress, "auto (a bar on a terminal, else lines), plain or none")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
-      ->type_name("STYLE");
-  command.add_flag("--quiet", request.quiet, "print nothing but errors");
+  add_verbosity(command, request.verbosity);
 }
 
 int make_volume(const std::string& name, const MeshData& surface, const meshing::RefNames& names,

@@ -6,7 +6,7 @@
 
 #include "meshing/initial/fill_volume.h"
 #include "meshing/io/files/mesh_contents.h"
-#include "tools/weft/terminal/progress.h"
+#include "tools/weft/options/verbosity.h"
 
 namespace CLI {
 class App;
@@ -20,8 +20,7 @@ struct VolumeRequest {
   meshing::SurfaceChecks checks;
   meshing::GridOptions grid;
   meshing::FillOptions fill;
-  ProgressStyle progress = ProgressStyle::automatic;
-  bool quiet = false;
+  Verbosity verbosity;
 };
 
 /// Declares --out, --threads, --progress and --quiet.

@@ -45,7 +45,7 @@ SolutionData read_one(const std::string& file, std::size_t num_points, const std
   SolutionData solution = meshing::read_solution(file);
   if (solution.num_points != num_points)
     throw InputError(file, "",
-                     fmt::format("solution of another mesh: it has {} vertices, {} has {}",
+                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
                                  solution.num_points, mesh_file, num_points));
   if (solution.fields.empty()) throw InputError(file, "", "has no fields");
   check_values(file, solution);
@@ -63,14 +63,14 @@ CLI::Option* add_field_options(CLI::App& command, FieldRequest& request, const s
       {"linear", TransferMethod::linear}, {"conservative", TransferMethod::conservative}};
   CLI::Option* fields = command
                             .add_option("--field", request.files,
-                                        "fields at the vertices of " + owner + " to carry over; repeatable")
+                                        "fields at the vertices of " + owner + " to transfer; repeatable")
                             ->type_name("FILE")
                             ->expected(1)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                             ->group(group);
   command
       .add_option("--transfer", request.method,
-                  "linear (default) or conservative (keeps integrals, and tensors definite)")
+                  "linear (default) or conservative (preserves integrals and definite tensors)")
       ->transform(CLI::CheckedTransformer(methods).description(""))
       ->type_name("HOW")
       ->needs(fields)

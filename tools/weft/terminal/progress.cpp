@@ -34,7 +34,7 @@ std::string about(double seconds) {
 
 std::string time_left_text(const RunProgress& progress) {
   std::string text = progress.step_left ? fmt::format("this step about {} more", about(*progress.step_left))
-                                        : "time left unknown as yet";
+                                        : "time left unknown";
   if (progress.all_left && progress.most_left)
     text += fmt::format(", all about {} (at most {})", about(*progress.all_left), about(*progress.most_left));
   else if (progress.step_left)
@@ -58,7 +58,7 @@ std::string text_of(const RunProgress& progress) {
   text += ", " + time_left_text(progress);
   if (progress.adapted > 0) {
     text +=
-        fmt::format(", {}, wrong as yet: {}, {}", plural(left.tets, "tet"),
+        fmt::format(", {}, remaining: {}, {}", plural(left.tets, "tet"),
                     plural(left.long_edges + left.short_edges, "edge"), plural(left.poor_tets, "poor tet"));
     if (progress.adapted < progress.subdomains) text += " in " + plural(progress.adapted, "subdomain");
   }
@@ -75,12 +75,13 @@ Progress::~Progress() { finish(); }
 double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 void Progress::update(const std::string& stage, double done, std::uint64_t tets) {
+  done = done_ = std::clamp(done, done_, 1.0);
   if (form_ == Form::bar) draw_bar(stage, done, tets);
   if (form_ == Form::lines) print_line(stage, done, tets);
 }
 
 void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tets) {
-  const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * kBarWidth);
+  const int filled = static_cast<int>(done * kBarWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
   const std::string count = tets > 0 ? grouped(tets) + " tets" : "";
@@ -92,7 +93,8 @@ void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tet
 
 bool Progress::line_is_due() {
   if (seconds() < next_line_) return false;
-  next_line_ = seconds() + kSecondsBetweenLines;
+  constexpr double kShareOfTime = 0.02;  // a run of days must not fill its log
+  next_line_ = seconds() + std::max(kSecondsBetweenLines, kShareOfTime * seconds());
   return true;
 }
 
@@ -100,7 +102,18 @@ void Progress::print_line(const std::string& stage, double done, std::uint64_t t
   if (line_is_due()) say(stage, done, tets);
 }
 
+void Progress::phase(const std::string& name) {
+  if (form_ == Form::bar) {
+    fmt::print(stderr, "\r{} ...\033[K", name);
+    std::fflush(stderr);
+    bar_drawn_ = true;
+  }
+  if (form_ == Form::lines && seconds() >= kSecondsBetweenLines && line_is_due())
+    fmt::print(stderr, "weft: {}, {}\n", name, seconds_text(seconds()));
+}
+
 void Progress::say(const std::string& stage, double done, std::uint64_t tets) {
+  done = done_ = std::clamp(done, done_, 1.0);
   finish();
   const std::string count = tets > 0 ? ", " + grouped(tets) + " tets" : "";
   fmt::print(stderr, "weft: {} {:.0f} %{}, {}\n", stage, 100 * done, count, seconds_text(seconds()));

@@ -11,8 +11,8 @@ namespace weft::tools {
 
 enum class ProgressStyle { automatic, plain, none };
 
-/// "shift 2 of at most 8: 100 of 128 subdomains, ...": what a run in subdomains has done, what is wrong as
-/// yet, and how long it takes, as far as that can be told.
+/// "shift 2 of at most 8: 100 of 128 subdomains, ...": what a run in subdomains has done, what does not
+/// conform yet, and how long it will take, as far as that is known.
 std::string text_of(const graph::adaptation::RunProgress& progress);
 
 class Progress {
@@ -22,10 +22,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Share done in [0, 1], tets now (0: not known). Prints at most one plain line in two seconds.
+  /// Share of the time that is over, in [0, 1] (never shown to descend), and tets now (0: not known). Prints
+  /// at most one plain line in two seconds.
   void update(const std::string& stage, double done, std::uint64_t tets);
   /// The same for a run in subdomains.
   void update(const graph::adaptation::RunProgress& progress);
+  /// A phase has begun of a command without percentages: told on a terminal at once, else only after two
+  /// seconds.
+  void phase(const std::string& name);
   /// A line at once, whatever the style.
   void say(const std::string& stage, double done, std::uint64_t tets);
   /// Takes the bar off the terminal, so that the summary starts on a clean line.
@@ -43,6 +47,7 @@ class Progress {
   Form form_;
   Clock::time_point start_ = Clock::now();
   double next_line_ = 0;  ///< seconds from the start before which no further line is printed
+  double done_ = 0;       ///< the largest share so far
   bool bar_drawn_ = false;
 };
 
