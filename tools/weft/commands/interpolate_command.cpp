@@ -28,10 +28,10 @@ constexpr const char* kFooter = R"(Example:
   weft interpolate wing.meshb fine.meshb --field mach.solb -o fine-mach.solb --transfer conservative
 
 Linear interpolation is exact for linear fields. The conservative transfer is too; it also preserves the
-integral of every component to 1e-12 of that of its absolute value and creates no new extrema. Vertices of
-TO outside FROM get the value of the closest point. Printed for every component: its integral and its
-relative change, and the differences after interpolation back to FROM, in the L2 and the maximum norm, relative to
-the norm of the field.)";
+integral of every component to 1e-12 of that of its absolute value and creates no new extrema. Vertices
+of TO outside FROM get the value of the closest point. Printed for every component: its integral and its
+relative change, and the differences after interpolation back to FROM, in the L2 and the maximum norm,
+relative to the norm of the field.)";
 
 struct InterpolateCommand {
   std::string from, to, output;

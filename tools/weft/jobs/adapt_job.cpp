@@ -138,6 +138,7 @@ class AdaptJob {
       progress_.update(stage, share, tets);
       if (state_request_.take()) progress_.say(stage, share, tets);
     };
+    progress_.update("importing", work_->at_adaptation(0), run_.input_counts.tets);
     meshing::AdaptResult result = naming(request_.input, [&] {
       return meshing::adapt(input_, {&background(), &field_}, options);
     });

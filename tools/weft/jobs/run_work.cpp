@@ -6,7 +6,7 @@
 namespace weft::tools {
 
 RunWork::RunWork(double tets, double wanted, bool has_fields) : has_fields_(has_fields) {
-  constexpr double kRead = 0.05, kMetric = 0.2, kMeasure = 0.55;
+  constexpr double kRead = 0.05, kMetric = 0.12, kMeasure = 0.5;
   metric_ = kMetric * tets;
   measure_ = kMeasure * tets;
   before_ = kRead * tets + metric_ + measure_;

@@ -15,7 +15,8 @@ class RunWork {
 
   // The share of the run that is done when a step begins.
   double at_metric() const { return (before_ - metric_ - measure_) / sum(); }
-  double at_measures_before() const { return (before_ - measure_) / sum(); }
+  /// In the middle of it: nothing is told while it lasts.
+  double at_measures_before() const { return (before_ - 0.5 * measure_) / sum(); }
   /// `share` of the adaptation is done.
   double at_adaptation(double share) const { return (before_ + share * adapt_) / sum(); }
   double at_fields() const { return (before_ + adapt_ + measure_after_) / sum(); }
