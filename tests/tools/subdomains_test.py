@@ -234,9 +234,9 @@ class Failures(Subdomains):
         self.box(2)
         constant = ("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb")
         self.assert_all_ranks_fail("none.meshb", *constant[1:], says="none.meshb")
-        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="to another mesh")
+        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="another mesh")
         self.assert_all_ranks_fail("box.meshb", "--metric", "none.solb", "-o", "out.meshb", says="none.solb")
-        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="to another mesh")
+        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="another mesh")
         self.assert_all_ranks_fail(*constant, "--field", "none.solb", says="none.solb")
 
     def test_outputs_that_cannot_be_written(self):
