@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The long checks: all tests, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
+# The long checks: all tests, those of MPI with MPICH, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/test.sh
+scripts/test_mpich.sh
 scripts/sanitize.sh asan tsan
 # A hang that comes once in a hundred runs is a hang.
 ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100

@@ -8,7 +8,7 @@ packages=(
   libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libcgns-dev libhdf5-dev
   pkg-config libcairo2-dev
   libjs-chart.js libjs-three graphviz
-  openmpi-bin libopenmpi-dev libmetis-dev
+  openmpi-bin libopenmpi-dev mpich libmpich-dev libmetis-dev
   libgtest-dev libgmock-dev chromium python3-jsonschema
 )
 

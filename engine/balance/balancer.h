@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/base/rank.h"
-#include "engine/schedule/scheduler.h"
+#include "engine/schedule/load.h"
 #include "engine/trace/trace.h"
 
 namespace weft::engine {

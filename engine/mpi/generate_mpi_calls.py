@@ -4,6 +4,7 @@
 import argparse
 import pathlib
 import re
+import subprocess
 import sys
 
 PROTOTYPE = re.compile(
@@ -27,8 +28,11 @@ extern const std::size_t size;
 """
 
 
-def without_comments(text):
-    return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.DOTALL)
+def preprocessed(compiler, header):
+    """The header with all that it includes, comments gone, macros expanded, and their definitions kept."""
+    command = [compiler, "-E", "-dD", "-P", "-DOMPI_SKIP_MPICXX", "-DMPICH_SKIP_MPICXX", "-I", header.parent, "-x", "c",
+               header]
+    return subprocess.run(command, check=True, capture_output=True, text=True, errors="replace").stdout
 
 
 def parameter_names(arguments):
@@ -41,9 +45,8 @@ def parameter_names(arguments):
 
 def functions_in(header):
     """(return type, name, parameters, their names) of each function that can be wrapped, sorted by name."""
-    text = without_comments(header)
-    macros = set(re.findall(r"^\s*#\s*define\s+(\w+)", text, flags=re.MULTILINE))
-    declared = re.sub(r"^\s*#(?:[^\n]*\\\n)*[^\n]*$", "", text, flags=re.MULTILINE)
+    macros = set(re.findall(r"^\s*#\s*define\s+(\w+)", header, flags=re.MULTILINE))
+    declared = re.sub(r"^\s*#[^\n]*$", "", header, flags=re.MULTILINE)
     found = {}
     for match in PROTOTYPE.finditer(declared):
         name = match["name"]
@@ -51,6 +54,7 @@ def functions_in(header):
         wrappable = (
             names is not None
             and name not in macros  # a removed function, or one that MPI implements as a macro
+            and "f08" not in name  # of MPI's Fortran library, which a C program is not linked with
             and "removed" not in match["rest"]
             and "deprecated" not in match["rest"].lower()
             and re.search(rf"\bP{name}\s*\(", declared))  # no PMPI twin: nothing to pass the call on to
@@ -76,8 +80,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("header", type=pathlib.Path, help="mpi.h")
     parser.add_argument("output", type=pathlib.Path, help="the C++ source to write")
+    parser.add_argument("--compiler", default="cc", help="a C compiler that preprocesses as GCC does (default: cc)")
     arguments = parser.parse_args()
-    functions = functions_in(arguments.header.read_text(errors="replace"))
+    functions = functions_in(preprocessed(arguments.compiler, arguments.header))
     missing = NEEDED - {name for _, name, _, _ in functions}
     if len(functions) < FEWEST or missing:
         sys.exit(f"{arguments.header}: found {len(functions)} functions, not among them: "

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <climits>
 #include <cstdint>
 #include <cstdlib>
@@ -16,6 +17,7 @@
 #include <limits>
 #include <system_error>
 
+#include "engine/mpi/ancestry.h"
 #include "engine/mpi/mpi_calls.h"
 #include "engine/mpi/node_table.h"
 
@@ -29,6 +31,9 @@ using Sizes = std::vector<std::uint64_t>;
 /// one with more to say about what follows (see Trailer). The former goes as it is, without being copied.
 constexpr int kLoneHeadTag = 0;
 constexpr int kHeadTag = 1;
+/// The sender goes, see LeaveNotice: the number of its last phase, and why.
+constexpr int kLeaveTag = 2;
+constexpr int kAbandonTag = 3;
 constexpr std::size_t kHeadReceives = 16;
 /// So many sizes of segments travel behind the head; more go as a message of their own, before the segments.
 constexpr std::size_t kInlineSizes = 64;
@@ -162,7 +167,10 @@ class Requests {
 void start_mpi(int* argc, char*** argv) {
   int initialized = 0;
   check(MPI_Initialized(&initialized), "MPI_Initialized");
-  if (initialized) throw TransportError("MPI has been initialised already; a process has one MpiTransport");
+  if (initialized) {
+    throw TransportError(
+        "MPI has been initialised already; then an MpiTransport is made on a communicator of the program");
+  }
   int provided = 0;
   check(MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   if (provided < MPI_THREAD_FUNNELED)
@@ -171,17 +179,33 @@ void start_mpi(int* argc, char*** argv) {
   check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
 }
 
-MPI_Comm own_communicator() {
+MPI_Comm duplicate(MPI_Comm original) {
   MPI_Comm communicator = MPI_COMM_NULL;
-  check(MPI_Comm_dup(MPI_COMM_WORLD, &communicator), "MPI_Comm_dup");
+  check(MPI_Comm_dup(original, &communicator), "MPI_Comm_dup");
   check(MPI_Comm_set_errhandler(communicator, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  return communicator;
+}
+
+/// What can be seen to be wrong with the caller's use of MPI before anything collective.
+MPI_Comm checked(CallersCommunicator callers) {
+  if (!mpi_is_running()) throw TransportError("MPI is not running: the caller initialises it");
+  if (callers.mpi_comm == nullptr) throw TransportError("there is no communicator at a null address");
+  const MPI_Comm communicator = *static_cast<const MPI_Comm*>(callers.mpi_comm);
+  if (communicator == MPI_COMM_NULL) throw TransportError("the communicator is MPI_COMM_NULL");
+  int provided = 0, is_main = 0, is_inter = 0;
+  check(MPI_Query_thread(&provided), "MPI_Query_thread");
+  check(MPI_Is_thread_main(&is_main), "MPI_Is_thread_main");
+  if (provided < MPI_THREAD_SERIALIZED && !is_main)
+    throw TransportError("MPI was initialised for calls from its main thread only, which this is not");
+  check(MPI_Comm_test_inter(communicator, &is_inter), "MPI_Comm_test_inter");
+  if (is_inter) throw TransportError("the communicator is an intercommunicator");
   return communicator;
 }
 
 /// The ranks of this node, and the table they share.
 class Node {
  public:
-  explicit Node(MPI_Comm world) {
+  Node(MPI_Comm world, bool share) : share_(share) {
     int rank = 0, size = 0;
     check(MPI_Comm_rank(world, &rank), "MPI_Comm_rank");
     check(MPI_Comm_size(world, &size), "MPI_Comm_size");
@@ -205,6 +229,11 @@ class Node {
     for (const Rank rank : ranks_) ring(rank);
   }
 
+  bool watches(Rank rank) const {
+    const NodePlace* place = lines_[rank.index()];
+    return place && table_.watches(static_cast<std::size_t>(place - &table_[0]));
+  }
+
   std::optional<Rank> dead() const {
     const auto line = table_.dead();
     return line ? std::optional(ranks_[*line]) : std::nullopt;
@@ -219,7 +248,7 @@ class Node {
     check(MPI_Comm_size(local, &size), "MPI_Comm_size");
     std::vector<int> ranks(static_cast<std::size_t>(size));
     check(MPI_Allgather(&rank, 1, MPI_INT, ranks.data(), 1, MPI_INT, local), "MPI_Allgather");
-    if (size > 1 && attach_table(local, line, ranks.size())) {
+    if (share_ && size > 1 && attach_table(local, line, ranks.size())) {
       own_line_ = static_cast<std::size_t>(line);
       for (const int each : ranks) ranks_.emplace_back(each);
     } else {
@@ -247,7 +276,8 @@ class Node {
 
   /// Leaves `name` empty when it cannot.
   bool create_table(std::size_t lines, std::array<char, 64>& name) {
-    const auto text = "/weft-" + std::to_string(getpid()) + "-" +
+    static std::atomic<unsigned> tables{0};  // a process may have several transports at once
+    const auto text = "/weft-" + std::to_string(getpid()) + "-" + std::to_string(tables++) + "-" +
                       std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
     try {
       table_ = NodeTable::create(lines, text);
@@ -267,6 +297,7 @@ class Node {
     }
   }
 
+  bool share_;
   NodeTable table_;
   std::size_t own_line_ = 0;
   std::vector<Rank> ranks_;        ///< by line
@@ -277,7 +308,10 @@ class Node {
 
 class MpiTransport::Impl {
  public:
-  explicit Impl(MpiTransportOptions options);
+  /// Whose MPI it is.
+  enum class Mpi { own, callers };
+
+  Impl(MPI_Comm communicator, Mpi mpi, MpiTransportOptions options);
 
   Rank rank() const { return rank_; }
   int size() const { return static_cast<int>(sent_.size()); }
@@ -287,12 +321,27 @@ class MpiTransport::Impl {
   bool poll(const Receive& receive);
   void wait(std::chrono::nanoseconds at_most);
   void wake() noexcept { node_.own().bell.ring(); }
-  std::optional<Rank> dead_peer() const { return node_.dead(); }
+  std::optional<Rank> dead() const { return node_.dead(); }
+  bool watches(Rank rank) const { return node_.watches(rank); }
+  const std::vector<LeaveNotice>& notices() const { return notices_; }
+  void leave(std::uint32_t ended_phase, const std::string& why) noexcept {
+    depart(kLeaveTag, ended_phase, why);
+  }
   void close();
-  void abandon() noexcept;
+  void abandon(std::uint32_t ended_phase) noexcept;
+  bool abandoned() const { return state_ == State::kAbandoned; }
+
+  /// MPI may still read and write its buffers, so it is never destroyed; leak checkers see it in a list.
+  static void leave_behind(std::unique_ptr<Impl> impl) noexcept {
+    static std::atomic<Impl*> last{nullptr};
+    impl->left_before_ = last;
+    while (!last.compare_exchange_weak(impl->left_before_, impl.get())) {
+    }
+    impl.release();
+  }
 
  private:
-  enum class State { kOpen, kClosing, kClosed };
+  enum class State { kOpen, kClosing, kClosed, kAbandoned };
 
   /// One of the receives posted in advance.
   struct HeadReceive {
@@ -310,13 +359,19 @@ class MpiTransport::Impl {
   void post_heads();
   void post(HeadReceive& slot);
 
-  void send_lone_head(Rank to, Packet packet);
+  void check_usable() const;
+  void depart(int tag, std::uint32_t ended_phase, const std::string& why) noexcept;
+  void send_lone_head(Rank to, int tag, Packet packet);
   void send_all(Rank to, Packet packet);
   void send_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size, int tag);
   void post_queued();
   std::int32_t next_tag(Rank to);
 
   bool receive_heads(const Receive& receive);
+  void take_head(Rank from, int tag, std::span<const std::byte> message, const Receive& receive);
+  void note_leaving(Rank from, int tag, std::span<const std::byte> message);
+  template <class Step>
+  void receive_segments(Rank from, const Step& step);
   void expect_segments(Rank from, std::span<const std::byte> message);
   void post_segments(const std::shared_ptr<Incoming>& in);
   void receive_bytes(const std::shared_ptr<Incoming>& in, void* data, std::size_t size);
@@ -329,8 +384,11 @@ class MpiTransport::Impl {
   void check_deaths();
   void cancel_heads();
 
-  MPI_Comm head_comm_ = own_communicator();
-  MPI_Comm segment_comm_ = own_communicator();
+  Impl* left_before_ = nullptr;
+  std::string broken_;  ///< why nothing can be received any more
+  Mpi mpi_;
+  MPI_Comm head_comm_;
+  MPI_Comm segment_comm_;
   std::size_t chunk_;
   Node node_;
   Rank rank_;
@@ -347,13 +405,19 @@ class MpiTransport::Impl {
   std::vector<std::uint64_t> sent_, received_;  ///< packets by rank, whole ones; close() compares them
   std::vector<std::size_t> unsent_;
   std::vector<std::int64_t> tagged_;  ///< packets with segments, by rank
+  std::vector<LeaveNotice> notices_;
 
   Sleeper::Ticket seen_ = 0;
   int quiet_ = 0;  ///< waits since anything happened
   std::chrono::steady_clock::time_point next_death_watch_;
 };
 
-MpiTransport::Impl::Impl(MpiTransportOptions options) : chunk_(options.chunk_bytes), node_(head_comm_) {
+MpiTransport::Impl::Impl(MPI_Comm communicator, Mpi mpi, MpiTransportOptions options)
+    : mpi_(mpi),
+      head_comm_(duplicate(communicator)),
+      segment_comm_(duplicate(communicator)),
+      chunk_(options.chunk_bytes),
+      node_(head_comm_, options.shared_memory) {
   if (chunk_ < 1 || chunk_ > INT_MAX) throw TransportError("chunk_bytes must be 1 to 2147483647");
   int rank = 0, size = 0;
   check(MPI_Comm_rank(head_comm_, &rank), "MPI_Comm_rank");
@@ -364,7 +428,8 @@ MpiTransport::Impl::Impl(MpiTransportOptions options) : chunk_(options.chunk_byt
   tagged_.resize(sent_.size());
   const int* most = nullptr;
   int given = 0;
-  check(MPI_Comm_get_attr(segment_comm_, MPI_TAG_UB, static_cast<void*>(&most), &given), "MPI_Comm_get_attr");
+  check(MPI_Comm_get_attr(MPI_COMM_WORLD, MPI_TAG_UB, static_cast<void*>(&most), &given),
+        "MPI_Comm_get_attr");
   tags_ = (given ? std::int64_t{*most} : 32767) + 1;  // 32767 is what every MPI has
   post_heads();
 }
@@ -387,6 +452,7 @@ void MpiTransport::Impl::post(HeadReceive& slot) {
 // ---- sending
 
 void MpiTransport::Impl::send(Rank to, Packet packet) {
+  check_usable();
   if (state_ != State::kOpen) throw TransportError("nothing can be sent any more: the network is closed");
   if (!to.valid() || to.value >= size()) {
     throw TransportError("there is no rank " + std::to_string(to.value) + " among " + std::to_string(size()));
@@ -402,14 +468,18 @@ void MpiTransport::Impl::send(Rank to, Packet packet) {
     return;
   }
   ++sent_[to.index()];
-  packet.segments.empty() ? send_lone_head(to, std::move(packet)) : send_all(to, std::move(packet));
+  if (packet.segments.empty()) {
+    send_lone_head(to, kLoneHeadTag, std::move(packet));
+  } else {
+    send_all(to, std::move(packet));
+  }
   node_.ring(to);
 }
 
 /// Most packets are a short head only, which MPI takes over at once: nothing to remember then.
-void MpiTransport::Impl::send_lone_head(Rank to, Packet packet) {
+void MpiTransport::Impl::send_lone_head(Rank to, int tag, Packet packet) {
   MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Isend(packet.head.data(), static_cast<int>(packet.head.size()), MPI_BYTE, to.value, kLoneHeadTag,
+  check(MPI_Isend(packet.head.data(), static_cast<int>(packet.head.size()), MPI_BYTE, to.value, tag,
                   head_comm_, &request),
         "MPI_Isend");
   int sent = 0;
@@ -419,6 +489,23 @@ void MpiTransport::Impl::send_lone_head(Rank to, Packet packet) {
   ++out->open;
   *sends_.add(out) = request;
   ++unsent_[to.index()];
+}
+
+/// Best effort: a rank that cannot be told finds out in another way, or never.
+void MpiTransport::Impl::depart(int tag, std::uint32_t ended_phase, const std::string& why) noexcept {
+  if (state_ == State::kClosed || state_ == State::kAbandoned) return;
+  try {
+    for (int r = 0; r < size(); ++r) {
+      if (r == rank_.value) continue;
+      Packet packet;
+      append(packet.head, &ended_phase, 1);
+      append(packet.head, why.data(), std::min(why.size(), kShortHead - sizeof ended_phase));
+      ++sent_[static_cast<std::size_t>(r)];
+      send_lone_head(Rank(r), tag, std::move(packet));
+      node_.ring(Rank(r));
+    }
+  } catch (const std::exception&) {
+  }
 }
 
 void MpiTransport::Impl::send_all(Rank to, Packet packet) {
@@ -476,13 +563,23 @@ std::int32_t MpiTransport::Impl::next_tag(Rank to) {
 
 // ---- receiving
 
+void MpiTransport::Impl::check_usable() const {
+  if (state_ == State::kAbandoned) throw TransportError("the network has been abandoned");
+  if (!broken_.empty()) throw TransportError(broken_);
+}
+
 bool MpiTransport::Impl::poll(const Receive& receive) {
+  check_usable();
   if (state_ == State::kClosed) throw TransportError("the network is closed");
   // Sends first: what they free is there for what comes in.
-  bool any = sends_.test([&](const std::shared_ptr<Outgoing>& out) { --unsent_[out->to.index()]; });
+  bool any = sends_.test([&](const std::shared_ptr<Outgoing>& out) {
+    --unsent_[out->to.index()];
+    node_.ring(out->to);  // of a long head it may have slept since its first part came
+  });
   post_queued();
   any |= receive_heads(receive);
-  any |= receives_.test([&](const std::shared_ptr<Incoming>& in) { take_finished(in); });
+  any |= receives_.test(
+      [&](const std::shared_ptr<Incoming>& in) { receive_segments(in->from, [&] { take_finished(in); }); });
   any |= deliver(receive);
   if (any) quiet_ = 0;
   return any;
@@ -492,7 +589,6 @@ bool MpiTransport::Impl::poll(const Receive& receive) {
 bool MpiTransport::Impl::receive_heads(const Receive& receive) {
   for (std::size_t handled = 0; handled < kHeadReceives; ++handled) {
     HeadReceive& slot = heads_[head_];
-    if (!slot.posted) post(slot);  // `receive` threw last time
     int arrived = 0, bytes = 0;
     MPI_Status status;
     check(MPI_Test(&slot.request, &arrived, &status), "MPI_Test");
@@ -500,17 +596,44 @@ bool MpiTransport::Impl::receive_heads(const Receive& receive) {
     slot.posted = false;
     head_ = (head_ + 1) % kHeadReceives;
     check(MPI_Get_count(&status, MPI_BYTE, &bytes), "MPI_Get_count");
-    const std::span<const std::byte> message(slot.buffer.data(), static_cast<std::size_t>(bytes));
-    const Rank from(status.MPI_SOURCE);
-    if (status.MPI_TAG == kLoneHeadTag) {
-      ++received_[from.index()];
-      receive(from, message, {});
-    } else {
-      expect_segments(from, message);
+    try {
+      take_head(Rank(status.MPI_SOURCE), status.MPI_TAG,
+                {slot.buffer.data(), static_cast<std::size_t>(bytes)}, receive);
+    } catch (...) {
+      post(slot);  // else the ring would come to it only after 15 more, and wait for what others have taken
+      throw;
     }
     post(slot);
   }
   return true;
+}
+
+void MpiTransport::Impl::take_head(Rank from, int tag, std::span<const std::byte> message,
+                                   const Receive& receive) {
+  if (tag == kHeadTag) return receive_segments(from, [&] { expect_segments(from, message); });
+  ++received_[from.index()];
+  if (tag != kLoneHeadTag) return note_leaving(from, tag, message);
+  receive(from, message, {});
+}
+
+void MpiTransport::Impl::note_leaving(Rank from, int tag, std::span<const std::byte> message) {
+  LeaveNotice notice{from, 0, {}, tag == kLeaveTag};
+  std::memcpy(&notice.ended_phase, message.data(), sizeof notice.ended_phase);
+  const auto why = message.subspan(sizeof notice.ended_phase);
+  notice.why.assign(reinterpret_cast<const char*>(why.data()), why.size());
+  notices_.push_back(std::move(notice));
+}
+
+/// A step that fails (memory is short) leaves messages on their way that nothing will ever receive, and may
+/// leave a packet that must not be taken for whole: that is the end of this network.
+template <class Step>
+void MpiTransport::Impl::receive_segments(Rank from, const Step& step) {
+  try {
+    step();
+  } catch (const std::exception& error) {
+    broken_ = "a packet from rank " + std::to_string(from.value) + " cannot be received: " + error.what();
+    throw TransportError(broken_);
+  }
 }
 
 void MpiTransport::Impl::expect_segments(Rank from, std::span<const std::byte> message) {
@@ -577,6 +700,7 @@ bool MpiTransport::Impl::deliver(const Receive& receive) {
 // ---- sleeping
 
 void MpiTransport::Impl::wait(std::chrono::nanoseconds at_most) {
+  check_usable();
   if (!arrived_.empty()) return;
   const bool busy = !sends_.empty() || !receives_.empty();
   if (busy && quiet_ < kYields) {
@@ -603,25 +727,29 @@ std::chrono::nanoseconds MpiTransport::Impl::longest_sleep() {
 // ---- the end
 
 void MpiTransport::Impl::close() {
+  check_usable();
   if (state_ == State::kClosed) return;
   state_ = State::kClosing;
   arrived_.clear();
   std::vector<std::uint64_t> expected(sent_.size());
   MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Ialltoall(sent_.data(), 1, MPI_UINT64_T, expected.data(), 1, MPI_UINT64_T, head_comm_, &request),
-        "MPI_Ialltoall");
+  // Not on the communicator of the heads: on one rank MPICH 4.0 lets receives with any tag take the messages
+  // of its collective calls.
+  check(
+      MPI_Ialltoall(sent_.data(), 1, MPI_UINT64_T, expected.data(), 1, MPI_UINT64_T, segment_comm_, &request),
+      "MPI_Ialltoall");
   node_.ring_all();
   finish(request);
   while (received_ != expected || !sends_.empty() || !receives_.empty()) drop();
   // Behind this nobody sends anything: the receives in advance can go.
-  check(MPI_Ibarrier(head_comm_, &request), "MPI_Ibarrier");
+  check(MPI_Ibarrier(segment_comm_, &request), "MPI_Ibarrier");
   node_.ring_all();
   finish(request);
   cancel_heads();
   node_.own().closed = true;
   for (MPI_Comm* communicator : {&head_comm_, &segment_comm_})
     check(MPI_Comm_free(communicator), "MPI_Comm_free");
-  check(MPI_Finalize(), "MPI_Finalize");
+  if (mpi_ == Mpi::own) check(MPI_Finalize(), "MPI_Finalize");
   state_ = State::kClosed;
 }
 
@@ -650,6 +778,11 @@ void MpiTransport::Impl::check_deaths() {
     throw TransportError("rank " + std::to_string(rank->value) +
                          " has died; the network cannot be closed without it");
   }
+  for (const LeaveNotice& notice : notices_) {
+    if (notice.will_close) continue;
+    throw TransportError("rank " + std::to_string(notice.rank.value) + " " + notice.why +
+                         "; the network cannot be closed without it");
+  }
 }
 
 void MpiTransport::Impl::cancel_heads() {
@@ -662,25 +795,46 @@ void MpiTransport::Impl::cancel_heads() {
   }
 }
 
-void MpiTransport::Impl::abandon() noexcept {
-  if (state_ != State::kClosed) MPI_Abort(MPI_COMM_WORLD, 2);
+void MpiTransport::Impl::abandon(std::uint32_t ended_phase) noexcept {
+  if (state_ == State::kClosed || state_ == State::kAbandoned) return;
+  if (mpi_ == Mpi::own) MPI_Abort(MPI_COMM_WORLD, 2);
+  depart(kAbandonTag, ended_phase, "has abandoned the network");
+  state_ = State::kAbandoned;
 }
 
 // ---- the class as others see it
 
 bool under_mpirun() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"}) {
-    if (std::getenv(name)) return true;
+    if (std::getenv(name)) return !inherited_from_rank(name);
   }
   return false;
 }
 
-MpiTransport::MpiTransport(int* argc, char*** argv, MpiTransportOptions options) {
-  start_mpi(argc, argv);
-  impl_ = std::make_unique<Impl>(options);
+bool mpi_is_running() {
+  int initialized = 0, finalized = 0;
+  check(MPI_Initialized(&initialized), "MPI_Initialized");
+  check(MPI_Finalized(&finalized), "MPI_Finalized");
+  return initialized && !finalized;
 }
 
-MpiTransport::~MpiTransport() { impl_->abandon(); }
+CallersCommunicator world_of_caller() {
+  static const MPI_Comm world = MPI_COMM_WORLD;
+  return {&world};
+}
+
+MpiTransport::MpiTransport(int* argc, char*** argv, MpiTransportOptions options) {
+  start_mpi(argc, argv);
+  impl_ = std::make_unique<Impl>(MPI_COMM_WORLD, Impl::Mpi::own, options);
+}
+
+MpiTransport::MpiTransport(CallersCommunicator communicator, MpiTransportOptions options)
+    : impl_(std::make_unique<Impl>(checked(communicator), Impl::Mpi::callers, options)) {}
+
+MpiTransport::~MpiTransport() {
+  impl_->abandon(ended_phase());
+  if (impl_->abandoned()) Impl::leave_behind(std::move(impl_));
+}
 
 Rank MpiTransport::rank() const { return impl_->rank(); }
 int MpiTransport::size() const { return impl_->size(); }
@@ -689,9 +843,14 @@ bool MpiTransport::poll(const Receive& receive) { return impl_->poll(receive); }
 std::size_t MpiTransport::unsent(Rank to) const { return impl_->unsent(to); }
 void MpiTransport::wait(std::chrono::nanoseconds at_most) { impl_->wait(at_most); }
 void MpiTransport::wake() noexcept { impl_->wake(); }
-std::optional<Rank> MpiTransport::dead_peer() { return impl_->dead_peer(); }
+std::optional<LostPeer> MpiTransport::lost_peer() {
+  if (const auto dead = impl_->dead()) return LostPeer{*dead, "died: its process is gone"};
+  return missed_in(phase(), impl_->notices());
+}
+bool MpiTransport::watches(Rank rank) const { return impl_->watches(rank); }
+void MpiTransport::leave(const std::string& why) noexcept { impl_->leave(ended_phase(), why); }
 void MpiTransport::close() { impl_->close(); }
-void MpiTransport::abandon() noexcept { impl_->abandon(); }
+void MpiTransport::abandon() noexcept { impl_->abandon(ended_phase()); }
 std::vector<std::pair<std::string, long>> MpiTransport::calls() const { return mpi_calls(); }
 
 }  // namespace weft::engine

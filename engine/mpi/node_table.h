@@ -47,6 +47,8 @@ class NodeTable {
   /// (another process namespace) is never reported. Called when all have signed in.
   void watch(std::size_t self);
 
+  bool watches(std::size_t line) const;
+
   /// A watched process that has ended without setting `closed`.
   std::optional<std::size_t> dead() const;
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace weft::engine {
@@ -10,6 +13,7 @@ namespace {
 
 /// First bytes of every packet.
 struct PacketHeader {
+  std::uint64_t program;
   double load;
   std::uint64_t credit;  ///< counted bytes that the sender of this packet has consumed
   std::uint32_t phase;
@@ -48,14 +52,17 @@ T take_plain(std::span<const std::byte>& from) {
 
 }  // namespace
 
-Exchange::Exchange(Transport& transport, ExchangeOptions options)
+Exchange::Exchange(Transport& transport, ExchangeOptions options, std::uint64_t program)
     : transport_(transport),
       options_{std::max(options.window_bytes, kLeastWindow), options.backlog_bytes},
+      program_(program ^ (sizeof(PacketHeader) << 8 | sizeof(FrameHeader))),
       peers_(static_cast<std::size_t>(transport.size())),
       is_pending_(peers_.size(), false),
       credits_(std::make_unique<std::atomic<std::uint64_t>[]>(peers_.size())) {}
 
 void Exchange::post(Rank to, FrameKind kind, Payload payload) {
+  if (!to.valid() || to.index() >= peers_.size())
+    throw std::out_of_range("there is no rank " + std::to_string(to.value) + " to send to");
   const std::size_t wire_bytes = payload.size() + sizeof(FrameHeader);
   if (is_counted(kind)) backlog_ += wire_bytes;
   bool first;
@@ -194,7 +201,7 @@ bool Exchange::flush(Rank to, Peer& peer) {
 
 void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
   Packet packet;
-  PacketHeader header{load_, credit, phase_, 0};
+  PacketHeader header{program_, load_, credit, phase_, 0};
   packet.head.reserve(1024);
   append_plain(packet.head, header);
   std::size_t sent_bytes = 0;
@@ -246,12 +253,20 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
   }
   Peer& peer = peers_[from.index()];
   peer.load = header.load;
+  if (header.credit > peer.under_way) throw TransportError("a rank confirms more than was sent to it");
   peer.under_way -= header.credit;
   auto segment = segments.begin();
   const auto take_segment = [&] {
     if (segment == segments.end()) throw TransportError("a packet lacks a segment");
     return std::move(*segment++);
   };
+  std::exception_ptr failure;
+  const bool same_program = header.program == program_;
+  if (!same_program) {
+    failure = std::make_exception_ptr(
+        std::runtime_error("rank " + std::to_string(from.value) +
+                           " runs another program (its objects and methods are not the same)"));
+  }
   for (std::uint32_t i = 0; i < header.frames; ++i) {
     const auto frame_header = take_plain<FrameHeader>(head);
     Frame frame{frame_header.kind, {}, 0};
@@ -268,8 +283,14 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
     for (std::uint32_t s = 0; s < frame_header.segments; ++s)
       frame.payload.segments.push_back(take_segment());
     frame.wire_bytes = frame.payload.size() + sizeof(FrameHeader);
-    if (header.phase == phase_) deliver(from, std::move(frame), receive);
+    if (header.phase != phase_ || (!same_program && is_counted(frame.kind))) continue;
+    try {
+      deliver(from, std::move(frame), receive);
+    } catch (...) {  // the frames behind it are no worse for it: one may be the stop that all wait for
+      if (!failure) failure = std::current_exception();
+    }
   }
+  if (failure) std::rethrow_exception(failure);
 }
 
 void Exchange::deliver(Rank from, Frame frame, const Receive& receive) {

@@ -51,9 +51,11 @@ class Exchange {
  public:
   using Receive = std::function<void(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes)>;
 
-  Exchange(Transport& transport, ExchangeOptions options);
+  /// `program` is the same on all ranks whose messages mean the same (Registry::fingerprint()); another in a
+  /// packet is an error, though what concerns the end of the run is still heard.
+  Exchange(Transport& transport, ExchangeOptions options, std::uint64_t program = 0);
 
-  /// Hands a frame over for sending, from any thread.
+  /// Hands a frame over for sending, from any thread. Throws std::out_of_range when there is no such rank.
   void post(Rank to, FrameKind kind, Payload payload);
 
   /// Holds a worker up while more than backlog_bytes wait to be sent. It never waits while a message from
@@ -124,6 +126,7 @@ class Exchange {
 
   Transport& transport_;
   ExchangeOptions options_;
+  std::uint64_t program_;
   std::vector<Peer> peers_;
   std::vector<Rank> pending_peers_;  ///< those with frames, each once
   std::vector<bool> is_pending_;

@@ -1,6 +1,7 @@
 // Packets change hands through locked queues.
 #include "engine/network/loopback_transport.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdlib>
@@ -18,8 +19,14 @@ struct LoopbackNetwork::Shared {
   OnAbandon on_abandon;
   std::vector<std::atomic<bool>> dead;
   std::mutex mutex;
-  std::condition_variable all_closed;
+  std::condition_variable closing;
   int closed = 0;
+  std::vector<LeaveNotice> notices;
+
+  bool abandoned() const {
+    return std::any_of(notices.begin(), notices.end(),
+                       [](const LeaveNotice& notice) { return !notice.will_close; });
+  }
 };
 
 class LoopbackNetwork::Node final : public Transport {
@@ -62,26 +69,41 @@ class LoopbackNetwork::Node final : public Transport {
 
   void wake() noexcept override { bell_.ring(); }
 
-  std::optional<Rank> dead_peer() override {
+  std::optional<LostPeer> lost_peer() override {
     for (int r = 0; r < size(); ++r) {
-      if (r != rank_.value && network_.shared_->dead[static_cast<std::size_t>(r)]) return Rank(r);
+      if (r != rank_.value && network_.shared_->dead[static_cast<std::size_t>(r)])
+        return LostPeer{Rank(r), "died: its process is gone"};
     }
-    return std::nullopt;
+    const std::lock_guard lock(network_.shared_->mutex);
+    return missed_in(phase(), network_.shared_->notices);
   }
+
+  void leave(const std::string& why) noexcept override { depart({rank_, ended_phase(), why, true}); }
 
   void close() override {
     Shared& shared = *network_.shared_;
     std::unique_lock lock(shared.mutex);
     ++shared.closed;
-    shared.all_closed.notify_all();
-    shared.all_closed.wait(lock, [&] { return shared.closed >= shared.ranks; });
+    shared.closing.notify_all();
+    shared.closing.wait(lock, [&] { return shared.closed >= shared.ranks || shared.abandoned(); });
+    if (shared.closed < shared.ranks) throw TransportError("a rank has abandoned the network");
   }
 
   void abandon() noexcept override {
     if (network_.shared_->on_abandon == OnAbandon::exit) std::_Exit(2);
+    depart({rank_, ended_phase(), "has abandoned the network", false});
   }
 
  private:
+  void depart(LeaveNotice notice) {
+    {
+      const std::lock_guard lock(network_.shared_->mutex);
+      network_.shared_->notices.push_back(std::move(notice));
+    }
+    network_.shared_->closing.notify_all();
+    for (auto& node : network_.nodes_) node->wake();
+  }
+
   void put(Rank from, Packet packet) {
     {
       const std::lock_guard lock(mutex_);

@@ -14,14 +14,14 @@ class LoopbackNetwork {
  public:
   enum class OnAbandon { carry_on, exit };
 
-  /// `on_abandon`: what abandon() does: nothing, as a test wants it, or end the process at once with
-  /// status 2.
+  /// `on_abandon`: what abandon() does: tell the other ranks and carry on, as a test wants it, or end the
+  /// process at once with status 2.
   explicit LoopbackNetwork(int ranks, OnAbandon on_abandon = OnAbandon::carry_on);
   ~LoopbackNetwork();
 
   Transport& transport(Rank rank);
 
-  /// As if the rank's process were gone: what is sent to it vanishes, and the others' dead_peer() tells.
+  /// As if the rank's process were gone: what is sent to it vanishes, and the others' lost_peer() tells.
   void kill(Rank rank);
 
  private:

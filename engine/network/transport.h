@@ -30,6 +30,21 @@ struct KeptPacket {
   std::vector<Blob> segments;
 };
 
+/// A rank for which the others would wait in vain.
+struct LostPeer {
+  Rank rank;
+  std::string how;          ///< what follows the words "rank 3"
+  bool will_close = false;  ///< it has left and comes to close(); else close() would wait for ever
+};
+
+/// What a rank tells the others when it goes: see Transport::leave() and abandon().
+struct LeaveNotice {
+  Rank rank;
+  std::uint32_t ended_phase = 0;  ///< the last in which it took part until the end
+  std::string why;
+  bool will_close = false;
+};
+
 /// The network broke, or was misused; the run cannot go on.
 class TransportError : public std::runtime_error {
  public:
@@ -74,16 +89,27 @@ class Transport {
   /// Ends wait(). From any thread or signal handler.
   virtual void wake() noexcept = 0;
 
-  /// A rank whose process is known to be gone (it did not call close()); cheap enough to ask once a second.
-  virtual std::optional<Rank> dead_peer() = 0;
+  /// A rank that will not take part in the current phase (see next_phase()): its process is gone though it
+  /// did not call close(), or it has abandoned the network, or it has left after an earlier phase. Cheap
+  /// enough to ask a few times a second.
+  virtual std::optional<LostPeer> lost_peer() = 0;
+
+  /// True when the end of that rank's process is seen by lost_peer(): its silence means nothing then.
+  virtual bool watches(Rank) const { return false; }
+
+  /// Tells all others that this rank takes part in no phase any more, but will call close(). `why` follows
+  /// the words "rank 3" in what they report.
+  virtual void leave(const std::string& why) noexcept = 0;
 
   /// The last act of all ranks, in whatever state each is: what has been sent and not yet been received is
   /// received and dropped, so that nobody is left with half a message; then the network is shut down. All
-  /// ranks must call it, and it waits for them; when one is dead, abandon() it is. May use collective calls:
-  /// the run is over.
+  /// ranks must call it, and it waits for them, however long they take to come. Throws TransportError when a
+  /// rank is known to be dead or to have abandoned the network; then abandon() remains. May use collective
+  /// calls: the run is over.
   virtual void close() = 0;
 
-  /// Gives up on the network without waiting for anybody; allowed when a peer has died.
+  /// Gives up on the network without waiting for anybody; allowed when a peer has died. Whether it ends the
+  /// process is said by each transport; if not, all later use but wake() throws TransportError.
   virtual void abandon() noexcept = 0;
 
   /// Network calls made so far by this process, by name ("MPI_Isend"), for reports and for the test that none
@@ -94,11 +120,27 @@ class Transport {
   /// may be a phase ahead of another: what it sends is kept here, beyond the life of whoever uses the network
   /// now. Only a transport that passes everything on to another overrides these.
   virtual std::uint32_t next_phase() { return ++phase_; }
+  /// The current phase is over for this rank, in good order.
+  virtual void end_phase() { ended_phase_ = phase_; }
   virtual void keep(KeptPacket packet) { kept_.push_back(std::move(packet)); }
   virtual std::vector<KeptPacket> take_kept() { return std::exchange(kept_, {}); }
 
+ protected:
+  std::uint32_t phase() const { return phase_; }
+  std::uint32_t ended_phase() const { return ended_phase_; }
+
+  /// The first of those ranks that the phase waits for in vain.
+  static std::optional<LostPeer> missed_in(std::uint32_t phase, std::span<const LeaveNotice> notices) {
+    for (const LeaveNotice& notice : notices) {
+      if (notice.will_close && notice.ended_phase >= phase) continue;
+      return LostPeer{notice.rank, notice.why, notice.will_close};
+    }
+    return std::nullopt;
+  }
+
  private:
   std::uint32_t phase_ = 0;
+  std::uint32_t ended_phase_ = 0;
   std::vector<KeptPacket> kept_;
 };
 

@@ -17,7 +17,19 @@ void insert_once(Map& map, const Key& key, Value value, const std::string& what)
   if (!map.try_emplace(key, value).second) throw std::logic_error(what + " is registered already");
 }
 
+std::uint64_t spread(std::uint64_t value) {
+  value = (value + 1) * 0x9E3779B97F4A7C15u;
+  return (value ^ value >> 32) * 0xD6E8FEB86659FD93u;
+}
+
 }  // namespace
+
+std::uint64_t Registry::fingerprint() const {
+  std::uint64_t sum = spread(sizeof(Envelope));  // a sum: the order of registration is no difference
+  for (const auto& type : types_) sum += spread(std::uint64_t{type->id} << 1 | (type->movable ? 1 : 0));
+  for (const auto& method : methods_) sum += spread(std::uint64_t{1} << 40 | method->id);
+  return sum;
+}
 
 std::uint32_t Registry::add_type(const void* key, TypeInfo info) {
   info.id = hash_of(info.name);

@@ -219,6 +219,9 @@ class Registry {
   std::vector<std::string> method_names() const;
   std::size_t methods() const { return methods_.size(); }
 
+  /// The same for registries with the same types and methods: their names, and which types can move.
+  std::uint64_t fingerprint() const;
+
  private:
   std::uint32_t add_type(const void* key, TypeInfo info);
   void add_method(const void* key, std::uint32_t type, std::string_view name,

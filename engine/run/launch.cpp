@@ -3,22 +3,25 @@
 
 #include <cstdio>
 #include <exception>
-#include <memory>
+#include <string>
 
-#include "engine/mpi/mpi_transport.h"
 #include "engine/network/loopback_transport.h"
 #include "engine/run/runtime.h"
 
 namespace weft::engine {
 namespace {
 
-int run(Transport& transport, const std::function<int(Transport&)>& body) {
+/// In a program of its own: what goes wrong is written, and ends all ranks if they cannot end in good order.
+int run_program(Transport& transport, const std::function<int(Transport&)>& body) {
   int status = kExitFailed;
   bool broken = false;
   try {
     status = body(transport);
+    // Who sees an error that others do not see must not let them wait.
+    if (status != 0) transport.leave("has ended with status " + std::to_string(status));
   } catch (const RunFailure& failure) {
     broken = failure.network_broken();
+    if (!broken) transport.leave(std::string("has failed: ") + failure.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: rank %d: %s\n", transport.rank().value, error.what());
     broken = true;
@@ -35,15 +38,88 @@ int run(Transport& transport, const std::function<int(Transport&)>& body) {
   return status;
 }
 
+/// As a guest of a program that uses MPI itself.
+int run_as_guest(const std::function<int(Transport&)>& body, MpiTransportOptions options) {
+  int status = kExitFailed;
+  const auto leave_unless_done = [&](Transport& transport) {
+    status = body(transport);
+    if (status != 0) transport.leave("has ended with status " + std::to_string(status));
+  };
+  try {
+    run_on(world_of_caller(), leave_unless_done, options);
+  } catch (const RunFailure&) {  // written where it happened
+    if (status == 0) status = kExitFailed;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    status = kExitFailed;
+  }
+  return status;
+}
+
+/// Of a rank whose body has thrown: what that was is of more interest than how the end went.
+/// True when all have come.
+bool close_after_failure(Transport& transport) noexcept {
+  try {
+    transport.close();
+    return true;
+  } catch (const TransportError&) {
+    transport.abandon();
+    return false;
+  }
+}
+
+void close_after_success(Transport& transport) {
+  transport.next_phase();  // whoever has left will be missed in it
+  try {
+    transport.close();
+  } catch (const TransportError& error) {
+    transport.abandon();
+    throw RunFailure(error.what(), false, true);
+  }
+  if (const auto lost = transport.lost_peer()) {
+    throw RunFailure("rank " + std::to_string(lost->rank.value) + " " + lost->how, false, false);
+  }
+}
+
 }  // namespace
 
-int launch(int argc, char** argv, const std::function<int(Transport&)>& body) {
+void run_and_close(Transport& transport, const std::function<void(Transport&)>& body) {
+  try {
+    body(transport);
+  } catch (const RunFailure& failure) {
+    if (failure.network_broken()) {
+      transport.abandon();
+      throw;
+    }
+    transport.leave(std::string("has failed: ") + failure.what());
+    if (close_after_failure(transport)) throw;
+    throw RunFailure(failure.what(), failure.reported_here(), true);
+  } catch (const std::exception& error) {
+    transport.leave(std::string("has failed: ") + error.what());
+    close_after_failure(transport);
+    throw;
+  } catch (...) {
+    transport.leave("has failed: an exception of unknown type");
+    close_after_failure(transport);
+    throw;
+  }
+  close_after_success(transport);
+}
+
+void run_on(CallersCommunicator communicator, const std::function<void(Transport&)>& body,
+            MpiTransportOptions options) {
+  MpiTransport transport(communicator, options);
+  run_and_close(transport, body);
+}
+
+int launch(int argc, char** argv, const std::function<int(Transport&)>& body, MpiTransportOptions options) {
+  if (mpi_is_running()) return run_as_guest(body, options);
   if (under_mpirun()) {
-    MpiTransport transport(&argc, &argv);
-    return run(transport, body);
+    MpiTransport transport(&argc, &argv, options);
+    return run_program(transport, body);
   }
   LoopbackNetwork network(1, LoopbackNetwork::OnAbandon::exit);
-  return run(network.transport(Rank(0)), body);
+  return run_program(network.transport(Rank(0)), body);
 }
 
 }  // namespace weft::engine

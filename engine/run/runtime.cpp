@@ -11,6 +11,7 @@
 
 #include "engine/base/text.h"
 #include "engine/mpi/mpi_calls.h"
+#include "engine/run/awake_clock.h"
 #include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
 
@@ -27,6 +28,8 @@ constexpr TimePoint kPeerCheckPeriod = kSecond / 4;
 constexpr TimePoint kPatienceWithNetwork = 120 * kSecond;
 // For the last words when a rank is dead: mpirun kills the others soon.
 constexpr TimePoint kLastWords = kSecond / 5;
+// The rank that is to report a broken network has so long to confirm that it did.
+constexpr TimePoint kReportTime = kSecond;
 constexpr std::size_t kWaitsShown = 50;
 constexpr int kClockReadings = 5;
 
@@ -62,7 +65,7 @@ class Runtime::Implementation final : private BalanceActions {
       : options_(std::move(options)),
         transport_(transport),
         registry_(registry),
-        exchange_(transport, options_.exchange),
+        exchange_(transport, options_.exchange, registry.fingerprint()),
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
@@ -122,13 +125,21 @@ class Runtime::Implementation final : private BalanceActions {
   void show_state(TimePoint time);
   void notice_failures();
   void fail_here(const std::string& what);
+  void network_failed(const std::string& what);
+  void await_verdict();
   void declare_failure(Verdict verdict);
-  void accept_verdict(Verdict verdict);
+  void accept_verdict(Rank from, Verdict verdict);
+  void tell_verdict();
   Rank before() const { return Rank((rank().value + ranks() - 1) % ranks()); }
-  void peer_died(Rank dead, const std::string& how);
+  void peer_lost(const LostPeer& lost);
   void tell_waits();
   void receive_waits(std::vector<std::string> lines);
   void wind_down();
+  void let_go();
+  void await_report();
+  RunFailure failure() const {
+    return RunFailure(failure_->what, failure_->reporter == rank(), failure_->broken);
+  }
   void read_clock();
   void progress_until(const std::function<bool()>& done);
 
@@ -145,8 +156,10 @@ class Runtime::Implementation final : private BalanceActions {
 
   // Of the current run.
   bool ended_ = false;
-  bool failed_here_ = false;  ///< rank 0 has been told, or is told by this
+  std::optional<std::string> failed_here_;  ///< rank 0 has been told, or is told by this
+  TimePoint failed_at_ = 0;                 ///< by clock_
   std::optional<Verdict> failure_;
+  bool reported_ = false;  ///< the rank that reports the failure has done so
   bool told_waits_ = false;
   int waits_missing_ = 0;
   std::vector<std::string> waits_;
@@ -154,11 +167,12 @@ class Runtime::Implementation final : private BalanceActions {
   TimePoint next_peer_check_ = 0;
   TimePoint next_bulletin_ = 0;
   TimePoint turn_ = 0;        ///< when the current turn looked at what is due
-  TimePoint last_heard_ = 0;  ///< from the rank before this one; 0: not in this run
+  TimePoint last_heard_ = 0;  ///< by clock_, from the rank before this one; 0: not in this run
   TimePoint awake_since_ = 0;
   TimePoint begin_ = 0;
 
   // Of all runs.
+  AwakeClock clock_;
   TimePoint wall_ = 0;
   TimePoint communication_ = 0;  ///< processor time
   std::vector<Payload> gathered_;
@@ -177,6 +191,7 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
   begin();
   scheduler_.start(std::move(root));
   loop();
+  transport_.end_phase();
   wall_ += now() - begin_time;
   for (auto [name, count] : transport_.calls()) {
     for (const auto& [known, before] : calls_before) count -= name == known ? before : 0;
@@ -186,7 +201,7 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
     if (sum == calls_.end()) sum = calls_.insert(calls_.end(), {name, 0});
     sum->second += count;
   }
-  if (failure_) throw RunFailure(failure_->what, failure_->reporter == rank(), failure_->broken);
+  if (failure_) throw failure();
 }
 
 void Runtime::Implementation::begin() {
@@ -197,7 +212,8 @@ void Runtime::Implementation::begin() {
   termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
     exchange_.post(to, FrameKind::wave, packed(message));
   });
-  ended_ = failed_here_ = told_waits_ = false;
+  ended_ = told_waits_ = false;
+  failed_here_.reset();
   waits_.clear();
   waits_missing_ = 0;
   last_heard_ = 0;
@@ -208,11 +224,15 @@ void Runtime::Implementation::loop() {
   const TimePoint before = processor_time_of_this_thread();
   while (!ended_ && !failure_) {
     bool busy = false;
+    clock_.tick(now());
     try {
       busy = turn(now());
+    } catch (const TransportError& error) {
+      network_failed(error.what());
     } catch (const std::exception& error) {
       fail_here(text("the communication of rank ", rank().value, ": ", error.what()));
     }
+    await_verdict();
     if (!busy && !ended_ && !failure_) sleep();
   }
   wind_down();
@@ -252,7 +272,7 @@ void Runtime::Implementation::sleep() {
 }
 
 void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
-  if (from == before()) last_heard_ = now();
+  if (from == before()) last_heard_ = clock_.time();
   switch (kind) {
     case FrameKind::task:
       return scheduler_.receive_task(from, std::move(payload), wire_bytes);
@@ -268,7 +288,7 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       if (ended_) return;  // a signal came to a rank that had not heard yet
       return declare_failure({unpacked<std::string>(std::move(payload)), Rank(0), false});
     case FrameKind::stop:
-      return accept_verdict(unpacked<Verdict>(std::move(payload)));
+      return accept_verdict(from, unpacked<Verdict>(std::move(payload)));
     case FrameKind::waits:
       return receive_waits(unpacked<std::vector<std::string>>(std::move(payload)));
     case FrameKind::heartbeat:
@@ -377,26 +397,46 @@ void Runtime::Implementation::receive_waits(std::vector<std::string> lines) {
 
 /// Lets the last frames out and the last handlers end.
 void Runtime::Implementation::wind_down() {
-  if (failure_) scheduler_.stop();
   const TimePoint grace = duration_cast<nanoseconds>(options_.grace).count();
-  const TimePoint give_up = now() + (failure_ && failure_->broken ? std::min(grace, kLastWords) : grace);
-  const Exchange::Receive receive_or_drop = [this](Rank from, FrameKind kind, Payload payload,
-                                                   std::size_t wire_bytes) {
-    if (!failure_) receive(from, kind, std::move(payload), wire_bytes);
-  };
+  const TimePoint begin_time = clock_.tick(now());
   while (!scheduler_.stopped() || !(failure_ ? exchange_.urgent_idle() : exchange_.idle())) {
-    const bool busy = exchange_.progress(receive_or_drop);
-    if (failure_ && now() > give_up) {
-      failure_->broken = true;
-      break;
-    }
-    if (!busy) transport_.wait(std::chrono::milliseconds(1));
+    let_go();
+    if (!failure_) continue;
+    scheduler_.stop();
+    const TimePoint patience = failure_->broken ? std::min(grace, kLastWords) : grace;
+    if (clock_.tick(now()) - begin_time <= patience) continue;
+    failure_->broken = true;
+    break;
   }
-  if (scheduler_.stopped()) return;
-  // A handler that does not stop cannot be unwound. The rank that reports has done so; others leave it the
-  // time.
-  if (failure_->reporter != rank()) std::this_thread::sleep_for(nanoseconds(5 * kLastWords));
-  transport_.abandon();
+  if (failure_ && failure_->broken) await_report();
+  // A handler that does not stop cannot be unwound.
+  if (!scheduler_.stopped()) transport_.abandon();
+}
+
+/// Receives and sends once more; what comes is of interest only if the run has not failed.
+void Runtime::Implementation::let_go() {
+  const auto receive_or_drop = [this](Rank from, FrameKind kind, Payload payload, std::size_t wire_bytes) {
+    if (!failure_ || kind == FrameKind::stop) receive(from, kind, std::move(payload), wire_bytes);
+  };
+  try {
+    if (!exchange_.progress(receive_or_drop)) transport_.wait(std::chrono::milliseconds(1));
+  } catch (const TransportError& error) {
+    network_failed(error.what());
+    failure_->broken = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it may fail at once, every time
+  } catch (const std::exception& error) {  // something cannot be read; of interest only if all was well
+    if (!failure_) network_failed(error.what());
+  }
+}
+
+/// Whoever abandons the network may end all ranks: not before one has said why. If the one that is to does
+/// not confirm (it may be dead, too, or do something else) this rank reports.
+void Runtime::Implementation::await_report() {
+  const TimePoint begin_time = clock_.tick(now());
+  while (!reported_ && clock_.tick(now()) - begin_time < kReportTime) let_go();
+  if (reported_) return;
+  failure_->reporter = rank();
+  if (options_.on_failure) options_.on_failure(failure_->what);
 }
 
 // --- Failure
@@ -405,7 +445,7 @@ void Runtime::Implementation::notice_failures() {
   if (const auto failure = scheduler_.failure()) fail_here(*failure);
   if (const char* reason = stop_reason_) {
     // When a rank dies, mpirun stops the others by a signal: the cause is the better message.
-    if (const auto dead = transport_.dead_peer()) return peer_died(*dead, "its process is gone");
+    if (const auto lost = transport_.lost_peer()) return peer_lost(*lost);
     fail_here(reason);
   }
 }
@@ -413,7 +453,8 @@ void Runtime::Implementation::notice_failures() {
 /// Rank 0 decides which of several failures it was.
 void Runtime::Implementation::fail_here(const std::string& what) {
   if (failed_here_) return;
-  failed_here_ = true;
+  failed_here_ = what;
+  failed_at_ = clock_.time();
   scheduler_.stop();
   if (rank().value == 0) {
     declare_failure({what, Rank(0), false});
@@ -422,18 +463,37 @@ void Runtime::Implementation::fail_here(const std::string& what) {
   }
 }
 
-void Runtime::Implementation::declare_failure(Verdict verdict) {
-  if (failure_) return;
-  for (int r = 0; r < ranks(); ++r) {
-    if (r != rank().value) exchange_.post(Rank(r), FrameKind::stop, packed(verdict));
-  }
-  accept_verdict(std::move(verdict));
+/// Nothing may come through any more, so this rank does not wait for rank 0 to decide.
+void Runtime::Implementation::network_failed(const std::string& what) {
+  declare_failure({text("the network fails on rank ", rank().value, ": ", what), rank(), true});
 }
 
-void Runtime::Implementation::accept_verdict(Verdict verdict) {
+/// Rank 0 may be in no run, or what it says does not get here.
+void Runtime::Implementation::await_verdict() {
+  if (!failed_here_ || failure_ || ended_) return;
+  if (clock_.time() - failed_at_ > duration_cast<nanoseconds>(options_.grace).count())
+    declare_failure({*failed_here_, rank(), true});
+}
+
+void Runtime::Implementation::declare_failure(Verdict verdict) {
+  if (failure_) return;
+  accept_verdict(rank(), std::move(verdict));
+  if (failure_->reporter != rank() || !failure_->broken) tell_verdict();
+}
+
+void Runtime::Implementation::accept_verdict(Rank from, Verdict verdict) {
+  reported_ = reported_ || from == (failure_ ? failure_->reporter : verdict.reporter);
   if (failure_) return;
   failure_ = std::move(verdict);
-  if (failure_->reporter == rank() && options_.on_failure) options_.on_failure(failure_->what);
+  if (failure_->reporter != rank()) return;
+  if (options_.on_failure) options_.on_failure(failure_->what);
+  if (failure_->broken) tell_verdict();  // which confirms that it is reported
+}
+
+void Runtime::Implementation::tell_verdict() {
+  for (int r = 0; r < ranks(); ++r) {
+    if (r != rank().value) exchange_.post(Rank(r), FrameKind::stop, packed(*failure_));
+  }
 }
 
 void Runtime::Implementation::watch_peers(TimePoint time) {
@@ -443,16 +503,17 @@ void Runtime::Implementation::watch_peers(TimePoint time) {
     next_heartbeat_ = time + kHeartbeatPeriod;
   }
   next_peer_check_ = time + kPeerCheckPeriod;
-  if (const auto dead = transport_.dead_peer()) return peer_died(*dead, "its process is gone");
+  if (const auto lost = transport_.lost_peer()) return peer_lost(*lost);
   const TimePoint silence = duration_cast<nanoseconds>(options_.silence).count();
-  if (last_heard_ > 0 && time - last_heard_ > silence) {
-    peer_died(before(), "it has been silent for too long");
+  if (last_heard_ > 0 && clock_.time() - last_heard_ > silence && !transport_.watches(before())) {
+    peer_lost({before(), "died: it has been silent for too long"});
   }
 }
 
-/// Rank 0 may be the one that died: whoever notices tells all.
-void Runtime::Implementation::peer_died(Rank dead, const std::string& how) {
-  declare_failure({text("rank ", dead.value, " died: ", how), Rank(dead.value == 0 ? 1 : 0), true});
+/// Rank 0 may be the one: whoever notices tells all.
+void Runtime::Implementation::peer_lost(const LostPeer& lost) {
+  declare_failure(
+      {text("rank ", lost.rank.value, " ", lost.how), Rank(lost.rank.value == 0 ? 1 : 0), !lost.will_close});
 }
 
 // --- After the loop
@@ -483,6 +544,7 @@ std::vector<Payload> Runtime::Implementation::gather(const std::function<Payload
     gathered_[0] = mine();
   }
   progress_until([this] { return rank().value > 0 ? exchange_.idle() : gather_missing_ == 0; });
+  transport_.end_phase();
   return rank().value > 0 ? std::vector<Payload>{} : std::move(gathered_);
 }
 
@@ -506,12 +568,18 @@ void Runtime::Implementation::progress_until(const std::function<bool()>& done) 
     receive(from, kind, std::move(payload), wire_bytes);
   };
   for (TimePoint next_check = now() + kPeerCheckPeriod; !done();) {
-    if (!exchange_.progress(keep) && !done()) transport_.wait(std::chrono::milliseconds(1));
-    if (now() < next_check) continue;
-    next_check = now() + kPeerCheckPeriod;
-    if (const auto dead = transport_.dead_peer()) peer_died(*dead, "its process is gone");
-    if (const char* reason = stop_reason_) declare_failure({reason, rank(), true});
-    if (failure_) throw RunFailure(failure_->what, failure_->reporter == rank(), true);
+    try {
+      if (!exchange_.progress(keep) && !done()) transport_.wait(std::chrono::milliseconds(1));
+      if (!failure_ && now() < next_check) continue;
+      next_check = now() + kPeerCheckPeriod;
+      if (const auto lost = transport_.lost_peer()) peer_lost(*lost);
+      if (const char* reason = stop_reason_) declare_failure({reason, rank(), false});
+    } catch (const TransportError& error) {
+      network_failed(error.what());
+    }
+    if (!failure_) continue;
+    wind_down();
+    throw failure();
   }
 }
 

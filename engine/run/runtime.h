@@ -31,7 +31,8 @@ class RunFailure : public std::runtime_error {
   /// On this rank RuntimeOptions::on_failure was called.
   bool reported_here() const { return reported_; }
 
-  /// A rank is dead, or does not answer: Transport::close() would wait for it for ever, abandon() is left.
+  /// A rank is dead, or does not answer, or the network fails: Transport::close() would wait for ever,
+  /// abandon() is left.
   bool network_broken() const { return network_broken_; }
 
  private:
@@ -72,14 +73,17 @@ struct RuntimeOptions {
   /// Called by the communication thread with the text that request_state() has asked for.
   std::function<void(const std::string&)> on_state = print_state;
 
-  /// A rank whose process is on another node counts as dead after this silence; on the same node it is
-  /// noticed at once.
+  /// A rank whose process cannot be watched (Transport::watches(): it is on another node) counts as dead
+  /// after this silence; the end of another is noticed at once, and stopping it is no death. Time in which
+  /// this process was suspended itself does not count.
   std::chrono::milliseconds silence{30'000};
-  /// When the run fails, its running handlers have this long to see Context::stop_requested() and return;
-  /// then the network is abandoned, which ends the process.
+  /// When the run fails, its running handlers have this long to see Context::stop_requested() and return,
+  /// and rank 0 to decide what the failure was; then the network is abandoned. That ends the process where
+  /// the transport says so; elsewhere run() throws, and ~Runtime() waits for the handlers.
   std::chrono::milliseconds grace{30'000};
   /// Called on one rank as soon as it is certain that the run fails, and why: handlers that go on for long
-  /// may keep run() from throwing, or somebody may kill the process first.
+  /// may keep run() from throwing, or somebody may kill the process first. On more than one when the rank
+  /// that was to report does not answer.
   std::function<void(const std::string&)> on_failure = print_failure;
 };
 

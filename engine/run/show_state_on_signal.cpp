@@ -2,14 +2,18 @@
 #include "engine/run/show_state_on_signal.h"
 
 #include <atomic>
+#include <thread>
 
 namespace weft::engine {
 namespace {
 
 std::atomic<Runtime*> runtime_to_show{nullptr};
+std::atomic<int> handlers{0};  ///< that run just now, on any thread
 
 void show_runtime(int) {
+  ++handlers;
   if (Runtime* runtime = runtime_to_show) runtime->request_state();
+  --handlers;
 }
 
 }  // namespace
@@ -25,6 +29,7 @@ ShowStateOnSignal::ShowStateOnSignal(Runtime& runtime) {
 ShowStateOnSignal::~ShowStateOnSignal() {
   sigaction(SIGUSR1, &before_, nullptr);
   runtime_to_show = nullptr;
+  while (handlers > 0) std::this_thread::yield();  // the runtime may go when none has it any more
 }
 
 }  // namespace weft::engine

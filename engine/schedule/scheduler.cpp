@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -47,12 +48,19 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       directory_(options.rank),
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
-  for (int worker = 0; worker < options_.threads; ++worker) {
-    workers_.emplace_back([this, worker] { work(trace_.worker_lane(worker)); });
+  try {
+    for (int worker = 0; worker < options_.threads; ++worker) {
+      workers_.emplace_back([this, worker] { work(trace_.worker_lane(worker)); });
+    }
+  } catch (...) {  // the system has no thread left
+    quit();
+    throw;
   }
 }
 
-Scheduler::~Scheduler() {
+Scheduler::~Scheduler() { quit(); }
+
+void Scheduler::quit() noexcept {
   stop();
   {
     const Lock lock(mutex_);
@@ -187,8 +195,15 @@ void Scheduler::push(Cell& cell, Task task) {
   task.predicted = method && runs ? costs_.predict(method->index, cell.id, task.envelope.expected) : 0;
   cell.queued_seconds += task.predicted;
   queued_seconds_ += task.predicted;
+  ++queued_messages_;
   cell.mailbox.push_back(std::move(task));
   if (cell.state == Cell::State::idle) make_ready(cell);
+}
+
+/// Sums of what was added and taken away again are not exact: without messages there are no seconds.
+void Scheduler::dequeued(double seconds, std::size_t messages) {
+  queued_messages_ -= messages;
+  queued_seconds_ = queued_messages_ == 0 ? 0 : queued_seconds_ - seconds;
 }
 
 void Scheduler::make_ready(Cell& cell) {
@@ -217,6 +232,7 @@ void Scheduler::forward(Task task, const Location& location) {
 void Scheduler::receive_task(Rank from, Payload payload, std::size_t wire_bytes) {
   const std::size_t size = payload.size();
   Task task = from_wire(std::move(payload));
+  check_names(task.envelope);
   task.from = from;
   task.wire_bytes = wire_bytes;
   const Lock lock(mutex_);
@@ -225,6 +241,14 @@ void Scheduler::receive_task(Rank from, Payload payload, std::size_t wire_bytes)
   trace_.communication_lane().received(task.envelope.hops > 0 ? Traffic::forward : traffic_of(task.envelope),
                                        method ? method->index : Span::kNoName, from, size);
   route(std::move(task));
+}
+
+/// Of what has come over the network: anything else would be written beyond the end of a table.
+void Scheduler::check_names(const Envelope& envelope) const {
+  const auto exists = [this](Rank rank) { return rank.valid() && rank.value < options_.ranks; };
+  if (exists(envelope.target.home) && exists(envelope.sender.home) && exists(envelope.origin)) return;
+  throw UnpackError(text("a message names a rank that does not exist: from object ", envelope.sender,
+                         " on rank ", envelope.origin.value, " to object ", envelope.target));
 }
 
 void Scheduler::route(Task task) {
@@ -283,7 +307,7 @@ std::unique_ptr<Cell> Scheduler::take_out(ObjectId id) {
   // A worker may have taken it meanwhile; then it leaves when that has finished.
   if (cell == nullptr || cell->state == Cell::State::running || !cell->leaves_for.valid()) return nullptr;
   if (cell->state == Cell::State::ready) ready_.erase(std::find(ready_.begin(), ready_.end(), cell));
-  queued_seconds_ -= cell->queued_seconds;
+  dequeued(cell->queued_seconds, cell->mailbox.size());
   costs_.forget(id);
   for (Task& task : cell->mailbox) consume(task);
   directory_.learn(id, {cell->leaves_for, cell->age + 1});
@@ -358,6 +382,7 @@ void Scheduler::receive_location(Payload payload) {
   Unpacker unpacker(std::move(payload));
   unpacker(id, location);
   unpacker.finish();
+  if (location.rank.value >= options_.ranks) throw UnpackError(text("there is no ", location.rank));
   const Lock lock(mutex_);
   if (find(id) != nullptr) return;
   if (location.rank.valid()) {
@@ -395,7 +420,33 @@ void Scheduler::work(Lane& lane) {
   }
 }
 
-void Scheduler::drain(Lane& lane) {
+/// Handlers may throw what they like (see guard()); what else fails here is the engine's own memory. It must
+/// not end the process, which may be somebody else's.
+void Scheduler::drain(Lane& lane) noexcept {
+  bool busy = false;
+  const char* failure = "a worker has failed";
+  try {
+    return handle_ready(lane, busy);
+  } catch (const std::bad_alloc&) {
+    failure = "out of memory";
+  } catch (...) {
+  }
+  const Lock lock(mutex_);
+  if (busy) --busy_;
+  worker_failed(failure);
+}
+
+void Scheduler::worker_failed(const char* what) noexcept {
+  try {
+    if (!failure_) failure_ = what;
+  } catch (const std::bad_alloc&) {
+    failure_.emplace();
+  }
+  stopping_ = true;
+  wake_();
+}
+
+void Scheduler::handle_ready(Lane& lane, bool& busy) {
   Lock lock(mutex_);
   while (!stopping_ && !ready_.empty()) {
     Cell& cell = *ready_.front();
@@ -405,13 +456,14 @@ void Scheduler::drain(Lane& lane) {
     if (cell.type != nullptr) {
       task = std::move(cell.mailbox.front());
       cell.mailbox.pop_front();
-      cell.queued_seconds -= task.predicted;
-      queued_seconds_ -= task.predicted;
+      cell.queued_seconds = cell.mailbox.empty() ? 0 : cell.queued_seconds - task.predicted;
+      dequeued(task.predicted, 1);
     }
     cell.runs = task.envelope.method;
     cell.runs_since = now();
     cell.lane = trace_.index_of(lane);
     ++busy_;
+    busy = true;
     lock.unlock();
     consume(task);
     TimePoint begin = now();
@@ -424,6 +476,7 @@ void Scheduler::drain(Lane& lane) {
     const TimePoint end = now();
     lock.lock();
     --busy_;
+    busy = false;
     const std::unique_ptr<Cell> dead = finish(cell, task, begin, end, lane);
     if (dead) {  // freeing a large object takes time
       lock.unlock();
@@ -485,6 +538,7 @@ void Scheduler::handle(Cell& cell, Task& task) {
 void Scheduler::leave(Cell& cell, std::uint64_t to) {
   if (!cell.type->movable)
     throw std::logic_error("objects of this type cannot move: they have no serialize()");
+  if (to >= static_cast<std::uint64_t>(options_.ranks)) throw std::logic_error(text("there is no rank ", to));
   const Lock lock(mutex_);
   const Rank rank(static_cast<std::int32_t>(to));
   cell.leaves_for = rank == options_.rank ? Rank() : rank;
@@ -526,7 +580,7 @@ std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
               " while ", cell.waits ? "events or messages" : "messages", " waited for it"));
   }
   if (cell.waits) --waiting_;
-  queued_seconds_ -= cell.queued_seconds;
+  dequeued(cell.queued_seconds, cell.mailbox.size());
   costs_.forget(cell.id);
   directory_.destroyed(cell.id);
   if (cell.id.home != options_.rank) tell_location(cell.id.home, cell.id, {Rank(), cell.age});

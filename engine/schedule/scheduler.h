@@ -19,27 +19,13 @@
 #include "engine/objects/directory.h"
 #include "engine/objects/registry.h"
 #include "engine/schedule/cost_model.h"
+#include "engine/schedule/load.h"
 #include "engine/schedule/termination.h"
 #include "engine/trace/trace.h"
 
 namespace weft::engine {
 
 class Arena;
-
-/// An object that waits to be handled and may be given away.
-struct ReadyObject {
-  ObjectId id;
-  double seconds = 0;  ///< predicted, of all its messages
-};
-
-/// What a rank has to do.
-struct Load {
-  int workers = 0;
-  int busy = 0;               ///< workers that run a handler
-  std::size_t ready = 0;      ///< objects that wait for a worker
-  double queued_seconds = 0;  ///< predicted, of all messages that wait
-  std::uint64_t handled = 0;  ///< messages so far
-};
 
 /// All state is under one lock: an operation takes well under a microsecond, a handler milliseconds and more.
 /// Handlers, packing and sending happen outside it.
@@ -130,8 +116,14 @@ class Scheduler {
   void consume(Task& task);
   void make_ready(Cell& cell);
 
+  void dequeued(double seconds, std::size_t messages);
+  void check_names(const Envelope& envelope) const;
+
   void work(Lane& lane);
-  void drain(Lane& lane);
+  void drain(Lane& lane) noexcept;
+  void handle_ready(Lane& lane, bool& busy);
+  void worker_failed(const char* what) noexcept;
+  void quit() noexcept;
   template <class Step>
   bool guard(const Cell& cell, const Task& task, const Step& step);
   bool unpack_object(Cell& cell, const Task& task);
@@ -179,7 +171,8 @@ class Scheduler {
   int asleep_ = 0;  ///< workers that wait for work
   int busy_ = 0;    ///< workers in a handler
   bool quit_ = false;
-  double queued_seconds_ = 0;
+  double queued_seconds_ = 0;        ///< predicted, of all messages in mailboxes
+  std::size_t queued_messages_ = 0;  ///< in mailboxes
   bool wake_when_ready_ = false;
   std::atomic<bool> stopping_{false};
   std::optional<std::string> failure_;

@@ -22,11 +22,10 @@ std::string Scheduler::name_and_place(ObjectId id) const {
 std::string Scheduler::load_line() const {
   std::map<Cell::State, std::size_t> in;
   for (const auto& [id, cell] : cells_) ++in[cell->state];
-  return text("load: ", busy_, " of ", options_.threads, " workers busy, ",
-              seconds_text(std::max(0.0, queued_seconds_)), " of work predicted, ", handled_, " handled, ",
-              sent_, " sent, ", received_, " received; ", cells_.size(),
-              " objects: ", in[Cell::State::running], " running, ", in[Cell::State::ready], " ready, ",
-              in[Cell::State::leaving], " leaving, ", in[Cell::State::idle], " without work");
+  return text("load: ", busy_, " of ", options_.threads, " workers busy, ", seconds_text(queued_seconds_),
+              " of work predicted, ", handled_, " handled, ", sent_, " sent, ", received_, " received; ",
+              cells_.size(), " objects: ", in[Cell::State::running], " running, ", in[Cell::State::ready],
+              " ready, ", in[Cell::State::leaving], " leaving, ", in[Cell::State::idle], " without work");
 }
 
 std::string Scheduler::state_of(const Cell& cell) const {

@@ -11,6 +11,7 @@ namespace {
 // later.
 constexpr TimePoint kShortestBackoff = 50'000;
 constexpr TimePoint kLongestBackoff = 5'000'000;
+constexpr TimePoint kMostOfOneWave = 1'000'000'000;
 
 WaveCount operator+(const WaveCount& a, const WaveCount& b) {
   return {a.sent + b.sent, a.received + b.received, a.waiting + b.waiting};
@@ -75,8 +76,8 @@ void Termination::step(const std::optional<WaveCount>& count, TimePoint time) {
 void Termination::finish_wave(TimePoint time) {
   const bool ended = has_previous_ && sums_.sent == previous_.received;
   const bool same = has_previous_ && sums_.sent == previous_.sent && sums_.received == previous_.received;
-  if (!same) same_since_ = time;
-  futile_for_ = ended ? 0 : time - same_since_;
+  futile_for_ = same && !ended ? futile_for_ + std::min(time - last_back_, kMostOfOneWave) : 0;
+  last_back_ = time;
   previous_ = sums_;
   has_previous_ = true;
   if (ended) return end(sums_);

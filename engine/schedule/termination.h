@@ -59,7 +59,8 @@ class Termination {
 
   /// For how long (nanoseconds) the waves that came back to rank 0 have told it the same, though not all that
   /// was sent has been received. Long means that the network has lost something. Time without waves, while
-  /// ranks work, does not count: a wave before and one after it must agree.
+  /// ranks work, does not count: a wave before and one after it must agree. Nor does more than a second
+  /// between two waves: the ranks may have been suspended.
   TimePoint futile_for() const { return futile_for_; }
   const WaveCount& last_sums() const { return previous_; }
 
@@ -79,7 +80,7 @@ class Termination {
   WaveCount sums_;           ///< of the children that have
   WaveCount previous_;       ///< rank 0: of the last complete wave
   bool has_previous_ = false;
-  TimePoint same_since_ = 0;  ///< when the first of the last equal waves came back
+  TimePoint last_back_ = 0;  ///< when the last wave came back
   TimePoint futile_for_ = 0;
   TimePoint backoff_ = 0;
   std::optional<TimePoint> next_wave_;

@@ -79,7 +79,8 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
                                        : build_adjacency(given.mesh->tets, given.mesh->points.size()));
       read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
-      kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.001 * bounding_box_diagonal(input);
+      kernel.limits.hausd =
+          options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
       adapt_in_place(kernel, options, Extent::everything, result.report);
       result.report.surface_deviation = largest_surface_deviation(kernel);
     }

@@ -13,6 +13,7 @@
 #include "meshing/kernel/verdict.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
@@ -29,14 +30,6 @@ struct AdaptOptions {
   const std::atomic<bool>* interrupt = nullptr;
   /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.
   std::function<void(const std::string& stage, double done, std::uint64_t tets)> progress;
-};
-
-/// One step of the run, for the summary.
-struct StageReport {
-  std::string name;
-  double seconds = 0;
-  std::uint64_t vertices = 0, tets = 0;  ///< after it
-  OperationCounts counts;                ///< of this stage alone
 };
 
 struct AdaptReport {

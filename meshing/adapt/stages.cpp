@@ -11,6 +11,7 @@
 #include "meshing/adapt/passes.h"
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
+#include "meshing/metric/expected_size.h"
 
 namespace weft::meshing {
 namespace {
@@ -387,7 +388,7 @@ class Adaptation {
         volume += density / 6 *
                   six_volume(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
       }
-    return kTetsOfUnitVolume * volume;
+    return kFewestTetsPerComplexity * volume;
   }
 
   void mark_if_wrong(TetId t, double fair) {

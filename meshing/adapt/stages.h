@@ -13,8 +13,8 @@ namespace weft::meshing {
 /// adapted to a metric like the wanted one have 0.8 and more (0.85 gains some quality, and loses a sixth of
 /// the time).
 inline constexpr double kFarMean = 0.75;
-/// What a mesh that conforms has for each unit of volume in the metric, about.
-inline constexpr double kTetsOfUnitVolume = 10;
+/// AdaptOptions::hausd where it is 0, for each unit of the bounding box diagonal.
+inline constexpr double kHausdOfDiagonal = 0.001;
 
 /// What of the mesh is looked at.
 enum class Extent : std::uint8_t {

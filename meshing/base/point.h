@@ -3,15 +3,10 @@
 
 #include <cmath>
 
+#include "weft/data.h"
+
 namespace weft::meshing {
 
-/// A point or a vector in space (the same thing here, as in most of this field's codes).
-struct Point {
-  double x = 0, y = 0, z = 0;
-  double& operator[](int i) { return (&x)[i]; }
-  double operator[](int i) const { return (&x)[i]; }
-  friend bool operator==(const Point&, const Point&) = default;
-};
 using Vec = Point;
 
 inline Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }

@@ -8,21 +8,9 @@
 
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/problems.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-/// What check_mesh found. `problems` holds at most `max_problems` sentences naming the entities (1-based, as
-/// in files), in an order that does not depend on the number of threads.
-struct CheckReport {
-  std::vector<std::string> problems;
-  std::uint64_t num_problems = 0;
-  std::uint64_t num_components = 0;              ///< of tets connected through faces
-  double volume = 0;                             ///< of all tets
-  std::map<std::int32_t, double> volume_by_ref;  ///< tet reference -> volume
-  std::map<std::int32_t, double> area_by_ref;    ///< triangle reference -> area
-  std::uint64_t unreferenced_points = 0;         ///< points of no tet; not a problem, only counted
-  bool ok() const { return num_problems == 0; }
-};
 
 /// Checks, from the plain arrays alone: as many references as entities; indices in range; different vertices
 /// in every tet, triangle and edge; coordinates finite; corners, required entities and ridges in range. Where

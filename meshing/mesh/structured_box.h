@@ -6,14 +6,9 @@
 
 #include "meshing/base/point.h"
 #include "meshing/mesh/mesh_data.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-struct BoxOptions {
-  std::array<std::uint32_t, 3> cells = {8, 8, 8};
-  Point min = {0, 0, 0};
-  Point max = {1, 1, 1};
-};
 
 /// A box of cells of 6 tets each (Kuhn). Triangle references: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min,
 /// 6 z-max; the 12 box edges are edges and ridges with references 1 to 12 (4 along x, 4 along y, 4 along z),

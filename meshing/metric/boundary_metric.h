@@ -6,17 +6,12 @@
 
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
 /// The size where nothing is asked for: the diagonal of the mesh's bounding box, 1 for a mesh without any.
 double largest_size(const MeshData& mesh);
-
-struct CurvatureOptions {
-  double per_turn = 0;              ///< edges round a full circle of the local radius of curvature; 0: any
-  double sagitta = 0;               ///< largest distance of an edge's middle from the surface; 0: any
-  double ridge_angle_degrees = 45;  ///< edges sharper than this separate surfaces
-};
 
 /// On curved patches of the boundary (and of material interfaces) sizes h = 2 pi R / per_turn, and
 /// h = sqrt(8 R sagitta), along the principal directions of curvature with their radii R; across the surface
@@ -27,13 +22,6 @@ struct CurvatureOptions {
 /// says. Multithreaded; does not depend on the number of threads. Throws InputError for an index out of
 /// range.
 LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options);
-
-struct WallOptions {
-  std::vector<std::int32_t> refs;  ///< references of the walls' triangles
-  double height = 0;               ///< wanted size across the wall, at the wall
-  double growth = 1.2;             ///< ratio of the heights of successive layers, 1 and more
-  double tangential = 0;           ///< wanted size along the wall, 0: any
-};
 
 /// At distance d from the nearest wall the size across it is h(d) = height + (growth - 1) d, the continuous
 /// form of layers that grow geometrically, and along it the larger of `tangential` and h(d); none is larger

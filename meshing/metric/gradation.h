@@ -5,18 +5,9 @@
 
 #include "meshing/mesh/adjacency.h"
 #include "meshing/metric/metric_field.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-/// In which space sizes grow (Alauzet 2010). Going from p to q, d the Euclidean length of the
-/// edge, l its length in M_p and lambda_i the eigenvalues of M_p, M_q must be at least as fine as M_p with
-enum class GradationSpace {
-  /// all eigenvalues over (1 + l ln beta)^2: the anisotropy stays;
-  metric,
-  /// lambda_i over the square of (1 + sqrt(lambda_i) d ln beta)^t (1 + l ln beta)^(1-t), t = 1/8: between the
-  /// metric space and the physical one, where the metric becomes isotropic with distance.
-  mixed,
-};
 
 /// Limits the gradation of metric fields on one mesh; the mesh's edges are found once.
 class Gradation {

@@ -182,9 +182,10 @@ std::vector<SymTensor> project_hessians(const MeshData& mesh, std::span<const do
 }  // namespace
 
 std::vector<SymTensor> recover_hessians(const MeshData& mesh, std::span<const double> values,
-                                        Recovery recovery) {
+                                        HessianRecovery recovery) {
   assert(values.size() == mesh.points.size());
-  return recovery == Recovery::least_squares ? fit_hessians(mesh, values) : project_hessians(mesh, values);
+  return recovery == HessianRecovery::least_squares ? fit_hessians(mesh, values)
+                                                    : project_hessians(mesh, values);
 }
 
 }  // namespace weft::meshing

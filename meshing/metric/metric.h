@@ -8,14 +8,10 @@
 #include <string>
 
 #include "meshing/base/point.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
-/// A symmetric 3x3 tensor in GMF order: m11 m12 m22 m13 m23 m33. Plain data.
-struct SymTensor {
-  double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
-  friend bool operator==(const SymTensor&, const SymTensor&) = default;
-};
 /// A SymTensor that is positive definite; lengths in it are counted in units of the wanted size.
 using Metric = SymTensor;
 /// The matrix logarithm of a Metric: the space in which metrics are averaged and interpolated.

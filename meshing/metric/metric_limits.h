@@ -3,15 +3,9 @@
 
 #include "meshing/metric/gradation.h"
 #include "meshing/metric/metric_field.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-struct MetricLimits {
-  double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
-  double aspect = 0;          ///< largest ratio of two sizes at one vertex, 1: isotropic; 0: none
-  double gradation = 0;       ///< largest growth of sizes per unit edge; up to 1: none
-  GradationSpace space = GradationSpace::metric;
-};
 
 /// Makes every metric as fine as its aspect ratio demands (its largest size comes down), clamps sizes, limits
 /// the gradation and clamps again, because an intersection can be finer than both that it intersects.

@@ -7,15 +7,9 @@
 
 #include "meshing/metric/hessian.h"
 #include "meshing/metric/metric_field.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-struct MultiscaleOptions {
-  Recovery recovery = Recovery::least_squares;
-  /// p of the Lp norm in which the interpolation error is least; 1 and more, or infinity. The smaller, the
-  /// more weak features count beside strong ones.
-  double norm = 2;
-};
 
 /// det|H|^(-1/(2p + 3)) |H|, H the Hessian of `values` (one a vertex) and |H| that of its absolute
 /// eigenvalues: the optimal metric of Loseille and Alauzet (2011) up to a factor, which a target

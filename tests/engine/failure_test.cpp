@@ -1,8 +1,11 @@
 // Whatever goes wrong on one rank ends the run on all, with one message that says what it was.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <array>
 #include <atomic>
+#include <cstdlib>
 #include <optional>
 #include <thread>
 
@@ -56,12 +59,10 @@ const auto kBomb = [](int rank, std::uint32_t number = 1) { return MobilePtr<Bom
 
 /// The message with which `act`, performed on every rank in a run in which each has a bomb, must fail there.
 /// One rank alone reports it.
-void expect_failure(
-    int ranks, const std::function<void(Context&)>& act, const std::string& message,
-    const std::function<Registry(Rank)>& registry_of = [](Rank) { return bombs(); }) {
+void expect_failure(int ranks, const std::function<void(Context&)>& act, const std::string& message) {
   std::atomic<int> reporters{0};
   on_ranks(ranks, [&](Transport& transport) {
-    const Registry registry = registry_of(transport.rank());
+    const Registry registry = bombs();
     Runtime runtime(transport, registry,
                     {.threads = 2, .balancer = no_balancing(), .on_failure = [&](const std::string& what) {
                        EXPECT_THAT(what, HasSubstr(message));
@@ -140,20 +141,125 @@ TEST_P(FailureOnRanks, AnObjectThatCannotBeUnpackedIsNamed) {
       "than was read");
 }
 
-TEST_P(FailureOnRanks, AHandlerUnknownToTheReceiverFailsTheRun) {
+TEST_P(FailureOnRanks, ARankWithAnotherProgramIsNamedBeforeAnythingIsHandled) {
   if (GetParam() == 1) GTEST_SKIP() << "for several ranks";
-  expect_failure(
-      GetParam(),
-      [&](Context& context) {
-        if (context.rank() == Rank(0)) context.invoke<&Bomb::tick>(kBomb(last()));
-      },
-      "of object " + rank_text() + ".1 (Bomb) on rank " + rank_text() + ": the object has no such handler",
-      [&](Rank rank) {
-        if (rank != Rank(last())) return bombs();
-        Registry registry;
-        registry.type<Bomb>("Bomb").method<&Bomb::explode>("explode");
-        return registry;
+  on_ranks(GetParam(), [&](Transport& transport) {
+    Registry registry = bombs();
+    if (transport.rank() == Rank(last())) {
+      registry = Registry();
+      registry.type<Bomb>("Bomb").method<&Bomb::explode>("explode");
+    }
+    Runtime runtime(transport, registry, {.on_failure = {}});
+    try {
+      runtime.run();
+      ADD_FAILURE() << "the run ended";
+    } catch (const RunFailure& failure) {
+      EXPECT_THAT(failure.what(), HasSubstr("runs another program"));
+      EXPECT_FALSE(failure.network_broken());
+    }
+  });
+}
+
+/// Passes everything on until it is told to fail.
+class FailingTransport final : public Transport {
+ public:
+  FailingTransport(Transport& below, std::function<void()> fail) : below_(below), fail_(std::move(fail)) {}
+
+  Rank rank() const override { return below_.rank(); }
+  int size() const override { return below_.size(); }
+  void send(Rank to, Packet packet) override { below_.send(to, std::move(packet)); }
+  std::size_t unsent(Rank to) const override { return below_.unsent(to); }
+  void wait(std::chrono::nanoseconds at_most) override { below_.wait(at_most); }
+  void wake() noexcept override { below_.wake(); }
+  std::optional<LostPeer> lost_peer() override { return below_.lost_peer(); }
+  void leave(const std::string& why) noexcept override { below_.leave(why); }
+  void close() override { below_.close(); }
+  void abandon() noexcept override { below_.abandon(); }
+  std::uint32_t next_phase() override { return below_.next_phase(); }
+  void end_phase() override { below_.end_phase(); }
+  void keep(KeptPacket packet) override { below_.keep(std::move(packet)); }
+  std::vector<KeptPacket> take_kept() override { return below_.take_kept(); }
+  bool poll(const Receive& receive) override {
+    if (failing) fail_();
+    return below_.poll(receive);
+  }
+
+  std::atomic<bool> failing = false;
+
+ private:
+  Transport& below_;
+  std::function<void()> fail_;
+};
+
+/// What rank 1 of 2 throws whose network fails in the midst of a run, and rank 0.
+std::array<std::string, 2> failures_when_polling_fails(const std::function<void()>& fail) {
+  std::array<std::string, 2> failures;
+  on_ranks(2, [&](Transport& transport) {
+    FailingTransport failing(transport, fail);
+    const Registry registry = bombs();
+    Runtime runtime(failing, registry, {.grace = std::chrono::milliseconds(300), .on_failure = {}});
+    try {
+      runtime.run([&](Context& context) {
+        context.invoke<&Bomb::last_until_stopped>(context.create<Bomb>());
+        failing.failing = context.rank() == Rank(1);
       });
+    } catch (const RunFailure& failure) {
+      EXPECT_TRUE(failure.network_broken() || transport.rank() == Rank(0));
+      failures[transport.rank().index()] = failure.what();
+    }
+  });
+  return failures;
+}
+
+TEST(Failure, ANetworkThatFailsEndsTheRunOnAllRanks) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  const auto failures = failures_when_polling_fails([] { throw TransportError("the cable is cut"); });
+  EXPECT_EQ(failures[1], "the network fails on rank 1: the cable is cut");
+  EXPECT_EQ(failures[0], failures[1]);
+}
+
+TEST(Failure, ARankThatNeverHearsWhatTheFailureWasGivesUpAfterTheGrace) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  const auto failures =
+      failures_when_polling_fails([] { throw std::runtime_error("no message gets through"); });
+  EXPECT_EQ(failures[1], "the communication of rank 1: no message gets through");
+}
+
+TEST(Failure, ARankThatLeavesIsNotWaitedForInTheNextRun) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  on_ranks(3, [](Transport& transport) {
+    const Registry registry = bombs();
+    Runtime runtime(transport, registry, {.on_failure = {}});
+    runtime.run();
+    if (transport.rank() == Rank(2)) return transport.leave("has had enough");
+    try {
+      runtime.run();
+      ADD_FAILURE() << "the run ended without rank 2";
+    } catch (const RunFailure& failure) {
+      EXPECT_STREQ(failure.what(), "rank 2 has had enough");
+      EXPECT_FALSE(failure.network_broken());
+    }
+  });
+}
+
+/// Exits with 7 when it is told so by an exception.
+void start_too_many_threads() {
+  const rlimit few{rlim_t{3} << 30, rlim_t{3} << 30};  // of address space: 8 MB a stack
+  setrlimit(RLIMIT_AS, &few);
+  LoopbackNetwork network(1);
+  const Registry registry = bombs();
+  try {
+    Runtime(network.transport(Rank(0)), registry, {.threads = 5000});
+  } catch (const std::exception&) {
+    std::_Exit(7);
+  }
+  std::_Exit(8);
+}
+
+TEST(Failure, WithoutThreadsThereIsAnExceptionAndNoEnd) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(start_too_many_threads(), ::testing::ExitedWithCode(7), "");
 }
 
 TEST_P(FailureOnRanks, AMessageToADestroyedObjectFailsTheRun) {

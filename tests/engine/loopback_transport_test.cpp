@@ -38,6 +38,13 @@ TEST(LoopbackTransport, RandomTrafficArrivesOnceAndWhole) {
 TEST(LoopbackTransport, ReceiversMaySend) {
   keep([](Player& player) { contract::receivers_may_send(player, 50); });
 }
+TEST(LoopbackTransport, ReceiversMayThrow) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  weft::testing::on_ranks(2, [](Transport& transport) {
+    Player player(transport);
+    contract::receivers_may_throw(player);
+  });
+}
 TEST(LoopbackTransport, WakeEndsWaitAndIsRemembered) { keep(contract::wakes); }
 TEST(LoopbackTransport, NobodyIsDead) { keep(contract::nobody_is_dead); }
 

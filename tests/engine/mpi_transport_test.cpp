@@ -33,6 +33,7 @@ TEST(MpiTransport, MisuseIsRefused) { contract::misuse_is_refused(*player); }
 TEST(MpiTransport, SelfSends) { contract::self_sends(*player); }
 TEST(MpiTransport, RandomTrafficArrivesOnceAndWhole) { contract::all_to_all(*player, 60, kLargest / 8); }
 TEST(MpiTransport, ReceiversMaySend) { contract::receivers_may_send(*player, 50); }
+TEST(MpiTransport, ReceiversMayThrow) { contract::receivers_may_throw(*player); }
 TEST(MpiTransport, WakeEndsWaitAndIsRemembered) { contract::wakes(*player); }
 TEST(MpiTransport, IdlesCheaply) { contract::idles_cheaply(*player); }
 TEST(MpiTransport, SleepersWakeSoon) { contract::sleepers_wake_soon(*player); }
@@ -110,13 +111,13 @@ int lose_a_rank(MpiTransport& transport) {
   if (me.rank() == victim) std::raise(SIGKILL);
   if (me.rank() != Rank(0)) std::this_thread::sleep_for(20s);  // until rank 0 ends it all
   const auto start = contract::Clock::now();
-  while (!transport.dead_peer() && contract::Clock::now() - start < 10s) {
+  while (!transport.lost_peer() && contract::Clock::now() - start < 10s) {
     me.poll();
     transport.wait(1ms);
   }
   const double seconds = std::chrono::duration<double>(contract::Clock::now() - start).count();
-  const auto dead = transport.dead_peer();
-  std::printf("found dead: %d after %.3f s\n", dead ? dead->value : -1, seconds);
+  const auto dead = transport.lost_peer();
+  std::printf("found dead: %d after %.3f s\n", dead ? dead->rank.value : -1, seconds);
   try {
     transport.close();
   } catch (const TransportError& error) {

@@ -10,6 +10,7 @@
 #include "engine/objects/directory.h"
 #include "engine/objects/event.h"
 #include "engine/objects/registry.h"
+#include "engine/run/awake_clock.h"
 #include "engine/schedule/context.h"
 #include "engine/schedule/termination.h"
 
@@ -271,9 +272,11 @@ TEST(Termination, TellsForHowLongMessagesHaveBeenMissing) {
   Termination alone(Rank(0), 1, [](Rank, const WaveMessage&) {});
   alone.step(WaveCount{7, 6}, 1000 * kSecond);
   EXPECT_EQ(alone.futile_for(), 0);
-  alone.step(WaveCount{7, 6}, 1003 * kSecond);
+  for (int i = 1; i <= 6; ++i) alone.step(WaveCount{7, 6}, 1000 * kSecond + i * kSecond / 2);
   EXPECT_EQ(alone.futile_for(), 3 * kSecond);
-  alone.step(WaveCount{8, 7}, 1004 * kSecond);
+  alone.step(WaveCount{7, 6}, 5000 * kSecond);
+  EXPECT_EQ(alone.futile_for(), 4 * kSecond) << "suspended, and no message lost";
+  alone.step(WaveCount{8, 7}, 5001 * kSecond);
   EXPECT_EQ(alone.futile_for(), 0);
   EXPECT_FALSE(alone.ended());
 }
@@ -308,7 +311,69 @@ TEST(Registry, RefusesNamesUsedTwiceAndWhatWasNotRegistered) {
   EXPECT_EQ(registry.find_method(12345), nullptr);
 }
 
+TEST(Registry, FingerprintsTellProgramsApartAndNotTheOrderOfRegistration) {
+  Registry one, other_order, immovable, fewer;
+  one.type<Plain>("Plain").method<&Plain::act>("act");
+  one.type<Mobile>("Mobile");
+  other_order.type<Mobile>("Mobile");
+  other_order.type<Plain>("Plain").method<&Plain::act>("act");
+  immovable.type<Mobile>("Plain").method<&Mobile::act>("act");
+  immovable.type<Plain>("Mobile");
+  fewer.type<Plain>("Plain");
+  fewer.type<Mobile>("Mobile");
+  EXPECT_EQ(one.fingerprint(), other_order.fingerprint());
+  EXPECT_NE(one.fingerprint(), immovable.fingerprint());
+  EXPECT_NE(one.fingerprint(), fewer.fingerprint());
+}
+
+// --- The clock of limits on waiting
+
+TEST(AwakeClock, CountsLittleOfATimeInWhichNobodyLooked) {
+  AwakeClock clock;
+  const TimePoint begin = clock.tick(1000 * kSecond);
+  for (int i = 1; i <= 10; ++i) clock.tick(1000 * kSecond + i * kSecond / 4);
+  EXPECT_EQ(clock.time() - begin, 10 * kSecond / 4);
+  EXPECT_EQ(clock.tick(5000 * kSecond) - begin, 10 * kSecond / 4 + AwakeClock::kLongestGap);
+}
+
 // --- Exchange
+
+TEST(Exchange, RefusesARankThatDoesNotExist) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {});
+  EXPECT_THROW(here.post(Rank(2), FrameKind::task, {}), std::out_of_range);
+  EXPECT_THROW(here.post(Rank(), FrameKind::task, {}), std::out_of_range);
+}
+
+TEST(Exchange, AFrameThatThrowsDoesNotTakeThoseBehindItAlong) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {}), there(network.transport(Rank(1)), {});
+  here.begin_phase();
+  there.begin_phase();
+  for (int i = 0; i < 3; ++i) here.post(Rank(1), FrameKind::task, bytes({i}));
+  here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  EXPECT_EQ(here.packets_sent(), 1u);
+  int arrived = 0;
+  EXPECT_THROW(there.progress([&](Rank, FrameKind, Payload, std::size_t) {
+    if (++arrived == 1) throw std::runtime_error("unreadable");
+  }),
+               std::runtime_error);
+  EXPECT_EQ(arrived, 3);
+}
+
+TEST(Exchange, HearsOfAnotherProgramOnlyHowTheRunEnds) {
+  LoopbackNetwork network(2);
+  Exchange here(network.transport(Rank(0)), {}, 1), there(network.transport(Rank(1)), {}, 2);
+  here.begin_phase();
+  there.begin_phase();
+  here.post(Rank(1), FrameKind::task, {});
+  here.post(Rank(1), FrameKind::stop, {});
+  here.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  std::vector<FrameKind> heard;
+  EXPECT_THROW(there.progress([&](Rank, FrameKind kind, Payload, std::size_t) { heard.push_back(kind); }),
+               std::runtime_error);
+  EXPECT_THAT(heard, ElementsAre(FrameKind::stop));
+}
 
 TEST(Exchange, SendsManySmallFramesInFewPackets) {
   LoopbackNetwork network(2);

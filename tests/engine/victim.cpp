@@ -2,8 +2,11 @@
 // to it.
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -12,9 +15,14 @@
 #include "engine/run/launch.h"
 #include "engine/run/runtime.h"
 #include "engine/run/show_state_on_signal.h"
-#include "engine/run/stop_on_signal.h"
 
 using namespace weft::engine;
+
+std::atomic<Runtime*> runtime_to_stop{nullptr};
+
+void stop_runtime(int) {
+  if (Runtime* runtime = runtime_to_stop) runtime->request_stop("stopped from outside (SIGTERM)");
+}
 
 void say_who(Context& context) {
   std::printf("rank %d is process %d\n", context.rank().value, static_cast<int>(getpid()));
@@ -38,17 +46,26 @@ struct Victim {
   void take(Context&, const std::vector<double>&) {}
 };
 
+/// The ways: last, deaf, flood, fail; system COMMAND: start another program, as a solver would; and "apart"
+/// before one of them: as if each rank were on a node of its own. A rank is silent for too long after a
+/// second.
 int main(int argc, char** argv) {
+  const bool apart = argc > 1 && std::string(argv[1]) == "apart";
+  argv += apart ? 1 : 0;
+  argc -= apart ? 1 : 0;
   const std::string way = argc > 1 ? argv[1] : "last";
-  return launch(argc, argv, [&](Transport& transport) {
+  const auto body = [&](Transport& transport) {
+    if (way == "system") return std::system(argv[2]) == 0 ? 0 : 1;
     Registry registry;
     registry.type<Victim>("Victim")
         .method<&Victim::last>("last")
         .method<&Victim::be_deaf>("be_deaf")
         .method<&Victim::flood>("flood")
         .method<&Victim::take>("take");
-    Runtime runtime(transport, registry, {.grace = std::chrono::seconds(2)});
-    const StopOnSignal stop(runtime);
+    Runtime runtime(transport, registry,
+                    {.silence = std::chrono::seconds(1), .grace = std::chrono::seconds(2)});
+    runtime_to_stop = &runtime;
+    std::signal(SIGTERM, stop_runtime);
     const ShowStateOnSignal show(runtime);
     runtime.run([&](Context& context) {
       const auto victim = context.create<Victim>();
@@ -64,5 +81,6 @@ int main(int argc, char** argv) {
       }
     });
     return 0;
-  });
+  };
+  return launch(argc, argv, body, {.shared_memory = !apart});
 }

@@ -32,10 +32,13 @@ class DelayedTransport final : public Transport {
   void send(Rank to, Packet packet) override { below_.send(to, std::move(packet)); }
   std::size_t unsent(Rank to) const override { return below_.unsent(to); }
   void wake() noexcept override { below_.wake(); }
-  std::optional<Rank> dead_peer() override { return below_.dead_peer(); }
+  std::optional<engine::LostPeer> lost_peer() override { return below_.lost_peer(); }
+  bool watches(Rank rank) const override { return below_.watches(rank); }
+  void leave(const std::string& why) noexcept override { below_.leave(why); }
   void close() override { below_.close(); }
   void abandon() noexcept override { below_.abandon(); }
   std::uint32_t next_phase() override { return below_.next_phase(); }
+  void end_phase() override { below_.end_phase(); }
   void keep(engine::KeptPacket packet) override { below_.keep(std::move(packet)); }
   std::vector<engine::KeptPacket> take_kept() override { return below_.take_kept(); }
 

@@ -1,16 +1,11 @@
 // The program of the top README, word for word: tests build and run it, so that it stays true.
-#include "meshing/adapt/adapt.h"
-#include "meshing/io/mesh_file.h"
-
-using namespace weft::meshing;
+#include <weft/weft.h>
 
 int main() {
-  const MeshData mesh = read_mesh("wing.meshb");
-  LogMetricField metric = metric_from_solution(read_solution("wing.solb"), mesh.points.size(), "wing.solb");
-  scale_to_complexity(mesh, 5000, metric);
-  AdaptOptions options;
-  options.threads = 8;
-  const AdaptResult result = adapt(mesh, {&mesh, &metric}, options);
-  write_mesh("fine.meshb", result.mesh);
-  write_solution("fine.solb", solution_from_metric(result.log_metrics));
+  const weft::Mesh mesh = weft::read_mesh("wing.meshb");
+  weft::Options options;
+  options.metric.complexity = 5000;
+  options.run.threads = 8;
+  const weft::Result fine = weft::adapt(mesh, weft::read_metric("wing.solb", mesh), options);
+  weft::write_result("fine.meshb", fine.mesh, fine.metric);
 }

@@ -1,5 +1,5 @@
 // Result files: complete or absent.
-#include "tools/weft/jobs/outputs.h"
+#include "tools/library/jobs/outputs.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // Sizes, boxes and planes as text.
-#include "tools/weft/options/picture_options.h"
+#include "tools/library/pictures/picture_options.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "tools/weft/terminal/progress.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/library/report/run_progress_text.h"
 
 namespace weft::tools {
 namespace {

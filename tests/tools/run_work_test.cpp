@@ -1,4 +1,4 @@
-#include "tools/weft/jobs/run_work.h"
+#include "tools/library/jobs/run_work.h"
 
 #include <gtest/gtest.h>
 

@@ -13,8 +13,8 @@ MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 200  # far above what anything here takes
 
 SUBDOMAIN_KEYS = {
-    "subdomains", "partitioner", "ranks", "layers", "decomposition_seconds", "adaptation_seconds", "seconds_by_operation",
-    "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine",
+    "subdomains", "partitioner", "ranks", "layers", "checks", "decomposition_seconds", "adaptation_seconds",
+    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine",
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
@@ -68,6 +68,17 @@ class Results(Subdomains):
     def test_same_bytes_with_a_metric_that_rank_0_has_to_grade(self):
         self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.2", "--hmax", "0.18", "--hgrad", "1.5",
                                 "--subdomains", 4, ranks=(2,))
+
+    def test_checks_after_every_round_are_told_and_change_nothing(self):
+        words = (self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5, "-o", "out.meshb", "--threads", 1)
+        self.run_on(2, *words)
+        expected = self.bytes_of("out.meshb")
+        for ranks in (0, 1, 3):
+            done = self.run_on(ranks, *words, "--check", "--report", "r")
+            self.assertRegex(done.stdout, r"all invariants checked \d+ times, and held")
+            self.assertEqual(self.bytes_of("out.meshb"), expected)
+            report = json.loads((self.folder / "r" / "report.json").read_text())
+            self.assertGreaterEqual(report["subdomains"]["checks"], 3)
 
     def test_partitioners(self):
         self.box(4)

@@ -1,5 +1,5 @@
 // Numbers as people read them.
-#include "tools/weft/terminal/text.h"
+#include "tools/common/text.h"
 
 #include <gtest/gtest.h>
 

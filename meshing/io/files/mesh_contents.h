@@ -10,27 +10,9 @@
 #include <vector>
 
 #include "meshing/mesh/mesh_data.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
-
-/// The names that a file gives to references, such as "wing" to reference 3 of its triangles.
-class RefNames {
- public:
-  struct Key {
-    int dimension;  ///< of the entities: 1 edges, 2 triangles, 3 tets
-    std::int32_t ref;
-    auto operator<=>(const Key&) const = default;
-  };
-
-  bool empty() const { return names_.empty(); }
-  const std::map<Key, std::string>& all() const { return names_; }
-  void set(int dimension, std::int32_t ref, std::string name) { names_[{dimension, ref}] = std::move(name); }
-  /// The name, or "ref_N" for a reference without one; on one line and never empty.
-  std::string name(int dimension, std::int32_t ref) const;
-
- private:
-  std::map<Key, std::string> names_;
-};
 
 /// Gives references to names, for formats that know names only. "ref_N" and "N" mean N where N is free; any
 /// other name gets the smallest number not taken.
@@ -45,12 +27,6 @@ class RefNumbering {
   std::map<std::string, std::int32_t, std::less<>> refs_;
   std::set<std::int32_t> taken_;
   std::int32_t next_ = 1;
-};
-
-/// Something that found no place where it should have gone.
-struct Dropped {
-  std::string what;         ///< in the plural
-  std::uint64_t count = 0;  ///< 0: not countable
 };
 
 struct MeshContents {
@@ -78,15 +54,6 @@ struct MeshView {
   const MeshData& mesh;
   const SolutionData& fields;
   const RefNames& names;
-};
-
-/// How to write, where a format leaves a choice; formats without it ignore it.
-struct WriteOptions {
-  enum class Encoding { binary, ascii, big_endian };
-  Encoding encoding = Encoding::binary;  ///< big_endian: binary where the format has both orders (PLY)
-  bool compress = false;                 ///< VTU: arrays go through zlib
-  int gmsh_version = 4;                  ///< 4 means MSH 4.1, 2 means MSH 2.2
-  int pieces = 2;                        ///< of a .pvtu
 };
 
 /// The triangles and edges with the points they use, for formats of surfaces. A mesh without tets stays as it

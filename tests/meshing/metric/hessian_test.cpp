@@ -62,7 +62,7 @@ TEST(HessianLeastSquares, IsExactForQuadraticsOnRandomMeshes) {
     support::jitter_interior(mesh, 0.25 / (3 + seed), seed);
     support::shuffle(mesh, seed);
     const Quadratic f(seed);
-    const auto found = recover_hessians(mesh, values_of(mesh, f), Recovery::least_squares);
+    const auto found = recover_hessians(mesh, values_of(mesh, f), HessianRecovery::least_squares);
     EXPECT_LT(worst_difference(mesh, found, f.h, anywhere), 1e-10) << "seed " << seed;  // at the boundary too
   }
 }
@@ -75,7 +75,7 @@ TEST(HessianLeastSquares, IsExactForQuadraticsOnThinMeshes) {
   const Quadratic f(3);
   const auto values = values_of(mesh, f);
   for (Point& p : mesh.points) p.z *= thin;
-  for (const SymTensor& h : recover_hessians(mesh, values, Recovery::least_squares)) {
+  for (const SymTensor& h : recover_hessians(mesh, values, HessianRecovery::least_squares)) {
     const SymTensor back{h.xx, h.xy, h.yy, h.xz * thin, h.yz * thin, h.zz * thin * thin};
     EXPECT_LT(difference(back, f.h), 1e-9);
   }
@@ -84,10 +84,10 @@ TEST(HessianLeastSquares, IsExactForQuadraticsOnThinMeshes) {
 TEST(HessianLeastSquares, WorksOnMeshesWithTooFewVertices) {
   for (const MeshData& mesh : {support::regular_tet(), support::two_tets(), unit_cube(1)}) {
     const Quadratic f(5);
-    for (const SymTensor& h : recover_hessians(mesh, values_of(mesh, f), Recovery::least_squares))
+    for (const SymTensor& h : recover_hessians(mesh, values_of(mesh, f), HessianRecovery::least_squares))
       EXPECT_TRUE(std::isfinite(trace(h) + h.xy + h.xz + h.yz));
     const auto constant = std::vector<double>(mesh.points.size(), 7.0);
-    for (const SymTensor& h : recover_hessians(mesh, constant, Recovery::least_squares))
+    for (const SymTensor& h : recover_hessians(mesh, constant, HessianRecovery::least_squares))
       EXPECT_EQ(difference(h, {}), 0);
   }
 }
@@ -100,7 +100,7 @@ TEST(HessianLeastSquares, IsExactForQuadraticsAcrossOneLayerOfCells) {
     return std::ranges::any_of(tet, [&](std::uint32_t v) { return mesh.points[v].z > 0.2; });
   });
   const auto along = [](const Point& p) { return p.x * p.x - 0.5 * p.x * p.y; };
-  const auto found = recover_hessians(mesh, values_of(mesh, along), Recovery::least_squares);
+  const auto found = recover_hessians(mesh, values_of(mesh, along), HessianRecovery::least_squares);
   for (std::size_t v = 0; v < found.size(); ++v) {
     if (mesh.points[v].z > 0.2) continue;
     EXPECT_LT(difference(found[v], {2, -0.5, 0, 0, 0, found[v].zz}), 1e-9);
@@ -113,7 +113,7 @@ TEST(HessianLeastSquares, ConvergesOnSmoothFields) {
   for (const std::uint32_t n : {6u, 12u, 24u}) {
     MeshData mesh = unit_cube(n);
     support::jitter_interior(mesh, 0.2 / n);
-    const auto found = recover_hessians(mesh, values_of(mesh, f), Recovery::least_squares);
+    const auto found = recover_hessians(mesh, values_of(mesh, f), HessianRecovery::least_squares);
     double worst = 0;
     for (std::size_t v = 0; v < found.size(); ++v) {
       const Point& p = mesh.points[v];
@@ -129,7 +129,7 @@ TEST(HessianLeastSquares, ConvergesOnSmoothFields) {
 TEST(HessianDoubleProjection, IsExactForQuadraticsWhereTheMeshRepeats) {
   const MeshData mesh = unit_cube(16);
   const Quadratic f(2);
-  const auto found = recover_hessians(mesh, values_of(mesh, f), Recovery::double_projection);
+  const auto found = recover_hessians(mesh, values_of(mesh, f), HessianRecovery::double_projection);
   // The box is mirrored at its middle planes. Two edges from those and the boundary all balls are alike and
   // symmetric about their centres, so that the errors of the tets' gradients cancel.
   const auto deep_in_an_octant = [](double x) { return std::abs(std::abs(x - 0.5) - 0.25) < 2.5 / 16; };
@@ -144,7 +144,7 @@ TEST(HessianDoubleProjection, IsExactForQuadraticsWhereTheMeshRepeats) {
 TEST(HessianDoubleProjection, ExtrapolatesToTheBoundary) {
   const MeshData mesh = unit_cube(10);
   const Quadratic f(4);
-  const auto found = recover_hessians(mesh, values_of(mesh, f), Recovery::double_projection);
+  const auto found = recover_hessians(mesh, values_of(mesh, f), HessianRecovery::double_projection);
   // The one-sided gradients of the boundary still reach the first layer inside, which is averaged outwards.
   EXPECT_LT(worst_difference(mesh, found, f.h, anywhere), 0.6);
 }
@@ -152,7 +152,7 @@ TEST(HessianDoubleProjection, ExtrapolatesToTheBoundary) {
 TEST(HessianDoubleProjection, KeepsWhatItHasWhereNoVertexIsInside) {
   for (const MeshData& mesh : {support::regular_tet(), unit_cube(1)})
     for (const SymTensor& h :
-         recover_hessians(mesh, values_of(mesh, Quadratic(1)), Recovery::double_projection))
+         recover_hessians(mesh, values_of(mesh, Quadratic(1)), HessianRecovery::double_projection))
       EXPECT_TRUE(std::isfinite(trace(h)));
 }
 
@@ -160,7 +160,8 @@ TEST(Hessian, DoesNotDependOnTheThreads) {
   MeshData mesh = unit_cube(14);
   support::jitter_interior(mesh, 0.01);
   const auto values = values_of(mesh, [](const Point& p) { return std::tanh(20 * (p.x + 0.3 * p.y - 0.5)); });
-  for (const Recovery recovery : {Recovery::least_squares, Recovery::double_projection}) {
+  for (const HessianRecovery recovery :
+       {HessianRecovery::least_squares, HessianRecovery::double_projection}) {
     const auto expected = recover_hessians(mesh, values, recovery);
     for (const int threads : {1, 2, 3}) {
       const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

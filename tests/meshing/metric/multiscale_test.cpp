@@ -22,7 +22,8 @@ namespace {
 
 using support::unit_cube;
 
-constexpr Recovery kRecoveries[] = {Recovery::least_squares, Recovery::double_projection};
+constexpr HessianRecovery kRecoveries[] = {HessianRecovery::least_squares,
+                                           HessianRecovery::double_projection};
 
 MeshData jittered_cube(std::uint32_t n) {
   MeshData mesh = unit_cube(n);
@@ -51,7 +52,7 @@ TEST(Multiscale, IsTheFormulaForAQuadratic) {
   for (const double norm : {1.0, 2.0, 4.0, std::numeric_limits<double>::infinity()}) {
     const double factor = std::pow(det, -1 / (2 * norm + 3)) * scale;
     const LogMetric exact = log_of({8 * factor, 0, 2 * factor, 0, 0, 0.2 * factor});
-    for (const LogMetric& l : multiscale_metric(mesh, values, {Recovery::least_squares, norm}))
+    for (const LogMetric& l : multiscale_metric(mesh, values, {HessianRecovery::least_squares, norm}))
       EXPECT_LT(largest_difference(l, exact), 1e-9);
   }
 }
@@ -89,7 +90,7 @@ TEST(Multiscale, IsPositiveDefiniteForAnyFiniteField) {
       values_of(mesh, [](const Point& p) { return p.x * p.x; }),
   };
   for (const auto& values : fields)
-    for (const Recovery recovery : kRecoveries) {
+    for (const HessianRecovery recovery : kRecoveries) {
       auto field = multiscale_metric(mesh, values, {recovery, 2});
       EXPECT_NEAR(fit_to_complexity(mesh, 500, {0, 0, 0, 1.5, {}}, nullptr, field), 500, 0.5);
       for (const LogMetric& l : field) ASSERT_TRUE(is_positive_definite(exp_exact(l)));
@@ -99,7 +100,7 @@ TEST(Multiscale, IsPositiveDefiniteForAnyFiniteField) {
 TEST(Multiscale, ResolvesAShockAcrossIt) {
   const MeshData mesh = jittered_cube(10);
   const auto values = values_of(mesh, [](const Point& p) { return std::tanh(8 * (p.x - 0.5)); });
-  for (const Recovery recovery : kRecoveries) {
+  for (const HessianRecovery recovery : kRecoveries) {
     auto field = multiscale_metric(mesh, values, {recovery, 2});
     fit_to_complexity(mesh, 2000, {0, 0, 0, 1.5, {}}, nullptr, field);
     for (std::size_t v = 0; v < field.size(); ++v) {
@@ -113,7 +114,7 @@ TEST(Multiscale, ResolvesAShockAcrossIt) {
 TEST(Multiscale, RefusesWhatIsNotFinite) {
   const MeshData mesh = unit_cube(2);
   auto values = values_of(mesh, [](const Point& p) { return p.x; });
-  EXPECT_THROW(multiscale_metric(mesh, values, {Recovery::least_squares, 0.5}), InputError);
+  EXPECT_THROW(multiscale_metric(mesh, values, {HessianRecovery::least_squares, 0.5}), InputError);
   values[4] = std::numeric_limits<double>::infinity();
   try {
     multiscale_metric(mesh, values, {});
@@ -158,7 +159,7 @@ TEST(MultiscaleCases, AgreesWithRefineOnTheDeltaWing) {
   const std::size_t n = mesh.points.size();
   const auto theirs =
       metric_from_solution(read_solution(folder / "start-metric.solb"), n, "start-metric.solb");
-  for (const Recovery recovery : kRecoveries) {
+  for (const HessianRecovery recovery : kRecoveries) {
     auto ours = multiscale_metric(mesh, scalar_fields(mach, n, "start-mach.solb")[0], {recovery, 2});
     EXPECT_NEAR(fit_to_complexity(mesh, 50000, {0, 0, 0, 1.5, {}}, nullptr, ours) / 50000, 1, 1e-3);
     EXPECT_NEAR(complexity(mesh, ours) / complexity(mesh, theirs), 1, 0.01);

@@ -7,9 +7,10 @@
 #include "meshing/mesh/structured_box.h"
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
+#include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/jobs/run_result.h"
+#include "tools/library/report/report_json.h"
 #include "tools/report/profile.h"
-#include "tools/weft/jobs/subdomain_account.h"
-#include "tools/weft/report/report_json.h"
 
 namespace weft::testing {
 namespace {
@@ -39,7 +40,10 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   run.output_counts = tools::count(mesh.after.mesh);
   run.before = meshing::measure(mesh.before, mesh.before_metric);
   run.after = meshing::measure(mesh.after.mesh, mesh.after.log_metrics);
-  run.report = mesh.after.report;
+  const meshing::AdaptReport& report = mesh.after.report;
+  run.stages = report.stages;
+  run.operations = report.counts;
+  run.surface_deviation = report.surface_deviation;
   run.target_complexity = run.before->complexity;
   run.times = {0.2, 0.1, simulated.summary.wall, 0.3, 0, 0.2, simulated.summary.wall + 0.8};
   run.warnings = {"a \"warning\" with <b>markup</b> & </script>"};
@@ -50,7 +54,7 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   account.subdomains = rules.subdomains;
   account.partitioner = "bisection";
   account.former_interface = run.after;
-  run.subdomains = std::make_shared<tools::DistributedStats>(std::move(account));
+  run.distributed = std::make_shared<DistributedStats>(std::move(account));
   return run;
 }
 

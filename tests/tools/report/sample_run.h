@@ -6,7 +6,7 @@
 
 #include "graph/dataflow/dump/graph_dump.h"
 #include "tests/support/simulated_run.h"
-#include "tools/weft/jobs/adapt_run.h"
+#include "tools/library/jobs/run_result.h"
 
 namespace weft::testing {
 

@@ -5,15 +5,15 @@
 #include <map>
 #include <memory>
 
-#include "engine/mpi/mpi_transport.h"
-#include "tools/report/published.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/adapt_job.h"
-#include "tools/weft/jobs/distributed_job.h"
+#include "tools/weft/options/field_options.h"
+#include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
-#include "tools/weft/report/graph_output.h"
-#include "tools/weft/report/summary.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "tools/weft/terminal/interrupt.h"
+#include "tools/weft/terminal/progress.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
@@ -32,54 +32,80 @@ the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgra
 and 12 tets per unit of complexity. Ctrl-C ends the run with a valid intermediate mesh and exit code 1.
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
-struct AdaptCommand : AdaptRequest {
-  SubdomainRequest subdomains;
-  int threads = 0;  ///< 0: not given
+struct AdaptCommand {
+  Files files;
+  Options options;
+  FieldChoice fields;
+  std::string shifts = "auto";
   Verbosity verbosity;
 };
 
 /// Ranks share a machine: unless told otherwise each works with one thread.
-int threads_of_rank() { return engine::under_mpirun() ? 1 : default_threads(); }
+int default_threads_of_rank() { return under_mpirun() ? 1 : default_threads(); }
+
+/// What the run tells goes to the terminal, and signals end it in good order or ask how far it is.
+FilesResult adapt_and_tell(AdaptCommand& command) {
+  Progress progress(command.verbosity.style());
+  const InterruptGuard interrupt;
+  StateRequest state_request;
+  RunOptions& run = command.options.run;
+  run.cancel = interrupt.flag();
+  run.state_on_signal = true;
+  run.on_state = [&](const std::string& text) {
+    progress.finish();
+    fmt::print(stderr, "weft: {}", text);
+  };
+  run.on_failure = [](const std::string& why) { fmt::print(stderr, "error: {}\n", printable(why)); };
+  if (command.verbosity.style() != ProgressStyle::none || !in_subdomains(command.options))
+    run.progress = [&](const weft::Progress& now) {
+      progress.show(now);
+      if (!now.sentence && state_request.take()) progress.say(now.stage, now.done, now.tets);
+      return true;
+    };
+  FilesResult result = adapt_files(command.files, command.options);
+  progress.finish();
+  return result;
+}
 
 int run(AdaptCommand& command) {
-  if (!command.metric.given())
+  if (!command.options.metric.given())
     throw CLI::RequiredError(
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
         CLI::ExitCodes::RequiredError);
-  check_request(command.metric);
-  command.progress = command.verbosity.style();
-  command.options.threads = command.threads > 0 ? command.threads : threads_of_rank();
-  if (in_subdomains(command.subdomains))
-    return run_in_subdomains(command, command.subdomains, command.verbosity.quiet);
-  if (!command.graph.empty()) throw CLI::RequiresError("--graph", "--subdomains");
-  if (!command.trace.empty()) throw CLI::RequiresError("--trace", "--subdomains");
-  const AdaptOutcome outcome = run_adapt(command);
-  command.verbosity.print("{}", summary_text(outcome.run));
-  return outcome.code;
+  if (command.options.run.threads == 0) command.options.run.threads = default_threads_of_rank();
+  if (command.shifts != "auto")
+    command.options.distributed.shifts = static_cast<std::uint32_t>(std::stoul(command.shifts));
+  command.files.fields = command.fields.files;
+  command.options.transfer = command.fields.method;
+  const FilesResult result = adapt_and_tell(command);
+  if (!result.report_error.empty() && result.first)
+    fmt::print(stderr, "weft: {}\n", printable(result.report_error));
+  if (result.first) command.verbosity.print("{}", summary(result));
+  return result.goal_met() && result.report_error.empty() ? kDone : kGoalNotMet;
 }
 
 void add_files(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("IN", command.input, "the mesh to adapt")->type_name("FILE")->required();
-  sub.add_option("-o,-x,--out", command.output, "the result (also -out)")
+  sub.add_option("IN", command.files.input, "the mesh to adapt")->type_name("FILE")->required();
+  sub.add_option("-o,-x,--out", command.files.output, "the result (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name())
       ->required();
 }
 
 void add_background(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("--background", command.background,
+  sub.add_option("--background", command.files.background,
                  "the mesh that the metric belongs to; default: the input")
       ->type_name("FILE")
       ->group("Metric");
 }
 
 void add_geometry(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("--ridge-angle", command.options.ridge_angle_degrees,
+  sub.add_option("--ridge-angle", command.options.geometry.ridge_angle,
                  "keep boundary edges with a sharper angle; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
-  sub.add_option("--hausd", command.options.hausd,
+  sub.add_option("--hausd", command.options.geometry.hausd,
                  "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
@@ -90,83 +116,93 @@ void add_report_options(CLI::App& sub, AdaptCommand& command) {
   constexpr const char* kGroup = "Report";
   static const CLI::Validator graph_name(
       [](const std::string& name) {
-        return graph_format(name) ? std::string()
-                                  : "'" + name + "' must end in .json, .dot, .graphml or .svg";
+        return !graph_format(name).empty() ? std::string()
+                                           : "'" + name + "' must end in .json, .dot, .graphml or .svg";
       },
       "");
-  sub.add_option("--report", command.report, "folder for report.html, report.json and profile.json")
+  sub.add_option("--report", command.files.report, "folder for report.html, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
-  std::vector<std::string> cases;
-  for (const std::string_view name : report::published_cases()) cases.emplace_back(name);
-  sub.add_option("--case", command.case_name, "compare with published figures of this case; see below")
+  sub.add_option("--case", command.files.case_name, "compare with published figures of this case; see below")
       ->type_name("NAME")
-      ->check(CLI::IsMember(cases).description(""))
+      ->check(CLI::IsMember(published_cases()).description(""))
       ->needs("--report")
       ->group(kGroup);
-  sub.add_option("--graph", command.graph,
+  sub.add_option("--graph", command.files.graph,
                  "executed task graph: .json, .dot, .graphml or .svg; the planned one beside it")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
-  sub.add_option("--trace", command.trace, "timeline for ui.perfetto.dev, .json")
+  sub.add_option("--trace", command.files.trace, "timeline for ui.perfetto.dev, .json")
       ->type_name("FILE")
       ->group(kGroup);
 }
 
 void add_run(CLI::App& sub, AdaptCommand& command) {
-  sub.add_option("--threads", command.threads, "threads per rank; default: all cores, under mpirun 1")
+  sub.add_option("--threads", command.options.run.threads,
+                 "threads per rank; default: all cores, under mpirun 1")
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""))
       ->group("Run");
   add_report_options(sub, command);
   add_verbosity(sub, command.verbosity, "Run");
-  sub.add_flag("--force", command.force, "run even if the memory seems insufficient")->group("Run");
+  sub.add_flag("--force", command.options.run.force, "run even if the memory seems insufficient")
+      ->group("Run");
 }
 
-void add_subdomains(CLI::App& sub, SubdomainRequest& request) {
+void add_subdomains(CLI::App& sub, AdaptCommand& command) {
+  DistributedOptions& distributed = command.options.distributed;
   constexpr const char* kGroup = "Subdomains";
-  static const std::map<std::string, bool> connections = {{"points", false}, {"faces", true}};
-  sub.add_option("--subdomains", request.subdomains,
+  using LayersBy = DistributedOptions::LayersBy;
+  using Equal = DistributedOptions::Equal;
+  using Freeze = DistributedOptions::Freeze;
+  static const std::map<std::string, LayersBy> connections = {{"points", LayersBy::points},
+                                                              {"faces", LayersBy::faces}};
+  sub.add_option("--subdomains", distributed.subdomains,
                  "number of subdomains; default 4 per thread under mpirun or with --partitioner")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
-  sub.add_option("--partitioner", request.partitioner,
+  sub.add_option("--partitioner", distributed.partitioner,
                  "graph (default), bisection, or slabs: pqr:PxQxR[:principal][:thin]")
       ->type_name("NAME")
       ->group(kGroup);
-  static const std::map<std::string, bool> shares = {{"work", false}, {"tets", true}};
-  sub.add_option("--equal", request.equal_tets,
+  static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};
+  sub.add_option("--equal", distributed.equal,
                  "balance subdomains by predicted work (default) or by tets of the input")
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", request.layers, "layers of tets migrated in the first shift; default 2")
+  sub.add_option("--layers", distributed.layers,
+                 "layers of tets migrated in the first shift; default 2; at most 1 later")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
-  sub.add_option("--layers-by", request.by_faces, "layers grow across points (default) or faces")
+  sub.add_option("--layers-by", distributed.layers_by, "layers grow across points (default) or faces")
       ->transform(CLI::CheckedTransformer(connections).description(""))
       ->type_name("KIND")
       ->group(kGroup);
-  sub.add_option("--shifts", request.shifts,
+  sub.add_option("--shifts", command.shifts,
                  "auto (default: until the whole interface is adapted, at most 12) or at most N")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
-  sub.add_option("--balancer", request.balancer, "stealing (default), diffusion or none")
+  sub.add_option("--balancer", distributed.balancer, "stealing (default), diffusion or none")
       ->type_name("NAME")
       ->check(CLI::IsMember({"stealing", "diffusion", "none"}).description(""))
       ->group(kGroup);
-  static const std::map<std::string, bool> frozen = {{"vertices", false}, {"tets", true}};
-  sub.add_option("--freeze", request.freeze_tets,
+  static const std::map<std::string, Freeze> frozen = {{"vertices", Freeze::vertices},
+                                                       {"tets", Freeze::tets}};
+  sub.add_option("--freeze", distributed.freeze,
                  "what is frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
+  sub.add_flag("--check", command.options.run.check,
+               "check the invariants of all subdomains after every round; slow")
+      ->group(kGroup);
   sub.add_flag_callback(
-         "--no-interface-refinement", [&request] { request.refine_interface = false; },
+         "--no-interface-refinement", [&distributed] { distributed.interface_refinement = false; },
          "do not refine the interface before the interior is adapted")
       ->group(kGroup);
 }
@@ -177,15 +213,15 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   CLI::App* sub = app.add_subcommand("adapt", "adapt a mesh to a metric");
   sub->footer(kFooter);
   auto command = std::make_shared<AdaptCommand>();
-  command->arguments = arguments;
+  command->files.arguments = arguments;
   add_files(*sub, *command);
-  add_metric_source(*sub, command->metric);
-  add_metric_construction(*sub, command->metric);
+  add_metric_source(*sub, command->options.metric);
+  add_metric_construction(*sub, command->options.metric);
   add_background(*sub, *command);
-  add_metric_processing(*sub, command->metric);
+  add_metric_processing(*sub, command->options.metric);
   add_field_options(*sub, command->fields, "IN", "Fields");
   add_geometry(*sub, *command);
-  add_subdomains(*sub, command->subdomains);
+  add_subdomains(*sub, *command);
   add_run(*sub, *command);
   sub->callback([command, &action] { action = [command] { return run(*command); }; });
 }

@@ -9,13 +9,11 @@
 #include <exception>
 #include <new>
 
-#include "meshing/base/error.h"
-#include "meshing/base/printable.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/arguments.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/help.h"
-#include "tools/weft/terminal/version.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
@@ -67,10 +65,13 @@ int run_action(const Action& action) {
     return action();
   } catch (const CLI::ParseError&) {
     throw;
+  } catch (const OptionError& error) {
+    throw CLI::ValidationError(error.option(), error.reason());
+  } catch (const RunError&) {  // the run has said why, as soon as it knew
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "weft: out of memory\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "weft: {}\n", meshing::printable(error.what()));
+    fmt::print(stderr, "weft: {}\n", printable(error.what()));
   }
   return kNoMesh;
 }
@@ -82,7 +83,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   Action action;
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag(
-      "--version", [] { return version_text(); }, "versions of weft and its libraries");
+      "--version", [] { return version_details(); }, "versions of weft and its libraries");
   app.require_subcommand(1);
   app.footer(kFooter);
   add_adapt_command(app, action, arguments);

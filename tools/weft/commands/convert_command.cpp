@@ -8,22 +8,15 @@
 #include <memory>
 #include <utility>
 
-#include "meshing/base/error.h"
-#include "meshing/io/mesh_file.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
-
-using meshing::Dropped;
-using meshing::MeshContents;
-using meshing::SolutionData;
-using meshing::WriteOptions;
 
 constexpr const char* kFooter = R"(Examples:
   weft convert fine.meshb fine.vtu --sol fine.solb --compress
@@ -51,40 +44,42 @@ std::string dropped_text(const std::vector<Dropped>& dropped) {
 }
 
 /// Adds the fields of --sol to those that the input itself has.
-void add_solution(const ConvertCommand& command, MeshContents& contents) {
-  SolutionData solution = meshing::read_solution(command.solution);
+void add_solution(const ConvertCommand& command, MeshFile& contents) {
+  Fields solution = read_fields(command.solution);
   if (solution.num_points != contents.mesh.points.size())
-    throw meshing::InputError(command.solution, "",
-                              fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
-                                          grouped(std::uint64_t{solution.num_points}), command.input,
-                                          grouped(std::uint64_t{contents.mesh.points.size()})));
+    throw InputError(command.solution, "",
+                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
+                                 grouped(std::uint64_t{solution.num_points}), command.input,
+                                 grouped(std::uint64_t{contents.mesh.points.size()})));
   std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
 }
 
-/// The mesh and, where it has fields that its format does not hold, the solution beside it.
-void write(const ConvertCommand& command, const MeshContents& contents) {
-  const bool beside = !contents.fields.fields.empty() && meshing::holds_volumes(command.output) &&
-                      !meshing::holds_fields(command.output);
-  if (beside) check_writable(output_paths(command.output).solution);
-  meshing::write_mesh_contents(command.output, contents, command.options);
-  if (beside) meshing::write_solution(output_paths(command.output).solution, contents.fields);
+/// The mesh and, where it has fields that its format does not hold, the fields beside it. Returns what is
+/// dropped.
+std::vector<Dropped> write(const ConvertCommand& command, const MeshFile& contents) {
+  const bool beside =
+      !contents.fields.fields.empty() && holds_volumes(command.output) && !holds_fields(command.output);
+  const std::string file = fields_beside(command.output);
+  if (beside) check_writable(file);
+  const std::vector<Dropped> dropped = write_mesh_file(command.output, contents, command.options);
+  if (beside) write_fields(file, contents.fields);
+  return dropped;
 }
 
 int run_convert(const ConvertCommand& command) {
   check_writable(command.output);
   Progress progress(command.verbosity.style());
   progress.phase("reading");
-  MeshContents contents = meshing::read_mesh_contents(command.input);
+  MeshFile contents = read_mesh_file(command.input);
   if (!command.solution.empty()) add_solution(command, contents);
   progress.phase("writing");
-  write(command, contents);
+  const std::vector<Dropped> dropped = write(command, contents);
   progress.finish();
   const auto& mesh = contents.mesh;
   command.verbosity.print(
       "{}: {} vertices, {} tets, {} triangles\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
       grouped(std::uint64_t{mesh.tets.size()}), grouped(std::uint64_t{mesh.triangles.size()}));
-  command.verbosity.print("{}{}", dropped_text(contents.dropped),
-                          dropped_text(meshing::lost_in(command.output, contents, command.options)));
+  command.verbosity.print("{}{}", dropped_text(contents.dropped), dropped_text(dropped));
   return kDone;
 }
 

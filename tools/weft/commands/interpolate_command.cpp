@@ -1,28 +1,23 @@
 // `weft interpolate`: fields of one mesh at the vertices of another.
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "meshing/fields/transfer.h"
-#include "meshing/io/mesh_file.h"
+#include "tools/common/field_text.h"
+#include "tools/common/naming.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/named_error.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/options/field_source.h"
+#include "tools/weft/options/field_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
-
-using meshing::MeshData;
-using meshing::SolutionData;
 
 constexpr const char* kFooter = R"(Example:
   weft interpolate wing.meshb fine.meshb --field mach.solb -o fine-mach.solb --transfer conservative
@@ -35,24 +30,22 @@ relative to the norm of the field.)";
 
 struct InterpolateCommand {
   std::string from, to, output;
-  FieldRequest fields;
+  FieldChoice fields;
   int threads = 1;
   Verbosity verbosity;
 };
 
 int run_interpolate(const InterpolateCommand& command) {
   check_writable(command.output);
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(command.threads));
   Progress progress(command.verbosity.style());
   progress.phase("reading");
-  const MeshData from = meshing::read_mesh(command.from), to = meshing::read_mesh(command.to);
-  const SolutionData fields = read_fields(command.fields, from.points.size(), command.from);
+  const Mesh from = read_mesh(command.from), to = read_mesh(command.to);
+  const Fields fields = read_fields(command.fields.files, from.points.size(), command.from);
   progress.phase("fields");
-  const meshing::Transfer result =
-      naming(command.from, [&] { return meshing::transfer(from, fields, to, command.fields.method); });
+  const Transfer result = naming(
+      command.from, [&] { return interpolate(from, fields, to, command.fields.method, command.threads); });
   progress.phase("writing");
-  meshing::write_solution(command.output, result.fields);
+  write_fields(command.output, result.fields);
   progress.finish();
   command.verbosity.print("{}: {} fields at {} vertices\n", command.output, fields.fields.size(),
                           grouped(std::uint64_t{to.points.size()}));

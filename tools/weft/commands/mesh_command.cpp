@@ -6,16 +6,13 @@
 #include <functional>
 #include <memory>
 
-#include "meshing/initial/shapes.h"
-#include "meshing/io/mesh_file.h"
-#include "meshing/mesh/structured_box.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
 #include "tools/weft/jobs/volume_job.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
@@ -45,14 +42,13 @@ struct BoxCommand {
 };
 
 int run_box(const BoxCommand& command) {
-  const auto point = [](const std::array<double, 3>& x) { return meshing::Point{x[0], x[1], x[2]}; };
+  const auto point = [](const std::array<double, 3>& x) { return Point{x[0], x[1], x[2]}; };
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(command.min[axis] < command.max[axis]))
       throw CLI::ValidationError("--max", "must be above --min in every direction");
   check_writable(command.output);
-  const meshing::MeshData mesh =
-      meshing::structured_box({command.cells, point(command.min), point(command.max)});
-  meshing::write_mesh(command.output, mesh);
+  const Mesh mesh = box({command.cells, point(command.min), point(command.max)});
+  write_mesh(command.output, mesh);
   command.verbosity.print("{}: {} vertices, {} tets\n", command.output,
                           grouped(std::uint64_t{mesh.points.size()}),
                           grouped(std::uint64_t{mesh.tets.size()}));
@@ -74,8 +70,8 @@ int run_surface(const SurfaceCommand& command) {
     throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
   if (command.volume.background.empty() != command.volume.metric.empty())
     throw CLI::ValidationError("--background", "requires --metric and the reverse");
-  meshing::RefNames names;
-  const meshing::MeshData surface = meshing::read_mesh(command.input, &names);
+  RefNames names;
+  const Mesh surface = read_mesh(command.input, &names);
   return make_volume(command.input, surface, names, command.volume);
 }
 
@@ -100,22 +96,22 @@ void add_sizes(CLI::App& sub, VolumeRequest& volume) {
 }
 
 void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
-  sub.add_flag("--materials", volume.grid.keep_enclosed,
+  sub.add_flag("--materials", volume.fill.materials,
                "a closed surface inside a volume bounds a material, not a hole")
       ->group("Surface");
-  sub.add_option("--merge", volume.checks.merge_tolerance,
+  sub.add_option("--merge", volume.fill.merge,
                  "merge points closer than this share of the diagonal; default 1e-9")
       ->type_name("T")
       ->check(CLI::Range(0.0, 0.01).description(""))
       ->group("Surface");
   sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "adapt the surface too, within --hausd")
       ->group("Surface");
-  sub.add_option("--hausd", volume.fill.adapt.hausd,
+  sub.add_option("--hausd", volume.fill.geometry.hausd,
                  "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Surface");
-  sub.add_option("--ridge-angle", volume.fill.adapt.ridge_angle_degrees,
+  sub.add_option("--ridge-angle", volume.fill.geometry.ridge_angle,
                  "keep boundary edges with a sharper angle; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
@@ -163,7 +159,7 @@ void add_body(CLI::App& mesh, Action& action, const std::string& name, const std
   });
 }
 
-void add_place(CLI::App& sub, const char* name, meshing::Point& place, const char* help) {
+void add_place(CLI::App& sub, const char* name, Point& place, const char* help) {
   sub.add_option_function<std::array<double, 3>>(
          name,
          [&place](const std::array<double, 3>& x) {
@@ -179,25 +175,25 @@ void add_length(CLI::App& sub, const char* name, double& length, const char* hel
 }
 
 void add_bodies(CLI::App& mesh, Action& action) {
-  add_body<meshing::BallOptions>(
+  add_body<BallOptions>(
       mesh, action, "ball", "a ball",
-      [](CLI::App& sub, meshing::BallOptions& o) {
+      [](CLI::App& sub, BallOptions& o) {
         add_length(sub, "--radius", o.radius, "default 1");
         add_place(sub, "--center", o.center, "default 0 0 0");
         add_length(sub, "--size", o.size, "of the edges; default 0.1");
       },
-      [](const meshing::BallOptions& o, VolumeRequest&) { return meshing::ball_surface(o); });
-  add_body<meshing::CylinderOptions>(
+      [](const BallOptions& o, VolumeRequest&) { return ball_surface(o); });
+  add_body<CylinderOptions>(
       mesh, action, "cylinder", "an upright cylinder",
-      [](CLI::App& sub, meshing::CylinderOptions& o) {
+      [](CLI::App& sub, CylinderOptions& o) {
         add_length(sub, "--radius", o.radius, "default 1");
         add_length(sub, "--height", o.height, "default 2");
         add_place(sub, "--base", o.base, "middle of the lower end; default 0 0 0");
         add_length(sub, "--size", o.size, "of the edges; default 0.1");
       },
-      [](const meshing::CylinderOptions& o, VolumeRequest&) { return meshing::cylinder_surface(o); });
+      [](const CylinderOptions& o, VolumeRequest&) { return cylinder_surface(o); });
   struct Wing {
-    meshing::DeltaWingOptions surface;
+    DeltaWingOptions surface;
     double growth = 1.3, far_size = 0;
   };
   add_body<Wing>(
@@ -211,7 +207,7 @@ void add_bodies(CLI::App& mesh, Action& action) {
         volume.fill.remesh_surface = true;
         volume.fill.growth = o.growth;
         volume.fill.size = o.far_size;
-        return meshing::delta_wing_surface(o.surface);
+        return delta_wing_surface(o.surface);
       });
 }
 

@@ -1,19 +1,16 @@
 // `weft metric`: makes a metric, limits, grades and scales it, without adapting to it.
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "meshing/io/mesh_file.h"
-#include "meshing/metric/measures.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/options/metric_source.h"
+#include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
@@ -29,7 +26,7 @@ which are not scaled, and after limits and gradation.)";
 
 struct MetricCommand {
   std::string mesh, output;
-  MetricRequest metric;
+  MetricOptions metric;
   int threads = 1;
   Verbosity verbosity;
 };
@@ -39,21 +36,18 @@ int run_metric(const MetricCommand& command) {
     throw CLI::RequiredError(
         "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
         CLI::ExitCodes::RequiredError);
-  check_request(command.metric);
   check_writable(command.output);
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(command.threads));
   Progress progress(command.verbosity.style());
   progress.phase("reading");
-  const meshing::MeshData mesh = meshing::read_mesh(command.mesh);
+  const Mesh mesh = read_mesh(command.mesh);
   progress.phase("metric");
-  const auto [field, warnings] = make_metric(command.metric, mesh, command.mesh);
+  const auto [metric, warnings] = make_metric(mesh, command.metric, command.mesh, command.threads);
   progress.phase("writing");
-  meshing::write_solution(command.output, meshing::solution_from_metric(field));
+  write_fields(command.output, metric.fields());
   progress.finish();
   for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
   command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output,
-                          grouped(std::uint64_t{field.size()}), grouped(meshing::complexity(mesh, field)));
+                          grouped(std::uint64_t{metric.size()}), grouped(complexity(mesh, metric)));
   return kDone;
 }
 

@@ -2,23 +2,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "meshing/base/error.h"
-#include "tools/report/compare.h"
-#include "tools/report/report_page.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
 #include "tools/weft/options/verbosity.h"
-#include "tools/weft/report/json_file.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kFooter = R"(Examples:
   weft report run/profile.json -o run.html
@@ -28,18 +20,6 @@ constexpr const char* kFooter = R"(Examples:
 One file: writes the page that `weft adapt --report DIR` wrote as DIR/report.html again. Two files: prints
 what became slower, by operation and rank, and how the meshes differ; with -o also as a page. A report.json
 can be compared too.)";
-
-/// call(); what it has against a document is said with the file's name.
-template <class Call>
-auto naming_json(const std::string& file, const Call& call) {
-  try {
-    return call();
-  } catch (const std::invalid_argument& error) {
-    throw meshing::InputError(file, "", error.what());
-  } catch (const Json::exception& error) {
-    throw meshing::InputError(file, "", error.what());
-  }
-}
 
 struct ReportCommand {
   std::string a, b, output;
@@ -52,19 +32,14 @@ int run_report(const ReportCommand& command) {
                              CLI::ExitCodes::RequiredError);
   if (!command.output.empty()) check_writable(command.output);
   Progress progress(command.verbosity.style());
+  std::string text;
   progress.phase("reading");
-  const Json a = read_json(command.a);
-  if (command.b.empty()) {
-    write_text(command.output, naming_json(command.a, [&] { return report::report_page(a); }));
-    return kDone;
-  }
-  const Json b = read_json(command.b);
-  const report::Comparison comparison = naming_json(
-      command.a + " or " + command.b, [&] { return report::compare(command.a, a, command.b, b); });
+  if (command.b.empty())
+    write_report_page(command.a, command.output);
+  else
+    text = compare_reports(command.a, command.b, command.output);
   progress.finish();
-  command.verbosity.print("{}", report::comparison_text(comparison));
-  if (!command.output.empty())
-    write_text(command.output, report::comparison_page(report::comparison_json(comparison)));
+  command.verbosity.print("{}", text);
   return kDone;
 }
 

@@ -8,27 +8,19 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "meshing/base/error.h"
-#include "meshing/io/mesh_file.h"
-#include "meshing/metric/measures.h"
-#include "tools/picture/histogram_plot.h"
+#include "tools/common/measures_text.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/options/metric_source.h"
-#include "tools/weft/options/picture_options.h"
+#include "tools/weft/options/metric_options.h"
+#include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
-#include "tools/weft/report/report_json.h"
-#include "tools/weft/report/summary.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
-#include "tools/weft/terminal/version.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using meshing::MeshData;
-using meshing::Point;
 
 constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
@@ -40,39 +32,11 @@ mean ratios of the tets and lengths of the edges in the metric, as `weft adapt` 
 
 struct StatCommand {
   std::string mesh;
-  MetricRequest metric;
+  MetricOptions metric;
   std::string plot;
   bool json = false, histogram = false;
   Verbosity verbosity;
 };
-
-/// What can be said of a mesh without a metric.
-struct Geometry {
-  Point min, max;
-  meshing::ShapeMeasures shape;
-  std::map<std::int32_t, double> volume_by_ref, area_by_ref;
-};
-
-Geometry geometry_of(const MeshData& mesh) {
-  Geometry g;
-  g.shape = meshing::measure_shape(mesh);
-  if (!mesh.points.empty()) g.min = g.max = mesh.points.front();
-  for (const Point& p : mesh.points)
-    for (int axis = 0; axis < 3; ++axis) {
-      g.min[axis] = std::min(g.min[axis], p[axis]);
-      g.max[axis] = std::max(g.max[axis], p[axis]);
-    }
-  const auto& p = mesh.points;
-  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
-    const auto& [a, b, c, d] = mesh.tets[i];
-    g.volume_by_ref[mesh.tet_refs[i]] += six_volume(p[a], p[b], p[c], p[d]) / 6;
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto& [a, b, c] = mesh.triangles[i];
-    g.area_by_ref[mesh.triangle_refs[i]] += norm(cross(p[b] - p[a], p[c] - p[a])) / 2;
-  }
-  return g;
-}
 
 Json json_of(const std::map<std::int32_t, double>& by_ref) {
   Json all = Json::object();
@@ -80,9 +44,9 @@ Json json_of(const std::map<std::int32_t, double>& by_ref) {
   return all;
 }
 
-Json json_of(const MeshData& mesh, const Geometry& g) {
+Json json_of(const Mesh& mesh, const Geometry& g) {
   return {{"schema", "weft-stat-1"},
-          {"version", kVersion},
+          {"version", version()},
           {"vertices", mesh.points.size()},
           {"tets", mesh.tets.size()},
           {"triangles", mesh.triangles.size()},
@@ -115,7 +79,7 @@ std::string by_ref_text(const char* what, const std::map<std::int32_t, double>& 
   return text;
 }
 
-std::string geometry_text(const MeshData& mesh, const Geometry& g) {
+std::string geometry_text(const Mesh& mesh, const Geometry& g) {
   std::string text;
   const auto line = [&](const char* name, std::size_t n) {
     if (n > 0) text += fmt::format("  {:<20}{:>14}\n", name, grouped(std::uint64_t{n}));
@@ -135,14 +99,16 @@ std::string geometry_text(const MeshData& mesh, const Geometry& g) {
   return text + by_ref_text("volume", g.volume_by_ref) + by_ref_text("area  ", g.area_by_ref);
 }
 
-std::string histograms_text(const meshing::Measures& measures) {
+std::string histograms_text(const Measures& measures) {
   return histogram_text("quality of the tets (mean ratio)", measures.quality) + "\n" +
          histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
 }
 
-picture::PlotText plot_text(const StatCommand& command, const meshing::Measures& m) {
+HistogramText plot_text(const StatCommand& command, const Measures& m) {
   const auto file = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-  return {fmt::format("{} in the metric {}", file(command.mesh), file(command.metric.name())),
+  const std::string metric =
+      command.metric.file.empty() ? command.metric.function : file(command.metric.file);
+  return {fmt::format("{} in the metric {}", file(command.mesh), metric),
           fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
                       grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
           fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
@@ -150,10 +116,9 @@ picture::PlotText plot_text(const StatCommand& command, const meshing::Measures&
                       percent(m.edges_long, 2), m.length_min, m.length_max)};
 }
 
-void plot(const StatCommand& command, const meshing::Measures& measures) {
-  if (measures.num_tets == 0) throw meshing::InputError(command.mesh, "", "contains no tets to plot");
-  write_text(command.plot,
-             picture::histogram_plot(measures, plot_text(command, measures), picture_format(command.plot)));
+void plot(const StatCommand& command, const Measures& measures) {
+  if (measures.num_tets == 0) throw InputError(command.mesh, "", "contains no tets to plot");
+  draw_histograms(command.plot, measures, plot_text(command, measures));
 }
 
 int run_stat(const StatCommand& command) {
@@ -164,15 +129,14 @@ int run_stat(const StatCommand& command) {
   if (!command.plot.empty()) check_writable(command.plot);
   Progress progress(command.verbosity.style());
   progress.phase("reading");
-  const MeshData mesh = meshing::read_mesh(command.mesh);
+  const Mesh mesh = read_mesh(command.mesh);
   progress.phase("measuring");
-  const Geometry geometry = geometry_of(mesh);
+  const Geometry geometry = measure_geometry(mesh);
   Json json = json_of(mesh, geometry);
   std::string text = geometry_text(mesh, geometry);
   if (command.metric.given()) {
-    const meshing::Measures measures =
-        meshing::measure(mesh, make_metric(command.metric, mesh, command.mesh).field);
-    json["measures"] = tools::json_of(measures);
+    const Measures measures = measure(mesh, make_metric(mesh, command.metric, command.mesh).metric);
+    json["measures"] = Json::parse(to_json(measures));
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);
     if (!command.plot.empty()) plot(command, measures);

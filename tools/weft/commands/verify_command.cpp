@@ -8,17 +8,15 @@
 #include <memory>
 #include <set>
 
-#include "meshing/io/mesh_file.h"
-#include "meshing/mesh/check_mesh.h"
+#include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
-#include "tools/weft/terminal/text.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
 
-using meshing::CheckReport;
 using ByRef = std::map<std::int32_t, double>;
 
 constexpr const char* kFooter = R"(Example:
@@ -79,11 +77,11 @@ std::string differences_text(const char* what, const ByRef& ours, const ByRef& t
 int run_verify(const VerifyCommand& command) {
   Progress progress(command.verbosity.style());
   progress.phase("checking");
-  const CheckReport report = meshing::check_mesh(meshing::read_mesh(command.mesh));
+  const CheckReport report = verify(read_mesh(command.mesh));
   std::string text = report_text(command.mesh, report), differences;
   if (!command.against.empty()) {
     progress.phase("checking the other mesh");
-    const CheckReport other = meshing::check_mesh(meshing::read_mesh(command.against), 0);
+    const CheckReport other = verify(read_mesh(command.against), 0);
     differences = differences_text("volume", report.volume_by_ref, other.volume_by_ref) +
                   differences_text("area", report.area_by_ref, other.area_by_ref);
     text += fmt::format("against {}\n", command.against) +

@@ -8,26 +8,16 @@
 #include <memory>
 #include <stdexcept>
 
-#include "meshing/base/error.h"
-#include "meshing/io/mesh_file.h"
-#include "meshing/io/vtk/pvtu.h"
-#include "tools/picture/mesh_picture.h"
+#include "tools/common/naming.h"
 #include "tools/weft/commands/commands.h"
-#include "tools/weft/jobs/named_error.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/options/field_source.h"
-#include "tools/weft/options/metric_source.h"
+#include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
-#include "tools/weft/options/picture_options.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
-
-using meshing::Field;
-using meshing::MeshData;
-using picture::ColourBy;
 
 constexpr const char* kFooter = R"(Examples:
   weft view wing.meshb -o wing.png
@@ -50,92 +40,38 @@ The picture is a .png, or a .pdf or .svg with vector text around an image. Edges
 
 struct ViewCommand {
   std::string mesh, output;
-  MetricRequest metric;
-  FieldRequest fields;
-  std::string colour_by = "none";
-  std::string size = "1600x1200", from = "iso", up, clip, focus, range;
-  bool dark = false, flip = false, no_edges = false, no_legend = false, no_axes = false;
-  std::vector<std::int32_t> only;
-  picture::PictureOptions picture;
+  MetricOptions metric;
+  std::vector<std::string> fields;
+  std::string color_by = "none";
+  bool no_edges = false, no_legend = false, no_axes = false;
+  PictureOptions picture;
   Verbosity verbosity;
 };
 
-const std::map<std::string, ColourBy>& colourings() {
-  static const std::map<std::string, ColourBy> all = {
-      {"none", ColourBy::none},           {"ref", ColourBy::ref},
-      {"subdomain", ColourBy::subdomain}, {"quality", ColourBy::quality},
-      {"length", ColourBy::length},       {"nonconforming", ColourBy::nonconforming},
-      {"field", ColourBy::field}};
-  return all;
-}
-
 /// The word before the colon, if there is one.
-std::string kind_of(const std::string& colour_by) {
-  return colour_by.starts_with("field:") ? "field" : colour_by;
+std::string kind_of(const std::string& color_by) {
+  return color_by.starts_with("field:") ? "field" : color_by;
 }
 
 std::string check_colouring(const std::string& word) {
-  if (colourings().contains(kind_of(word))) return {};
-  return "'" + word +
-         "' is not one of none, ref, subdomain, quality, length, nonconforming, field and field:NAME";
-}
-
-/// Returns parse(), with what it finds wrong told as the fault of `option`.
-template <class Parse>
-auto parsed(const char* option, const Parse& parse) {
+  PictureOptions picture;
+  picture.color_by = kind_of(word);
   try {
-    return parse();
-  } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError(option, error.what());
+    check_picture(picture);
+    return {};
+  } catch (const OptionError& error) {
+    return error.reason();
   }
 }
 
-picture::View view_of(const ViewCommand& command) {
-  const meshing::Vec toward_eye = parsed("--from", [&] { return picture::direction_named(command.from); });
-  if (command.up.empty()) return {toward_eye, picture::default_up(toward_eye)};
-  const meshing::Vec up = parsed("--up", [&] { return picture::direction_named(command.up); });
-  if (!(norm(cross(up, toward_eye)) > 0))
-    throw CLI::ValidationError("--up", "'" + command.up + "' is parallel to the view direction --from");
-  return {toward_eye, up};
-}
-
-std::pair<double, double> range_of(const std::string& text) {
-  const std::vector<double> ends = numbers_in(text, 2);
-  if (!(ends[0] < ends[1])) throw std::invalid_argument("'" + text + "' does not ascend");
-  return {ends[0], ends[1]};
-}
-
-void check_needs(const ViewCommand& command, ColourBy by) {
-  const bool by_length = by == ColourBy::length || by == ColourBy::nonconforming;
-  if (by_length && !command.metric.given())
-    throw CLI::RequiresError("--color-by " + command.colour_by, "--metric or --metric-fn");
-  if (by == ColourBy::field && !command.fields.given() && !meshing::holds_fields(command.mesh))
-    throw CLI::RequiresError("--color-by " + command.colour_by, "--field");
-  if (by != ColourBy::field && command.fields.given())
+void check_needs(const ViewCommand& command) {
+  const std::string& by = command.picture.color_by;
+  if ((by == "length" || by == "nonconforming") && !command.metric.given())
+    throw CLI::RequiresError("--color-by " + command.color_by, "--metric or --metric-fn");
+  if (by == "field" && command.fields.empty() && !holds_fields(command.mesh))
+    throw CLI::RequiresError("--color-by " + command.color_by, "--field");
+  if (by != "field" && !command.fields.empty())
     throw CLI::ValidationError("--field", "is for --color-by field");
-  const bool continuous = by == ColourBy::quality || by == ColourBy::length || by == ColourBy::field;
-  if (!command.range.empty() && !continuous)
-    throw CLI::ValidationError("--range", "is for --color-by quality, length and field");
-}
-
-picture::PictureOptions picture_options(const ViewCommand& command, ColourBy by) {
-  picture::PictureOptions options = command.picture;
-  std::tie(options.width, options.height) = parsed("--size", [&] { return picture_size(command.size); });
-  if (command.dark) options.theme = picture::dark_theme();
-  if (command.no_edges) options.line_width = 0;
-  options.legend = !command.no_legend;
-  options.axes = !command.no_axes;
-  options.view = view_of(command);
-  if (!command.focus.empty()) options.focus = parsed("--focus", [&] { return box_in(command.focus); });
-  if (!command.only.empty()) options.only = command.only;
-  if (!command.range.empty()) options.range = parsed("--range", [&] { return range_of(command.range); });
-  if (options.range && by == ColourBy::length && !(options.range->first > 0))
-    throw CLI::ValidationError("--range", "lengths are above zero");
-  if (!command.clip.empty()) {
-    options.cut = parsed("--clip", [&] { return plane_in(command.clip, options.view.toward_eye); });
-    if (command.flip) options.cut = {-1 * options.cut->normal, -options.cut->offset};
-  }
-  return options;
 }
 
 std::vector<double> scalars_of(const Field& field) {
@@ -148,67 +84,69 @@ std::vector<double> scalars_of(const Field& field) {
 
 /// The values to colour by, and their name: of the field called for, or of the first that is no tensor.
 std::pair<std::vector<double>, std::string> colour_field(const ViewCommand& command, std::size_t num_points) {
-  FieldRequest request = command.fields;
-  if (!request.given()) request.files = {command.mesh};
-  const std::string wanted =
-      kind_of(command.colour_by) == command.colour_by ? "" : command.colour_by.substr(6);
+  const std::vector<std::string> files =
+      command.fields.empty() ? std::vector<std::string>{command.mesh} : command.fields;
+  const bool named = command.color_by != "field";
+  const std::string wanted = named ? command.color_by.substr(6) : "";
   std::string known;
-  for (Field& field : read_fields(request, num_points, command.mesh).fields) {
+  for (Field& field : read_fields(files, num_points, command.mesh).fields) {
     known += (known.empty() ? "" : ", ") + field.name;
     if (field.kind == Field::Kind::tensor || (!wanted.empty() && field.name != wanted)) continue;
     const std::string name = field.kind == Field::Kind::vector ? "|" + field.name + "|" : field.name;
     return {scalars_of(field), name};
   }
-  throw meshing::InputError(request.files.front(), "",
-                            fmt::format("has no scalar or vector field{}, but {}",
-                                        wanted.empty() ? "" : " '" + wanted + "'", known));
+  throw InputError(files.front(), "",
+                   fmt::format("has no scalar or vector field{}, but {}",
+                               wanted.empty() ? "" : " '" + wanted + "'", known));
 }
 
 /// What a run in subdomains writes into one file does not tell them any more; pieces do.
-MeshData mesh_to_show(const ViewCommand& command, ColourBy by, meshing::RefNames& names) {
-  if (by == ColourBy::subdomain && std::filesystem::path(command.mesh).extension() == ".pvtu")
-    return meshing::read_pvtu_by_piece(command.mesh).mesh;
-  return meshing::read_mesh(command.mesh, &names);
+Mesh mesh_to_show(const ViewCommand& command, RefNames& names) {
+  const bool pieces = std::filesystem::path(command.mesh).extension() == ".pvtu";
+  if (pieces && command.picture.color_by == "subdomain") return read_mesh_by_piece(command.mesh);
+  return read_mesh(command.mesh, &names);
 }
 
-int run_view(const ViewCommand& command) {
-  const ColourBy by = colourings().at(kind_of(command.colour_by));
-  check_needs(command, by);
-  const picture::PictureOptions options = picture_options(command, by);
+int run_view(ViewCommand& command) {
+  PictureOptions& picture = command.picture;
+  picture.color_by = kind_of(command.color_by);
+  picture.edges = !command.no_edges;
+  picture.legend = !command.no_legend;
+  picture.axes = !command.no_axes;
+  check_needs(command);
+  const PictureSize size = check_picture(picture);
   check_writable(command.output);
+  RefNames names;
   Progress progress(command.verbosity.style());
-  progress.phase("reading");
-  meshing::RefNames names;
-  const MeshData mesh = mesh_to_show(command, by, names);
-  meshing::LogMetricField metric;
-  if (command.metric.given()) metric = make_metric(command.metric, mesh, command.mesh).field;
-  std::vector<double> field;
-  std::string field_name;
-  if (by == ColourBy::field) std::tie(field, field_name) = colour_field(command, mesh.points.size());
   progress.phase("drawing");
-  const picture::ColourSource source{by, mesh, metric, field, field_name};
-  const std::string bytes = naming(command.mesh, [&] {
-    return picture::mesh_picture(source, names, options, picture_format(command.output));
-  });
-  write_text(command.output, bytes);
+  const Mesh mesh = mesh_to_show(command, names);
+  Metric metric;
+  if (command.metric.given()) metric = make_metric(mesh, command.metric, command.mesh).metric;
+  std::pair<std::vector<double>, std::string> field;
+  if (picture.color_by == "field") field = colour_field(command, mesh.points.size());
+  const PictureSource source{mesh, command.metric.given() ? &metric : nullptr, field.first, field.second,
+                             &names};
+  naming(command.mesh, [&] { draw(command.output, source, picture); });
   progress.finish();
-  command.verbosity.print("{}: {} x {} pixels\n", command.output, options.width, options.height);
+  command.verbosity.print("{}: {} x {} pixels\n", command.output, size.width, size.height);
   return kDone;
 }
 
 void add_camera_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Camera";
-  sub.add_option("--from", command.from, "viewpoint: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
+  sub.add_option("--from", command.picture.from,
+                 "viewpoint: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
       ->type_name("VIEW")
       ->group(kGroup);
-  sub.add_option("--up", command.up, "direction that points up in the picture, named likewise; default z")
+  sub.add_option("--up", command.picture.up,
+                 "direction that points up in the picture, named likewise; default z")
       ->type_name("VIEW")
       ->group(kGroup);
   auto* zoom = sub.add_option("--zoom", command.picture.zoom, "magnification; default 1")
                    ->type_name("F")
                    ->check(positive_number())
                    ->group(kGroup);
-  sub.add_option("--focus", command.focus, "fill the picture with this box: X0,Y0,Z0,X1,Y1,Z1")
+  sub.add_option("--focus", command.picture.focus, "fill the picture with this box: X0,Y0,Z0,X1,Y1,Z1")
       ->type_name("BOX")
       ->excludes(zoom)
       ->group(kGroup);
@@ -216,15 +154,15 @@ void add_camera_options(CLI::App& sub, ViewCommand& command) {
 
 void add_cut_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Cut";
-  auto* clip = sub.add_option("--clip", command.clip,
+  auto* clip = sub.add_option("--clip", command.picture.clip,
                               "remove one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
                    ->type_name("PLANE")
                    ->group(kGroup);
-  sub.add_flag("--flip", command.flip, "remove the other side")->needs(clip)->group(kGroup);
-  sub.add_flag("--slice", command.picture.planar, "a plane section instead of whole tets")
+  sub.add_flag("--flip", command.picture.flip, "remove the other side")->needs(clip)->group(kGroup);
+  sub.add_flag("--slice", command.picture.slice, "a plane section instead of whole tets")
       ->needs(clip)
       ->group(kGroup);
-  sub.add_option("--only", command.only, "show only surface triangles of these references")
+  sub.add_option("--only", command.picture.only, "show only surface triangles of these references")
       ->type_name("REF,...")
       ->delimiter(',')
       ->expected(1)
@@ -234,25 +172,25 @@ void add_cut_options(CLI::App& sub, ViewCommand& command) {
 
 void add_colour_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Colour";
-  sub.add_option("--color-by", command.colour_by,
+  sub.add_option("--color-by", command.color_by,
                  "none, ref, subdomain, quality, length, nonconforming or field[:NAME]")
       ->type_name("WHAT")
       ->check(CLI::Validator(check_colouring, ""))
       ->group(kGroup);
-  sub.add_option("--field", command.fields.files, "fields at the vertices of MESH; repeatable")
+  sub.add_option("--field", command.fields, "fields at the vertices of MESH; repeatable")
       ->type_name("FILE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kGroup);
-  sub.add_option("--range", command.range, "limits of the colour bar: LO,HI")
+  sub.add_option("--range", command.picture.range, "limits of the colour bar: LO,HI")
       ->type_name("RANGE")
       ->group(kGroup);
-  sub.add_flag("--dark", command.dark, "dark background")->group(kGroup);
+  sub.add_flag("--dark", command.picture.dark, "dark background")->group(kGroup);
 }
 
 void add_sheet_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Layout";
-  sub.add_option("--size", command.size, "WIDTHxHEIGHT in pixels; default 1600x1200")
+  sub.add_option("--size", command.picture.size, "WIDTHxHEIGHT in pixels; default 1600x1200")
       ->type_name("SIZE")
       ->group(kGroup);
   sub.add_option("--title", command.picture.title, "title above the picture")

@@ -14,20 +14,16 @@
 #include <optional>
 #include <vector>
 
-#include "meshing/base/error.h"
-#include "meshing/io/mesh_file.h"
-#include "tools/weft/jobs/outputs.h"
-#include "tools/weft/jobs/shell_command.h"
+#include "tools/common/shell_command.h"
+#include "tools/common/text.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/interrupt.h"
-#include "tools/weft/terminal/text.h"
 
 namespace weft::tools {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using meshing::InputError;
 
 constexpr const char* kSchema = "weft-cycle-1";
 
@@ -62,7 +58,7 @@ class Loop {
   Loop(const LoopConfig& config, const Verbosity& verbosity) : config_(config), verbosity_(verbosity) {}
 
   int run() {
-    make_folder(config_.folder.string());
+    fs::create_directories(config_.folder);
     const FolderLock lock(config_.folder);
     const std::size_t first = count_finished();
     if (first > 0) verbosity_.print("cycles 0 to {} are done already\n", first - 1);
@@ -84,7 +80,7 @@ class Loop {
     return {folder,
             cycle == 0 ? config_.mesh : mesh,
             folder / ("solution" + config_.solution_extension),
-            cycle == 0 ? fs::path() : fs::path(output_paths(mesh.string()).fields),
+            cycle == 0 ? fs::path() : fs::path(result_files(mesh.string()).fields),
             folder / "solver.log",
             folder / "done.json"};
   }
@@ -138,7 +134,7 @@ class Loop {
   /// False when interrupted.
   bool do_cycle(std::size_t cycle) {
     const CycleFiles f = files(cycle);
-    make_folder(f.folder.string());
+    fs::create_directories(f.folder);
     remove_half_written(f.folder);
     fs::remove(f.solution);  // a solver that writes none must not seem to have
     Json marker = {
@@ -154,19 +150,26 @@ class Loop {
 
   bool adapt(std::size_t cycle, Json& marker) const {
     const CycleFiles last = files(cycle - 1), now = files(cycle);
-    AdaptRequest request = config_.adapt;
-    request.input = last.mesh.string();
-    request.output = now.mesh.string();
-    request.report = now.folder.string();
-    request.page = false;
-    request.metric.solutions = request.fields.files = {last.solution.string()};
-    request.metric.complexity = config_.complexities[cycle - 1];
-    request.progress = verbosity_.style();
-    const AdaptOutcome outcome = run_adapt(request);
-    const RunResult& run = outcome.run;
-    if (run.report.interrupted) return false;
+    Files files;
+    files.input = last.mesh.string();
+    files.output = now.mesh.string();
+    files.report = now.folder.string();
+    files.page = false;
+    files.fields = {last.solution.string()};
+    Options options = config_.options;
+    options.metric.sol = files.fields;
+    options.metric.complexity = config_.complexities[cycle - 1];
+    const InterruptGuard interrupt;
+    options.run.cancel = interrupt.flag();
+    Progress progress(verbosity_.style());
+    options.run.progress = [&progress](const weft::Progress& state) {
+      progress.show(state);
+      return true;
+    };
+    const FilesResult run = adapt_files(files, options);
+    if (run.cancelled) return false;
     marker["goal_met"] = run.missed.empty();
-    marker["target_complexity"] = request.metric.complexity;
+    marker["target_complexity"] = options.metric.complexity;
     marker["complexity"] = run.after.complexity;
     marker["vertices"] = run.after.num_vertices;
     marker["tets"] = run.after.num_tets;
@@ -201,10 +204,11 @@ class Loop {
 
   /// Better found now than when the next cycle wants to read it.
   void check_solution(const CycleFiles& f) const {
-    const FieldRequest request{{f.solution.string()}, config_.adapt.fields.method};
-    const std::size_t num_points = meshing::read_mesh(f.mesh).points.size();
-    const meshing::SolutionData solution = read_fields(request, num_points, f.mesh.string());
-    meshing::scalar_fields(solution, num_points, f.solution.string());
+    const std::size_t num_points = read_mesh(f.mesh.string()).points.size();
+    const Fields solution = read_fields({f.solution.string()}, num_points, f.mesh.string());
+    const auto scalar = [](const Field& field) { return field.kind == Field::Kind::scalar; };
+    if (std::ranges::none_of(solution.fields, scalar))
+      throw InputError(f.solution.string(), "", "has no scalar field");
   }
 
   void report(const Json& marker) const {

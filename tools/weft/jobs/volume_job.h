@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "meshing/initial/fill_volume.h"
-#include "meshing/io/files/mesh_contents.h"
 #include "tools/weft/options/verbosity.h"
+#include "weft/weft.h"
 
 namespace CLI {
 class App;
@@ -17,9 +16,7 @@ namespace weft::tools {
 struct VolumeRequest {
   std::string output;
   std::string background, metric;  ///< files of sizes to use instead of the surface's
-  meshing::SurfaceChecks checks;
-  meshing::GridOptions grid;
-  meshing::FillOptions fill;
+  FillOptions fill;
   Verbosity verbosity;
 };
 
@@ -28,7 +25,7 @@ void add_volume_output(CLI::App& command, VolumeRequest& request);
 
 /// Makes the mesh of `surface` (called `name` in messages), writes it and prints a summary; returns the exit
 /// code.
-int make_volume(const std::string& name, const meshing::MeshData& surface, const meshing::RefNames& names,
+int make_volume(const std::string& name, const Mesh& surface, const RefNames& names,
                 const VolumeRequest& request);
 
 }  // namespace weft::tools

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "tools/weft/terminal/text.h"
+#include "tools/common/text.h"
 
 namespace weft::tools {
 namespace {

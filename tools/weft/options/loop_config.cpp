@@ -11,8 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "meshing/base/error.h"
-#include "meshing/io/mesh_file.h"
 #include "tools/weft/options/arguments.h"
 
 namespace weft::tools {
@@ -20,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using meshing::InputError;
 
 Json parse(const std::string& file) {
   std::ifstream in(file);
@@ -122,31 +119,30 @@ void read_norm(Section& section, double& norm) {
                                                                 : section.number_of("norm", *json, 1);
 }
 
-void read_metric(const std::string& file, const Json& json, MetricRequest& metric) {
-  static const std::map<std::string, meshing::Recovery> recoveries = {
-      {"lsq", meshing::Recovery::least_squares}, {"l2", meshing::Recovery::double_projection}};
-  static const std::map<std::string, meshing::GradationSpace> spaces = {
-      {"metric", meshing::GradationSpace::metric}, {"mixed", meshing::GradationSpace::mixed}};
+void read_metric(const std::string& file, const Json& json, MetricOptions& metric) {
+  static const std::map<std::string, HessianRecovery> recoveries = {
+      {"lsq", HessianRecovery::least_squares}, {"l2", HessianRecovery::double_projection}};
+  static const std::map<std::string, GradationSpace> spaces = {{"metric", GradationSpace::metric},
+                                                               {"mixed", GradationSpace::mixed}};
   Section section(file, json, "metric.");
-  read_norm(section, metric.multiscale.norm);
-  section.choice("recovery", recoveries, metric.multiscale.recovery);
-  section.number("hmin", 0, metric.limits.hmin);
-  section.number("hmax", 0, metric.limits.hmax);
-  section.number("aspect", 1, metric.limits.aspect);
-  section.number("hgrad", 1, metric.limits.gradation);
-  section.choice("hgrad_space", spaces, metric.limits.space);
+  read_norm(section, metric.norm);
+  section.choice("recovery", recoveries, metric.recovery);
+  section.number("hmin", 0, metric.hmin);
+  section.number("hmax", 0, metric.hmax);
+  section.number("aspect", 1, metric.aspect);
+  section.number("hgrad", 1, metric.hgrad);
+  section.choice("hgrad_space", spaces, metric.hgrad_space);
   section.refuse_unknown();
-  if (metric.limits.hmax > 0 && metric.limits.hmin > metric.limits.hmax)
-    section.fail("hmin", "is larger than hmax");
+  if (metric.hmax > 0 && metric.hmin > metric.hmax) section.fail("hmin", "is larger than hmax");
 }
 
-void read_adapt(const std::string& file, const Json& json, meshing::AdaptOptions& options) {
+void read_adapt(const std::string& file, const Json& json, Options& options) {
   Section section(file, json, "adapt.");
   if (const Json* threads = section.find("threads"))
-    options.threads = section.count_of("threads", *threads, 1024);
-  section.number("hausd", 0, options.hausd);
-  section.number("ridge_angle", 0, options.ridge_angle_degrees);
-  if (options.ridge_angle_degrees > 180) section.fail("ridge_angle", "must be at most 180");
+    options.run.threads = section.count_of("threads", *threads, 1024);
+  section.number("hausd", 0, options.geometry.hausd);
+  section.number("ridge_angle", 0, options.geometry.ridge_angle);
+  if (options.geometry.ridge_angle > 180) section.fail("ridge_angle", "must be at most 180");
   section.refuse_unknown();
 }
 
@@ -172,10 +168,9 @@ void read_solver(Section& section, std::string& solver) {
 void read_extensions(Section& section, LoopConfig& config) {
   section.text("mesh_extension", config.mesh_extension);
   const std::string mesh = "mesh" + config.mesh_extension;
-  if (!config.mesh_extension.starts_with(".") || !meshing::is_mesh_name(mesh) ||
-      !meshing::holds_volumes(mesh))
-    section.fail("mesh_extension", "must be one of " + meshing::volume_extensions());
-  config.solution_extension = meshing::solution_beside(mesh).extension().string();
+  if (!config.mesh_extension.starts_with(".") || !is_mesh_name(mesh) || !holds_volumes(mesh))
+    section.fail("mesh_extension", "must be one of " + volume_extensions());
+  config.solution_extension = fs::path(fields_beside(mesh)).extension().string();
   section.text("solution_extension", config.solution_extension);
   if (!config.solution_extension.starts_with("."))
     section.fail("solution_extension", "must begin with a dot");
@@ -184,13 +179,13 @@ void read_extensions(Section& section, LoopConfig& config) {
 }  // namespace
 
 LoopConfig read_loop_config(const std::string& file) {
-  static const std::map<std::string, meshing::TransferMethod> methods = {
-      {"linear", meshing::TransferMethod::linear}, {"conservative", meshing::TransferMethod::conservative}};
+  static const std::map<std::string, TransferMethod> methods = {
+      {"linear", TransferMethod::linear}, {"conservative", TransferMethod::conservative}};
   const Json json = parse(file);
   LoopConfig config;
   config.file = file;
   config.home = fs::absolute(file).parent_path();
-  config.adapt.options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  config.options.run.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Section section(file, json, "");
   config.mesh = config.home / section.text_of("mesh", section.need("mesh"));
   read_solver(section, config.solver);
@@ -199,9 +194,9 @@ LoopConfig read_loop_config(const std::string& file) {
   section.text("folder", folder);
   config.folder = config.home / folder;
   read_extensions(section, config);
-  if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.adapt.metric);
-  if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config.adapt.options);
-  section.choice("transfer", methods, config.adapt.fields.method);
+  if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.options.metric);
+  if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config.options);
+  section.choice("transfer", methods, config.options.transfer);
   section.refuse_unknown();
   if (!fs::is_regular_file(config.mesh)) section.fail("mesh", "there is no file " + config.mesh.string());
   return config;
@@ -213,19 +208,18 @@ Json LoopConfig::settings(std::size_t cycle) const {
     all["mesh"] = mesh.filename().string();
     return all;
   }
-  const MetricRequest& metric = adapt.metric;
+  const MetricOptions& metric = options.metric;
   all["complexity"] = complexities[cycle - 1];
   all["mesh_extension"] = mesh_extension;
-  all["metric"] = {
-      {"norm", fmt::format("{}", metric.multiscale.norm)},
-      {"recovery", metric.multiscale.recovery == meshing::Recovery::least_squares ? "lsq" : "l2"},
-      {"hmin", metric.limits.hmin},
-      {"hmax", metric.limits.hmax},
-      {"aspect", metric.limits.aspect},
-      {"hgrad", metric.limits.gradation},
-      {"hgrad_space", metric.limits.space == meshing::GradationSpace::metric ? "metric" : "mixed"}};
-  all["adapt"] = {{"hausd", adapt.options.hausd}, {"ridge_angle", adapt.options.ridge_angle_degrees}};
-  all["transfer"] = adapt.fields.method == meshing::TransferMethod::linear ? "linear" : "conservative";
+  all["metric"] = {{"norm", fmt::format("{}", metric.norm)},
+                   {"recovery", metric.recovery == HessianRecovery::least_squares ? "lsq" : "l2"},
+                   {"hmin", metric.hmin},
+                   {"hmax", metric.hmax},
+                   {"aspect", metric.aspect},
+                   {"hgrad", metric.hgrad},
+                   {"hgrad_space", metric.hgrad_space == GradationSpace::metric ? "metric" : "mixed"}};
+  all["adapt"] = {{"hausd", options.geometry.hausd}, {"ridge_angle", options.geometry.ridge_angle}};
+  all["transfer"] = options.transfer == TransferMethod::linear ? "linear" : "conservative";
   return all;
 }
 

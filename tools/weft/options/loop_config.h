@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/weft/jobs/adapt_job.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 
@@ -18,7 +18,7 @@ struct LoopConfig {
   std::filesystem::path folder;      ///< of the results
   std::vector<double> complexities;  ///< one a cycle after the first solution
   std::string mesh_extension = ".meshb", solution_extension = ".solb";
-  AdaptRequest adapt;  ///< metric, limits, threads, transfer: what all cycles share
+  Options options;  ///< metric, limits, threads, transfer: what all cycles share
 
   /// What cycle `cycle` depends on, as far as the configuration says it: a finished cycle is kept only as
   /// long as this stays the same. Threads and folders are not among it.

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "meshing/io/mesh_file.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 namespace {
@@ -58,14 +58,14 @@ CLI::Validator number_or_auto() {
 
 CLI::Validator mesh_output_name() {
   return validator([](const std::string& text) -> std::string {
-    return meshing::is_mesh_name(text) ? "" : "'" + text + "' must end in " + meshing::mesh_extensions();
+    return is_mesh_name(text) ? "" : "'" + text + "' must end in " + mesh_extensions();
   });
 }
 
 CLI::Validator volume_output_name() {
   return validator([](const std::string& text) -> std::string {
-    const bool good = meshing::is_mesh_name(text) && meshing::holds_volumes(text);
-    return good ? "" : "'" + text + "' must end in " + meshing::volume_extensions();
+    const bool good = is_mesh_name(text) && holds_volumes(text);
+    return good ? "" : "'" + text + "' must end in " + volume_extensions();
   });
 }
 
@@ -73,6 +73,12 @@ CLI::Validator solution_name() {
   return validator([](const std::string& text) -> std::string {
     const auto extension = std::filesystem::path(text).extension();
     return extension == ".solb" || extension == ".sol" ? "" : "'" + text + "' must end in .solb or .sol";
+  });
+}
+
+CLI::Validator picture_name() {
+  return validator([](const std::string& text) -> std::string {
+    return is_picture_name(text) ? "" : "'" + text + "' must end in .png, .svg or .pdf";
   });
 }
 

@@ -21,6 +21,9 @@ CLI::Validator volume_output_name();
 /// The name of a solution file.
 CLI::Validator solution_name();
 
+/// The name of a picture.
+CLI::Validator picture_name();
+
 /// The cores of this machine.
 int default_threads();
 /// Declares --threads, of which the default is all of them.

@@ -33,7 +33,7 @@ InterruptGuard::InterruptGuard() {
 
 InterruptGuard::~InterruptGuard() { install(SIG_DFL); }
 
-const std::atomic<bool>* InterruptGuard::flag() const { return &interrupted; }
+std::atomic<bool>* InterruptGuard::flag() const { return &interrupted; }
 
 StateRequest::StateRequest() {
   struct sigaction action {};

@@ -14,7 +14,7 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  const std::atomic<bool>* flag() const;
+  std::atomic<bool>* flag() const;
   bool raised() const { return flag()->load(); }
 };
 

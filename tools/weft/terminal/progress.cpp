@@ -9,11 +9,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/weft/terminal/text.h"
+#include "tools/common/text.h"
 
 namespace weft::tools {
-
-using graph::adaptation::RunProgress;
 
 namespace {
 
@@ -26,44 +24,7 @@ int terminal_width() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
 }
 
-/// Without the digits that an estimate does not have.
-std::string about(double seconds) {
-  const auto whole = static_cast<long>(std::ceil(seconds));
-  return whole < 120 ? fmt::format("{} s", whole) : fmt::format("{} min", (whole + 30) / 60);
-}
-
-std::string time_left_text(const RunProgress& progress) {
-  std::string text = progress.step_left ? fmt::format("this step about {} more", about(*progress.step_left))
-                                        : "time left unknown";
-  if (progress.all_left && progress.most_left)
-    text += fmt::format(", all about {} (at most {})", about(*progress.all_left), about(*progress.most_left));
-  else if (progress.step_left)
-    text += ", then shifts";
-  return text;
-}
-
-std::string plural(std::uint64_t n, const char* word) {
-  return fmt::format("{} {}{}", grouped(n), word, n == 1 ? "" : "s");
-}
-
 }  // namespace
-
-std::string text_of(const RunProgress& progress) {
-  const meshing::Nonconforming& left = progress.left;
-  std::string text = progress.step == 0
-                         ? "interior"
-                         : fmt::format("shift {} of at most {}", progress.step, progress.most_shifts);
-  text += fmt::format(": {} of {} subdomains", progress.done, progress.subdomains);
-  if (progress.at_rest > 0) text += fmt::format(" ({} at rest)", progress.at_rest);
-  text += ", " + time_left_text(progress);
-  if (progress.adapted > 0) {
-    text +=
-        fmt::format(", {}, remaining: {}, {}", plural(left.tets, "tet"),
-                    plural(left.long_edges + left.short_edges, "edge"), plural(left.poor_tets, "poor tet"));
-    if (progress.adapted < progress.subdomains) text += " in " + plural(progress.adapted, "subdomain");
-  }
-  return text + ", " + seconds_text(progress.seconds);
-}
 
 Progress::Progress(ProgressStyle style)
     : form_(style == ProgressStyle::none                                 ? Form::nothing
@@ -119,13 +80,19 @@ void Progress::say(const std::string& stage, double done, std::uint64_t tets) {
   fmt::print(stderr, "weft: {} {:.0f} %{}, {}\n", stage, 100 * done, count, seconds_text(seconds()));
 }
 
-void Progress::update(const RunProgress& progress) {
+void Progress::sentence(const std::string& text) {
   if (form_ == Form::nothing || (form_ == Form::lines && !line_is_due())) return;
-  const std::string line = text_of(progress);
-  if (form_ == Form::lines) return fmt::print(stderr, "weft: {}\n", line);
-  fmt::print(stderr, "\r{:.{}}\033[K", line, terminal_width() - 1);  // a wrapped line cannot be drawn over
+  if (form_ == Form::lines) return fmt::print(stderr, "weft: {}\n", text);
+  fmt::print(stderr, "\r{:.{}}\033[K", text, terminal_width() - 1);  // a wrapped line cannot be drawn over
   std::fflush(stderr);
   bar_drawn_ = true;
+}
+
+void Progress::show(const weft::Progress& progress) {
+  if (progress.sentence)
+    sentence(progress.stage);
+  else
+    update(progress.stage, progress.done, progress.tets);
 }
 
 void Progress::finish() {

@@ -5,15 +5,11 @@
 #include <cstdint>
 #include <string>
 
-#include "graph/adaptation/progress.h"
+#include "weft/weft.h"
 
 namespace weft::tools {
 
 enum class ProgressStyle { automatic, plain, none };
-
-/// "shift 2 of at most 8: 100 of 128 subdomains, ...": what a run in subdomains has done, what does not
-/// conform yet, and how long it will take, as far as that is known.
-std::string text_of(const graph::adaptation::RunProgress& progress);
 
 class Progress {
  public:
@@ -25,8 +21,10 @@ class Progress {
   /// Share of the time that is over, in [0, 1] (never shown to descend), and tets now (0: not known). Prints
   /// at most one plain line in two seconds.
   void update(const std::string& stage, double done, std::uint64_t tets);
-  /// The same for a run in subdomains.
-  void update(const graph::adaptation::RunProgress& progress);
+  /// A sentence instead.
+  void sentence(const std::string& text);
+  /// Whichever the library tells.
+  void show(const weft::Progress& progress);
   /// A phase has begun of a command without percentages: told on a terminal at once, else only after two
   /// seconds.
   void phase(const std::string& name);
@@ -46,8 +44,8 @@ class Progress {
 
   Form form_;
   Clock::time_point start_ = Clock::now();
-  double next_line_ = 0;  ///< seconds from the start before which no further line is printed
   double done_ = 0;       ///< the largest share so far
+  double next_line_ = 0;  ///< seconds from the start before which no further line is printed
   bool bar_drawn_ = false;
 };
 

@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# Builds with MPICH, in build-mpich/, and runs the tests that need an MPI; further arguments go to ctest.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh
+scripts/build.sh mpich
+ctest --test-dir build-mpich --output-on-failure --tests-regex '^mpi\.' "$@"

@@ -1,0 +1,128 @@
+// Adaptation of one mesh in memory, as one or in subdomains; adaptation of files.
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "engine/mpi/mpi_transport.h"
+#include "meshing/base/error.h"
+#include "meshing/fields/transfer.h"
+#include "meshing/metric/measures.h"
+#include "partition/output/merge_pieces.h"
+#include "tools/common/field_text.h"
+#include "tools/library/api/whole_mesh.h"
+#include "tools/library/jobs/adapt_one.h"
+#include "tools/library/jobs/distributed_run.h"
+#include "tools/library/jobs/file_job.h"
+#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/run_result.h"
+#include "tools/library/jobs/slice_source.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/threads.h"
+#include "tools/library/report/report_json.h"
+#include "tools/library/report/summary.h"
+#include "tools/report/published.h"
+
+namespace weft {
+namespace {
+
+/// A metric that is only scaled is scaled by all subdomains together, as in runs on ranks.
+Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& options) {
+  Result result;
+  tools::Stopwatch watch;
+  result.input_counts = tools::count(input.mesh);
+  tools::LogMetricMade made = tools::make_log_metric(options.metric, input.mesh, input.name, input.metric);
+  result.warnings = std::move(made.warnings);
+  if (options.run.measure) result.before = meshing::measure(input.mesh, made.field);
+  tools::on_one_rank([&](engine::Transport& transport) {
+    tools::DistributedRun run(options, transport);
+    run.adapt(tools::deal_out(run.peers(), input.mesh, made.field), 0, input.name, result);
+    if (options.run.measure) run.measure(result);
+    partition::MergedMesh merged = partition::merge_pieces(run.pieces());
+    result.mesh = std::move(merged.mesh);
+    result.metric = Metric::from_logarithms(std::move(merged.log_metrics));
+  });
+  result.output_counts = tools::count(result.mesh);
+  if (!input.fields.fields.empty()) {
+    Transfer carried = meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer);
+    for (std::string& warning : tools::transfer_warnings(carried, ""))
+      result.warnings.push_back(std::move(warning));
+    result.transfer = options.transfer;
+    result.field_accounts = std::move(carried.accounts);
+    result.fields = std::move(carried.fields);
+  }
+  return result;
+}
+
+Result adapt_input(const tools::AdaptInput& input, const Options& options) {
+  tools::Stopwatch watch;
+  tools::Monitor monitor(options.run);
+  Result result = options.distributed.asked()
+                      ? tools::with_threads(tools::number_of_threads(options.run.threads),
+                                            [&] { return adapt_in_subdomains(input, options); })
+                      : tools::adapt_one(input, options, monitor);
+  result.times.total = watch.lap();
+  return result;
+}
+
+}  // namespace
+
+Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, const Fields& fields) {
+  validate(options);
+  const WholeMesh whole(mesh);
+  check_length(mesh, metric.size(), "metric");
+  check_fields(mesh, fields);
+  return adapt_input({*whole, "", nullptr, "", &metric.logarithms(), fields}, options);
+}
+
+Result adapt(const Mesh& mesh, const Options& options, const Fields& fields) {
+  validate(options);
+  const WholeMesh whole(mesh);
+  check_fields(mesh, fields);
+  return adapt_input({*whole, "", nullptr, "", nullptr, fields}, options);
+}
+
+Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, const Options& options,
+             const Fields& fields) {
+  validate(options);
+  if (options.distributed.asked()) throw OptionError("--background", "is not possible in subdomains");
+  const WholeMesh whole(mesh), whole_background(background);
+  check_length(background, metric.size(), "metric");
+  check_fields(mesh, fields);
+  return adapt_input({*whole, "", &*whole_background, "", &metric.logarithms(), fields}, options);
+}
+
+bool under_mpirun() { return engine::under_mpirun(); }
+
+bool in_subdomains(const Options& options) { return options.distributed.asked() || under_mpirun(); }
+
+FilesResult adapt_files(const Files& files, const Options& options) {
+  validate(options);
+  if (!options.metric.given())
+    throw OptionError(
+        "--metric",
+        "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as "
+        "polar-2)");
+  if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
+  if (options.run.check) throw OptionError("--check", "needs --subdomains");
+  if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
+  if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
+  return tools::adapt_files_as_one(files, options);
+}
+
+std::vector<std::string> published_cases() {
+  std::vector<std::string> names;
+  for (const std::string_view name : report::published_cases()) names.emplace_back(name);
+  return names;
+}
+
+std::string summary(const Report& report) { return tools::summary_text(report); }
+std::string summary(const FilesResult& result) { return tools::summary_text(result); }
+
+std::string to_json(const Report& report) {
+  tools::RunResult run;
+  static_cast<Report&>(run) = report;
+  return tools::json_of(run).dump(1);
+}
+
+}  // namespace weft

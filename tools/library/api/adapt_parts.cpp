@@ -1,0 +1,88 @@
+// Adaptation of a mesh in parts, on a caller's communicator.
+#include <utility>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+#include "tools/library/jobs/distributed_run.h"
+#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/slice_source.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/parts/part_fields.h"
+#include "tools/library/parts/part_input.h"
+#include "tools/library/parts/part_output.h"
+#include "weft/weft.h"
+
+namespace weft {
+namespace {
+
+/// A metric that is scaled alone is so in parts; anything else looks at the whole mesh.
+bool only_scaled(const MetricOptions& options) {
+  MetricOptions others = options;
+  others.complexity = 0;
+  const bool limited = options.hmin > 0 || options.hmax > 0 || options.aspect > 0 || options.hgrad > 1;
+  return !others.given() && !limited;
+}
+
+/// Rank 0 makes the metric of the whole mesh, and deals it out again.
+void make_metric_by_first(partition::Peers& peers, const MetricOptions& options, partition::MeshSlice& slice,
+                          std::vector<std::string>& warnings) {
+  Mesh whole = tools::gather_whole(peers, slice);
+  tools::LogMetricMade made;
+  std::vector<Tensor> source = tools::gather_to_first(peers, slice.log_metrics);
+  partition::agree_on(peers, [&] {
+    if (peers.rank() == 0) made = tools::make_log_metric(options, whole, "", &source);
+  });
+  slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
+  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  if (peers.ranks() > 1)
+    warnings.emplace_back("rank 0 has made the metric of the whole mesh: only scaling is done in parts");
+}
+
+PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric& metric,
+                      const Options& options) {
+  tools::Stopwatch watch, total;
+  tools::DistributedRun run(options, transport);
+  PartResult result;
+  partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, metric);
+  double target = options.metric.complexity;
+  if (!only_scaled(options.metric)) {
+    make_metric_by_first(run.peers(), options.metric, slice, result.warnings);
+    target = 0;
+  }
+  result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
+                         slice.boundary.edges.size()};
+  result.times.read = watch.lap();
+  run.adapt(std::move(slice), target, "", result);
+  watch.lap();
+  if (options.run.measure) run.measure(result);
+  result.times.measure = watch.lap();
+  tools::PartWithMetric out =
+      tools::part_of_pieces(run.peers(), run.exchange(), std::move(run.pieces()), options.distributed.ghosts);
+  result.part = std::move(out.part);
+  result.metric = std::move(out.metric);
+  result.times.write = watch.lap();
+  result.part.fields = tools::interpolate_parts(run.peers(), part, result.part);
+  result.times.fields = watch.lap();
+  result.times.total = total.lap();
+  result.peak_memory = tools::peak_memory_bytes();
+  return result;
+}
+
+}  // namespace
+
+PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
+  validate(options);
+  if (options.transfer != TransferMethod::linear && !part.fields.fields.empty())
+    throw OptionError("--transfer", "conservative is not possible for a mesh in parts");
+  PartResult result;
+  tools::on_communicator(communicator, [&](engine::Transport& transport) {
+    result = adapt_part(transport, part, metric, options);
+  });
+  return result;
+}
+
+}  // namespace weft

@@ -1,0 +1,90 @@
+// Initial meshes: checks of the surface, grid, filling.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "meshing/initial/closed_surface.h"
+#include "meshing/initial/fill_volume.h"
+#include "meshing/initial/initial_grid.h"
+#include "tools/library/api/whole_mesh.h"
+#include "tools/library/jobs/monitor.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/threads.h"
+#include "weft/weft.h"
+
+namespace weft {
+namespace {
+
+class Filling {
+ public:
+  Filling(const Mesh& surface, const FillOptions& options)
+      : surface_(surface), options_(options), monitor_(options.run) {}
+
+  FillResult run() {
+    make_grid();
+    fill();
+    return std::move(result_);
+  }
+
+ private:
+  void make_grid() {
+    monitor_.update("checking the surface", 0, 0);
+    const meshing::ClosedSurface closed = meshing::close_surface(surface_, {options_.merge});
+    result_.warnings = closed.warnings;
+    monitor_.update("initial grid", 0, 0);
+    grid_ = meshing::make_initial_grid(closed, {options_.materials});
+    result_.regions = grid_.regions;
+    result_.grid_seconds = watch_.lap();
+    if (grid_.left_on_surface > 0)
+      result_.warnings.push_back(
+          fmt::format("{} points had to be added on the surface", grid_.left_on_surface));
+    if (grid_.turned > 0)
+      result_.warnings.push_back(fmt::format("{} triangles that looked inwards turned", grid_.turned));
+  }
+
+  void fill() {
+    meshing::FillOptions options;
+    options.growth = options_.growth;
+    options.size = options_.size;
+    options.remesh_surface = options_.remesh_surface;
+    if (options_.metric) options.background = {options_.background, &options_.metric->logarithms()};
+    options.adapt.threads = tools::number_of_threads(options_.run.threads);
+    options.adapt.ridge_angle_degrees = options_.geometry.ridge_angle;
+    options.adapt.hausd = options_.geometry.hausd;
+    options.adapt.interrupt = &monitor_.flag();
+    options.adapt.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
+      monitor_.update(stage, done, tets);
+    };
+    meshing::AdaptResult filled = meshing::fill_volume(grid_.mesh, options);
+    result_.mesh = std::move(filled.mesh);
+    result_.metric = Metric::from_logarithms(std::move(filled.log_metrics));
+    result_.cancelled = filled.report.interrupted;
+    result_.warnings.insert(result_.warnings.end(), filled.report.warnings.begin(),
+                            filled.report.warnings.end());
+    result_.fill_seconds = watch_.lap();
+  }
+
+  const Mesh& surface_;
+  const FillOptions& options_;
+  tools::Monitor monitor_;
+  tools::Stopwatch watch_;
+  meshing::InitialGrid grid_;
+  FillResult result_;
+};
+
+}  // namespace
+
+FillResult fill(const Mesh& surface, const FillOptions& options) {
+  Options common;
+  common.geometry = options.geometry;
+  common.run = options.run;
+  validate(common);
+  if ((options.background == nullptr) != (options.metric == nullptr))
+    throw OptionError("--background", "belongs together with --metric");
+  const WholeMesh whole(surface);
+  if (options.metric) check_length(*options.background, options.metric->size(), "metric");
+  return tools::with_threads(tools::number_of_threads(options.run.threads),
+                             [&] { return Filling(*whole, options).run(); });
+}
+
+}  // namespace weft

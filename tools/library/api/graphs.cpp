@@ -1,0 +1,99 @@
+// Task graphs and reports of runs: filtered, drawn, compared.
+#include <map>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "graph/dataflow/dump/graph_drawing.h"
+#include "graph/dataflow/dump/graph_json.h"
+#include "meshing/base/error.h"
+#include "tools/common/naming.h"
+#include "tools/library/jobs/outputs.h"
+#include "tools/library/report/graph_output.h"
+#include "tools/library/report/json_file.h"
+#include "tools/report/compare.h"
+#include "tools/report/report_page.h"
+#include "weft/weft.h"
+
+namespace weft {
+namespace {
+
+using graph::dataflow::Collapse;
+using graph::dataflow::GraphDump;
+using Json = nlohmann::ordered_json;
+
+tools::GraphFormat format_named(const std::string& name) {
+  const auto found = tools::graph_formats().find(name);
+  if (found != tools::graph_formats().end()) return found->second;
+  throw OptionError("--format", "'" + name + "' is none of dot, graphml, json and svg");
+}
+
+Collapse collapse_named(const std::string& name) {
+  static const std::map<std::string, Collapse> all = {
+      {"none", Collapse::none}, {"rounds", Collapse::rounds}, {"subdomains", Collapse::instances}};
+  const auto found = all.find(name);
+  if (found != all.end()) return found->second;
+  throw OptionError("--collapse", "'" + name + "' is none of none, rounds and subdomains");
+}
+
+/// call(); what it has against a document is said with the file's name.
+template <class Call>
+auto naming_document(const std::string& file, const Call& call) {
+  try {
+    return call();
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file, "", error.what());
+  } catch (const Json::exception& error) {
+    throw InputError(file, "", error.what());
+  }
+}
+
+GraphDump read_dump(const std::string& path) {
+  Json json = tools::read_json(path);
+  if (json.is_object() && json.value("schema", "") == "weft-profile-1") {
+    Json inner = std::move(json["graph"]);
+    if (inner.is_null()) throw InputError(path, "", "has no graph: the run kept none");
+    json = std::move(inner);
+  }
+  return naming_document(path, [&] { return graph::dataflow::dump_from_json(json); });
+}
+
+}  // namespace
+
+std::string graph_text(const std::string& path, const std::string& format, const GraphFilter& filter) {
+  const tools::GraphFormat named = format_named(format);
+  const Collapse collapse = collapse_named(filter.collapse);
+  const GraphDump all = read_dump(path);
+  graph::dataflow::DumpFilter left;
+  left.round = filter.round;
+  left.instance = filter.subdomain;
+  left.critical_path_only = filter.critical_path;
+  const GraphDump dump = naming_document(path, [&] { return filtered(all, left); });
+  return tools::naming(path, [&] {
+    return filter.plan && named != tools::GraphFormat::json
+               ? tools::drawing_text(graph::dataflow::drawing_of(dump.description), named)
+               : tools::graph_text(dump, named, collapse);
+  });
+}
+
+std::string graph_format(const std::string& path) {
+  const auto format = tools::graph_format(path);
+  for (const auto& [name, value] : tools::graph_formats())
+    if (format == value) return name;
+  return {};
+}
+
+void write_report_page(const std::string& profile, const std::string& page) {
+  const Json json = tools::read_json(profile);
+  tools::write_text(page, naming_document(profile, [&] { return report::report_page(json); }));
+}
+
+std::string compare_reports(const std::string& a, const std::string& b, const std::string& page) {
+  const Json first = tools::read_json(a), second = tools::read_json(b);
+  const report::Comparison comparison =
+      naming_document(a + " or " + b, [&] { return report::compare(a, first, b, second); });
+  if (!page.empty()) tools::write_text(page, report::comparison_page(report::comparison_json(comparison)));
+  return report::comparison_text(comparison);
+}
+
+}  // namespace weft

@@ -1,0 +1,556 @@
+// weft adapts tetrahedral meshes to anisotropic metric fields. This is the whole interface of the library:
+// what the `weft` command can do, a program can do through these functions, because the command itself calls
+// nothing else.
+//
+//   weft::Mesh mesh = weft::read_mesh("wing.meshb");
+//   weft::Options options;
+//   options.metric.complexity = 500000;
+//   weft::Result fine = weft::adapt(mesh, weft::read_metric("wing.solb", mesh), options);
+//   weft::write_mesh("fine.meshb", fine.mesh);
+//
+// The library prints nothing, handles no signals and never ends the process. Errors are exceptions:
+// InputError for data that cannot be used (it names file, entity and reason), OptionError for options that
+// make no sense; in a run on several ranks all ranks throw alike. Functions may be called from several
+// threads at the same time, each on data of its own. With one thread the same input gives the same bytes.
+#pragma once
+
+#include <mpi.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "weft/data.h"
+
+namespace weft {
+
+namespace engine {
+struct RunSummary;
+}
+
+/// The library's version, such as "0.1.0".
+WEFT_API const char* version();
+/// `weft X.Y.Z`, then a line for the compiler, each library, the processor and the assertions; no line end
+/// after the last.
+WEFT_API std::string version_details();
+
+/// An option that makes no sense, or contradicts another. what() reads "--hmin: is larger than --hmax".
+class WEFT_API OptionError : public std::invalid_argument {
+ public:
+  /// `option`: as the command calls it, such as "--hmin".
+  OptionError(const std::string& option, const std::string& reason);
+  const std::string& option() const { return option_; }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  std::string option_, reason_;
+};
+
+/// A run on several ranks that came to no end: a rank died, or something failed on one of them. Thrown on all
+/// that live.
+class WEFT_API RunError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// ---------------------------------------------------------------------------------------------------------------
+// Metrics
+
+/// A metric at every vertex of a mesh: symmetric positive definite tensors in which edges of the wanted size
+/// and direction have length 1. Kept as logarithms, the form in which metrics are averaged, scaled and
+/// interpolated, so that a metric that is passed on keeps its bits.
+class WEFT_API Metric {
+ public:
+  Metric() = default;
+  /// Of tensors m11 m12 m22 m13 m23 m33. Throws InputError naming the vertex (1-based) where one is not
+  /// positive definite or not finite.
+  static Metric from_tensors(std::span<const Tensor> tensors);
+  /// Of wanted sizes h, the same in all directions: h^-2 times the unit tensor.
+  static Metric from_sizes(std::span<const double> sizes);
+  /// Of the first tensor or scalar (size) field that was read from `file`, for a mesh of `num_points`
+  /// vertices.
+  static Metric from_fields(const Fields& fields, std::size_t num_points, const std::string& file = {});
+  /// Of matrix logarithms.
+  static Metric from_logarithms(std::vector<Tensor> logarithms);
+
+  std::size_t size() const { return logarithms_.size(); }
+  bool empty() const { return logarithms_.empty(); }
+  Tensor tensor(std::size_t vertex) const;
+  const std::vector<Tensor>& logarithms() const { return logarithms_; }
+  /// A tensor field, to write.
+  Fields fields() const;
+
+ private:
+  std::vector<Tensor> logarithms_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------
+// Options: named as those of the command, whose --help describes them too
+
+/// The boundary.
+struct GeometryOptions {
+  double ridge_angle = 45;  ///< degrees; boundary edges sharper than this are kept
+  double hausd = 0;         ///< largest distance to the surface; 0: 0.1 % of the bounding box diagonal
+};
+
+/// Where a metric comes from and what is done to it. Sources are intersected with each other (and with the
+/// metric that adapt() is given), scaled together so that the metric has the wanted complexity in the end,
+/// made as fine as the boundary's demands, limited and graded.
+struct MetricOptions {
+  // Sources.
+  std::string file;               ///< --metric
+  std::string function;           ///< --metric-fn: polar-1, polar-2, linear, uniform:H
+  std::vector<std::string> sol;   ///< files of solutions to resolve: all their scalar fields
+  std::vector<Fields> solutions;  ///< the same, in memory
+  double norm = 2;                ///< p of the Lp norm of the interpolation error
+  HessianRecovery recovery = HessianRecovery::least_squares;
+  bool implied = false;  ///< the metric that the mesh has already
+  // Demands of the boundary, which are not scaled where there is a source too.
+  double curvature = 0;  ///< edges per full turn of curvature; 0: none
+  double sagitta = 0;    ///< distance of an edge's middle from the surface; 0: any
+  WallOptions wall;      ///< --wall, --wall-height, --wall-growth, --wall-size
+  // Processing.
+  double complexity = 0;      ///< wanted; 0: as the metric is
+  double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
+  double aspect = 0;          ///< largest ratio of sizes at a vertex; 0: none
+  double hgrad = 0;           ///< largest growth of sizes per unit edge; <= 1: none
+  GradationSpace hgrad_space = GradationSpace::metric;
+
+  /// Whether any source or demand is given.
+  bool given() const;
+};
+
+/// How far a run is.
+struct Progress {
+  std::string stage;       ///< "collapse", "measuring", or for subdomains a sentence with counts and times
+  bool sentence = false;   ///< `stage` is such a sentence
+  double done = 0;         ///< predicted share of the time, 0 to 1
+  std::uint64_t tets = 0;  ///< now; 0: not known
+};
+
+struct RunOptions {
+  int threads = 0;  ///< of this process or rank; 0: all cores, one for a run on several ranks
+  /// Called on the calling thread of rank 0, a few times a second. Returning false cancels: the run ends soon
+  /// with the valid mesh that it has.
+  std::function<bool(const Progress&)> progress;
+  /// The same from elsewhere: set (on all ranks) by another thread or a signal handler; set here too when the
+  /// function above returns false. Must outlive the call.
+  std::atomic<bool>* cancel = nullptr;
+  bool force = false;   ///< start even if the memory seems too small
+  bool check = false;   ///< check the invariants of all subdomains after every round: slow
+  bool measure = true;  ///< fill the measures of the result
+  /// SIGUSR1 makes every rank tell on_state what it does. The command's; a library handles no signals else.
+  bool state_on_signal = false;
+  std::function<void(const std::string&)> on_state;
+  /// Called on one rank, from another thread, as soon as it is certain that a run on several ranks fails, and
+  /// why: what the others are doing may keep RunError from being thrown for a while.
+  std::function<void(const std::string&)> on_failure;
+};
+
+/// Adaptation in subdomains, on the threads of one process or on many ranks.
+struct DistributedOptions {
+  enum class Equal { work, tets };
+  enum class LayersBy { points, faces };
+  enum class Freeze { vertices, tets };
+
+  std::uint32_t subdomains = 0;  ///< 0: one mesh in one process, 4 for each thread on several ranks
+  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:thin]
+  Equal equal = Equal::work;     ///< what parts have equally of: predicted work or tets of the input
+  int layers = 2;                ///< layers of tets handed over in the first shift
+  LayersBy layers_by = LayersBy::points;
+  std::optional<std::uint32_t> shifts;  ///< at most; empty: until all the interface has been free, at most 12
+  std::string balancer = "stealing";    ///< stealing, diffusion, none
+  Freeze freeze = Freeze::vertices;     ///< what is frozen at an interface; tets as in the paper
+  bool interface_refinement = true;
+  bool ghosts = false;  ///< results in parts get a layer of ghost tets
+
+  /// Whether a run in one process works in subdomains.
+  bool asked() const { return subdomains > 0 || !partitioner.empty(); }
+};
+
+struct Options {
+  GeometryOptions geometry;
+  MetricOptions metric;
+  TransferMethod transfer = TransferMethod::linear;  ///< of the fields that are carried along
+  RunOptions run;
+  DistributedOptions distributed;
+};
+
+/// Throws OptionError for the first option that makes no sense. All functions call it themselves.
+WEFT_API void validate(const Options& options);
+
+// ---------------------------------------------------------------------------------------------------------------
+// What is known of a run
+
+struct MeshCounts {
+  std::uint64_t vertices = 0, tets = 0, triangles = 0, edges = 0;
+};
+
+struct StageTimes {
+  double read = 0, metric = 0, adapt = 0, measure = 0, fields = 0, write = 0, total = 0;
+};
+
+/// What an adaptation to a complexity is expected to end with.
+struct SizePrediction {
+  double vertices = 0, tets = 0, bytes = 0;
+};
+
+/// Seconds of all workers in one operation of the distributed method.
+struct OperationTime {
+  std::string name;
+  double seconds = 0;
+};
+
+struct RankStats {
+  int rank = 0;
+  std::vector<OperationTime> operations;
+};
+
+/// One round of shifts over all subdomains.
+struct ShiftStats {
+  std::uint64_t round = 0;
+  std::uint64_t wanted = 0;     ///< interface vertices to be freed, once for each subdomain that has them
+  std::uint64_t moved = 0;      ///< tets
+  std::uint64_t receivers = 0;  ///< subdomains that received any
+  std::uint64_t thawed = 0;     ///< copies of vertices that are no longer interface
+};
+
+struct DistributedStats {
+  std::uint32_t subdomains = 0;
+  int ranks = 1;
+  std::string partitioner;
+  int layers = 0;
+  std::uint32_t checks = 0;  ///< of all invariants; 0: not asked for
+  double decomposition_seconds = 0, adaptation_seconds = 0;
+  std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
+  std::vector<ShiftStats> shifts;
+  std::vector<RankStats> by_rank;
+  std::vector<OperationTime> sum;  ///< of all ranks
+  double beside_adaptation = 0;    ///< share of the busy time that is not spent adapting
+  Measures former_interface;       ///< tets with a vertex that has been one of an interface
+  std::uint64_t messages = 0, bytes = 0, collective_calls = 0;  ///< within the loop
+  std::string verdict;                                          ///< on the balance of the load
+  std::shared_ptr<const engine::RunSummary> engine;             ///< for the library's own reports
+};
+
+/// Everything that is known after an adaptation; the summary and the report are made from it. On several
+/// ranks it is complete on rank 0, and the measures on all.
+struct Report {
+  std::optional<Measures> before;  ///< empty when the metric belongs to another mesh than the input
+  Measures after;
+  MeshCounts input_counts, output_counts;
+  double target_complexity = 0;  ///< that was asked for, else that of the metric on its mesh
+  bool complexity_asked = false;
+  SizePrediction predicted;
+  bool cancelled = false;
+  std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
+  std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
+  std::vector<StageReport> stages;    ///< of one mesh
+  OperationCounts operations;
+  double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
+  std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
+  std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
+  TransferMethod transfer = TransferMethod::linear;
+  StageTimes times;
+  int threads = 1;
+  double peak_memory = 0;  ///< bytes, of this process
+
+  bool goal_met() const { return missed.empty(); }
+};
+
+/// The readable account: what the command prints.
+WEFT_API std::string summary(const Report& report);
+/// The same for programs, JSON of schema "weft-report-1".
+WEFT_API std::string to_json(const Report& report);
+WEFT_API std::string to_json(const Measures& measures);
+
+// ---------------------------------------------------------------------------------------------------------------
+// Adaptation of one mesh
+
+struct Result : Report {
+  Mesh mesh;
+  Metric metric;  ///< at the vertices of `mesh`
+  Fields fields;  ///< those that were to be carried along, at the vertices of `mesh`
+};
+
+/// Adapts `mesh` to `metric`, at its vertices, processed as options.metric says (scaled, limited, graded).
+/// `fields` are carried along. Throws InputError for a mesh that does not conform and a metric of the wrong
+/// length.
+WEFT_API Result adapt(const Mesh& mesh, const Metric& metric, const Options& options = {},
+                      const Fields& fields = {});
+
+/// To the metric that options.metric makes.
+WEFT_API Result adapt(const Mesh& mesh, const Options& options, const Fields& fields = {});
+
+/// To a metric that belongs to another mesh of the same domain.
+WEFT_API Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, const Options& options,
+                      const Fields& fields = {});
+
+// ---------------------------------------------------------------------------------------------------------------
+// Adaptation of a mesh in parts
+
+/// What one rank has of a mesh in parts. Every tet is on one rank; vertices of a partition's boundary are on
+/// all ranks that have tets at them, under the same id.
+struct Part {
+  /// Indices are local. Triangles, edges, corners and required entities may be given by any rank that has
+  /// their vertices, by several too; triangles by none (they are then made where tets end) or all of the
+  /// boundary's.
+  Mesh mesh;
+  std::vector<std::uint64_t> ids;  ///< of mesh.points: the same number wherever the vertex is
+  std::vector<std::uint64_t>
+      tet_ids;    ///< optional: fixes the order of the tets, else that of ranks and arrays does
+  Fields fields;  ///< at mesh.points
+
+  // Of results only. Ids count from 0 without gaps. With ghosts, ghost tets and vertices come last.
+  std::vector<int> owners;        ///< of mesh.points: the rank that owns the vertex
+  std::size_t num_own_tets = 0;   ///< the tets from this one on are ghosts
+  std::vector<int> ghost_owners;  ///< of the ghost tets: the rank that has the tet
+};
+
+struct PartResult : Report {
+  Part part;
+  Metric metric;  ///< at the vertices of `part`
+};
+
+/// Adapts a mesh in parts. All ranks of the communicator call it; any rank may be empty. MPI has been
+/// initialised by the caller, is used by the calling thread only, and is not finalised. `metric`: at the
+/// vertices of the part. The result's tets are spread evenly over the ranks. With options.run.threads = 1 it
+/// does not depend on the number of ranks nor, with tet_ids, on who had which tets. Fields are carried along
+/// linearly. Throws the same InputError on all ranks, naming the rank, the entity and the reason: ids that
+/// mean different points, holes between parts, wrong lengths, and whatever adapt() refuses.
+WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
+                          const Options& options = {});
+
+// ---------------------------------------------------------------------------------------------------------------
+// From files to files
+
+/// What `weft adapt` is told beside the options.
+struct Files {
+  std::string input, output;
+  std::string background;           ///< the mesh that the metric belongs to; empty: the input
+  std::vector<std::string> fields;  ///< --field: at the vertices of the input, carried along
+  std::string report;               ///< folder for report.json, profile.json and report.html; empty: none
+  bool page = true;                 ///< the last two of them
+  std::string case_name;            ///< published figures to show beside (published_cases())
+  std::string graph;  ///< file for the executed task graph; empty: none. In subdomains, as `trace`
+  std::string trace;  ///< file for a timeline; empty: none
+  std::vector<std::string> arguments;  ///< of the command line, for the report
+};
+
+struct FilesResult : Report {
+  std::string input, metric_name;    ///< what it was made from
+  std::string mesh, metric, fields;  ///< the files that were written
+  std::string report;                ///< report.json; empty: none
+  std::string report_error;          ///< why there is no report though one was asked for
+  bool first = true;                 ///< this is rank 0, which says what there is to say
+};
+
+/// Reads, adapts, measures, writes; files appear whole or not at all. Under mpirun it works on all ranks of
+/// the world (and starts and ends MPI, unless the caller has started it): every rank reads its share where
+/// formats and metric allow.
+WEFT_API FilesResult adapt_files(const Files& files, const Options& options = {});
+/// Whether adapt_files works in subdomains: asked to, or under mpirun.
+WEFT_API bool in_subdomains(const Options& options);
+/// Whether this process was started by mpirun, srun or the like.
+WEFT_API bool under_mpirun();
+/// The readable account with the names of the files.
+WEFT_API std::string summary(const FilesResult& result);
+/// The names that Files::case_name may have.
+WEFT_API std::vector<std::string> published_cases();
+
+// ---------------------------------------------------------------------------------------------------------------
+// Metrics of meshes and solutions
+
+struct MadeMetric {
+  Metric metric;
+  std::vector<std::string> warnings;
+};
+/// The metric that options ask for, at the vertices of `mesh` (called `name` in errors). `threads`: 0 is all
+/// cores.
+WEFT_API MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const std::string& name = {},
+                                int threads = 0);
+/// The same with a metric in memory as one more source.
+WEFT_API MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
+                                const std::string& name = {}, int threads = 0);
+/// The integral of sqrt(det M): about half the vertices of a mesh that conforms to the metric.
+WEFT_API double complexity(const Mesh& mesh, const Metric& metric);
+
+// ---------------------------------------------------------------------------------------------------------------
+// Measures, checks, fields
+
+/// Quality and lengths in a metric.
+WEFT_API Measures measure(const Mesh& mesh, const Metric& metric);
+/// Shapes, without a metric.
+WEFT_API ShapeMeasures measure_shape(const Mesh& mesh);
+/// What can be said of a mesh without a metric.
+struct Geometry {
+  Point min, max;  ///< of the bounding box
+  ShapeMeasures shape;
+  std::map<std::int32_t, double> volume_by_ref, area_by_ref;  ///< of tets and triangles by their references
+};
+WEFT_API Geometry measure_geometry(const Mesh& mesh);
+/// The full check of a mesh with exact arithmetic; names at most `max_problems`.
+WEFT_API CheckReport verify(const Mesh& mesh, int max_problems = 20);
+/// Fields at the vertices of `from`, at those of `to`.
+WEFT_API Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh& to,
+                              TransferMethod method = TransferMethod::linear, int threads = 0);
+
+// ---------------------------------------------------------------------------------------------------------------
+// Files
+
+/// Everything that a mesh file of any format holds.
+struct MeshFile {
+  Mesh mesh;
+  Fields fields;
+  RefNames names;
+  std::vector<Dropped> dropped;       ///< what of the file has no place here
+  std::uint64_t foreign_volumes = 0;  ///< volume elements among these: the mesh has holes then
+};
+/// Reads a mesh of any format. A file with volume elements other than linear tets is refused.
+WEFT_API Mesh read_mesh(const std::string& path, RefNames* names = nullptr);
+/// Reads everything, and says what it had to leave out.
+WEFT_API MeshFile read_mesh_file(const std::string& path);
+/// The pieces of a .pvtu, numbered by the references of their tets.
+WEFT_API Mesh read_mesh_by_piece(const std::string& path);
+/// Reads .solb, .sol, or the fields in a mesh file that has some.
+WEFT_API Fields read_fields(const std::string& path);
+/// All fields of several files, at the vertices of a mesh; one without a name gets that of its file. Throws
+/// InputError naming file, field and vertex for the fields of another mesh (`mesh_name` has `num_points`) and
+/// values that are not finite.
+WEFT_API Fields read_fields(const std::vector<std::string>& paths, std::size_t num_points,
+                            const std::string& mesh_name = {});
+/// Reads a metric for `mesh`.
+WEFT_API Metric read_metric(const std::string& path, const Mesh& mesh);
+/// Writes a mesh; fields go into the file where its format holds them, else into a .solb (.sol) beside it.
+/// Whole or not at all.
+WEFT_API void write_mesh(const std::string& path, const Mesh& mesh, const Fields& fields = {},
+                         const RefNames& names = {});
+/// Writes what an adaptation gives: OUT.meshb, its metric OUT.solb and, where there are any, OUT-fields.solb
+/// (.sol beside a .mesh); a format that holds fields gets all of them too. The others appear only once the
+/// mesh has.
+WEFT_API void write_result(const std::string& path, const Mesh& mesh, const Metric& metric,
+                           const Fields& fields = {}, const RefNames& names = {});
+/// The names of these files.
+struct ResultFiles {
+  std::string mesh, metric, fields;
+};
+WEFT_API ResultFiles result_files(const std::string& path);
+/// Writes a mesh without a file of fields beside; returns what has no place in the format.
+WEFT_API std::vector<Dropped> write_mesh_file(const std::string& path, const MeshFile& contents,
+                                              const WriteOptions& options = {});
+/// Writes .solb or .sol, whole or not at all.
+WEFT_API void write_fields(const std::string& path, const Fields& fields);
+/// Writes a text, whole or not at all. Throws InputError.
+WEFT_API void write_text(const std::string& path, const std::string& text);
+
+/// Throws InputError unless a file can be created at `path`.
+WEFT_API void check_writable(const std::string& path);
+/// The file of fields that belongs beside a mesh file: OUT.sol for OUT.mesh, else OUT.solb.
+WEFT_API std::string fields_beside(const std::string& mesh);
+/// Whether the extension is that of a mesh format; of one that holds tets; of one that holds fields.
+WEFT_API bool is_mesh_name(const std::string& path);
+WEFT_API bool holds_volumes(const std::string& path);
+WEFT_API bool holds_fields(const std::string& path);
+/// ".meshb, .mesh, ... and .obj", for messages; those that hold tets.
+WEFT_API std::string mesh_extensions();
+WEFT_API std::string volume_extensions();
+
+// ---------------------------------------------------------------------------------------------------------------
+// Initial meshes
+
+struct FillOptions {
+  double growth = 1.3;               ///< of neighbouring edges away from the surface
+  double size = 0;                   ///< largest size; 0: no limit
+  bool materials = false;            ///< a shell within a volume bounds a material; else a hole
+  double merge = 1e-9;               ///< points nearer than this share of the diagonal are one
+  bool remesh_surface = false;       ///< let the surface be adapted; else its triangles stay
+  const Mesh* background = nullptr;  ///< with `metric` at its vertices: sizes to use instead of the surface's
+  const Metric* metric = nullptr;
+  GeometryOptions geometry;
+  RunOptions run;
+};
+struct FillResult {
+  Mesh mesh;
+  Metric metric;  ///< that it was made for
+  std::uint64_t regions = 0;
+  std::vector<std::string> warnings;  ///< what was mended
+  bool cancelled = false;
+  double grid_seconds = 0, fill_seconds = 0;
+};
+/// Fills the volumes that closed triangles bound with tets. Throws InputError naming triangles (1-based).
+WEFT_API FillResult fill(const Mesh& surface, const FillOptions& options = {});
+
+/// A structured box of tets; the surfaces of simple bodies.
+WEFT_API Mesh box(const BoxOptions& options);
+WEFT_API Mesh ball_surface(const BallOptions& options);
+WEFT_API Mesh cylinder_surface(const CylinderOptions& options);
+WEFT_API Mesh delta_wing_surface(const DeltaWingOptions& options);
+
+/// A text on one line, without what could command a terminal: names from files may hold anything.
+WEFT_API std::string printable(const std::string& text);
+
+// ---------------------------------------------------------------------------------------------------------------
+// Pictures, task graphs and reports
+
+/// A picture of a mesh, by the words of `weft view`.
+struct PictureOptions {
+  std::string color_by = "none";  ///< none, ref, subdomain, quality, length, nonconforming, field
+  std::string size = "1600x1200", from = "iso", up, clip, focus, range, title;
+  std::vector<std::int32_t> only;
+  double zoom = 1, line_width = 1;
+  bool dark = false, flip = false, slice = false, edges = true, legend = true, axes = true;
+};
+struct PictureSource {
+  const Mesh& mesh;
+  const Metric* metric = nullptr;
+  std::span<const double> field = {};  ///< one value a vertex, for color_by field
+  std::string field_name = {};
+  const RefNames* names = nullptr;
+};
+/// The width and height in pixels.
+struct PictureSize {
+  int width = 0, height = 0;
+};
+/// Whether the extension is one of a picture: .png, .pdf, .svg.
+WEFT_API bool is_picture_name(const std::string& path);
+/// Throws OptionError for words that mean nothing.
+WEFT_API PictureSize check_picture(const PictureOptions& options);
+/// Draws into a file: .png, .pdf or .svg.
+WEFT_API void draw(const std::string& path, const PictureSource& source, const PictureOptions& options = {});
+/// Histograms of quality and length as a figure.
+struct HistogramText {
+  std::string title, tets, edges;  ///< over all, over the plots of quality and over those of length
+};
+WEFT_API void draw_histograms(const std::string& path, const Measures& measures, const HistogramText& text);
+
+/// What of a task graph is shown.
+struct GraphFilter {
+  std::optional<std::uint64_t> round, subdomain;  ///< only runs of this one
+  std::string collapse =
+      "none";  ///< a vertex for each run (none), node and round (rounds) or subdomain (subdomains)
+  bool critical_path = false;  ///< only that
+  bool plan = false;           ///< the graph that every subdomain has, as planned
+};
+/// The graph of a run in `path` (graph.json, profile.json, what Files::graph names as .json), as text in a
+/// format: dot, graphml, json, or svg (needs Graphviz). Throws InputError.
+WEFT_API std::string graph_text(const std::string& path, const std::string& format,
+                                const GraphFilter& filter = {});
+/// The format that a file's extension names; empty for another.
+WEFT_API std::string graph_format(const std::string& path);
+
+/// Writes the page of a run's profile.json.
+WEFT_API void write_report_page(const std::string& profile, const std::string& page);
+/// What got slower from run `a` to run `b` (profile.json or report.json), and how the meshes differ, as text;
+/// and as a page where one is named.
+WEFT_API std::string compare_reports(const std::string& a, const std::string& b,
+                                     const std::string& page = {});
+
+}  // namespace weft

@@ -1,0 +1,160 @@
+#include "tools/library/jobs/adapt_one.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "meshing/adapt/adapt.h"
+#include "meshing/base/error.h"
+#include "meshing/fields/transfer.h"
+#include "meshing/metric/measures.h"
+#include "tools/common/field_text.h"
+#include "tools/common/naming.h"
+#include "tools/common/text.h"
+#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/run_result.h"
+#include "tools/library/jobs/run_work.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/threads.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::InputError;
+
+/// The steps in order, each leaving its part of the result.
+class OneMesh {
+ public:
+  OneMesh(const AdaptInput& input, const Options& options, Monitor& monitor)
+      : input_(input), options_(options), monitor_(monitor) {
+    result_.threads = number_of_threads(options.run.threads);
+    result_.input_counts = count(input.mesh);
+  }
+
+  Result run() {
+    if (input_.mesh.tets.empty()) throw InputError(input_.name, "", "has no tetrahedra");
+    prepare_metric();
+    check_size(input_.name, result_.target_complexity, options_.run.force, result_.input_counts,
+               result_.predicted);
+    if (options_.run.measure) measure_before();
+    adapt();
+    if (options_.run.measure) measure_after();
+    if (!input_.fields.fields.empty()) carry_fields();
+    return std::move(result_);
+  }
+
+ private:
+  const meshing::MeshData& background() const { return input_.background ? *input_.background : input_.mesh; }
+
+  void prepare_metric() {
+    predict_work(options_.metric.complexity);
+    monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
+    const std::string& owner = input_.background ? input_.background_name : input_.name;
+    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric);
+    field_ = std::move(made.field);
+    result_.warnings = std::move(made.warnings);
+    result_.complexity_asked = options_.metric.complexity > 0;
+    result_.target_complexity =
+        result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);
+    predict_work(result_.target_complexity);
+    result_.times.metric = watch_.lap();
+  }
+
+  /// For the percentage; a complexity of 0 is not known yet, and taken to be the input's.
+  void predict_work(double complexity) {
+    constexpr double kTetsOfComplexity = 12;
+    const double tets = static_cast<double>(result_.input_counts.tets);
+    work_.emplace(tets, complexity > 0 ? kTetsOfComplexity * complexity : tets,
+                  !input_.fields.fields.empty());
+  }
+
+  void measure_before() {
+    watch_.lap();
+    if (input_.background) return;
+    monitor_.update("measuring", work_->at_measures_before(), result_.input_counts.tets);
+    result_.before = meshing::measure(input_.mesh, field_);
+    result_.times.measure = watch_.lap();
+  }
+
+  void adapt() {
+    monitor_.update("importing", work_->at_adaptation(0), result_.input_counts.tets);
+    meshing::AdaptOptions kernel;
+    kernel.threads = result_.threads;
+    kernel.ridge_angle_degrees = options_.geometry.ridge_angle;
+    kernel.hausd = options_.geometry.hausd;
+    kernel.interrupt = &monitor_.flag();
+    kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
+      monitor_.update(stage, work_->at_adaptation(done), tets);
+    };
+    meshing::AdaptResult adapted = naming(input_.name, [&] {
+      return meshing::adapt(input_.mesh, {&background(), &field_}, kernel);
+    });
+    field_ = {};
+    result_.mesh = std::move(adapted.mesh);
+    result_.metric = Metric::from_logarithms(std::move(adapted.log_metrics));
+    meshing::AdaptReport& report = adapted.report;
+    result_.stages = std::move(report.stages);
+    result_.operations = report.counts;
+    result_.surface_deviation = report.surface_deviation;
+    result_.cancelled = report.interrupted;
+    result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
+    result_.output_counts = count(result_.mesh);
+    work_->adapted(static_cast<double>(result_.output_counts.tets));
+    result_.times.adapt = watch_.lap();
+  }
+
+  void measure_after() {
+    monitor_.update("measuring", work_->at_adaptation(1), result_.output_counts.tets);
+    result_.after = meshing::measure(result_.mesh, result_.metric.logarithms());
+    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.cancelled);
+    result_.times.measure += watch_.lap();
+  }
+
+  void carry_fields() {
+    monitor_.update("fields", work_->at_fields(), result_.output_counts.tets);
+    watch_.lap();
+    Transfer carried = naming(input_.name, [&] {
+      return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer);
+    });
+    const std::vector<std::string> warnings = transfer_warnings(carried, input_.name);
+    result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
+    result_.transfer = options_.transfer;
+    result_.field_accounts = std::move(carried.accounts);
+    result_.fields = std::move(carried.fields);
+    result_.times.fields = watch_.lap();
+  }
+
+  const AdaptInput& input_;
+  const Options& options_;
+  Monitor& monitor_;
+  Stopwatch watch_;
+  std::optional<RunWork> work_;  ///< from the metric on
+  meshing::LogMetricField field_;
+  Result result_;
+};
+
+}  // namespace
+
+void check_size(const std::string& name, double complexity, bool force, const MeshCounts& input,
+                SizePrediction& predicted) {
+  predicted = predict_size(complexity, input.vertices, input.tets);
+  const std::string size =
+      fmt::format("a complexity of {} means about {} vertices, {} tets and {} of memory", grouped(complexity),
+                  grouped(predicted.vertices), grouped(predicted.tets), bytes_text(predicted.bytes));
+  if (!(predicted.tets < kMaxTets))
+    throw InputError(name, "", size + ", more tets than one mesh can have: lower --complexity");
+  const std::optional<double> room = available_memory();
+  if (force || !room || predicted.bytes <= *room) return;
+  throw InputError(name, "",
+                   size + ", but only " + bytes_text(*room) +
+                       " are free here: lower --complexity, or try all the same with --force");
+}
+
+Result adapt_one(const AdaptInput& input, const Options& options, Monitor& monitor) {
+  return with_threads(number_of_threads(options.run.threads),
+                      [&] { return OneMesh(input, options, monitor).run(); });
+}
+
+}  // namespace weft::tools

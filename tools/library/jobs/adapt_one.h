@@ -1,0 +1,29 @@
+// Adaptation of one mesh in memory: metric, prediction of memory, kernel, measures, fields.
+#pragma once
+
+#include <string>
+
+#include "meshing/metric/metric_field.h"
+#include "tools/library/jobs/monitor.h"
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+/// Where the run starts. Names are those of files, empty for data that never were in one.
+struct AdaptInput {
+  const meshing::MeshData& mesh;
+  std::string name;
+  const meshing::MeshData* background = nullptr;  ///< that the metric belongs to; null: `mesh`
+  std::string background_name;
+  const meshing::LogMetricField* metric = nullptr;  ///< a source besides those of the options
+  const meshing::SolutionData& fields;              ///< at the vertices of `mesh`, to be carried along
+};
+
+/// Throws InputError. Times of reading and writing, the total and the goals' asking are left to the caller.
+Result adapt_one(const AdaptInput& input, const Options& options, Monitor& monitor);
+
+/// Refuses a run that cannot fit, in words that name the complexity: throws InputError.
+void check_size(const std::string& name, double complexity, bool force, const MeshCounts& input,
+                SizePrediction& predicted);
+
+}  // namespace weft::tools

@@ -1,0 +1,163 @@
+// All ranks read, adapt, measure and write together; rank 0 makes the account.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "meshing/fields/transfer.h"
+#include "meshing/io/mesh_file.h"
+#include "meshing/metric/measures.h"
+#include "partition/communication/agreement.h"
+#include "partition/output/merge_pieces.h"
+#include "partition/output/output.h"
+#include "partition/output/piece_files.h"
+#include "tools/common/field_text.h"
+#include "tools/library/jobs/distributed_run.h"
+#include "tools/library/jobs/field_source.h"
+#include "tools/library/jobs/file_job.h"
+#include "tools/library/jobs/file_outputs.h"
+#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/slice_source.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/parts/piece_moves.h"
+#include "tools/library/report/report_json.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+Keep what_to_keep(const Files& files) {
+  const bool report = !files.report.empty();
+  return {.record = report || !files.graph.empty() || !files.trace.empty(),
+          .plan = !files.graph.empty(),
+          .view = report};
+}
+
+/// One run on one rank. All ranks do the same steps; only rank 0's account is complete.
+class DistributedFileJob {
+ public:
+  DistributedFileJob(const Files& files, const Options& options, engine::Transport& transport)
+      : files_(files),
+        options_(options),
+        keep_(what_to_keep(files)),
+        account_(begin_run(files, options)),
+        run_(options, transport, keep_) {}
+
+  FilesResult run() {
+    partition::agree_on(run_.peers(), [this] {
+      if (run_.first()) check_outputs(files_, options_, account_.outputs);
+    });
+    SliceInput input = read();
+    const double target = input.target_complexity;
+    run_.adapt(std::move(input.slice), target, files_.input, account_);
+    watch_.lap();
+    run_.measure(account_);
+    account_.times.measure += watch_.lap();
+    write();
+    finish();
+    return files_result(account_, report_error_, run_.first());
+  }
+
+ private:
+  SliceInput read() {
+    run_.monitor().update("reading", 0, 0);
+    SliceInput input = read_slice(run_.peers(), files_, options_);
+    account_.warnings = input.warnings;
+    account_.input_counts = {input.slice.num_points, input.slice.num_tets,
+                             input.slice.boundary.triangles.size(), input.slice.boundary.edges.size()};
+    account_.times.read = watch_.lap();
+    if (input.whole && run_.first()) account_.before = meshing::measure(*input.whole, input.whole_metric);
+    partition::agree_on(run_.peers(), [&] {
+      if (files_.fields.empty() || !run_.first()) return;
+      fields_ = read_all_fields(files_.fields, input.whole->points.size(), files_.input);
+      whole_ = std::move(*input.whole);
+    });
+    input.whole.reset();
+    account_.times.measure = watch_.lap();
+    return input;
+  }
+
+  void write() {
+    run_.monitor().update("writing", 1, account_.output_counts.tets);
+    const fs::path mesh = account_.outputs.mesh;
+    if (mesh.extension() == ".pvtu" && files_.fields.empty()) {
+      partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh);
+      account_.outputs.solution = account_.outputs.mesh;
+    } else if (mesh.extension() == ".meshb" && files_.fields.empty()) {
+      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution);
+    } else {
+      write_by_first();
+    }
+    account_.times.write = watch_.lap();
+  }
+
+  /// Formats that one program writes, and fields: rank 0 gets the whole mesh.
+  void write_by_first() {
+    const std::vector<partition::MeshPiece> pieces = gather_pieces(run_.exchange(), std::move(run_.pieces()));
+    partition::agree_on(run_.peers(), [&] {
+      if (!run_.first()) return;
+      const partition::MergedMesh merged = partition::merge_pieces(pieces);
+      if (!files_.fields.empty()) carry_fields(merged.mesh);
+      write_mesh_with_solution(account_.outputs, merged.mesh,
+                               meshing::solution_from_metric(merged.log_metrics), fields_);
+    });
+  }
+
+  void carry_fields(const meshing::MeshData& mesh) {
+    meshing::Transfer result = meshing::transfer(whole_, fields_, mesh, options_.transfer);
+    const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
+    account_.warnings.insert(account_.warnings.end(), warnings.begin(), warnings.end());
+    account_.transfer = options_.transfer;
+    account_.field_accounts = std::move(result.accounts);
+    fields_ = std::move(result.fields);
+  }
+
+  void finish() {
+    account_.times.total = total_.lap();
+    account_.peak_memory = peak_memory_bytes();
+    run_.gather_machines();
+    if (!run_.first() || !keep_.record) return;
+    try {
+      write_accounts();
+    } catch (const meshing::InputError& error) {
+      report_error_ = error.what();
+    }
+  }
+
+  void write_accounts() {
+    RunRecord& record = run_.record();
+    if (!files_.graph.empty()) {
+      write_graph(files_.graph, record.graph);
+      write_planned_graph(planned_path(files_.graph), record.planned);
+    }
+    if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
+    if (account_.report_path.empty()) return;
+    write_text(account_.report_path, json_of(account_).dump(1) + "\n");
+    write_record(account_, record, files_.case_name);
+  }
+
+  const Files& files_;
+  const Options& options_;
+  Keep keep_;
+  Stopwatch total_, watch_;
+  RunResult account_;
+  DistributedRun run_;
+  std::string report_error_;
+  meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
+  meshing::SolutionData fields_;
+};
+
+}  // namespace
+
+FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
+  FilesResult result;
+  on_world(
+      [&](engine::Transport& transport) { result = DistributedFileJob(files, options, transport).run(); });
+  return result;
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,163 @@
+// The steps that all ranks do together, whatever the mesh came from and wherever it goes.
+#include "tools/library/jobs/distributed_run.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "partition/communication/reduce.h"
+#include "partition/decompose/partitioner.h"
+#include "partition/output/measure_pieces.h"
+#include "tools/common/naming.h"
+#include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/jobs/run_result.h"
+#include "tools/library/report/run_progress_text.h"
+
+namespace weft::tools {
+
+using graph::adaptation::ShiftRecord;
+
+std::string partitioner_of(const DistributedOptions& options) {
+  return options.partitioner.empty() ? "graph" : options.partitioner;
+}
+
+DistributedRun::DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep)
+    : options_(options),
+      keep_(keep),
+      threads_(options.run.threads > 0 ? options.run.threads : 1),
+      monitor_(options.run) {
+  graph::adaptation::register_adaptation(registry_);
+  engine::RuntimeOptions engine;
+  engine.threads = threads_;
+  engine.balancer = engine::balancer_by_name(options.distributed.balancer);
+  engine.local = &rank_;
+  engine.trace.spans = keep.record;
+  if (monitor_.wanted()) engine.bulletins = bulletins();
+  engine.name_of = [this](engine::ObjectId id) { return name_of(id); };
+  if (options.run.on_state) engine.on_state = options.run.on_state;
+  engine.on_failure = [&options](const std::string& why) {
+    if (options.run.on_failure) options.run.on_failure(why);
+  };
+  runtime_.emplace(transport, registry_, engine);
+  if (options.run.state_on_signal) show_state_.emplace(*runtime_);
+  peers_.emplace(*runtime_);
+  exchange_.emplace(*runtime_);
+  if (keep.record) memory_.emplace(transport.rank().value);
+}
+
+/// The subdomains' news go to rank 0 twice a second.
+engine::Bulletins DistributedRun::bulletins() {
+  return {std::chrono::milliseconds(500),
+          [this] {
+            const auto news = news_.take();
+            return news.empty() ? engine::Payload{} : engine::packed(news);
+          },
+          [this](engine::Rank, engine::Payload payload) {
+            if (!table_) return;  // a run before or after that of the adaptation
+            if (payload.size() > 0)
+              table_->hear(
+                  engine::unpacked<std::vector<graph::adaptation::SubdomainProgress>>(std::move(payload)));
+            const graph::adaptation::RunProgress now = table_->at(engine::now());
+            monitor_.tell({text_of(now), true, now.share, now.left.tets});
+          }};
+}
+
+std::string DistributedRun::name_of(engine::ObjectId id) const {
+  const auto subdomain = subdomain_of(rank_.plan, runtime_->ranks(), id);
+  return subdomain ? fmt::format("subdomain {}", subdomain->value)
+                   : fmt::format("mailbox of rank {}", id.home.value);
+}
+
+std::uint32_t DistributedRun::number_of_subdomains() const {
+  constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
+  if (options_.distributed.subdomains > 0) return options_.distributed.subdomains;
+  const std::array<std::uint32_t, 3> slabs =
+      partition::parse_partitioner(partitioner_of(options_.distributed)).slabs;
+  if (slabs[0] > 0) return slabs[0] * slabs[1] * slabs[2];
+  return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * threads_);
+}
+
+graph::adaptation::DistributedOptions DistributedRun::method_options(double target_complexity) {
+  const DistributedOptions& asked = options_.distributed;
+  graph::adaptation::DistributedOptions method;
+  method.decomposition.num_subdomains = number_of_subdomains();
+  method.decomposition.partitioner =
+      partition::parse_partitioner(partitioner_of(asked), method.decomposition.num_subdomains);
+  method.decomposition.equal_tets = asked.equal == DistributedOptions::Equal::tets;
+  method.decomposition.ridge_angle_degrees = options_.geometry.ridge_angle;
+  method.decomposition.target_complexity = target_complexity;
+  method.shift = {asked.layers, asked.layers_by == DistributedOptions::LayersBy::faces};
+  if (asked.shifts) method.most_shifts = *asked.shifts;
+  method.refine_interface = asked.interface_refinement;
+  method.tets_at_frozen_stay = asked.freeze == DistributedOptions::Freeze::tets;
+  method.hausd = options_.geometry.hausd;
+  method.check = options_.run.check;
+  method.threads = threads_;
+  method.interrupt = &monitor_.flag();
+  if (monitor_.wanted()) method.news = &news_;
+  method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
+    if (first()) table_.emplace(subdomains, shifts, engine::now());
+  };
+  return method;
+}
+
+void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name,
+                           Report& report) {
+  report.threads = threads_;
+  monitor_.update("decomposition", 0, report.input_counts.tets);
+  result_ = naming(name, [&] {
+    return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method_options(target_complexity));
+  });
+  table_.reset();
+  report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
+  report.complexity_asked = options_.metric.complexity > 0;
+  report.target_complexity = rank_.plan.expected_complexity;
+  report.times.metric = result_.decomposition_seconds;
+  report.times.adapt = result_.adaptation_seconds;
+  report.cancelled = monitor_.cancelled();
+  gather_statistics(report);
+}
+
+/// Rank 0 hears of all.
+void DistributedRun::gather_statistics(Report& report) {
+  graph::dataflow::ExecutionLog log = gather_log(*exchange_, graph::adaptation::execution_log(*runtime_));
+  const engine::TimePoint clock_offset = keep_.record ? runtime_->timeline().clock_offset : 0;
+  std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
+  if (keep_.record) gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
+  if (keep_.plan) gather_plan(*exchange_, std::move(result_.planned), rank_.plan, record_);
+  std::vector<ShiftRecord> mine;
+  for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
+  std::vector<ShiftRecord> all;
+  for (const auto& part : partition::allgather(*peers_, mine))
+    all.insert(all.end(), part.begin(), part.end());
+  for (const auto& counts :
+       partition::allgather(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
+    report.operations += counts[0];
+  stats_ = std::make_shared<DistributedStats>(account_for(log, std::move(summaries), all));
+  stats_->subdomains = rank_.plan.subdomains;
+  stats_->ranks = runtime_->ranks();
+  stats_->partitioner = partitioner_of(options_.distributed);
+  stats_->layers = options_.distributed.layers;
+  stats_->checks = result_.checks;
+  stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
+  stats_->decomposition_seconds = result_.decomposition_seconds;
+  stats_->adaptation_seconds = result_.adaptation_seconds;
+  report.distributed = stats_;
+}
+
+void DistributedRun::measure(Report& report) {
+  monitor_.update("measuring", 1, 0);
+  if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, record_);
+  report.after = partition::measure_pieces(*peers_, result_.pieces);
+  stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+  report.output_counts = {report.after.num_vertices, report.after.num_tets, report.after.num_triangles, 0};
+  report.missed = missed_goals(report.after, options_.metric.complexity, report.cancelled);
+}
+
+void DistributedRun::gather_machines() {
+  if (memory_) tools::gather_machines(*exchange_, memory_->stop(), record_);
+}
+
+}  // namespace weft::tools

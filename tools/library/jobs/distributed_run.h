@@ -1,0 +1,78 @@
+// A run in subdomains on one rank or many: the engine, the method, and what is gathered of it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/network/transport.h"
+#include "engine/run/runtime.h"
+#include "engine/run/show_state_on_signal.h"
+#include "graph/adaptation/distributed_adaptation.h"
+#include "graph/dataflow/rank_exchange.h"
+#include "partition/distribute/mesh_slice.h"
+#include "tools/library/jobs/monitor.h"
+#include "tools/library/report/run_record.h"
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+/// What a run keeps for its account beside figures.
+struct Keep {
+  bool record = false;  ///< timelines, memory
+  bool plan = false;    ///< the planned graph
+  bool view = false;    ///< the mesh, thinned out, for the page
+};
+
+/// One rank's part of a run. All ranks call the same functions in the same order. What all throw alike are
+/// meshing::InputError, std::invalid_argument and engine::RunFailure.
+class DistributedRun {
+ public:
+  DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep = {});
+
+  partition::Peers& peers() { return *peers_; }
+  graph::dataflow::RankExchange& exchange() { return *exchange_; }
+  bool first() const { return runtime_->rank().value == 0; }
+  Monitor& monitor() { return monitor_; }
+
+  /// Adapts the mesh of the slices, which errors call `name`; fills pieces and `report`.
+  void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report);
+  /// Fills the measures of the result.
+  void measure(Report& report);
+
+  std::vector<partition::MeshPiece>& pieces() { return result_.pieces; }
+  const graph::adaptation::AdaptationPlan& plan() const { return rank_.plan; }
+  RunRecord& record() { return record_; }
+  /// What the ranks know of their machines goes into the record.
+  void gather_machines();
+
+ private:
+  engine::Bulletins bulletins();
+  std::string name_of(engine::ObjectId id) const;
+  std::uint32_t number_of_subdomains() const;
+  graph::adaptation::DistributedOptions method_options(double target_complexity);
+  void gather_statistics(Report& report);
+
+  const Options& options_;
+  Keep keep_;
+  int threads_;
+  Monitor monitor_;
+  graph::adaptation::ProgressBoard news_;
+  std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
+  graph::adaptation::RankData rank_;
+  engine::Registry registry_;
+  std::optional<engine::Runtime> runtime_;
+  std::optional<engine::ShowStateOnSignal> show_state_;
+  std::optional<graph::adaptation::EnginePeers> peers_;
+  std::optional<graph::dataflow::RankExchange> exchange_;
+  graph::adaptation::DistributedResult result_;
+  std::shared_ptr<DistributedStats> stats_;
+  RunRecord record_;
+  std::optional<report::MemorySampler> memory_;
+};
+
+/// The partitioner that options mean.
+std::string partitioner_of(const DistributedOptions& options);
+
+}  // namespace weft::tools

@@ -1,0 +1,18 @@
+// The fields that are carried to a new mesh.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+/// All fields of all files, at the `num_points` vertices of `mesh_file`. One without a name gets that of its
+/// file. Throws InputError naming file, field and vertex for the fields of another mesh and for values that
+/// are no finite numbers.
+Fields read_all_fields(const std::vector<std::string>& files, std::size_t num_points,
+                       const std::string& mesh_file);
+
+}  // namespace weft::tools

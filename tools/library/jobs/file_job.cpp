@@ -1,0 +1,105 @@
+// Checks, reads, adapts, writes, reports.
+#include "tools/library/jobs/file_job.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "tools/library/jobs/adapt_one.h"
+#include "tools/library/jobs/field_source.h"
+#include "tools/library/jobs/file_outputs.h"
+#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/threads.h"
+#include "tools/library/report/report_json.h"
+#include "tools/library/report/run_record.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::InputError;
+using meshing::MeshData;
+
+/// The steps in order.
+class FileJob {
+ public:
+  FileJob(const Files& files, const Options& options)
+      : files_(files), options_(options), monitor_(options.run), run_(begin_run(files, options)) {}
+
+  FilesResult run() {
+    check_outputs(files_, options_, run_.outputs);
+    with_threads(number_of_threads(options_.run.threads), [this] { read(); });
+    adapt();
+    write();
+    finish();
+    return files_result(run_, report_error_);
+  }
+
+ private:
+  void read() {
+    monitor_.update("reading", 0, 0);
+    input_ = meshing::read_mesh(files_.input, &names_);
+    if (!files_.background.empty() && !same_file(files_.background, files_.input))
+      background_ = meshing::read_mesh(files_.background);
+    if (input_.tets.empty()) throw InputError(files_.input, "", "has no tetrahedra");
+    fields_ = read_all_fields(files_.fields, input_.points.size(), files_.input);
+    read_seconds_ = watch_.lap();
+  }
+
+  void adapt() {
+    const AdaptInput input{input_,  files_.input, background_ ? &*background_ : nullptr, files_.background,
+                           nullptr, fields_};
+    Result result = adapt_one(input, options_, monitor_);
+    static_cast<Report&>(run_) = std::move(static_cast<Report&>(result));
+    run_.times.read = read_seconds_;
+    mesh_ = std::move(result.mesh);
+    metric_ = std::move(result.metric);
+    fields_ = std::move(result.fields);
+    watch_.lap();
+  }
+
+  void write() {
+    constexpr double kShareBeforeWriting = 0.99;
+    monitor_.update("writing", kShareBeforeWriting, run_.output_counts.tets);
+    write_mesh_with_solution(run_.outputs, mesh_, metric_.fields(), fields_, names_);
+    run_.times.write = watch_.lap();
+  }
+
+  /// The mesh is safe by now: a report that cannot be written costs the goal, not the mesh.
+  void finish() {
+    run_.times.total = total_.lap();
+    run_.peak_memory = peak_memory_bytes();
+    if (run_.report_path.empty()) return;
+    try {
+      write_text(run_.report_path, json_of(run_).dump(1) + "\n");
+      if (files_.page) write_record(run_, record_of(mesh_, metric_.logarithms()), files_.case_name);
+    } catch (const InputError& error) {
+      report_error_ = error.what();
+    }
+  }
+
+  const Files& files_;
+  const Options& options_;
+  Monitor monitor_;
+  Stopwatch total_, watch_;
+  RunResult run_;
+  double read_seconds_ = 0;
+  std::string report_error_;
+  MeshData input_, mesh_;
+  meshing::RefNames names_;             ///< of the input's references, which the result keeps
+  std::optional<MeshData> background_;  ///< empty: the input
+  Metric metric_;
+  meshing::SolutionData fields_;  ///< carried along; of the input, then of the result
+};
+
+}  // namespace
+
+FilesResult adapt_files_as_one(const Files& files, const Options& options) {
+  return FileJob(files, options).run();
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,62 @@
+#include "tools/library/jobs/file_outputs.h"
+
+#include <filesystem>
+#include <vector>
+
+#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/threads.h"
+#include "tools/library/report/run_record.h"
+
+namespace weft::tools {
+
+namespace fs = std::filesystem;
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return fs::equivalent(a, b, missing) && !missing;
+}
+
+RunResult begin_run(const Files& files, const Options& options) {
+  RunResult run;
+  run.arguments = files.arguments;
+  run.input = files.input;
+  run.metric_name = name_of(options.metric);
+  run.outputs = output_paths(files.output);
+  run.threads = number_of_threads(options.run.threads);
+  if (!files.report.empty()) run.report_path = (fs::path(files.report) / "report.json").string();
+  return run;
+}
+
+void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs) {
+  const bool pieces = fs::path(outputs.mesh).extension() == ".pvtu";
+  const bool in_place = same_file(files.output, files.input);
+  for (const std::vector<std::string>& inputs : {files_of(options.metric), files.fields})
+    for (const std::string& file : inputs)
+      if (same_file(outputs.solution, file) && !in_place)
+        throw OptionError("--out", "its metric " + outputs.solution + " would replace the input " + file);
+  check_writable(outputs.mesh);
+  if (!pieces) check_writable(outputs.solution);
+  if (!files.fields.empty() && !pieces) check_writable(outputs.fields);
+  for (const std::string& path : {files.graph, files.trace})
+    if (!path.empty()) check_writable(path);
+  if (!files.graph.empty()) check_writable(planned_path(files.graph));
+  if (files.report.empty()) return;
+  make_folder(files.report);
+  check_writable((fs::path(files.report) / "report.json").string());
+}
+
+FilesResult files_result(const RunResult& run, const std::string& report_error, bool first) {
+  FilesResult result;
+  static_cast<Report&>(result) = run;
+  result.input = run.input;
+  result.metric_name = run.metric_name;
+  result.mesh = run.outputs.mesh;
+  result.metric = run.outputs.solution;
+  if (!run.field_accounts.empty()) result.fields = run.outputs.fields;
+  result.report = run.report_path;
+  result.report_error = report_error;
+  result.first = first;
+  return result;
+}
+
+}  // namespace weft::tools

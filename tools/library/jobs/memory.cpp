@@ -1,0 +1,115 @@
+// Reads the system's limits and counters.
+#include "tools/library/jobs/memory.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace weft::tools {
+namespace {
+
+constexpr double kVerticesPerComplexity = 2;
+constexpr double kTetsPerComplexity = 12;
+constexpr double kBytesPerTet = 250;
+
+std::string file_text(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A file with one number; empty for "max" and for no file.
+std::optional<double> file_number(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  double value = 0;
+  return in >> value ? std::optional(value) : std::nullopt;
+}
+
+/// The value of a line "NAME VALUE" or "NAME: VALUE".
+std::optional<double> named_number(const std::string& text, const std::string& name) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string word;
+    double value = 0;
+    if (words >> word >> value && (word == name || word == name + ":")) return value;
+  }
+  return std::nullopt;
+}
+
+void lower(std::optional<double>& limit, std::optional<double> other) {
+  if (other) limit = limit ? std::min(*limit, *other) : *other;
+}
+
+/// What one control group of version 2 leaves; file cache that can be dropped is not counted as used.
+std::optional<double> group_room(const std::filesystem::path& group) {
+  const auto limit = file_number(group / "memory.max"), used = file_number(group / "memory.current");
+  if (!limit || !used) return std::nullopt;
+  const double droppable = named_number(file_text(group / "memory.stat"), "inactive_file").value_or(0);
+  return std::max(0.0, *limit - (*used - droppable));
+}
+
+std::optional<double> control_group_room() {
+  const std::filesystem::path root = "/sys/fs/cgroup";
+  std::optional<double> room;
+  std::filesystem::path group = parse_cgroup_path(file_text("/proc/self/cgroup"));
+  for (; !group.empty() && group != group.parent_path(); group = group.parent_path())
+    lower(room, group_room(root / group.relative_path()));
+  lower(room, group_room(root));
+  const auto limit = file_number(root / "memory/memory.limit_in_bytes");  // version 1
+  const auto used = file_number(root / "memory/memory.usage_in_bytes");
+  if (limit && used) lower(room, std::max(0.0, *limit - *used));
+  return room;
+}
+
+std::optional<double> address_space_room() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  const double used =
+      file_number("/proc/self/statm").value_or(0) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - used);
+}
+
+}  // namespace
+
+SizePrediction predict_size(double complexity, std::uint64_t input_vertices, std::uint64_t input_tets) {
+  SizePrediction size;
+  size.vertices = std::max(kVerticesPerComplexity * complexity, static_cast<double>(input_vertices));
+  size.tets = std::max(kTetsPerComplexity * complexity, static_cast<double>(input_tets));
+  size.bytes = kBytesPerTet * size.tets;
+  return size;
+}
+
+std::optional<double> parse_mem_available(const std::string& meminfo) {
+  const auto kibibytes = named_number(meminfo, "MemAvailable");
+  return kibibytes ? std::optional(*kibibytes * 1024) : std::nullopt;
+}
+
+std::string parse_cgroup_path(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line))
+    if (line.starts_with("0::")) return line.substr(3);
+  return {};
+}
+
+std::optional<double> available_memory() {
+  std::optional<double> room = parse_mem_available(file_text("/proc/meminfo"));
+  lower(room, control_group_room());
+  lower(room, address_space_room());
+  return room;
+}
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,37 @@
+// Result files: checked before the work starts, and complete or absent after it.
+#pragma once
+
+#include <string>
+
+#include "meshing/io/files/mesh_contents.h"
+
+namespace weft::tools {
+
+/// A mesh file and the files beside it: OUT.mesh has OUT.sol and OUT-fields.sol, any other OUT.solb and
+/// OUT-fields.solb.
+struct OutputPaths {
+  std::string mesh;
+  std::string solution;     ///< the metric
+  std::string fields = {};  ///< those carried along
+};
+OutputPaths output_paths(const std::string& mesh);
+
+/// Throws InputError unless a file can be created at `path`.
+void check_writable(const std::string& path);
+/// Creates the folder and its parents; throws InputError when that fails.
+void make_folder(const std::string& path);
+
+/// Writes the mesh, the solution and, where there are any, the fields; these appear only once the mesh has. A
+/// format that holds fields gets all of them into the mesh file too.
+void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
+                              const meshing::SolutionData& solution, const meshing::SolutionData& fields = {},
+                              const meshing::RefNames& names = {});
+
+/// Writes the mesh with the fields: in its file where the format holds them, else in the one beside.
+void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mesh,
+                           const meshing::SolutionData& fields, const meshing::RefNames& names);
+
+/// Writes beside, then renames.
+void write_text(const std::string& path, const std::string& text);
+
+}  // namespace weft::tools

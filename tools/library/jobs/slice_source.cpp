@@ -1,0 +1,215 @@
+// Shares of files, or of a mesh that rank 0 has.
+#include "tools/library/jobs/slice_source.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_slice.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
+#include "tools/library/jobs/metric_source.h"
+
+namespace weft::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using meshing::InputError;
+using meshing::MeshData;
+using partition::MeshSlice;
+using partition::Peers;
+
+bool is_gmf(const std::string& file) {
+  const std::string extension = fs::path(file).extension();
+  return extension == ".meshb" || extension == ".mesh" || extension == ".solb" || extension == ".sol";
+}
+
+/// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
+bool only_scaled(const Files& files, const Options& options) {
+  const MetricOptions& m = options.metric;
+  const bool limited = m.hmin > 0 || m.hmax > 0 || m.aspect > 0 || m.hgrad > 1;
+  return is_gmf(files.input) && files.background.empty() && files.fields.empty() && !limited &&
+         m.sol.empty() && m.solutions.empty() && !m.implied && !has_demand(m) &&
+         (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
+}
+
+struct Share {
+  std::uint64_t first, count;
+};
+Share share_of(std::uint64_t total, int rank, int ranks) {
+  const auto r = static_cast<std::uint64_t>(rank), n = static_cast<std::uint64_t>(ranks);
+  const std::uint64_t first = total * r / n;
+  return {first, total * (r + 1) / n - first};
+}
+
+meshing::LogMetricField metric_of_share(const MetricOptions& request, const MeshSlice& slice, Share share) {
+  if (!request.function.empty()) {
+    MeshData points;
+    points.points = slice.points;
+    return meshing::sample(meshing::AnalyticMetric(request.function), points);
+  }
+  const meshing::GmfLayout layout = meshing::read_gmf_layout(request.file);
+  if (layout.num_solution_points() != slice.num_points)
+    throw InputError(request.file, "",
+                     "is of another mesh: it has " + std::to_string(layout.num_solution_points()) +
+                         " vertices, the mesh " + std::to_string(slice.num_points));
+  return meshing::metric_from_solution(
+      meshing::read_gmf_solution_slice(request.file, layout, share.first, share.count), share.count,
+      request.file);
+}
+
+SliceInput read_share(Peers& peers, const Files& files, const Options& options) {
+  SliceInput input;
+  partition::agree_on(peers, [&] {
+    const meshing::GmfLayout layout = meshing::read_gmf_layout(files.input);
+    MeshSlice& slice = input.slice;
+    slice.num_points = layout.num_points();
+    slice.num_tets = layout.num_tets();
+    if (slice.num_tets == 0) throw InputError(files.input, "", "has no tetrahedra");
+    const Share points = share_of(slice.num_points, peers.rank(), peers.ranks());
+    const Share tets = share_of(slice.num_tets, peers.rank(), peers.ranks());
+    slice.first_point = points.first;
+    slice.first_tet = tets.first;
+    meshing::GmfPoints p = meshing::read_gmf_points(files.input, layout, points.first, points.count);
+    slice.points = std::move(p.points);
+    slice.point_refs = std::move(p.refs);
+    meshing::GmfTets t = meshing::read_gmf_tets(files.input, layout, tets.first, tets.count);
+    slice.tets = std::move(t.tets);
+    slice.tet_refs = std::move(t.refs);
+    slice.boundary = meshing::read_gmf_boundary(files.input, layout);
+    slice.log_metrics = metric_of_share(options.metric, slice, points);
+  });
+  input.target_complexity = options.metric.complexity;
+  return input;
+}
+
+/// What is handed out of the whole mesh, as plain bytes.
+template <class T>
+std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t total) {
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  if (peers.rank() == 0)
+    for (int r = 0; r < peers.ranks(); ++r) {
+      const Share s = share_of(total, r, peers.ranks());
+      to_each[static_cast<std::size_t>(r)].assign(
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first),
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
+    }
+  return partition::all_to_all(peers, to_each)[0];
+}
+
+/// An array of rank 0, on all ranks.
+template <class T>
+void tell_all(Peers& peers, std::vector<T>& values) {
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  if (peers.rank() == 0) std::fill(to_each.begin(), to_each.end(), values);
+  values = partition::all_to_all(peers, to_each)[0];
+}
+
+/// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has
+/// read it.
+SliceInput read_whole(Peers& peers, const Files& files, const Options& options) {
+  SliceInput input;
+  MetricOptions metric = options.metric;
+  if (only_scaled(files, options)) input.target_complexity = std::exchange(metric.complexity, 0);
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    if (!files.background.empty() && files.background != files.input)
+      throw InputError(files.background, "", "a background of its own is not possible in subdomains");
+    input.whole = meshing::read_mesh(files.input);
+    if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
+    LogMetricMade made = make_log_metric(metric, *input.whole, files.input);
+    input.whole_metric = std::move(made.field);
+    input.warnings = std::move(made.warnings);
+  });
+  if (peers.ranks() > 1)
+    input.warnings.push_back(
+        "rank 0 has read the whole mesh: only GMF files whose metric is merely scaled are read in shares");
+  input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
+  if (input.whole && input.target_complexity > 0)
+    scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
+  return input;
+}
+
+/// The values of all ranks on rank 0, in their order; elsewhere none.
+template <class T>
+std::vector<T> concentrate(Peers& peers, const std::vector<T>& mine) {
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  to_each[0] = mine;
+  std::vector<T> all;
+  for (const auto& of_rank : partition::all_to_all(peers, to_each))
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  return all;
+}
+
+}  // namespace
+
+MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {
+  MeshSlice slice;
+  std::vector<std::uint64_t> totals = {mesh.points.size(), mesh.tets.size()};
+  tell_all(peers, totals);
+  slice.num_points = totals[0];
+  slice.num_tets = totals[1];
+  slice.first_point = share_of(totals[0], peers.rank(), peers.ranks()).first;
+  slice.first_tet = share_of(totals[1], peers.rank(), peers.ranks()).first;
+  slice.points = deal(peers, mesh.points, totals[0]);
+  slice.point_refs = deal(peers, mesh.point_refs, totals[0]);
+  slice.log_metrics = deal(peers, metric, totals[0]);
+  slice.tets = deal(peers, mesh.tets, totals[1]);
+  slice.tet_refs = deal(peers, mesh.tet_refs, totals[1]);
+  MeshData& b = slice.boundary;
+  b.triangles = mesh.triangles;
+  b.triangle_refs = mesh.triangle_refs;
+  b.edges = mesh.edges;
+  b.edge_refs = mesh.edge_refs;
+  tell_all(peers, b.triangles);
+  tell_all(peers, b.triangle_refs);
+  tell_all(peers, b.edges);
+  tell_all(peers, b.edge_refs);
+  const auto list = [&](auto member) {
+    b.*member = mesh.*member;
+    tell_all(peers, b.*member);
+  };
+  list(&MeshData::corners);
+  list(&MeshData::required_points);
+  list(&MeshData::ridges);
+  list(&MeshData::required_edges);
+  list(&MeshData::required_triangles);
+  return slice;
+}
+
+SliceInput read_slice(Peers& peers, const Files& files, const Options& options) {
+  return only_scaled(files, options) && peers.ranks() > 1 ? read_share(peers, files, options)
+                                                          : read_whole(peers, files, options);
+}
+
+meshing::MeshData gather_whole(Peers& peers, const MeshSlice& slice) {
+  MeshData whole;
+  if (peers.rank() == 0) whole = slice.boundary;
+  whole.points = concentrate(peers, slice.points);
+  whole.point_refs = concentrate(peers, slice.point_refs);
+  whole.tets = concentrate(peers, slice.tets);
+  whole.tet_refs = concentrate(peers, slice.tet_refs);
+  return whole;
+}
+
+std::vector<meshing::LogMetric> gather_to_first(Peers& peers, const std::vector<meshing::LogMetric>& mine) {
+  return concentrate(peers, mine);
+}
+
+std::vector<meshing::LogMetric> deal_by_slices(Peers& peers, const std::vector<meshing::LogMetric>& whole,
+                                               const MeshSlice& slice) {
+  const auto counts = partition::allgather(peers, std::vector<std::uint64_t>{slice.points.size()});
+  std::vector<std::vector<meshing::LogMetric>> to_each(counts.size());
+  if (peers.rank() == 0) {
+    auto next = whole.begin();
+    for (std::size_t r = 0; r < counts.size(); ++r) {
+      const auto end = next + static_cast<std::ptrdiff_t>(counts[r][0]);
+      to_each[r].assign(next, end);
+      next = end;
+    }
+  }
+  return partition::all_to_all(peers, to_each)[0];
+}
+
+}  // namespace weft::tools

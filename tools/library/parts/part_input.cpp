@@ -1,0 +1,280 @@
+#include "tools/library/parts/part_input.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "partition/communication/agreement.h"
+#include "partition/communication/ranges.h"
+#include "tools/library/api/whole_mesh.h"
+#include "tools/library/parts/part_faces.h"
+#include "tools/library/parts/part_numbers.h"
+
+namespace weft::tools {
+namespace {
+
+using partition::MeshSlice;
+using partition::Peers;
+
+template <class... Pieces>
+std::string text(const Pieces&... pieces) {
+  std::ostringstream out;
+  (out << ... << pieces);
+  return std::move(out).str();
+}
+
+/// What a part must be by itself.
+void check_part(const Part& part, const Metric& metric) {
+  const WholeMesh whole(part.mesh);
+  check_length(part.mesh, part.ids.size(), "list of ids");
+  check_length(part.mesh, metric.size(), "metric");
+  check_fields(part.mesh, part.fields);
+  if (!part.tet_ids.empty() && part.tet_ids.size() != part.mesh.tets.size())
+    throw InputError("", "tet ids", text(part.tet_ids.size(), " for ", part.mesh.tets.size(), " tets"));
+  std::vector<std::uint64_t> ids = part.ids;
+  std::ranges::sort(ids);
+  const auto twice = std::ranges::adjacent_find(ids);
+  if (twice != ids.end()) throw InputError("", text("vertex id ", *twice), "stands for two of its vertices");
+}
+
+/// All ranks: call() on each; the complaint of the lowest rank that has one is thrown on all, naming it.
+template <class Call>
+void agree_naming_rank(Peers& peers, const Call& call) {
+  std::string complaint;
+  try {
+    call();
+  } catch (const InputError& error) {
+    complaint = text("rank ", peers.rank(), ": ", error.what());
+  }
+  partition::agree(peers, complaint);
+}
+
+struct PointRecord {
+  std::uint64_t id;
+  Point x;
+  Tensor log_metric;
+  std::int64_t ref;
+};
+
+bool same(const PointRecord& a, const PointRecord& b) {
+  return a.x == b.x && a.log_metric == b.log_metric && a.ref == b.ref;
+}
+
+/// A record at its home: where it came from.
+struct Arrived {
+  PointRecord record;
+  std::size_t rank, index;
+};
+
+/// All ranks: fills the slice's points; returns the number of each of the part's points in the whole mesh.
+std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const Mesh& mesh,
+                                         const Metric& metric, MeshSlice& slice) {
+  std::uint64_t largest = 0;
+  for (const std::uint64_t id : part.ids) largest = std::max(largest, id);
+  const IdHomes homes(peers, largest);
+  IdMail<PointRecord> mail(peers, homes);
+  for (std::size_t v = 0; v < part.ids.size(); ++v)
+    mail.add(part.ids[v], {part.ids[v], mesh.points[v], metric.logarithms()[v], mesh.point_refs[v]});
+  const auto from_each = mail.deliver();
+  std::vector<Arrived> all;
+  std::vector<std::vector<std::uint64_t>> numbers(from_each.size());
+  for (std::size_t r = 0; r < from_each.size(); ++r) {
+    numbers[r].resize(from_each[r].size());
+    for (std::size_t i = 0; i < from_each[r].size(); ++i) all.push_back({from_each[r][i], r, i});
+  }
+  std::ranges::stable_sort(all, {}, [](const Arrived& a) { return a.record.id; });
+  std::string complaint;
+  for (std::size_t i = 0, first = 0; i < all.size(); ++i) {
+    const PointRecord& record = all[i].record;
+    if (i == 0 || record.id != all[first].record.id) {
+      first = i;
+      slice.points.push_back(record.x);
+      slice.point_refs.push_back(static_cast<std::int32_t>(record.ref));
+      slice.log_metrics.push_back(record.log_metric);
+    } else if (complaint.empty() && !same(record, all[first].record)) {
+      complaint = text("rank ", all[i].rank, ": vertex id ", record.id, ": is another point than on rank ",
+                       all[first].rank, ", or has another metric or reference");
+    }
+    numbers[all[i].rank][all[i].index] = slice.points.size() - 1;
+  }
+  partition::agree(peers, complaint);
+  const partition::Ranges ranges(peers, slice.points.size());
+  slice.num_points = ranges.total();
+  slice.first_point = ranges.first(peers.rank());
+  for (auto& of_rank : numbers)
+    for (std::uint64_t& number : of_rank) number += slice.first_point;
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+  if (slice.num_points > kMost) throw InputError("", "", text(slice.num_points, " vertices are too many"));
+  return mail.answer(numbers);
+}
+
+struct TetRecord {
+  std::uint64_t id;
+  std::array<std::uint32_t, 4> vertices;
+  std::int64_t ref;
+};
+
+/// All ranks: the tets in the order of their ids.
+void order_tets(Peers& peers, const std::vector<TetRecord>& mine, MeshSlice& slice) {
+  std::uint64_t largest = 0;
+  for (const TetRecord& tet : mine) largest = std::max(largest, tet.id);
+  const IdHomes homes(peers, largest);
+  IdMail<TetRecord> mail(peers, homes);
+  for (const TetRecord& tet : mine) mail.add(tet.id, tet);
+  const auto from_each = mail.deliver();
+  std::vector<std::pair<TetRecord, std::size_t>> all;
+  for (std::size_t r = 0; r < from_each.size(); ++r)
+    for (const TetRecord& tet : from_each[r]) all.emplace_back(tet, r);
+  std::ranges::stable_sort(all, {}, [](const auto& tet) { return tet.first.id; });
+  std::string complaint;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (complaint.empty() && i > 0 && all[i].first.id == all[i - 1].first.id)
+      complaint = text("rank ", all[i].second, ": tet id ", all[i].first.id, ": is on rank ",
+                       all[i - 1].second, " too");
+    slice.tets.push_back(all[i].first.vertices);
+    slice.tet_refs.push_back(static_cast<std::int32_t>(all[i].first.ref));
+  }
+  partition::agree(peers, complaint);
+}
+
+void number_tets(Peers& peers, const Part& part, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
+                 MeshSlice& slice) {
+  std::vector<TetRecord> mine;
+  mine.reserve(mesh.tets.size());
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    TetRecord record{part.tet_ids.empty() ? t : part.tet_ids[t], {}, mesh.tet_refs[t]};
+    for (std::size_t i = 0; i < 4; ++i)
+      record.vertices[i] = static_cast<std::uint32_t>(numbers[mesh.tets[t][i]]);
+    mine.push_back(record);
+  }
+  bool any = false, all = true;
+  const char has_ids = mesh.tets.empty() ? 2 : part.tet_ids.empty() ? 0 : 1;
+  for (const auto& of_rank : partition::allgather(peers, std::vector<char>{has_ids})) {
+    any |= of_rank[0] == 1;
+    all &= of_rank[0] != 0;
+  }
+  if (any != all && any) throw InputError("", "tet ids", "some ranks with tets give them, others do not");
+  if (any) {
+    order_tets(peers, mine, slice);
+  } else {
+    for (const TetRecord& tet : mine) {
+      slice.tets.push_back(tet.vertices);
+      slice.tet_refs.push_back(static_cast<std::int32_t>(tet.ref));
+    }
+  }
+  const partition::Ranges ranges(peers, slice.tets.size());
+  slice.num_tets = ranges.total();
+  slice.first_tet = ranges.first(peers.rank());
+  if (slice.num_tets == 0) throw InputError("", "", "has no tetrahedra");
+}
+
+/// Triangles and edges of all ranks, each once; who lists one first fixes its place and orientation.
+template <std::size_t N>
+struct Entities {
+  std::vector<std::array<std::uint32_t, N>> vertices;
+  std::vector<std::int32_t> refs;
+  std::map<std::array<std::uint32_t, N>, std::uint32_t> index;
+
+  std::uint32_t add(const std::array<std::uint32_t, N>& entity, std::int32_t ref) {
+    auto key = entity;
+    std::ranges::sort(key);
+    const auto [at, added] = index.try_emplace(key, static_cast<std::uint32_t>(vertices.size()));
+    if (added) {
+      vertices.push_back(entity);
+      refs.push_back(ref);
+    }
+    return at->second;
+  }
+};
+
+/// One entity of N vertices on its way to all ranks.
+template <std::size_t N>
+struct EntityRecord {
+  std::array<std::uint32_t, N> vertices;
+  std::int32_t ref;
+  std::uint32_t marks;  ///< kRidge, kRequired
+};
+constexpr std::uint32_t kRidge = 1, kRequired = 2;
+
+template <std::size_t N>
+std::vector<EntityRecord<N>> records_of(const std::vector<std::array<std::uint32_t, N>>& entities,
+                                        const std::vector<std::int32_t>& refs,
+                                        const std::vector<std::uint64_t>& numbers) {
+  std::vector<EntityRecord<N>> records;
+  records.reserve(entities.size());
+  for (std::size_t e = 0; e < entities.size(); ++e) {
+    EntityRecord<N> record{{}, refs[e], 0};
+    for (std::size_t i = 0; i < N; ++i)
+      record.vertices[i] = static_cast<std::uint32_t>(numbers[entities[e][i]]);
+    records.push_back(record);
+  }
+  return records;
+}
+
+/// All ranks: the vertices on these lists, each once, ascending.
+std::vector<std::uint32_t> gather_vertices(Peers& peers, const std::vector<std::uint32_t>& list,
+                                           const std::vector<std::uint64_t>& numbers) {
+  std::vector<std::uint32_t> mine;
+  for (const std::uint32_t v : list) mine.push_back(static_cast<std::uint32_t>(numbers[v]));
+  std::set<std::uint32_t> all;
+  for (const auto& of_rank : partition::allgather(peers, mine)) all.insert(of_rank.begin(), of_rank.end());
+  return {all.begin(), all.end()};
+}
+
+void gather_triangles(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
+                      Mesh& boundary) {
+  auto mine = records_of(mesh.triangles, mesh.triangle_refs, numbers);
+  for (const std::uint32_t t : mesh.required_triangles) mine[t].marks |= kRequired;
+  Entities<3> all;
+  std::set<std::uint32_t> required;
+  for (const auto& of_rank : partition::allgather(peers, mine))
+    for (const EntityRecord<3>& record : of_rank) {
+      const std::uint32_t at = all.add(record.vertices, record.ref);
+      if (record.marks & kRequired) required.insert(at);
+    }
+  boundary.triangles = std::move(all.vertices);
+  boundary.triangle_refs = std::move(all.refs);
+  boundary.required_triangles.assign(required.begin(), required.end());
+}
+
+void gather_edges(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers, Mesh& boundary) {
+  auto mine = records_of(mesh.edges, mesh.edge_refs, numbers);
+  for (const std::uint32_t e : mesh.ridges) mine[e].marks |= kRidge;
+  for (const std::uint32_t e : mesh.required_edges) mine[e].marks |= kRequired;
+  Entities<2> all;
+  std::set<std::uint32_t> ridges, required;
+  for (const auto& of_rank : partition::allgather(peers, mine))
+    for (const EntityRecord<2>& record : of_rank) {
+      const std::uint32_t at = all.add(record.vertices, record.ref);
+      if (record.marks & kRidge) ridges.insert(at);
+      if (record.marks & kRequired) required.insert(at);
+    }
+  boundary.edges = std::move(all.vertices);
+  boundary.edge_refs = std::move(all.refs);
+  boundary.ridges.assign(ridges.begin(), ridges.end());
+  boundary.required_edges.assign(required.begin(), required.end());
+}
+
+}  // namespace
+
+MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric& metric) {
+  agree_naming_rank(peers, [&] { check_part(part, metric); });
+  const WholeMesh whole(part.mesh);
+  MeshSlice slice;
+  const std::vector<std::uint64_t> numbers = number_points(peers, part, *whole, metric, slice);
+  check_faces_of_parts(peers, *whole, numbers);
+  number_tets(peers, part, *whole, numbers, slice);
+  gather_triangles(peers, *whole, numbers, slice.boundary);
+  gather_edges(peers, *whole, numbers, slice.boundary);
+  slice.boundary.corners = gather_vertices(peers, part.mesh.corners, numbers);
+  slice.boundary.required_points = gather_vertices(peers, part.mesh.required_points, numbers);
+  return slice;
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,121 @@
+// Tables as text.
+#include "tools/library/report/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/common/field_text.h"
+#include "tools/common/measures_text.h"
+#include "tools/common/text.h"
+#include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/jobs/run_result.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::Verdict;
+
+std::string significant(double x) { return fmt::format("{:.3g}", x); }
+
+std::string verdict_line(const Report& run) {
+  if (run.missed.empty() && run.complexity_asked)
+    return fmt::format("GOAL MET: {} of the edges are unit, complexity {} for a target of {}\n",
+                       percent(run.after.edges_unit), grouped(run.after.complexity),
+                       grouped(run.target_complexity));
+  if (run.missed.empty())
+    return fmt::format(
+        "GOAL MET: {} of the edges are unit (no --complexity was given)\n"
+        "complexity {}; the metric sampled on the background mesh has {}, no target for the result\n",
+        percent(run.after.edges_unit), grouped(run.after.complexity), grouped(run.target_complexity));
+  std::string text;
+  for (const std::string& reason : run.missed) text += "GOAL NOT MET: " + reason + "\n";
+  return text;
+}
+
+std::string times_text(const Report& run) {
+  std::string text = fmt::format("{:<28}{:>12}{:>14}{:>14}\n", "time", "seconds", "vertices", "tets");
+  const auto row = [&](const std::string& name, double seconds, const std::string& vertices = "",
+                       const std::string& tets = "") {
+    text += fmt::format("  {:<26.26}{:>12.2f}{:>14}{:>14}", name, seconds, vertices, tets);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  };
+  row("read", run.times.read);
+  row("metric", run.times.metric);
+  row("adapt", run.times.adapt);
+  for (const meshing::StageReport& stage : run.stages)
+    row("  " + stage.name, stage.seconds, grouped(stage.vertices), grouped(stage.tets));
+  row("measure", run.times.measure);
+  if (!run.field_accounts.empty()) row("fields", run.times.fields);
+  row("write", run.times.write);
+  row("total", run.times.total);
+  return text;
+}
+
+std::string speed_text(const Report& run) {
+  const double tets = static_cast<double>(run.after.num_tets);
+  return fmt::format("{} with {} thread{}: {} tets/s; peak memory {}\n", seconds_text(run.times.adapt),
+                     run.threads, run.threads == 1 ? "" : "s",
+                     grouped(tets / std::max(run.times.adapt, 1e-9)), bytes_text(run.peak_memory));
+}
+
+/// The two most frequent reasons for refusal, with their shares.
+std::string main_reasons(const meshing::OperationCounts& counts, meshing::Operator op,
+                         std::uint64_t refused) {
+  std::vector<std::pair<std::uint64_t, std::string>> reasons;
+  for (std::size_t v = 0; v < meshing::kVerdictNames.size(); ++v) {
+    const auto verdict = static_cast<Verdict>(v);
+    if (verdict == Verdict::accepted || verdict == Verdict::not_needed || verdict == Verdict::conflict)
+      continue;
+    if (counts(op, verdict) > 0) reasons.emplace_back(counts(op, verdict), meshing::kVerdictNames[v]);
+  }
+  std::stable_sort(reasons.begin(), reasons.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(reasons.size(), 2); ++i) {
+    const double share = static_cast<double>(reasons[i].first) / static_cast<double>(refused);
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", reasons[i].second, percent(share, 0));
+  }
+  return text;
+}
+
+std::string operations_text(const meshing::OperationCounts& counts) {
+  std::string text = fmt::format("{:<12}{:>13}{:>13}{:>12}  {}\n", "operation", "tried", "done",
+                                 "rolled back", "refused mainly because");
+  for (std::size_t o = 0; o < meshing::kOperatorNames.size(); ++o) {
+    const auto op = static_cast<meshing::Operator>(o);
+    const OperatorTally t = tally(counts, op);
+    if (t.tried == 0) continue;
+    text += fmt::format("  {:<10}{:>13}{:>13}{:>12}  {}\n", meshing::kOperatorNames[o], grouped(t.tried),
+                        grouped(t.done), grouped(t.rolled_back), main_reasons(counts, op, t.refused));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string summary_text(const Report& run) {
+  std::string text = verdict_line(run);
+  text += speed_text(run) + "\n";
+  text += measures_table({{"before", run.before ? &*run.before : nullptr}, {"after", &run.after}}) + "\n";
+  text += times_text(run) + "\n";
+  if (run.distributed) text += subdomains_text(*run.distributed) + "\n";
+  text += operations_text(run.operations) + "\n";
+  if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
+  if (!run.distributed)
+    text += fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
+  for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+std::string summary_text(const FilesResult& run) {
+  std::string text = fmt::format("weft adapt {} to {}\n\n", run.input, run.metric_name);
+  text += summary_text(static_cast<const Report&>(run));
+  text += fmt::format("mesh    {}\nmetric  {}\n", run.mesh, run.metric);
+  if (!run.fields.empty()) text += fmt::format("fields  {}\n", run.fields);
+  if (!run.report.empty()) text += fmt::format("report  {}\n", run.report);
+  return text;
+}
+
+}  // namespace weft::tools
