@@ -17,6 +17,12 @@ namespace {
 constexpr std::size_t kChildren[8][4] = {{0, 4, 5, 6}, {1, 4, 7, 8}, {2, 5, 7, 9}, {3, 6, 8, 9},
                                          {5, 8, 4, 7}, {5, 8, 7, 9}, {5, 8, 9, 6}, {5, 8, 6, 4}};
 
+bool in_two_pieces(const std::array<std::uint32_t, 4>& slots) {
+  const auto other = std::ranges::find_if(slots, [&](std::uint32_t s) { return s != slots[0]; });
+  return other == slots.end() ||
+         std::ranges::all_of(slots, [&](std::uint32_t s) { return s == slots[0] || s == *other; });
+}
+
 }  // namespace
 
 Packing::Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
@@ -112,38 +118,39 @@ void Packing::add_background(std::size_t tet) {
   look_within(probe, 0);
 }
 
-/// Looks up the centre and, between different pieces, the middles of the edges; where that finds a piece that
-/// no corner is in, goes on with the eight tets between corners and middles.
+/// Looks up the centre and, between three pieces and more, the middles of the edges. A tet that is much
+/// larger than pieces meets many of them there; then, as long as that finds a piece that no corner is in,
+/// goes on with the eight tets between corners and middles. (Tets where a few pieces meet are many, and
+/// covered by this.)
 void Packing::look_within(const Probe& probe, int depth) {
-  constexpr int kDeepest = 7;  // a 128th of a tet that covers a whole input
+  constexpr int kDeepest = 5;
+  constexpr std::ptrdiff_t kManyPieces = 6;
   const auto& x = probe.corners;
-  const auto& slots = probe.slots;
-  const auto is_new = [&](std::uint32_t s) {
-    return std::find(slots.begin(), slots.end(), s) == slots.end();
-  };
+  std::array<std::uint32_t, 11> slots;  // of corners, middles of edges, and the centre
+  std::copy(probe.slots.begin(), probe.slots.end(), slots.begin());
   meshing::Point centre;
   for (const meshing::Point& p : x) centre += 0.25 * p;
-  bool found_new = is_new(look_up(centre));
-  const std::size_t of_first = static_cast<std::size_t>(std::count(slots.begin(), slots.end(), slots[0]));
-  const auto other = std::find_if(slots.begin(), slots.end(), [&](std::uint32_t s) { return s != slots[0]; });
-  const bool two = other == slots.end() ||
-                   of_first + static_cast<std::size_t>(std::count(slots.begin(), slots.end(), *other)) == 4;
-  if (!found_new && two) return;
+  slots[10] = look_up(centre);
+  if (depth == 0 && in_two_pieces(probe.slots)) return;
   std::array<meshing::Point, 6> middle;
-  std::array<std::uint32_t, 6> at;
   for (std::size_t e = 0; e < 6; ++e) {
     const auto a = static_cast<std::size_t>(meshing::kTetEdges[e][0]);
     const auto b = static_cast<std::size_t>(meshing::kTetEdges[e][1]);
     middle[e] = midpoint(x[a], x[b]);
-    at[e] = slots[a] == slots[b] ? slots[a] : look_up(middle[e]);
-    found_new |= is_new(at[e]);
+    slots[4 + e] = slots[a] == slots[b] ? slots[a] : look_up(middle[e]);
   }
-  if (!found_new || depth == kDeepest) return;
+  const auto is_new = [&](std::uint32_t s) { return std::ranges::find(probe.slots, s) == probe.slots.end(); };
+  if (depth == kDeepest || std::none_of(slots.begin() + 4, slots.end(), is_new)) return;
+  if (depth == 0) {
+    std::array<std::uint32_t, 11> pieces = slots;
+    std::ranges::sort(pieces);
+    if (std::unique(pieces.begin(), pieces.end()) - pieces.begin() < kManyPieces) return;
+  }
   for (const auto& child : kChildren) {
     Probe part;
     for (std::size_t i = 0; i < 4; ++i) {
       part.corners[i] = child[i] < 4 ? x[child[i]] : middle[child[i] - 4];
-      part.slots[i] = child[i] < 4 ? slots[child[i]] : at[child[i] - 4];
+      part.slots[i] = slots[child[i]];
     }
     look_within(part, depth + 1);
   }

@@ -41,7 +41,7 @@ std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains,
                                         const std::vector<Priority>& priorities) {
   std::map<GlobalId, Priority> winners;
   for (const auto& list : wants)
-    for (const GlobalId id : list) winners.try_emplace(id);
+    for (const GlobalId id : list) winners.try_emplace(id, Priority{0, SubdomainId(0)});
   for (auto& [id, winner] : winners)
     for (const Subdomain& s : subdomains)
       if (s.interface.find(id) != Interface::kNone) winner = std::max(winner, priorities[s.id.value]);
