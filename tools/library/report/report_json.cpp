@@ -155,7 +155,6 @@ Json json_of(const RunResult& run) {
       {"output", json_of(run.output_counts)},
       {"target_complexity", run.target_complexity},
       {"asked_complexity", run.complexity_asked ? Json(run.target_complexity) : Json()},
-      {"asked_complexity", run.asked_complexity > 0 ? Json(run.asked_complexity) : Json()},
       {"predicted",
        {{"vertices", run.predicted.vertices}, {"tets", run.predicted.tets}, {"bytes", run.predicted.bytes}}},
       {"goal_met", run.missed.empty()},
