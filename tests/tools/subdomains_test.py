@@ -176,11 +176,11 @@ class LookingOn(Subdomains):
         lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
         about = [line for line in lines if re.match(
             r"weft: (interior|shift \d+ of at most 12): \d+ of 12 subdomains( \(\d+ at rest\))?, "
-            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
-            r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
+            r"(time left unknown|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
+            r"(, [\d,]+ tets?, remaining: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
         self.assertTrue(about, errors)
         self.assertEqual(len(about), sum("subdomains" in line for line in lines), errors)
-        self.assertTrue(any("wrong as yet" in line for line in about), errors)
+        self.assertTrue(any("remaining" in line for line in about), errors)
         for step, all_left, most in re.findall(r"about (\d+) s more, all about (\d+) s \(at most (\d+) s\)", errors):
             self.assertTrue(int(step) <= int(all_left) <= int(most), errors)
 
@@ -245,9 +245,9 @@ class Failures(Subdomains):
         self.box(2)
         constant = ("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb")
         self.assert_all_ranks_fail("none.meshb", *constant[1:], says="none.meshb")
-        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="of another mesh")
+        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="another mesh")
         self.assert_all_ranks_fail("box.meshb", "--metric", "none.solb", "-o", "out.meshb", says="none.solb")
-        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="of another mesh")
+        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="another mesh")
         self.assert_all_ranks_fail(*constant, "--field", "none.solb", says="none.solb")
 
     def test_outputs_that_cannot_be_written(self):

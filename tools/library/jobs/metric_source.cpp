@@ -101,7 +101,7 @@ std::vector<std::string> process(const MetricOptions& options, const meshing::Me
   }
   const double reached = scale(options, mesh, demands ? &*demands : nullptr, field);
   if (std::abs(reached / options.complexity - 1) <= kComplexityTolerance) return {};
-  return {fmt::format("limits and demands lead to a complexity of {}, not the {} asked for", grouped(reached),
+  return {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}", grouped(reached),
                       grouped(options.complexity))};
 }
 

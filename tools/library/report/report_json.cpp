@@ -154,6 +154,7 @@ Json json_of(const RunResult& run) {
       {"input", json_of(run.input_counts)},
       {"output", json_of(run.output_counts)},
       {"target_complexity", run.target_complexity},
+      {"asked_complexity", run.complexity_asked ? Json(run.target_complexity) : Json()},
       {"predicted",
        {{"vertices", run.predicted.vertices}, {"tets", run.predicted.tets}, {"bytes", run.predicted.bytes}}},
       {"goal_met", run.missed.empty()},

@@ -38,6 +38,9 @@ struct RunSummary;
 
 /// The library's version, such as "0.1.0".
 WEFT_API const char* version();
+/// `weft X.Y.Z`, then a line for the compiler, each library, the processor and the assertions; no line end
+/// after the last.
+WEFT_API std::string version_details();
 
 /// An option that makes no sense, or contradicts another. what() reads "--hmin: is larger than --hmax".
 class WEFT_API OptionError : public std::invalid_argument {
