@@ -315,7 +315,7 @@ class Adaptation {
       if (mesh_.alive(TetId(i))) {
         const TetVertices v = mesh_.vertices(TetId(i));
         double density = 0;
-        for (const VertexId x : v) density += 0.25 * std::sqrt(determinant(mesh_.metric(x)));
+        for (const VertexId x : v) density += 0.25 * std::exp(0.5 * trace(mesh_.log_metric(x)));
         volume += density / 6 *
                   six_volume(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
       }

@@ -30,10 +30,11 @@ inline double fast_cbrt(double x) {
 }
 
 /// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of
-/// it: the measure does not depend on the metric's scale.
-inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+/// it: the measure does not depend on the metric's scale. `det` is the metric's determinant.
+inline double mean_ratio(double six_volume, const SymTensor& m, double det, const Vec& e1, const Vec& e2,
+                         const Vec& e3) {
   const double v = six_volume * (1.0 / 6);
-  return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
+  return kMeanRatioFactor * fast_cbrt(v * v * det) / sum_squared_lengths(m, e1, e2, e3);
 }
 
 /// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of
@@ -41,6 +42,13 @@ inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, c
 inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
   return mean == MetricMean::log_euclidean ? exp_fast(0.25 * sum) : sum;
 }
+/// The determinant of that mean: of an exponential it is known without rounding, from the trace.
+inline double determinant_of_mean(MetricMean kind, const SymTensor& sum, const SymTensor& mean) {
+  return kind == MetricMean::log_euclidean ? std::exp(0.25 * trace(sum)) : determinant_of_definite(mean);
+}
+
+/// No mean ratio is as large (the largest is 1, and rounding): what is not below has overflown.
+inline constexpr double kNoQuality = 2;
 
 /// A vertex as the judges see it: its place and the tensor that the kind of mean adds up.
 struct Corner {
@@ -56,14 +64,19 @@ inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
 }
 inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
 
-/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
+/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE or when its metrics have no mean that
+/// is positive definite in doubles: then nothing can be said of it.
 inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c,
                             const Corner& d) {
   const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
   if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
   const double volume = dot(cross(e1, e2), e3);
   if (!(volume > 0)) return 0;
-  return mean_ratio(volume, mean_of_sum(mean, a.tensor + b.tensor + c.tensor + d.tensor), e1, e2, e3);
+  const SymTensor sum = a.tensor + b.tensor + c.tensor + d.tensor, m = mean_of_sum(mean, sum);
+  const double det = determinant_of_mean(mean, sum, m);
+  if (!(det > 0)) return -1;
+  const double q = mean_ratio(volume, m, det, e1, e2, e3);
+  return q >= 0 && q < kNoQuality ? q : -1;
 }
 
 inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
