@@ -38,6 +38,39 @@ void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const 
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 }
 
+/// Calls visit(x, y) for the two other vertices of every face of the ball that lies on a patch and at its
+/// centre.
+template <class Visit>
+void for_patch_faces(const TetMesh& mesh, const Ball& ball, Visit visit) {
+  for (const auto& [t, local] : ball.tets)
+    for (int f = 0; f < 4; ++f) {
+      if (f == local || !mesh.patch(t, f).valid()) continue;
+      const int i = (f + 1) % 4 == local ? (f + 2) % 4 : (f + 1) % 4, j = 6 - f - local - i;
+      visit(mesh.vertex(t, i), mesh.vertex(t, j));
+    }
+}
+
+/// The boundary's part of the link condition, for the surface that boundary and interfaces are: a vertex that
+/// surface edges join to both ends must do so across a surface triangle of all three. Otherwise the two edges
+/// become one with four surface triangles, and the body hangs together by an edge there. Both balls are
+/// gathered; `across` and `joined` are scratch.
+bool pinches_surface(const Worker& w, VertexId removed, VertexId kept, SmallSet& across, SmallSet& joined) {
+  across.clear();
+  joined.clear();
+  for_patch_faces(w.mesh, w.ball, [&](VertexId x, VertexId y) {
+    if (x == kept || y == kept)
+      across.insert((x == kept ? y : x).value);
+    else
+      for (const VertexId v : {x, y}) joined.insert(v.value);
+  });
+  bool pinches = false;
+  for_patch_faces(w.mesh, w.other_ball, [&](VertexId x, VertexId y) {
+    if (x == removed || y == removed) return;
+    for (const VertexId v : {x, y}) pinches |= joined.contains(v.value) && !across.contains(v.value);
+  });
+  return pinches;
+}
+
 /// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are
 /// in the link of their edge, so that nothing comes to exist twice. For interior vertices the exactly
 /// positive tets imply it; the boundary may close up over a gap.
@@ -72,7 +105,7 @@ Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
     if (std::binary_search(of_kept.begin(), of_kept.end(), e) &&
         std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
       return Verdict::breaks_topology;
-  return Verdict::accepted;
+  return pinches_surface(w, removed, kept, link, ring) ? Verdict::breaks_topology : Verdict::accepted;
 }
 
 /// The longest edge at the centre of the gathered ball.

@@ -152,6 +152,8 @@ inline void expect_same_domain(const meshing::MeshData& mesh, const meshing::Mes
   for (const std::string& problem : now.problems) ADD_FAILURE() << problem;
   EXPECT_EQ(now.num_components, before.num_components);
   EXPECT_EQ(now.unreferenced_points, 0u);
+  EXPECT_EQ(now.touching_edges, before.touching_edges);
+  EXPECT_EQ(now.touching_vertices, before.touching_vertices);
   EXPECT_NEAR(now.volume, before.volume, 1e-9 * before.volume);
   expect_same_sums(now.volume_by_ref, before.volume_by_ref, "volume");
   expect_same_sums(now.area_by_ref, before.area_by_ref, "area");

@@ -127,6 +127,24 @@ MeshData half_ring_off_centre(std::uint32_t n, double length) {
   return mesh;
 }
 
+/// A bar whose section is a triangle, in two lengths; its middle section (vertices 3, 4, 5) is the face of
+/// two tets each of which has all of it.
+MeshData triangular_bar() {
+  std::vector<Point> points;
+  for (int k = 0; k < 3; ++k)
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.05, 1.0}})
+      points.push_back({x, y, static_cast<double>(k)});
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  for (const std::uint32_t end : {0u, 6u}) {
+    tets.push_back({3, 4, 5, end});
+    tets.push_back({end, end + 1, end + 2, 5});
+    tets.push_back({end, end + 1, 5, 4});
+  }
+  for (auto& t : tets)
+    if (six_volume(points[t[0]], points[t[1]], points[t[2]], points[t[3]]) < 0) std::swap(t[2], t[3]);
+  return support::mesh_of(std::move(points), std::move(tets));
+}
+
 // --- split ---
 
 TEST(SplitEdge, DoublesTheTetsOfAnInteriorShell) {
@@ -436,6 +454,13 @@ TEST(CollapseEdge, OnASphereKeepsTheSphereASphere) {
   std::set<std::uint32_t> vertices;
   for (const auto& t : data.triangles) vertices.insert(t.begin(), t.end());
   EXPECT_EQ(2 * vertices.size(), 4 + data.triangles.size());
+}
+
+TEST(CollapseEdge, DoesNotCutABarInTwo) {
+  constexpr double kNoRidges = 179, kCoarse = 10;
+  KernelRig rig(triangular_bar(), kCoarse, kNoRidges);
+  rig.kernel.limits.hausd = 10;
+  expect_refused(rig, Verdict::breaks_topology, [&] { return collapse(rig, VertexId(3), VertexId(4)); });
 }
 
 // --- swaps ---

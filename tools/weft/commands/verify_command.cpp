@@ -43,6 +43,9 @@ void print_report(const std::string& name, const CheckReport& report) {
   print_by_ref("area  ", report.area_by_ref);
   if (report.unreferenced_points > 0)
     fmt::print("  vertices that no tet uses: {}\n", grouped(report.unreferenced_points));
+  if (report.touching_edges + report.touching_vertices > 0)
+    fmt::print("  the body touches itself at {} edges and {} vertices\n", grouped(report.touching_edges),
+               grouped(report.touching_vertices));
   for (const std::string& problem : report.problems) fmt::print("  PROBLEM: {}\n", problem);
   if (report.num_problems > report.problems.size())
     fmt::print("  and {} more\n", grouped(report.num_problems - report.problems.size()));
@@ -70,6 +73,20 @@ int print_differences(const char* what, const ByRef& ours, const ByRef& theirs) 
   return differences;
 }
 
+/// A body must not come to touch itself where it did not, nor come apart; returns how many figures differ.
+int print_touching(const CheckReport& ours, const CheckReport& theirs) {
+  int differences = 0;
+  const auto compare = [&](const char* what, std::uint64_t a, std::uint64_t b) {
+    if (a == b) return;
+    fmt::print("  PROBLEM: the body touches itself at {} {}, the other mesh's at {}\n", grouped(a), what,
+               grouped(b));
+    ++differences;
+  };
+  compare("edges", ours.touching_edges, theirs.touching_edges);
+  compare("vertices", ours.touching_vertices, theirs.touching_vertices);
+  return differences;
+}
+
 int run_verify(const VerifyCommand& command) {
   const CheckReport report = verify(read_mesh(command.mesh));
   print_report(command.mesh, report);
@@ -80,6 +97,7 @@ int run_verify(const VerifyCommand& command) {
     differences += print_differences("volume", report.volume_by_ref, other.volume_by_ref);
     differences += print_differences("area", report.area_by_ref, other.area_by_ref);
     if (differences == 0) fmt::print("  volumes and areas are the same\n");
+    differences += print_touching(report, other);
   }
   const bool good = report.ok() && differences == 0;
   fmt::print("{}\n", good ? "conforms" : "DOES NOT CONFORM");
