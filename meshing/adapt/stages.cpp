@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 #include "meshing/adapt/passes.h"
 #include "meshing/kernel/renumber.h"
@@ -60,6 +61,10 @@ class Adaptation {
     mesh_.set_frozen_are_untouchable(false);
     if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
     report_.interrupted = crew_.interrupted();
+    if (mesh_.is_full())
+      report_.warnings.push_back("the mesh has room for " + std::to_string(mesh_.tet_capacity()) +
+                                 " tets and " + std::to_string(mesh_.vertex_capacity()) +
+                                 " vertices only: it is valid, but coarser than the metric asks for");
   }
 
  private:

@@ -52,7 +52,8 @@ class WorkerPool {
     return arena_.execute(f);
   }
 
-  /// Live entities now, not while a sweep runs.
+  /// Live entities now, not while a sweep runs. What lies dead in the mesh from before is counted once, when
+  /// the pool is made.
   std::uint64_t live_tets() const;
   std::uint64_t live_vertices() const;
   /// Counts of all workers since the last call.
@@ -94,6 +95,7 @@ class WorkerPool {
   tbb::task_arena arena_;
   std::vector<std::unique_ptr<Worker>> workers_;
   const std::atomic<bool>* interrupt_;
+  std::uint64_t dead_tets_ = 0, dead_vertices_ = 0;  ///< not in any worker's list
 };
 
 }  // namespace weft::meshing

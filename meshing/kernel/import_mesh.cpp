@@ -260,7 +260,7 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   create_missing(m, r.adjacency, covered, b, r.warnings);
   take_edges(m, b, r.warnings);
   keep_touching_edges(r.adjacency, b, r.warnings);
-  r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
+  r.mesh = reserve_tet_mesh({vertex_capacity, tet_capacity}, {2 * m.points.size(), 2 * m.tets.size()});
   fill_tets(m, r.adjacency, *r.mesh);
   r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});
   classify_boundary(b, m, *r.surface, *r.mesh);

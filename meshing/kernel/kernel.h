@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "meshing/geometry/surface.h"
@@ -76,15 +77,26 @@ struct Worker {
   std::vector<TetId> free_tets;
   std::vector<VertexId> free_vertices;
 
+  /// Makes sure that so many slots are there to be taken, before an operator writes anything. False: the mesh
+  /// is full, and the operator must refuse.
+  bool secure(std::size_t tets, std::size_t vertices) {
+    while (free_tets.size() < tets)
+      if (!take_tets()) return false;
+    while (free_vertices.size() < vertices)
+      if (!take_vertices()) return false;
+    return true;
+  }
+  /// A slot of those secured.
   TetId new_tet() {
-    if (free_tets.empty()) take_tets();
     const TetId t = free_tets.back();
     free_tets.pop_back();
     return t;
   }
+  /// A slot of those secured, claimed: a mark left over from the vertex that had the slot before may lead
+  /// another thread to it. Invalid while such a thread holds it.
   VertexId new_vertex() {
-    if (free_vertices.empty()) take_vertices();
     const VertexId v = free_vertices.back();
+    if (claims.claim_new(v) != Verdict::accepted) return {};
     free_vertices.pop_back();
     return v;
   }
@@ -99,13 +111,15 @@ struct Worker {
 
  private:
   static constexpr std::uint32_t kChunk = 64;
-  void take_tets() {
-    const std::uint32_t first = mesh.take_tet_slots(kChunk);
-    for (std::uint32_t i = kChunk; i-- > 0;) free_tets.push_back(TetId(first + i));
+  bool take_tets() {
+    const std::optional<std::uint32_t> first = mesh.try_take_tet_slots(kChunk);
+    for (std::uint32_t i = kChunk; first && i-- > 0;) free_tets.push_back(TetId(*first + i));
+    return first.has_value();
   }
-  void take_vertices() {
-    const std::uint32_t first = mesh.take_vertex_slots(kChunk);
-    for (std::uint32_t i = kChunk; i-- > 0;) free_vertices.push_back(VertexId(first + i));
+  bool take_vertices() {
+    const std::optional<std::uint32_t> first = mesh.try_take_vertex_slots(kChunk);
+    for (std::uint32_t i = kChunk; first && i-- > 0;) free_vertices.push_back(VertexId(*first + i));
+    return first.has_value();
   }
 };
 

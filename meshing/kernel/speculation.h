@@ -23,21 +23,15 @@ class Claims {
 
   /// accepted (held now, or already), conflict, or frozen (TetMesh::frozen_are_untouchable).
   Verdict claim(VertexId v) {
-    std::uint32_t& word = mesh_.claim_word(v);
-    std::atomic_ref ref(word);
-    std::uint32_t seen = ref.load(std::memory_order_relaxed);
+    const std::uint32_t seen = std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
     if (seen != TetMesh::kFree) return Verdict::conflict;
     if (mesh_.frozen_are_untouchable() && mesh_.frozen(v)) return Verdict::frozen;
-    if (sole_) {
-      ref.store(owner_, std::memory_order_relaxed);
-    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
-                                            std::memory_order_relaxed)) {
-      return Verdict::conflict;
-    }
-    held_.push_back(v);
-    return Verdict::accepted;
+    return take(v);
   }
+
+  /// Claims a free slot in which a vertex is about to be created.
+  Verdict claim_new(VertexId v) { return take(v); }
 
   /// Claims the four vertices of a tet; conflict also when the tet changed or died meanwhile.
   Verdict claim_tet(TetId t) {
@@ -60,6 +54,19 @@ class Claims {
   }
 
  private:
+  Verdict take(VertexId v) {
+    const std::atomic_ref ref(mesh_.claim_word(v));
+    std::uint32_t seen = TetMesh::kFree;
+    if (sole_) {
+      ref.store(owner_, std::memory_order_relaxed);
+    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
+                                            std::memory_order_relaxed)) {
+      return Verdict::conflict;
+    }
+    held_.push_back(v);
+    return Verdict::accepted;
+  }
+
   TetMesh& mesh_;
   std::uint32_t owner_;
   bool sole_;

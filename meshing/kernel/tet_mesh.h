@@ -7,6 +7,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "meshing/base/ids.h"
@@ -68,15 +70,23 @@ class TetMesh {
   static constexpr std::uint32_t kFree = 0;  ///< claim word of a vertex nobody holds
 
   /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of
-  /// which each array takes at least one. Throws std::bad_alloc.
+  /// which each array takes at least one. Throws NoAddressSpace; see reserve_tet_mesh.
   TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages = Pages::huge);
 
   // --- sizes: slots, dead ones included ---
   std::uint32_t vertex_slots() const { return vertex_slots_.load(std::memory_order_relaxed); }
   std::uint32_t tet_slots() const { return tet_slots_.load(std::memory_order_relaxed); }
-  /// Takes `count` fresh slots for the calling thread; they are dead until written. Throws std::length_error.
+  /// Takes `count` fresh slots for the calling thread; they are dead until written. Nothing, and is_full()
+  /// from then on, where there is no room.
+  std::optional<std::uint32_t> try_take_vertex_slots(std::uint32_t count);
+  std::optional<std::uint32_t> try_take_tet_slots(std::uint32_t count);
+  /// The same for callers that know how many they need. Throws std::length_error.
   std::uint32_t take_vertex_slots(std::uint32_t count);
   std::uint32_t take_tet_slots(std::uint32_t count);
+  /// Whether slots have been asked for in vain.
+  bool is_full() const { return is_full_.load(std::memory_order_relaxed); }
+  std::size_t vertex_capacity() const { return points_.capacity(); }
+  std::size_t tet_capacity() const { return tets_.capacity(); }
 
   // --- tets ---
   bool alive(TetId t) const { return load(tets_[t.value].v[0]) != load(tets_[t.value].v[1]); }
@@ -222,6 +232,7 @@ class TetMesh {
   }
 
   std::atomic<std::uint32_t> vertex_slots_{0}, tet_slots_{0};
+  std::atomic<bool> is_full_{false};
   MetricMean metric_mean_ = MetricMean::arithmetic;
   bool frozen_are_untouchable_ = false;
   StableArray<Tet> tets_;
@@ -240,5 +251,12 @@ class TetMesh {
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
 };
+
+struct Room {
+  std::size_t vertices, tets;
+};
+/// A mesh with room for so many entities, or, where the system does not grant the address space (ulimit -v,
+/// strict overcommit), for half as many, a quarter and so on down to `least`. Throws NoAddressSpace.
+std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages = Pages::huge);
 
 }  // namespace weft::meshing

@@ -89,9 +89,9 @@ bool stays_positive(Worker& w, const Shell& shell, const NewVertex& n) {
   return true;
 }
 
-VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
+/// Writes the new vertex into slot `p`.
+void create(Worker& w, VertexId p, const NewVertex& n, const Shell& shell) {
   TetMesh& mesh = w.mesh;
-  const VertexId p = w.new_vertex();
   mesh.set_point(p, n.x);
   mesh.set_metric(p, n.log_metric, n.metric);
   mesh.set_kind(p, n.on.kind);
@@ -106,7 +106,6 @@ VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
     mesh.set_curve(shell.a, p, n.on.curve);
     mesh.set_curve(p, shell.b, n.on.curve);
   }
-  return p;
 }
 
 void commit(Worker& w, const Shell& shell, VertexId p) {
@@ -161,15 +160,21 @@ VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId>
   on.kind = at.kind;
   on.curve = at.curve;
   const NewVertex n{at.x, at.log_metric, exp_fast(at.log_metric), on, at.background_hint, at.surface_hint};
+  std::size_t tets = 0;
   const auto judge_fan = [&](TetId t) {
     return gather_shell(w.mesh, w.claims, t, a, b, w.shell) == Verdict::accepted &&
            stays_positive(w, w.shell, n);
   };
-  if (!std::ranges::all_of(fans, judge_fan)) return {};
-  VertexId p;
+  for (const TetId t : fans) {
+    if (!judge_fan(t)) return {};
+    tets += static_cast<std::size_t>(w.shell.size);
+  }
+  if (!w.secure(tets, 1)) return {};
+  const VertexId p = w.new_vertex();
+  if (!p.valid()) return {};
+  create(w, p, n, w.shell);
   for (const TetId t : fans) {
     if (fans.size() > 1) judge_fan(t);  // else it is at hand
-    if (!p.valid()) p = create(w, n, w.shell);
     w.short_edges.clear();
     commit(w, w.shell, p);
   }
@@ -189,7 +194,11 @@ Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   const NewVertex n = place(w, a, b, on);
   if (const Verdict r = judge(w, w.shell, n, bounds); r != Verdict::accepted) return r;
-  commit(w, w.shell, create(w, n, w.shell));
+  if (!w.secure(static_cast<std::size_t>(w.shell.size), 1)) return Verdict::too_large;
+  const VertexId p = w.new_vertex();
+  if (!p.valid()) return Verdict::conflict;
+  create(w, p, n, w.shell);
+  commit(w, w.shell, p);
   return Verdict::accepted;
 }
 

@@ -26,7 +26,6 @@ std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const
   return {qb, judge_quality(mean, ring[k], ring[i], ring[j], a)};
 }
 
-/// Fills `r`; false when no triangulation has all tets better than `enough`.
 /// Would a tet over ring triangle (i, k, j) lie flat upon a curved surface?
 bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
   const int on =
@@ -34,6 +33,7 @@ bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
   return on & (mesh.flags(shell.a) | mesh.flags(shell.b));
 }
 
+/// Fills `r`; false when no triangulation has all tets better than `enough`.
 bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const Corner& a, const Corner& b,
                  const Corner* ring, int m, double enough, RingTriangulation& r) {
   for (int i = 0; i + 1 < m; ++i) r.best[i][i + 1] = 2;
@@ -100,6 +100,7 @@ class RingBuilder {
   /// Builds all tets of an open shell; the faces over the ring's closing edge come to lie on `patch`.
   Faces build_open(PatchId patch) {
     const Faces root = chain(0, shell_.size);
+    mark_if_short(w_, shell_.ring[0], shell_.ring[shell_.size]);
     attach(root.a, {TetFace(), patch});
     attach(root.b, {TetFace(), patch});
     free_unused();
@@ -208,9 +209,13 @@ Verdict judge_ring(Worker& w, const Shell& shell, double enough, RingTriangulati
              : Verdict::worsens_quality;
 }
 
+/// At most so many tets replace those of a shell: two over each triangle of the ring's polygon.
+std::size_t tets_over(const Shell& shell) { return 2 * static_cast<std::size_t>(shell.size); }
+
 Verdict swap_inside(Worker& w, const Shell& shell, double enough) {
   RingTriangulation r;
   if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
+  if (!w.secure(tets_over(shell), 0)) return Verdict::too_large;
   RingBuilder(w, shell, r).build_closed();
   return Verdict::accepted;
 }
@@ -219,6 +224,7 @@ Verdict swap_on_boundary(Worker& w, const Shell& shell, PatchId patch, double en
   RingTriangulation r;
   if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
   if (const Verdict v = judge_boundary(w, shell, patch); v != Verdict::accepted) return v;
+  if (!w.secure(tets_over(shell), 0)) return Verdict::too_large;
   RingBuilder(w, shell, r).build_open(patch);
   return Verdict::accepted;
 }
@@ -252,6 +258,7 @@ Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double e
     if (const Verdict v = judge_ring(w, halves[i], enough, r[i]); v != Verdict::accepted) return v;
     if (const Verdict v = judge_boundary(w, halves[i], patch); v != Verdict::accepted) return v;
   }
+  if (!w.secure(tets_over(halves[0]) + tets_over(halves[1]), 0)) return Verdict::too_large;
   RingBuilder first(w, halves[0], r[0]), second(w, halves[1], r[1]);
   const RingBuilder::Faces one = first.build_open(patch), other = second.build_open(patch);
   w.mesh.glue(one.a, other.a);
@@ -295,6 +302,7 @@ Verdict swap_face(Worker& w, TetId t, int face) {
     if (quality[i] < 0) return Verdict::inverts;
     if (quality[i] <= enough) return Verdict::worsens_quality;
   }
+  if (!w.secure(1, 0)) return Verdict::too_large;
   // New tet i is (q, p, f_i, f_i+1): its face opposite q is the face of t over edge i, that opposite p is
   // u's.
   std::array<OuterFace, 3> outer_t, outer_u;

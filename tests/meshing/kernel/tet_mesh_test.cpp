@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <numeric>
 #include <set>
@@ -44,6 +45,34 @@ TEST(TetMesh, NoMoreSlotsThanThereIsRoomFor) {
   EXPECT_EQ(mesh.vertex_slots(), 4u) << "a refused request takes nothing";
   EXPECT_EQ(mesh.take_vertex_slots(1), 4u);
 }
+
+TEST(TetMesh, SaysWhenItIsFull) {
+  TetMesh mesh(10, 10);
+  EXPECT_EQ(mesh.try_take_tet_slots(8), 0u);
+  EXPECT_FALSE(mesh.is_full());
+  EXPECT_EQ(mesh.try_take_tet_slots(8), std::nullopt);
+  EXPECT_EQ(mesh.tet_slots(), 8u);
+  EXPECT_TRUE(mesh.is_full());
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(TetMesh, MakesDoWithLessAddressSpace) {
+  const auto with_little_space = [](Room least) {
+    rlimit limit{};
+    limit.rlim_cur = limit.rlim_max = std::size_t{4} << 30;
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      const auto mesh = reserve_tet_mesh({1u << 29, 1u << 29}, least);
+      std::exit(mesh->tet_capacity() >= 1u << 20 && mesh->tet_capacity() < 1u << 29 ? 0 : 1);
+    } catch (const NoAddressSpace& e) {
+      std::fputs(e.what(), stderr);
+      std::exit(2);
+    }
+  };
+  EXPECT_EXIT(with_little_space({1000, 1000}), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(with_little_space({1u << 28, 1u << 28}), testing::ExitedWithCode(2), "ulimit -v");
+}
+#endif
 
 TEST(TetMesh, ThreadsNeverGetTheSameSlot) {
   constexpr int kThreads = 4, kTakes = 1000;
