@@ -11,7 +11,6 @@
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/predicates.h"
-#include "meshing/metric/boundary_metric.h"
 
 namespace weft::meshing {
 namespace {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "meshing/base/assert.h"
+#include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/metric/measures.h"
@@ -164,6 +165,13 @@ SolutionData solution_from_metric(std::span<const LogMetric> log_metrics) {
     std::copy(six.begin(), six.end(), &values[6 * i]);
   });
   return solution;
+}
+
+double largest_size(const MeshData& mesh) {
+  Box box;
+  for (const Point& p : mesh.points) box.include(p);
+  const double diagonal = mesh.points.empty() ? 0 : norm(box.size());
+  return diagonal > 0 ? diagonal : 1;
 }
 
 LogMetricField sample(const AnalyticMetric& metric, const MeshData& mesh) {
