@@ -27,9 +27,10 @@ double predicted_tets(const SubdomainStart& s) {
     double density = 0;
     for (const std::uint32_t v : t) density += 0.25 * densities[v];
     const auto& p = s.points;
-    complexity += density / 6 * dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
+    const double six_volume = dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
+    complexity += density / 6 * std::max(0.0, six_volume);  // a flat tet may compute a negative one
   }
-  return 12 * complexity;
+  return meshing::kTetsPerComplexity * complexity;
 }
 
 /// Address space for what a subdomain may grow to: in the worst case it receives nearly everything.
@@ -119,7 +120,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan_phases(d, input_tets, plan);
   plan.refine_interface = options.refine_interface;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
-  plan.hausd = options.hausd > 0 ? options.hausd : 0.001 * norm(d.box.size());
+  plan.hausd = options.hausd > 0 ? options.hausd : meshing::kHausdOfDiagonal * norm(d.box.size());
   plan.expected_complexity = d.complexity;
   const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));
   plan.threads_of_subdomain = std::max(1, options.threads / here);

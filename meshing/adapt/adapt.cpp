@@ -68,9 +68,9 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
   return arena.execute([&] {
     AdaptResult result;
     const double expected = complexity(*given.mesh, *given.log_metrics);
-    ImportedMesh imported =
-        import_mesh(input, options.ridge_angle_degrees, capacity(2 * expected, input.points.size()),
-                    capacity(12 * expected, input.tets.size()));
+    ImportedMesh imported = import_mesh(input, options.ridge_angle_degrees,
+                                        capacity(kVerticesPerComplexity * expected, input.points.size()),
+                                        capacity(kTetsPerComplexity * expected, input.tets.size()));
     result.report.warnings = std::move(imported.warnings);
     {
       const bool same = given.mesh == &input;
@@ -79,7 +79,8 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
                                        : build_adjacency(given.mesh->tets, given.mesh->points.size()));
       read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
-      kernel.limits.hausd = options.hausd > 0 ? options.hausd : 0.001 * bounding_box_diagonal(input);
+      kernel.limits.hausd =
+          options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
       adapt_in_place(kernel, options, Extent::everything, result.report);
       result.report.surface_deviation = largest_surface_deviation(kernel);
     }

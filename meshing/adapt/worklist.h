@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "meshing/adapt/check_whole.h"
 #include "meshing/kernel/kernel.h"
 
 namespace weft::meshing {
@@ -79,15 +80,17 @@ class WorkerPool {
     if (workers_.size() == 1) {
       for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
         body(*workers_[0], i, std::min(slots, i + kGrain));
-      return accepted;
+    } else {
+      arena_.execute([&] {
+        tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
+                          [&](const tbb::blocked_range<std::uint32_t>& r) {
+                            if (!interrupted())
+                              body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(),
+                                   r.end());
+                          });
+      });
     }
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
-                        [&](const tbb::blocked_range<std::uint32_t>& r) {
-                          if (!interrupted())
-                            body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(), r.end());
-                        });
-    });
+    check_whole(kernel_.mesh, "after a pass");
     return accepted;
   }
 

@@ -83,16 +83,17 @@ void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId
     row(kNormal + i)[k] = n[i];
     row(kAbsNormal + i)[k] = products[i];
   }
-  const SymTensor t = judge_tensor(mesh, a) + judge_tensor(mesh, b) + judge_tensor(mesh, c);
+  const SymTensor t =
+      judge_tensor(mean_, mesh, a) + judge_tensor(mean_, mesh, b) + judge_tensor(mean_, mesh, c);
   const double entries[6] = {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz};
   for (int i = 0; i < 6; ++i) row(kTensor + i)[k] = entries[i];
   row(kWeight)[k] = 1;
 }
 
-void BallFaces::gather(const TetMesh& mesh, const Ball& ball) {
+void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
   mesh_ = &mesh;
   ball_ = &ball;
-  mean_ = mesh.metric_mean();
+  mean_ = mean;
   size_ = static_cast<int>(ball.tets.size());
   stride_ = (size_ + kLanes - 1) / kLanes * kLanes;
   if (data_.size() < static_cast<std::size_t>(kRows * stride_)) data_.resize(kRows * stride_);

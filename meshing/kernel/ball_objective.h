@@ -24,7 +24,7 @@ class BallFaces {
  public:
   /// The faces opposite the centre of `ball`, with what MetricMean adds up at their vertices. `mesh` and
   /// `ball` must stay as they are while the faces are evaluated.
-  void gather(const TetMesh& mesh, const Ball& ball);
+  void gather(MetricMean mean, const TetMesh& mesh, const Ball& ball);
 
   int size() const { return size_; }
 

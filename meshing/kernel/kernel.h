@@ -46,11 +46,19 @@ inline Limits Limits::coarser(double factor) const {
   return limits;
 }
 
+/// How operators judge and what they may claim. Changed between passes only; when the mean changes, the
+/// mesh's cached qualities are stale.
+struct Policy {
+  MetricMean mean = MetricMean::arithmetic;
+  FrozenPolicy frozen = FrozenPolicy::claimable;
+};
+
 struct Kernel {
   TetMesh& mesh;
   const Background& background;
   const Surface& surface;
   Limits limits;
+  Policy policy = {};
 };
 
 /// A neighbour of a vertex and its distance in the metric.
@@ -61,7 +69,12 @@ struct Neighbour {
 
 /// One thread's scratch: claims, gathered neighbourhoods, free slots, counts. No allocation once warm.
 struct Worker {
-  Worker(Kernel& k, std::uint32_t owner, bool sole) : kernel(k), mesh(k.mesh), claims(k.mesh, owner, sole) {}
+  Worker(Kernel& k, std::uint32_t owner, bool sole)
+      : kernel(k), mesh(k.mesh), claims(k.mesh, owner, sole, k.policy.frozen) {}
+
+  MetricMean mean() const { return kernel.policy.mean; }
+  /// Of a vertex, for the judges.
+  Corner corner(VertexId v) const { return meshing::corner(mean(), mesh, v); }
 
   Kernel& kernel;
   TetMesh& mesh;

@@ -12,6 +12,13 @@
 
 namespace weft::meshing {
 
+/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the
+/// metric changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean
+/// mean is needed.
+/// `euclidean` judges shapes as they are: for the time before a coarse mesh has anything to do with the
+/// metric.
+enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
+
 /// Sum over the six edges of v.M.v for a tet whose edges from vertex 0 are e1, e2, e3.
 inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
   const Vec m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
@@ -59,10 +66,12 @@ inline const SymTensor& judge_tensor(MetricMean mean, const Metric& metric, cons
   static constexpr SymTensor kIdentity = {1, 0, 1, 0, 0, 1};
   return mean == MetricMean::arithmetic ? metric : mean == MetricMean::log_euclidean ? log_metric : kIdentity;
 }
-inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
-  return judge_tensor(mesh.metric_mean(), mesh.metric(v), mesh.log_metric(v));
+inline const SymTensor& judge_tensor(MetricMean mean, const TetMesh& mesh, VertexId v) {
+  return judge_tensor(mean, mesh.metric(v), mesh.log_metric(v));
 }
-inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
+inline Corner corner(MetricMean mean, const TetMesh& mesh, VertexId v) {
+  return {mesh.point(v), judge_tensor(mean, mesh, v)};
+}
 
 /// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE or when its metrics have no mean that
 /// is positive definite in doubles: then nothing can be said of it.
@@ -79,9 +88,9 @@ inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, c
   return q >= 0 && q < kNoQuality ? q : -1;
 }
 
-inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
-  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c),
-                       corner(mesh, d));
+inline double judge_quality(MetricMean mean, const TetMesh& mesh, const TetVertices& v) {
+  return judge_quality(mean, corner(mean, mesh, v[0]), corner(mean, mesh, v[1]), corner(mean, mesh, v[2]),
+                       corner(mean, mesh, v[3]));
 }
 
 inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {

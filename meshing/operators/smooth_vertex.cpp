@@ -56,9 +56,9 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   MoveSpace space;
   if (const Verdict r = move_space(w, v, space); r != Verdict::accepted) return r;
-  w.faces.gather(mesh, w.ball);
+  w.faces.gather(w.mean(), mesh, w.ball);
   const Point old = mesh.point(v);
-  const BallDerivatives d = w.faces.derivatives(old, judge_tensor(mesh, v));
+  const BallDerivatives d = w.faces.derivatives(old, judge_tensor(w.mean(), mesh, v));
   Vec step;
   if (space.kind == VertexKind::interior) {
     if (!newton_step(d.hessian, d.gradient, step)) return Verdict::not_needed;
@@ -81,10 +81,10 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   for (double damping = 1; damping > 0.2; damping *= 0.5) {
     MovedVertex moved;
     if (!move_to(w, v, space, old + damping * step, moved)) return Verdict::leaves_surface;
-    const double worst = w.faces.qualities(moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
+    const double worst = w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities);
     verdict = worst < 0 ? Verdict::inverts : Verdict::worsens_quality;
     if (worst >= std::min(old_worst, 0.6) && sum_of_inverses(w.qualities) < 0.999 * old_sum) {
-      commit_move(w, v, moved);
+      commit_move(w, w.ball, moved, w.qualities);
       return Verdict::accepted;
     }
   }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "meshing/kernel/quality.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/decomposition.h"
@@ -29,7 +30,7 @@ namespace {
 using meshing::Point;
 
 /// Final tets for one unit of complexity, and what an input tet costs in final tets.
-constexpr double kTetsPerComplexity = 12, kHandling = 0.1;
+constexpr double kHandling = 0.1;
 
 /// The slice's tets with the points that they need from anywhere.
 class TetPoints {
@@ -128,7 +129,8 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMea
   std::vector<double> work;
   std::vector<std::uint64_t> numbers;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    work.push_back(options.equal_tets ? 1 : kTetsPerComplexity * measures.complexities[t] + kHandling);
+    work.push_back(options.equal_tets ? 1
+                                      : meshing::kTetsPerComplexity * measures.complexities[t] + kHandling);
     numbers.push_back(slice.first_tet + t);
   }
   return decompose(peers,

@@ -329,7 +329,8 @@ TEST(Adapt, CountsWhatIsDeadFromBefore) {
   rig.kernel.limits.collapse_quality = 0;
   Verdict collapsed = Verdict::not_needed;
   for (const VertexId v : rig.neighbours_of(rig.worker.ball.centre))
-    if (collapsed != Verdict::accepted) collapsed = collapse_edge(rig.worker, v, CollapseGoal::length);
+    if (collapsed != Verdict::accepted)
+      collapsed = collapse_edge(rig.worker, rig.worker.ball.centre, v, CollapseGoal::length);
   ASSERT_EQ(collapsed, Verdict::accepted);
   rig.worker.claims.release();
   const WorkerPool pool(rig.kernel, 1, nullptr);

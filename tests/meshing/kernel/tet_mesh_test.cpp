@@ -145,7 +145,7 @@ TEST(TetMesh, FeatureEdgesComeSorted) {
 
 TEST(Claims, AClaimedVertexIsAConflictForOthersUntilItIsReleased) {
   TetMesh mesh(10, 10);
-  Claims mine(mesh, 1, false), other(mesh, 2, false);
+  Claims mine(mesh, 1, false, support::kClaimable), other(mesh, 2, false, support::kClaimable);
   EXPECT_EQ(mine.claim(VertexId(4)), Verdict::accepted);
   EXPECT_EQ(mine.claim(VertexId(4)), Verdict::accepted) << "held already";
   EXPECT_TRUE(mine.holds(VertexId(4)));
@@ -161,9 +161,9 @@ TEST(Claims, AClaimedVertexIsAConflictForOthersUntilItIsReleased) {
 TEST(Claims, AFrozenVertexIsNeverClaimedAndStaysFrozen) {
   TetMesh mesh(10, 10);
   mesh.freeze(VertexId(3));
-  mesh.set_frozen_are_untouchable(true);
   for (const bool sole : {true, false}) {
-    Claims claims(mesh, 1, sole);
+    const FrozenPolicy policy = FrozenPolicy::untouchable;
+    Claims claims(mesh, 1, sole, policy);
     EXPECT_EQ(claims.claim(VertexId(3)), Verdict::frozen);
     EXPECT_FALSE(claims.holds(VertexId(3)));
     claims.release();
@@ -173,7 +173,7 @@ TEST(Claims, AFrozenVertexIsNeverClaimedAndStaysFrozen) {
 
 TEST(Claims, ATetIsClaimedByItsFourVertices) {
   KernelRig rig(support::two_tets());
-  Claims other(rig.mesh, 2, false), mine(rig.mesh, 3, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable), mine(rig.mesh, 3, false, support::kClaimable);
   EXPECT_EQ(mine.claim_tet(TetId(0)), Verdict::accepted);
   for (const VertexId v : rig.mesh.vertices(TetId(0))) EXPECT_TRUE(mine.holds(v));
   EXPECT_EQ(other.claim_tet(TetId(1)), Verdict::conflict);
@@ -191,7 +191,7 @@ TEST(Claims, OneOfManyThreadsGetsAVertex) {
     std::vector<std::jthread> threads;
     for (int i = 0; i < kThreads; ++i)
       threads.emplace_back([&mesh, &won, i] {
-        Claims claims(mesh, static_cast<std::uint32_t>(i + 1), false);
+        Claims claims(mesh, static_cast<std::uint32_t>(i + 1), false, support::kClaimable);
         for (std::uint32_t v = 0; v < kVertices; ++v)
           won[static_cast<std::size_t>(i)] += claims.claim(VertexId(v)) == Verdict::accepted;
       });
@@ -206,7 +206,7 @@ TEST(Renumber, KeepsTheMesh) {
   KernelRig rig(input, 0.3);
   const std::size_t num_features = rig.mesh.feature_edges().size();
   rig.mesh.freeze(VertexId(17));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   rig.mesh.mark(VertexId(17), kCheckShort);
   const Point frozen = rig.mesh.point(VertexId(17));
   renumber_along_curve(rig.mesh);

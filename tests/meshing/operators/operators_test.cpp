@@ -9,10 +9,12 @@
 #include <set>
 
 #include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
 #include "meshing/operators/split_edge.h"
 #include "meshing/operators/surface_fit.h"
-#include "meshing/operators/swap.h"
+#include "meshing/operators/swap_edge.h"
+#include "meshing/operators/swap_face.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
@@ -41,7 +43,7 @@ Verdict split(KernelRig& rig, VertexId a, VertexId b, SplitBounds bounds = {0}) 
 
 Verdict collapse(KernelRig& rig, VertexId removed, VertexId kept, CollapseGoal goal = CollapseGoal::length) {
   Verdict r = gather_ball(rig.mesh, rig.worker.claims, removed, rig.worker.ball);
-  if (r == Verdict::accepted) r = collapse_edge(rig.worker, kept, goal);
+  if (r == Verdict::accepted) r = collapse_edge(rig.worker, removed, kept, goal);
   rig.worker.claims.release();
   return r;
 }
@@ -272,7 +274,7 @@ TEST(SplitEdge, RefusesWhatIsTooLarge) {
 TEST(SplitEdge, RefusesAFrozenRing) {
   KernelRig rig(ring_of(5, 1), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return split(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -423,12 +425,12 @@ TEST(CollapseEdge, RefusesATetThatLiesUponACurvedSurface) {
 
 TEST(CollapseEdge, RefusesFrozenNeighboursAndThoseThatOthersHold) {
   KernelRig rig(octahedron(), 2, kFaceted);
-  Claims other(rig.mesh, 2, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable);
   ASSERT_EQ(other.claim(VertexId(4)), Verdict::accepted);
   EXPECT_EQ(collapse(rig, VertexId(0), VertexId(1)), Verdict::conflict);
   other.release();
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -536,8 +538,8 @@ TEST(SwapEdge, FindsTheBestTriangulationOfTheRing) {
       double least = 1;
       for (std::uint32_t i = 1; i <= 3; ++i) {
         const VertexId u(2 + apex), v(2 + (apex + i) % 5), w(2 + (apex + i + 1) % 5);
-        least = std::min({least, judge_quality(rig.mesh, u, v, w, VertexId(1)),
-                          judge_quality(rig.mesh, v, u, w, VertexId(0))});
+        least = std::min({least, judge_quality(MetricMean::arithmetic, rig.mesh, {u, v, w, VertexId(1)}),
+                          judge_quality(MetricMean::arithmetic, rig.mesh, {v, u, w, VertexId(0)})});
       }
       best = std::max(best, least);
     }
@@ -667,11 +669,11 @@ TEST(SwapFace, RefusesToInvert) {
 TEST(SwapEdge, RefusesAFrozenRingAndSwapFaceAFrozenApex) {
   KernelRig rig(ring_of(4, 4), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return swap(rig, VertexId(0), VertexId(1)); });
   KernelRig two(support::two_tets(), 1, kFaceted);
   two.mesh.freeze(VertexId(4));
-  two.mesh.set_frozen_are_untouchable(true);
+  two.kernel.policy.frozen = FrozenPolicy::untouchable;
   const TetId t = two.tet_with(VertexId(0), VertexId(3));
   expect_refused(two, Verdict::frozen, [&] { return swap(two, t, two.mesh.local_index(t, VertexId(3))); });
 }
@@ -770,7 +772,7 @@ TEST_P(MoveVertex, NeverMovesAFixedOrFrozenVertex) {
   KernelRig frozen(mesh, 1, kFaceted);
   frozen.judge_by(GetParam());
   frozen.mesh.freeze(VertexId(3));
-  frozen.mesh.set_frozen_are_untouchable(true);
+  frozen.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(frozen, Verdict::frozen, [&] { return smooth(frozen, VertexId(0)); });
   expect_refused(frozen, Verdict::frozen, [&] { return relocate(frozen, VertexId(0)); });
 }
