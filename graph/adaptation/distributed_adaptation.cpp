@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "meshing/metric/expected_size.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
 #include "partition/verify/check_subdomains.h"
 
@@ -34,7 +34,8 @@ double predicted_tets(const SubdomainStart& s) {
     double density = 0;
     for (const std::uint32_t v : t) density += 0.25 * densities[v];
     const auto& p = s.points;
-    complexity += density / 6 * dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
+    const double six_volume = dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]]));
+    complexity += density / 6 * std::max(0.0, six_volume);  // a flat tet may compute a negative one
   }
   return meshing::kTetsPerComplexity * complexity;
 }
@@ -182,8 +183,7 @@ void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, Adap
   const bool far = plan.subdomains > 1 && plan.most_shifts > 0 && d.mean_quality < meshing::kFarMean;
   double first = 1;
   for (const double coarseness : {2.0, 4.0}) {
-    const double tets =
-        meshing::kFewestTetsPerComplexity * d.complexity / (coarseness * coarseness * coarseness);
+    const double tets = meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
     if (far && tets >= kLeastTets * plan.subdomains && tets < static_cast<double>(input_tets))
       first = coarseness;
   }

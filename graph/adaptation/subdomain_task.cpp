@@ -165,9 +165,9 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   engine::TimePoint refining = 0;
   const bool makes_coarse = round == 0 && rank.plan.is_coarse(round);
   if (rank.plan.refine_interface && !makes_coarse)
-    before_level = [&](double long_edge) {
+    before_level = [&](double long_edge, meshing::MetricMean mean) {
       const engine::TimePoint begin = engine::now();
-      refinement.refine(long_edge);
+      refinement.refine(long_edge, mean);
       refining += engine::now() - begin;
     };
   adapt(context, meshing::Extent::everything, 0, before_level);

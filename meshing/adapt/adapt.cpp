@@ -68,9 +68,9 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
   return arena.execute([&] {
     AdaptResult result;
     const double expected = complexity(*given.mesh, *given.log_metrics);
-    ImportedMesh imported =
-        import_mesh(input, options.ridge_angle_degrees, capacity(2 * expected, input.points.size()),
-                    capacity(12 * expected, input.tets.size()));
+    ImportedMesh imported = import_mesh(input, options.ridge_angle_degrees,
+                                        capacity(kVerticesPerComplexity * expected, input.points.size()),
+                                        capacity(kTetsPerComplexity * expected, input.tets.size()));
     result.report.warnings = std::move(imported.warnings);
     {
       const bool same = given.mesh == &input;

@@ -4,10 +4,12 @@
 #include <algorithm>
 
 #include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
 #include "meshing/operators/split_edge.h"
 #include "meshing/operators/surface_fit.h"
-#include "meshing/operators/swap.h"
+#include "meshing/operators/swap_edge.h"
+#include "meshing/operators/swap_face.h"
 
 namespace weft::meshing {
 namespace {
@@ -139,7 +141,7 @@ Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal
   if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
   Verdict r = Verdict::not_needed;
   for (const Neighbour& n : found) {
-    r = collapse_edge(w, n.vertex, goal);
+    r = collapse_edge(w, v, n.vertex, goal);
     if (r == Verdict::accepted || r == Verdict::conflict) break;
     w.counts.add(Operator::collapse, r);
   }

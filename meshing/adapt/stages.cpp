@@ -7,11 +7,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 #include "meshing/adapt/passes.h"
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
-#include "meshing/metric/expected_size.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::meshing {
 namespace {
@@ -29,10 +30,6 @@ constexpr double kSwapBelow = 0.8;
 constexpr double kSwapBelowAtFrozen = 0.6;
 // While points are created only bad tets are swapped: the next splits change the rest anyway.
 constexpr double kSwapBelowWhileCreating = 0.5;
-// Tets worse than this are repaired one by one at the end, judged by the exact measure. There are so few that
-// 0.55 costs no more time than 0.4; in subdomains it is what the minimum rests upon (delta-wing to 300,000 in
-// 96: 0.50 instead of 0.45).
-constexpr double kPoor = 0.55;
 // A mesh with this mean quality is left alone where nothing is wrong; below, everything is worth smoothing.
 constexpr double kGoodMean = 0.85;
 constexpr double kFair = 0.6;
@@ -53,16 +50,20 @@ class Adaptation {
         before_level_(before_level) {}
 
   void run() {
-    mesh_.set_frozen_are_untouchable(options_.tets_at_frozen_stay);
+    kernel_.policy.frozen = frozen_policy();
     if (options_.progress) predict();
     stage("collapse", [&] { start(); });
     stage("create points", [&] { create_points(); });
     stage("reconnect and smooth", [&] { reconnect_and_smooth(); });
     stage("improve", [&] { improve_quality(); });
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
-    mesh_.set_frozen_are_untouchable(false);
+    kernel_.policy.frozen = FrozenPolicy::claimable;
     if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
     report_.interrupted = crew_.interrupted();
+    if (mesh_.is_full())
+      report_.warnings.push_back("the mesh has room for " + std::to_string(mesh_.tet_capacity()) +
+                                 " tets and " + std::to_string(mesh_.vertex_capacity()) +
+                                 " vertices only: it is valid, but coarser than the metric asks for");
   }
 
  private:
@@ -81,6 +82,10 @@ class Adaptation {
     s.counts = crew_.take_counts();
     report_.counts += s.counts;
     report_.stages.push_back(std::move(s));
+  }
+
+  FrozenPolicy frozen_policy() const {
+    return options_.tets_at_frozen_stay ? FrozenPolicy::untouchable : FrozenPolicy::claimable;
   }
 
   double tets() const { return static_cast<double>(crew_.live_tets()); }
@@ -210,9 +215,7 @@ class Adaptation {
   void announce_level(double level) {
     next_level_ = level / 2;
     if (!before_level_) return;
-    mesh_.set_frozen_are_untouchable(false);
-    before_level_(kernel_.limits.finest_long_edge * level);
-    mesh_.set_frozen_are_untouchable(options_.tets_at_frozen_stay);
+    before_level_(kernel_.limits.finest_long_edge * level, kernel_.policy.mean);
   }
 
   void refine_to_level(double level) {
@@ -288,41 +291,40 @@ class Adaptation {
   /// cube-polar2 to 500,000 in 128 subdomains).
   void improve_quality() {
     constexpr int kMostRounds = 6;
-    if (!options_.repair_at_frozen) mesh_.set_frozen_are_untouchable(true);
-    mesh_.set_metric_mean(MetricMean::log_euclidean);
+    if (!options_.repair_at_frozen) kernel_.policy.frozen = FrozenPolicy::untouchable;
+    kernel_.policy.mean = MetricMean::log_euclidean;
     for_all_tets([&](TetId t) { mark_if_poor(t); });
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
-      if (improve_pass(crew_, kPoor) == 0) return;
-      smooth_poor(crew_, kPoor);
+      if (improve_pass(crew_, kRepairBelow) == 0) return;
+      smooth_poor(crew_, kRepairBelow);
       collapse_pass(crew_);
     }
   }
 
   /// All has been judged before; the poor ones by the other mean, in the last improvement.
   void judge_poor() {
-    mesh_.set_metric_mean(MetricMean::arithmetic);
+    kernel_.policy.mean = MetricMean::arithmetic;
     for_all_tets([&](TetId t) {
-      if (mesh_.quality(t) < kPoor + 0.1) cache_quality(t);
+      if (mesh_.quality(t) < kRepairBelow + 0.1) cache_quality(t);
     });
   }
 
   /// Switches the judges' mean and brings all cached qualities up to date.
   void judge_by(MetricMean mean) {
-    mesh_.set_metric_mean(mean);
+    kernel_.policy.mean = mean;
     for_all_tets([&](TetId t) { cache_quality(t); });
   }
 
   /// The two means differ little: only tets that are poor or nearly so by the cheap one are judged by the
   /// exact one.
   void mark_if_poor(TetId t) {
-    if (mesh_.quality(t) > kPoor + 0.1) return;
+    if (mesh_.quality(t) > kRepairBelow + 0.1) return;
     cache_quality(t);
-    if (mesh_.quality(t) < kPoor) mesh_.mark(t, kCheckPoor);
+    if (mesh_.quality(t) < kRepairBelow) mesh_.mark(t, kCheckPoor);
   }
 
   void cache_quality(TetId t) {
-    const TetVertices v = mesh_.vertices(t);
-    mesh_.set_quality(t, static_cast<float>(judge_quality(mesh_, v[0], v[1], v[2], v[3])));
+    mesh_.set_quality(t, static_cast<float>(judge_quality(kernel_.policy.mean, mesh_, mesh_.vertices(t))));
   }
 
   template <class F>
@@ -384,11 +386,11 @@ class Adaptation {
       if (mesh_.alive(TetId(i))) {
         const TetVertices v = mesh_.vertices(TetId(i));
         double density = 0;
-        for (const VertexId x : v) density += 0.25 * std::sqrt(determinant(mesh_.metric(x)));
+        for (const VertexId x : v) density += 0.25 * std::exp(0.5 * trace(mesh_.log_metric(x)));
         volume += density / 6 *
                   six_volume(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
       }
-    return kFewestTetsPerComplexity * volume;
+    return kTetsOfUnitVolume * volume;
   }
 
   void mark_if_wrong(TetId t, double fair) {

@@ -6,6 +6,7 @@
 
 #include "meshing/adapt/adapt.h"
 #include "meshing/kernel/kernel.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::meshing {
 
@@ -13,9 +14,6 @@ namespace weft::meshing {
 /// adapted to a metric like the wanted one have 0.8 and more (0.85 gains some quality, and loses a sixth of
 /// the time).
 inline constexpr double kFarMean = 0.75;
-/// AdaptOptions::hausd where it is 0, for each unit of the bounding box diagonal.
-inline constexpr double kHausdOfDiagonal = 0.001;
-
 /// What of the mesh is looked at.
 enum class Extent : std::uint8_t {
   everything,
@@ -23,8 +21,9 @@ enum class Extent : std::uint8_t {
 };
 
 /// Called before points are created at a level, with the length beyond which edges are long there; the last
-/// call has limits.long_edge, and comes even when the adaptation is interrupted. What it splits is taken up.
-using BeforeLevel = std::function<void(double long_edge)>;
+/// call has limits.long_edge, and comes even when the adaptation is interrupted. What it splits is taken up;
+/// `mean` is the one in which its qualities are cached.
+using BeforeLevel = std::function<void(double long_edge, MetricMean mean)>;
 
 /// Runs the stages collapse, create points, reconnect and smooth, improve, and adds them to `report`. Frozen
 /// vertices stay. Vertices must have their metrics; ids change (holes are closed) unless the extent is

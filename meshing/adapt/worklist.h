@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "meshing/adapt/check_whole.h"
 #include "meshing/kernel/kernel.h"
 
 namespace weft::meshing {
@@ -57,7 +58,8 @@ class WorkerPool {
     return arena_.execute(f);
   }
 
-  /// Live entities now, not while a sweep runs.
+  /// Live entities now, not while a sweep runs. What lies dead in the mesh from before is counted once, when
+  /// the pool is made.
   std::uint64_t live_tets() const;
   std::uint64_t live_vertices() const;
   /// Counts of all workers since the last call.
@@ -88,15 +90,17 @@ class WorkerPool {
     if (workers_.size() == 1) {
       for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
         body(*workers_[0], i, std::min(slots, i + kGrain));
-      return accepted;
+    } else {
+      arena_.execute([&] {
+        tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
+                          [&](const tbb::blocked_range<std::uint32_t>& r) {
+                            if (!interrupted())
+                              body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(),
+                                   r.end());
+                          });
+      });
     }
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, slots, kGrain),
-                        [&](const tbb::blocked_range<std::uint32_t>& r) {
-                          if (!interrupted())
-                            body(*workers_[tbb::this_task_arena::current_thread_index()], r.begin(), r.end());
-                        });
-    });
+    check_whole(kernel_.mesh, "after a pass");
     return accepted;
   }
 
@@ -105,6 +109,7 @@ class WorkerPool {
   std::vector<std::unique_ptr<Worker>> workers_;
   const std::atomic<bool>* interrupt_;
   std::function<void(double)> watcher_;
+  std::uint64_t dead_tets_ = 0, dead_vertices_ = 0;  ///< not in any worker's list
 };
 
 }  // namespace weft::meshing

@@ -13,6 +13,14 @@ namespace weft::meshing {
 /// Huge pages (2 MiB) serve large arrays; small ones would waste most of theirs.
 enum class Pages { small, huge };
 
+/// The system does not grant the address space that an array reserves.
+class NoAddressSpace : public std::bad_alloc {
+ public:
+  const char* what() const noexcept override {
+    return "cannot reserve address space for the mesh: is it limited (ulimit -v, vm.overcommit_memory = 2)?";
+  }
+};
+
 /// Zero-initialised storage for up to `capacity` elements of a plain type. Only pages that are touched cost
 /// memory, so that readers keep valid references while other threads append.
 template <class T>
@@ -23,7 +31,7 @@ class StableArray {
   explicit StableArray(std::size_t capacity, Pages pages = Pages::huge) : bytes_(capacity * sizeof(T)) {
     void* p =
         mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (p == MAP_FAILED) throw std::bad_alloc();
+    if (p == MAP_FAILED) throw NoAddressSpace();
     // Random access over hundreds of megabytes is bound by the TLB without huge pages.
     madvise(p, bytes_, pages == Pages::huge ? MADV_HUGEPAGE : MADV_NOHUGEPAGE);
     data_ = static_cast<T*>(p);

@@ -2,27 +2,34 @@
 #include "meshing/fields/interpolate.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <string>
 
+#include "meshing/base/assert.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/predicates.h"
 #include "meshing/metric/background.h"
 
 namespace weft::meshing {
 namespace {
 
+/// Exactly: a flat tet that is positive may compute no volume.
+bool is_positive(const MeshData& mesh, std::size_t t) {
+  const auto& [a, b, c, d] = mesh.tets[t];
+  return orientation(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) > 0;
+}
+
+/// None for a flat tet that computes a negative volume.
 double six_volume_of(const MeshData& mesh, std::size_t t) {
   const auto& [a, b, c, d] = mesh.tets[t];
-  return six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]);
+  return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
 }
 
 void check(const MeshData& from) {
   if (from.tets.empty()) throw InputError("", "", "has no tetrahedra");
-  const std::size_t bad =
-      find_first(from.tets.size(), [&](std::size_t t) { return !(six_volume_of(from, t) > 0); });
+  const std::size_t bad = find_first(from.tets.size(), [&](std::size_t t) { return !is_positive(from, t); });
   if (bad < from.tets.size())
     throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted");
 }
@@ -60,7 +67,7 @@ Interpolation interpolate(const MeshData& from, const SolutionData& fields, cons
 }
 
 Interpolation interpolate(const Background& from, const SolutionData& fields, const MeshData& to) {
-  assert(fields.num_points == from.mesh().points.size());
+  WEFT_ASSERT_LIGHT(fields.num_points == from.mesh().points.size(), "one value a vertex");
   // Vertices in pieces of fixed size, each walking from where its last one was: no result depends on threads.
   constexpr std::size_t kPiece = 256;
   const std::size_t n = to.points.size();

@@ -11,8 +11,10 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
+#include "meshing/base/small_set.h"
 #include "meshing/fields/tet_overlap.h"
 #include "meshing/mesh/mass_matrix.h"
+#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {
@@ -24,7 +26,9 @@ std::array<Point, 4> corners_of(const MeshData& mesh, std::size_t t) {
   return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
 }
 
-double volume_of(const std::array<Point, 4>& x) { return six_volume(x[0], x[1], x[2], x[3]) / 6; }
+double volume_of(const std::array<Point, 4>& x) {
+  return std::max(0.0, six_volume(x[0], x[1], x[2], x[3]) / 6);  // a flat tet may compute a negative volume
+}
 
 /// What a new tet receives from the old mesh: for every column the integrals of the old field times its four
 /// hat functions, and the range that the old field has in it.
@@ -36,8 +40,7 @@ struct Receipt {
 /// Finds the tets of the old mesh that a new one overlaps, by their neighbours. One thread's scratch.
 class Receiver {
  public:
-  Receiver(const Background& from, const ValueTable& old)
-      : from_(from), old_(old), seen_(from.mesh().tets.size(), 0) {}
+  Receiver(const Background& from, const ValueTable& old) : from_(from), old_(old) {}
 
   void receive(const MeshData& to, std::size_t t, std::span<const std::uint32_t> places,
                const ValueTable& interpolated, Receipt& receipt) {
@@ -46,8 +49,9 @@ class Receiver {
     receipt.loads.assign(4 * old_.columns, 0);
     receipt.lo.assign(old_.columns, kInfinity);
     receipt.hi.assign(old_.columns, -kInfinity);
-    ++round_;
+    seen_.clear();
     const auto& tet = to.tets[t];
+    if (!(volume > 0)) return complete(tet, 0, interpolated, receipt);  // flat: it receives bounds alone
     const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
     double covered = collect(from_.locate(centre, places[tet[0]]).tet, receipt);
     // A new tet can reach several parts of an old mesh that is not convex.
@@ -67,7 +71,13 @@ class Receiver {
       const std::uint32_t old_tet = pending_.back();
       pending_.pop_back();
       pieces_.clear();
-      overlap(corners_, corners_of(from_.mesh(), old_tet), pieces_);
+      const std::array<Point, 4> old_corners = corners_of(from_.mesh(), old_tet);
+      if (volume_of(old_corners) > 0) {
+        overlap(corners_, old_corners, pieces_);
+      } else {
+        visit_neighbours(old_tet);  // a flat one has no part of anything, but lies on the way
+        continue;
+      }
       double common = 0;
       for (const OverlapPiece& piece : pieces_) {
         common += piece.volume;
@@ -75,14 +85,18 @@ class Receiver {
       }
       if (!(common > 0)) continue;
       covered += common;
-      for (const std::uint32_t code : from_.adjacency().neighbours[old_tet])
-        if (code != kNoNeighbour) visit(code >> 2);
+      visit_neighbours(old_tet);
     }
     return covered;
   }
 
+  void visit_neighbours(std::uint32_t old_tet) {
+    for (const std::uint32_t code : from_.adjacency().neighbours[old_tet])
+      if (code != kNoNeighbour) visit(code >> 2);
+  }
+
   void visit(std::uint32_t old_tet) {
-    if (std::exchange(seen_[old_tet], round_) != round_) pending_.push_back(old_tet);
+    if (seen_.insert(old_tet)) pending_.push_back(old_tet);
   }
 
   /// Integrals over the piece: of products of linear functions, V/20 times (sum of the products at the
@@ -126,8 +140,7 @@ class Receiver {
 
   const Background& from_;
   const ValueTable& old_;
-  std::vector<std::uint32_t> seen_;  ///< the round in which a tet was last visited
-  std::uint32_t round_ = 0;
+  SmallSet seen_;
   std::vector<std::uint32_t> pending_;
   std::vector<OverlapPiece> pieces_;
   std::array<Point, 4> corners_;
@@ -234,8 +247,10 @@ class BoundedColumn {
 
 void check(const MeshData& to) {
   if (to.tets.empty()) throw InputError("", "", "the mesh that the fields are wanted on has no tetrahedra");
-  const std::size_t bad =
-      find_first(to.tets.size(), [&](std::size_t t) { return !(volume_of(corners_of(to, t)) > 0); });
+  const std::size_t bad = find_first(to.tets.size(), [&](std::size_t t) {
+    const auto x = corners_of(to, t);
+    return orientation(x[0], x[1], x[2], x[3]) <= 0;
+  });
   if (bad < to.tets.size())
     throw InputError("", "tet " + std::to_string(bad + 1),
                      "of the mesh that the fields are wanted on has no volume or is inverted");

@@ -33,12 +33,13 @@ class TensorLimiter {
   /// The tensors of all vertices; those of vertices without tets are as they were.
   const std::vector<SymTensor>& run() {
     update_all();
-    while (reduce_shares()) update_all();
+    for (int pass = 0; pass < kMostPasses && reduce_shares(pass); ++pass) update_all();
     return limited_;
   }
 
  private:
   static constexpr double kLeastShare = 1.0 / 64;
+  static constexpr int kHalvings = 50, kMostPasses = 100;
   std::size_t at(std::size_t v, std::size_t column) const { return v * table_.columns + column; }
   SymTensor consistent(std::size_t v) const { return tensor_at(table_.values, at(v, columns_.first)); }
 
@@ -67,15 +68,19 @@ class TensorLimiter {
   }
 
   /// Halves the shares of the vertices out of bounds, down to none, where the tensor is the lumped one; false
-  /// when there was nothing to do.
-  bool reduce_shares() {
+  /// when there was nothing to do. A vertex that is brought back may send a neighbour out, and so on along a
+  /// chain: after kHalvings passes the shares are dropped at once, and in the last pass those of all
+  /// vertices.
+  bool reduce_shares(int pass) {
     std::vector<std::uint8_t> reduced(share_.size(), 0);
     for_each_index(share_.size(), [&](std::size_t v) {
       if (share_[v] > 0 && mass_.lumped()[v] > 0 && !is_within(v)) reduced[v] = 1;
     });
     for (std::size_t v = 0; v < share_.size(); ++v)
-      if (reduced[v]) share_[v] = share_[v] > kLeastShare ? share_[v] / 2 : 0;
-    return std::ranges::find(reduced, 1) != reduced.end();
+      if (reduced[v]) share_[v] = pass < kHalvings && share_[v] > kLeastShare ? share_[v] / 2 : 0;
+    const bool any = std::ranges::find(reduced, 1) != reduced.end();
+    if (any && pass + 1 == kMostPasses) std::ranges::fill(share_, 0.0);
+    return any;
   }
 
   const MassMatrix& mass_;

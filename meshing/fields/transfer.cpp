@@ -16,7 +16,7 @@ namespace {
 
 double volume_of(const MeshData& mesh, std::size_t t) {
   const auto& [a, b, c, d] = mesh.tets[t];
-  return six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6;
+  return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6);
 }
 
 std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }

@@ -10,12 +10,10 @@
 
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
+#include "meshing/geometry/vertex_kind.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
-
-/// Where on the boundary a vertex may go: nowhere (corner), along a curve, on a patch, anywhere.
-enum class VertexKind : std::uint8_t { interior = 0, surface = 1, ridge = 2, corner = 3 };
 
 /// A maximal edge-connected set of boundary triangles with one reference that no feature edge cuts off.
 struct Patch {

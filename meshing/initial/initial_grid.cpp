@@ -6,7 +6,12 @@
 #include <numeric>
 
 #include "meshing/initial/grid/delaunay.h"
+#include "meshing/initial/recovery/improve_tets.h"
+#include "meshing/initial/recovery/lift_steiner.h"
+#include "meshing/initial/recovery/recover_edges.h"
+#include "meshing/initial/recovery/recover_facets.h"
 #include "meshing/initial/recovery/recovery.h"
+#include "meshing/initial/recovery/remove_slivers.h"
 
 namespace weft::meshing {
 namespace {

@@ -14,6 +14,7 @@
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
+#include "meshing/io/files/single_precision.h"
 #include "meshing/io/files/text_output.h"
 
 namespace weft::meshing {
@@ -303,6 +304,8 @@ MeshContents read_ugrid(const fs::path& path) {
 
 void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
+  const Encoding encoding = encoding_of(path);
+  if (!encoding.ascii && encoding.real_size == 4) refuse_rounded_tets(contents.mesh, path.string());
   Writer(path, contents.mesh).write();
 }
 

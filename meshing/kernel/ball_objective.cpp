@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "meshing/base/lanes.h"
-
 namespace weft::meshing {
 namespace {
 
@@ -18,10 +16,6 @@ Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
 VecLanes apply(const TensorLanes& m, const VecLanes& v) {
   return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
           m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
-Lanes determinant(const TensorLanes& a) {
-  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
-         a.xz * (a.xy * a.yz - a.yy * a.xz);
 }
 double sum(const Lanes& v) {
   double s = 0;
@@ -52,10 +46,11 @@ Lanes sum_squared_lengths(const TensorLanes& m, const VecLanes& e1, const VecLan
   return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
 }
 
-/// Mean ratios from six-fold volumes, metrics and sums of squared lengths. The root is taken of a number that
-/// does not depend on the scale of the metric, as single precision could not hold the others.
-Lanes mean_ratio(const Lanes& volume, const TensorLanes& m, const Lanes& s) {
-  return kMeanRatioFactor * cube_root(volume * volume * determinant(m) / (36 * s * s * s));
+/// Mean ratios from six-fold volumes, determinants of the metrics and sums of squared lengths. The root is
+/// taken of a number that does not depend on the scale of the metric, as single precision could not hold the
+/// others.
+Lanes mean_ratio(const Lanes& volume, const Lanes& det, const Lanes& s) {
+  return kMeanRatioFactor * cube_root(volume * volume * det / (36 * s * s * s));
 }
 
 struct HessianLanes {
@@ -88,16 +83,17 @@ void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId
     row(kNormal + i)[k] = n[i];
     row(kAbsNormal + i)[k] = products[i];
   }
-  const SymTensor t = judge_tensor(mesh, a) + judge_tensor(mesh, b) + judge_tensor(mesh, c);
+  const SymTensor t =
+      judge_tensor(mean_, mesh, a) + judge_tensor(mean_, mesh, b) + judge_tensor(mean_, mesh, c);
   const double entries[6] = {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz};
   for (int i = 0; i < 6; ++i) row(kTensor + i)[k] = entries[i];
   row(kWeight)[k] = 1;
 }
 
-void BallFaces::gather(const TetMesh& mesh, const Ball& ball) {
+void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
   mesh_ = &mesh;
   ball_ = &ball;
-  mean_ = mesh.metric_mean();
+  mean_ = mean;
   size_ = static_cast<int>(ball.tets.size());
   stride_ = (size_ + kLanes - 1) / kLanes * kLanes;
   if (data_.size() < static_cast<std::size_t>(kRows * stride_)) data_.resize(kRows * stride_);
@@ -116,11 +112,17 @@ void BallFaces::average(const SymTensor& centre) {
   if (mean_ != MetricMean::log_euclidean) return;
   for (int k = 0; k < stride_; ++k) {
     double* m = row(kMean) + k;
-    const SymTensor e = mean_of_sum(
-        mean_, {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]});
+    const SymTensor sum = {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]};
+    const SymTensor e = mean_of_sum(mean_, sum);
+    row(kDeterminant)[k] = determinant_of_mean(mean_, sum, e);
     const double entries[6] = {e.xx, e.xy, e.yy, e.xz, e.yz, e.zz};
     for (int i = 0; i < 6; ++i) m[i * stride_] = entries[i];
   }
+}
+
+Lanes BallFaces::determinants(int k, const TensorLanes& mean) const {
+  return mean_ == MetricMean::log_euclidean ? load_lanes(row(kDeterminant) + k)
+                                            : determinant_of_definite(mean);
 }
 
 bool BallFaces::is_positive(int k, const Point& x) const {
@@ -143,8 +145,9 @@ BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) 
     const Lanes raw = dot(n, e3);
     const Lanes volume = raw > 0 ? raw : Lanes{} + 1;
     const Lanes s = sum_squared_lengths(m, e1, e2, e3);
-    Lanes f = 1 / mean_ratio(volume, m, s);
-    f = raw > 0 ? f * load_lanes(row(kWeight) + k) : Lanes{};
+    const Lanes det = determinants(k, m);
+    Lanes f = 1 / mean_ratio(volume, det, s);
+    f = (raw > 0) & (det > 0) ? f * load_lanes(row(kWeight) + k) : Lanes{};
     // S' = 2 M (3 x - sum of the face's points), S'' = 6 M; g is the gradient of the logarithm of 1/Q.
     const VecLanes direction = {3 * e3.x - e1.x - e2.x, 3 * e3.y - e1.y - e2.y, 3 * e3.z - e1.z - e2.z};
     const VecLanes ds = (2 / s) * apply(m, direction), dv = (1 / volume) * n;
@@ -186,7 +189,9 @@ double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector
     const Lanes doubt = volume - 1e-15 * (products.x * absolute(e3.x) + products.y * absolute(e3.y) +
                                           products.z * absolute(e3.z));
     const Lanes positive = volume > 0 ? volume : Lanes{};
-    const Lanes q = mean_ratio(positive, m, sum_squared_lengths(m, e1, e2, e3));
+    const Lanes det = determinants(k, m);
+    const Lanes ratio = mean_ratio(positive, det, sum_squared_lengths(m, e1, e2, e3));
+    const Lanes q = (det > 0) & (ratio < kNoQuality) ? ratio : Lanes{} - 1;
     for (int i = 0; i < kLanes; ++i) {
       if (!(doubt[i] > 0) && !is_positive(std::min(k + i, size_ - 1), x)) return -1;
       qualities[k + i] = static_cast<float>(q[i]);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/base/lanes.h"
 #include "meshing/kernel/neighbourhood.h"
 #include "meshing/kernel/quality.h"
 
@@ -23,7 +24,7 @@ class BallFaces {
  public:
   /// The faces opposite the centre of `ball`, with what MetricMean adds up at their vertices. `mesh` and
   /// `ball` must stay as they are while the faces are evaluated.
-  void gather(const TetMesh& mesh, const Ball& ball);
+  void gather(MetricMean mean, const TetMesh& mesh, const Ball& ball);
 
   int size() const { return size_; }
 
@@ -35,7 +36,7 @@ class BallFaces {
   Vec gradient(int k) const { return {row(kGradient)[k], row(kGradient + 1)[k], row(kGradient + 2)[k]}; }
 
   /// Mean ratios of all tets with the centre at `x`; returns the least, or -1 when one is not exactly
-  /// positive.
+  /// positive or its metrics have no mean that is positive definite in doubles.
   double qualities(const Point& x, const SymTensor& centre, std::vector<float>& qualities);
 
  private:
@@ -48,15 +49,17 @@ class BallFaces {
     kAbsNormal = 12,
     kTensor = 15,
     kMean = 21,
-    kValue = 27,
-    kGradient = 28,
-    kWeight = 31,
-    kRows = 32
+    kDeterminant = 27,  // of the mean, where it is the log-Euclidean one
+    kValue = 28,
+    kGradient = 29,
+    kWeight = 32,
+    kRows = 33
   };
   double* row(int r) { return data_.data() + r * stride_; }
   const double* row(int r) const { return data_.data() + r * stride_; }
   void set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId c);
   void average(const SymTensor& centre);
+  Lanes determinants(int k, const TensorLanes& mean) const;
   bool is_positive(int k, const Point& x) const;
 
   const TetMesh* mesh_ = nullptr;  // for the exact judge, of what has been gathered

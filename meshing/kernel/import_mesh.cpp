@@ -10,6 +10,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/touching_edges.h"
 
@@ -78,9 +79,7 @@ void check_sides(const MeshData& m, const Adjacency& adjacency) {
       const auto at = std::find(other.begin(), other.end(), mine[0]) - other.begin();
       if (other[(at + 1) % 3] == mine[1])
         throw InputError("", fmt::format("tets {} and {}", t + 1, (n >> 2) + 1),
-                         m.tets[t] == m.tets[n >> 2]
-                             ? "are duplicates"
-                             : "overlap: they lie on the same side of their common face");
+                         overlap_reason(m.tets[t] == m.tets[n >> 2]));
     }
 }
 
@@ -97,13 +96,11 @@ bool needs_triangle(const MeshData& m, std::uint32_t t, std::uint32_t neighbour)
 /// Takes the input's triangles, drops repeated ones, and returns the new index of each required triangle.
 void take_triangles(const MeshData& m, const std::vector<std::uint32_t>& codes, const Adjacency& adjacency,
                     std::vector<std::uint8_t>& covered, Boundary& b, std::vector<std::string>& warnings) {
-  std::vector<std::uint32_t> new_index(m.triangles.size(), kNoNeighbour);
+  std::vector<std::uint32_t> new_index(m.triangles.size(), kDropped);
   std::size_t repeated = 0;
   for (std::size_t i = 0; i < m.triangles.size(); ++i) {
     const auto& v = m.triangles[i];
-    if (codes[i] == kNoNeighbour)
-      throw InputError("", fmt::format("triangle {} ({} {} {})", i + 1, v[0] + 1, v[1] + 1, v[2] + 1),
-                       "is not a face of any tet");
+    if (codes[i] == kNoNeighbour) throw InputError("", triangle_name(i, v), kIsNoFace);
     std::uint8_t& mine = covered[codes[i] >> 2];
     if (mine >> (codes[i] & 3) & 1) {
       ++repeated;
@@ -117,9 +114,8 @@ void take_triangles(const MeshData& m, const std::vector<std::uint32_t>& codes, 
     b.data.triangle_refs.push_back(m.triangle_refs[i]);
     b.codes.push_back(codes[i]);
   }
-  if (repeated > 0) warnings.push_back(fmt::format("{} repeated triangles were dropped", repeated));
-  for (const std::uint32_t r : m.required_triangles)
-    if (new_index[r] != kNoNeighbour) b.data.required_triangles.push_back(new_index[r]);
+  if (repeated > 0) warnings.push_back(repeated_triangles_warning(repeated));
+  take_required_triangles(m, new_index, b.data);
 }
 
 void create_missing(const MeshData& m, const Adjacency& adjacency, const std::vector<std::uint8_t>& covered,
@@ -134,36 +130,7 @@ void create_missing(const MeshData& m, const Adjacency& adjacency, const std::ve
       b.codes.push_back(4 * t + static_cast<std::uint32_t>(f));
       ++created;
     }
-  if (created > 0)
-    warnings.push_back(fmt::format(
-        "{} boundary or interface triangles were missing and have been created with reference 0", created));
-}
-
-/// Keeps the edges that lie on triangles: the kernel tracks features of the boundary only.
-void take_edges(const MeshData& m, Boundary& b, std::vector<std::string>& warnings) {
-  std::vector<std::array<std::uint32_t, 2>> sides;
-  if (!m.edges.empty()) {
-    sides.reserve(3 * b.data.triangles.size());
-    for (const auto& t : b.data.triangles)
-      for (int i = 0; i < 3; ++i)
-        sides.push_back({std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])});
-    std::sort(sides.begin(), sides.end());
-  }
-  std::vector<std::uint32_t> new_index(m.edges.size(), kNoNeighbour);
-  for (std::size_t i = 0; i < m.edges.size(); ++i) {
-    const auto [p, q] = m.edges[i];
-    if (!std::binary_search(sides.begin(), sides.end(), std::array{std::min(p, q), std::max(p, q)})) continue;
-    new_index[i] = static_cast<std::uint32_t>(b.data.edges.size());
-    b.data.edges.push_back(m.edges[i]);
-    b.data.edge_refs.push_back(m.edge_refs[i]);
-  }
-  for (const std::uint32_t e : m.ridges)
-    if (new_index[e] != kNoNeighbour) b.data.ridges.push_back(new_index[e]);
-  for (const std::uint32_t e : m.required_edges)
-    if (new_index[e] != kNoNeighbour) b.data.required_edges.push_back(new_index[e]);
-  if (b.data.edges.size() < m.edges.size())
-    warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped",
-                                   m.edges.size() - b.data.edges.size()));
+  if (created > 0) warnings.push_back(created_triangles_warning(created));
 }
 
 /// See require_touching_edges.
@@ -258,9 +225,9 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   take_triangles(m, match_triangles(m.triangles, m.tets, m.points.size()), r.adjacency, covered, b,
                  r.warnings);
   create_missing(m, r.adjacency, covered, b, r.warnings);
-  take_edges(m, b, r.warnings);
+  take_boundary_edges(m, b.data, r.warnings);
   keep_touching_edges(r.adjacency, b, r.warnings);
-  r.mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity);
+  r.mesh = reserve_tet_mesh({vertex_capacity, tet_capacity}, {2 * m.points.size(), 2 * m.tets.size()});
   fill_tets(m, r.adjacency, *r.mesh);
   r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});
   classify_boundary(b, m, *r.surface, *r.mesh);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "meshing/geometry/surface.h"
@@ -45,11 +46,19 @@ inline Limits Limits::coarser(double factor) const {
   return limits;
 }
 
+/// How operators judge and what they may claim. Changed between passes only; when the mean changes, the
+/// mesh's cached qualities are stale.
+struct Policy {
+  MetricMean mean = MetricMean::arithmetic;
+  FrozenPolicy frozen = FrozenPolicy::claimable;
+};
+
 struct Kernel {
   TetMesh& mesh;
   const Background& background;
   const Surface& surface;
   Limits limits;
+  Policy policy = {};
 };
 
 /// A neighbour of a vertex and its distance in the metric.
@@ -60,7 +69,12 @@ struct Neighbour {
 
 /// One thread's scratch: claims, gathered neighbourhoods, free slots, counts. No allocation once warm.
 struct Worker {
-  Worker(Kernel& k, std::uint32_t owner, bool sole) : kernel(k), mesh(k.mesh), claims(k.mesh, owner, sole) {}
+  Worker(Kernel& k, std::uint32_t owner, bool sole)
+      : kernel(k), mesh(k.mesh), claims(k.mesh, owner, sole, k.policy.frozen) {}
+
+  MetricMean mean() const { return kernel.policy.mean; }
+  /// Of a vertex, for the judges.
+  Corner corner(VertexId v) const { return meshing::corner(mean(), mesh, v); }
 
   Kernel& kernel;
   TetMesh& mesh;
@@ -76,15 +90,26 @@ struct Worker {
   std::vector<TetId> free_tets;
   std::vector<VertexId> free_vertices;
 
+  /// Makes sure that so many slots are there to be taken, before an operator writes anything. False: the mesh
+  /// is full, and the operator must refuse.
+  bool secure(std::size_t tets, std::size_t vertices) {
+    while (free_tets.size() < tets)
+      if (!take_tets()) return false;
+    while (free_vertices.size() < vertices)
+      if (!take_vertices()) return false;
+    return true;
+  }
+  /// A slot of those secured.
   TetId new_tet() {
-    if (free_tets.empty()) take_tets();
     const TetId t = free_tets.back();
     free_tets.pop_back();
     return t;
   }
+  /// A slot of those secured, claimed: a mark left over from the vertex that had the slot before may lead
+  /// another thread to it. Invalid while such a thread holds it.
   VertexId new_vertex() {
-    if (free_vertices.empty()) take_vertices();
     const VertexId v = free_vertices.back();
+    if (claims.claim_new(v) != Verdict::accepted) return {};
     free_vertices.pop_back();
     return v;
   }
@@ -99,13 +124,15 @@ struct Worker {
 
  private:
   static constexpr std::uint32_t kChunk = 64;
-  void take_tets() {
-    const std::uint32_t first = mesh.take_tet_slots(kChunk);
-    for (std::uint32_t i = kChunk; i-- > 0;) free_tets.push_back(TetId(first + i));
+  bool take_tets() {
+    const std::optional<std::uint32_t> first = mesh.try_take_tet_slots(kChunk);
+    for (std::uint32_t i = kChunk; first && i-- > 0;) free_tets.push_back(TetId(*first + i));
+    return first.has_value();
   }
-  void take_vertices() {
-    const std::uint32_t first = mesh.take_vertex_slots(kChunk);
-    for (std::uint32_t i = kChunk; i-- > 0;) free_vertices.push_back(VertexId(first + i));
+  bool take_vertices() {
+    const std::optional<std::uint32_t> first = mesh.try_take_vertex_slots(kChunk);
+    for (std::uint32_t i = kChunk; first && i-- > 0;) free_vertices.push_back(VertexId(*first + i));
+    return first.has_value();
   }
 };
 

@@ -4,11 +4,9 @@
 #include <cstdint>
 
 #include "meshing/kernel/tet_mesh.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::meshing {
-
-/// Tets worse than this are what the last stage of an adaptation repairs one by one.
-inline constexpr double kPoorQuality = 0.4;
 
 struct Nonconforming {
   std::uint64_t tets = 0;         ///< all, for comparison
@@ -27,7 +25,7 @@ struct NonconformingParts {
 };
 
 /// Counts all live tets and their edges. `flags`: any of these in a vertex's flags. Lengths by the judges'
-/// mean of both ends (edge_length_fast). `one_in`: a power of two: edges are counted only of every so manieth
+/// mean of both ends (edge_length_fast). `one_in`: a power of two: edges are counted only of every n-th
 /// vertex (the end with the smaller id), and the counts scaled up.
 /// Nobody may change the mesh meanwhile.
 NonconformingParts count_nonconforming(const TetMesh& mesh, std::uint8_t flags, std::uint32_t one_in = 1);

@@ -12,6 +12,13 @@
 
 namespace weft::meshing {
 
+/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the
+/// metric changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean
+/// mean is needed.
+/// `euclidean` judges shapes as they are: for the time before a coarse mesh has anything to do with the
+/// metric.
+enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
+
 /// Sum over the six edges of v.M.v for a tet whose edges from vertex 0 are e1, e2, e3.
 inline double sum_squared_lengths(const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
   const Vec m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
@@ -30,10 +37,11 @@ inline double fast_cbrt(double x) {
 }
 
 /// Mean ratio of a tet of positive six_volume in the mean of its four vertices' metrics, or any multiple of
-/// it: the measure does not depend on the metric's scale.
-inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, const Vec& e2, const Vec& e3) {
+/// it: the measure does not depend on the metric's scale. `det` is the metric's determinant.
+inline double mean_ratio(double six_volume, const SymTensor& m, double det, const Vec& e1, const Vec& e2,
+                         const Vec& e3) {
   const double v = six_volume * (1.0 / 6);
-  return kMeanRatioFactor * fast_cbrt(v * v * determinant(m)) / sum_squared_lengths(m, e1, e2, e3);
+  return kMeanRatioFactor * fast_cbrt(v * v * det) / sum_squared_lengths(m, e1, e2, e3);
 }
 
 /// The metric, up to scale, that the four tensors of a tet's vertices (metrics or logarithms, by the kind of
@@ -41,6 +49,13 @@ inline double mean_ratio(double six_volume, const SymTensor& m, const Vec& e1, c
 inline SymTensor mean_of_sum(MetricMean mean, const SymTensor& sum) {
   return mean == MetricMean::log_euclidean ? exp_fast(0.25 * sum) : sum;
 }
+/// The determinant of that mean: of an exponential it is known without rounding, from the trace.
+inline double determinant_of_mean(MetricMean kind, const SymTensor& sum, const SymTensor& mean) {
+  return kind == MetricMean::log_euclidean ? std::exp(0.25 * trace(sum)) : determinant_of_definite(mean);
+}
+
+/// No mean ratio is as large (the largest is 1, and rounding): what is not below has overflown.
+inline constexpr double kNoQuality = 2;
 
 /// A vertex as the judges see it: its place and the tensor that the kind of mean adds up.
 struct Corner {
@@ -51,24 +66,31 @@ inline const SymTensor& judge_tensor(MetricMean mean, const Metric& metric, cons
   static constexpr SymTensor kIdentity = {1, 0, 1, 0, 0, 1};
   return mean == MetricMean::arithmetic ? metric : mean == MetricMean::log_euclidean ? log_metric : kIdentity;
 }
-inline const SymTensor& judge_tensor(const TetMesh& mesh, VertexId v) {
-  return judge_tensor(mesh.metric_mean(), mesh.metric(v), mesh.log_metric(v));
+inline const SymTensor& judge_tensor(MetricMean mean, const TetMesh& mesh, VertexId v) {
+  return judge_tensor(mean, mesh.metric(v), mesh.log_metric(v));
 }
-inline Corner corner(const TetMesh& mesh, VertexId v) { return {mesh.point(v), judge_tensor(mesh, v)}; }
+inline Corner corner(MetricMean mean, const TetMesh& mesh, VertexId v) {
+  return {mesh.point(v), judge_tensor(mean, mesh, v)};
+}
 
-/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE.
+/// Mean ratio of tet (a,b,c,d), or -1 when it is not exactly POSITIVE or when its metrics have no mean that
+/// is positive definite in doubles: then nothing can be said of it.
 inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, const Corner& c,
                             const Corner& d) {
   const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
   if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
   const double volume = dot(cross(e1, e2), e3);
   if (!(volume > 0)) return 0;
-  return mean_ratio(volume, mean_of_sum(mean, a.tensor + b.tensor + c.tensor + d.tensor), e1, e2, e3);
+  const SymTensor sum = a.tensor + b.tensor + c.tensor + d.tensor, m = mean_of_sum(mean, sum);
+  const double det = determinant_of_mean(mean, sum, m);
+  if (!(det > 0)) return -1;
+  const double q = mean_ratio(volume, m, det, e1, e2, e3);
+  return q >= 0 && q < kNoQuality ? q : -1;
 }
 
-inline double judge_quality(const TetMesh& mesh, VertexId a, VertexId b, VertexId c, VertexId d) {
-  return judge_quality(mesh.metric_mean(), corner(mesh, a), corner(mesh, b), corner(mesh, c),
-                       corner(mesh, d));
+inline double judge_quality(MetricMean mean, const TetMesh& mesh, const TetVertices& v) {
+  return judge_quality(mean, corner(mean, mesh, v[0]), corner(mean, mesh, v[1]), corner(mean, mesh, v[2]),
+                       corner(mean, mesh, v[3]));
 }
 
 inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {

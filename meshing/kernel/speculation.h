@@ -10,34 +10,32 @@
 
 namespace weft::meshing {
 
+/// Whether operators may claim frozen vertices. `untouchable`: all around them stays as it is.
+enum class FrozenPolicy : std::uint8_t { claimable, untouchable };
+
 /// The vertices one thread holds. A claimed vertex, and every tet that contains one, is changed by nobody
-/// else; so its ball can be walked and all coordinates of claimed vertices can be read. Frozen vertices are
-/// never claimed.
+/// else; so its ball can be walked and all coordinates of claimed vertices can be read.
 class Claims {
  public:
   /// `owner` is unique among the threads that work on `mesh`, in 1 .. 0xFFFFFFFE. A `sole` owner works alone:
-  /// plain stores instead of compare-and-swap.
-  Claims(TetMesh& mesh, std::uint32_t owner, bool sole) : mesh_(mesh), owner_(owner), sole_(sole) {
+  /// plain stores instead of compare-and-swap. `frozen` must outlive the object and may change while it holds
+  /// nothing.
+  Claims(TetMesh& mesh, std::uint32_t owner, bool sole, const FrozenPolicy& frozen)
+      : mesh_(mesh), owner_(owner), sole_(sole), frozen_(frozen) {
     held_.reserve(512);
   }
 
-  /// accepted (held now, or already), conflict, or frozen (TetMesh::frozen_are_untouchable).
+  /// accepted (held now, or already), conflict, or frozen (FrozenPolicy::untouchable).
   Verdict claim(VertexId v) {
-    std::uint32_t& word = mesh_.claim_word(v);
-    std::atomic_ref ref(word);
-    std::uint32_t seen = ref.load(std::memory_order_relaxed);
+    const std::uint32_t seen = std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
     if (seen != TetMesh::kFree) return Verdict::conflict;
-    if (mesh_.frozen_are_untouchable() && mesh_.frozen(v)) return Verdict::frozen;
-    if (sole_) {
-      ref.store(owner_, std::memory_order_relaxed);
-    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
-                                            std::memory_order_relaxed)) {
-      return Verdict::conflict;
-    }
-    held_.push_back(v);
-    return Verdict::accepted;
+    if (frozen_ == FrozenPolicy::untouchable && mesh_.frozen(v)) return Verdict::frozen;
+    return take(v);
   }
+
+  /// Claims a free slot in which a vertex is about to be created.
+  Verdict claim_new(VertexId v) { return take(v); }
 
   /// Claims the four vertices of a tet; conflict also when the tet changed or died meanwhile.
   Verdict claim_tet(TetId t) {
@@ -60,9 +58,23 @@ class Claims {
   }
 
  private:
+  Verdict take(VertexId v) {
+    const std::atomic_ref ref(mesh_.claim_word(v));
+    std::uint32_t seen = TetMesh::kFree;
+    if (sole_) {
+      ref.store(owner_, std::memory_order_relaxed);
+    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
+                                            std::memory_order_relaxed)) {
+      return Verdict::conflict;
+    }
+    held_.push_back(v);
+    return Verdict::accepted;
+  }
+
   TetMesh& mesh_;
   std::uint32_t owner_;
   bool sole_;
+  const FrozenPolicy& frozen_;
   std::vector<VertexId> held_;
 };
 

@@ -5,19 +5,26 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 
 namespace weft::meshing {
 namespace {
 
-std::uint32_t take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count, std::size_t capacity,
-                         const char* what) {
-  const std::uint32_t first = next.fetch_add(count, std::memory_order_relaxed);
-  if (std::size_t{first} + count > capacity) {
-    next.fetch_sub(count, std::memory_order_relaxed);
-    throw std::length_error(std::string("the mesh has no room for more ") + what);
-  }
+/// The count is never raised beyond the capacity, not even for a moment: sweeps read it.
+std::optional<std::uint32_t> take_slots(std::atomic<std::uint32_t>& next, std::uint32_t count,
+                                        std::size_t capacity) {
+  std::uint32_t first = next.load(std::memory_order_relaxed);
+  do {
+    if (std::size_t{first} + count > capacity) return std::nullopt;
+  } while (!next.compare_exchange_weak(first, first + count, std::memory_order_relaxed));
   return first;
+}
+
+std::uint32_t granted(std::optional<std::uint32_t> first, std::size_t capacity, const char* what) {
+  if (!first)
+    throw std::length_error("the mesh has room for " + std::to_string(capacity) + " " + what + " only");
+  return *first;
 }
 
 /// Permutes one member of an array's elements: that of element i goes to element map[i].
@@ -59,12 +66,35 @@ TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pa
       surface_hints_(vertex_capacity, pages),
       claims_(vertex_capacity, pages) {}
 
+std::optional<std::uint32_t> TetMesh::try_take_vertex_slots(std::uint32_t count) {
+  const auto first = take_slots(vertex_slots_, count, vertex_capacity());
+  if (!first) is_full_.store(true, std::memory_order_relaxed);
+  return first;
+}
+
+std::optional<std::uint32_t> TetMesh::try_take_tet_slots(std::uint32_t count) {
+  const auto first = take_slots(tet_slots_, count, tet_capacity());
+  if (!first) is_full_.store(true, std::memory_order_relaxed);
+  return first;
+}
+
 std::uint32_t TetMesh::take_vertex_slots(std::uint32_t count) {
-  return take_slots(vertex_slots_, count, points_.capacity(), "vertices");
+  return granted(try_take_vertex_slots(count), vertex_capacity(), "vertices");
 }
 
 std::uint32_t TetMesh::take_tet_slots(std::uint32_t count) {
-  return take_slots(tet_slots_, count, tets_.capacity(), "tets");
+  return granted(try_take_tet_slots(count), tet_capacity(), "tets");
+}
+
+std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages) {
+  for (;;) {
+    try {
+      return std::make_unique<TetMesh>(wanted.vertices, wanted.tets, pages);
+    } catch (const NoAddressSpace&) {
+      if (wanted.vertices <= least.vertices && wanted.tets <= least.tets) throw;
+      wanted = {std::max(wanted.vertices / 2, least.vertices), std::max(wanted.tets / 2, least.tets)};
+    }
+  }
 }
 
 CurveId TetMesh::curve(VertexId a, VertexId b) const {

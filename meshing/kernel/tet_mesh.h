@@ -7,12 +7,14 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
 #include "meshing/base/stable_array.h"
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/vertex_kind.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/metric.h"
 
@@ -46,21 +48,18 @@ enum TetMark : std::uint8_t {
 /// changes.
 enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
 
-/// Mean of metrics. The arithmetic one is cheap and right where neighbours' metrics are alike; where the
-/// metric changes manifold within one tet the largest of the four would decide alone, and the log-Euclidean
-/// mean is needed.
-/// `euclidean` judges shapes as they are: for the time before a coarse mesh has anything to do with the
-/// metric.
-enum class MetricMean : std::uint8_t { arithmetic, log_euclidean, euclidean };
-
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
-/// the output. The highest bit is left to the caller.
+/// the output. kCaller...: not the kernel's; it carries them along and gives them to no vertex that it
+/// creates.
 enum VertexFlag : std::uint8_t {
   kFixed = 1,
   kListedRequired = 2,
   kListedCorner = 4,
   kOnCurved = 8,
-  kFrozen = 16
+  kFrozen = 16,
+  kCallerFirst = 32,
+  kCallerSecond = 64,
+  kCallerThird = 128
 };
 
 class TetMesh {
@@ -68,15 +67,23 @@ class TetMesh {
   static constexpr std::uint32_t kFree = 0;  ///< claim word of a vertex nobody holds
 
   /// Reserves address space (not memory) for that many entities. A small mesh does without huge pages, of
-  /// which each array takes at least one. Throws std::bad_alloc.
+  /// which each array takes at least one. Throws NoAddressSpace; see reserve_tet_mesh.
   TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages = Pages::huge);
 
   // --- sizes: slots, dead ones included ---
   std::uint32_t vertex_slots() const { return vertex_slots_.load(std::memory_order_relaxed); }
   std::uint32_t tet_slots() const { return tet_slots_.load(std::memory_order_relaxed); }
-  /// Takes `count` fresh slots for the calling thread; they are dead until written. Throws std::length_error.
+  /// Takes `count` fresh slots for the calling thread; they are dead until written. Nothing, and is_full()
+  /// from then on, where there is no room.
+  std::optional<std::uint32_t> try_take_vertex_slots(std::uint32_t count);
+  std::optional<std::uint32_t> try_take_tet_slots(std::uint32_t count);
+  /// The same for callers that know how many they need. Throws std::length_error.
   std::uint32_t take_vertex_slots(std::uint32_t count);
   std::uint32_t take_tet_slots(std::uint32_t count);
+  /// Whether slots have been asked for in vain.
+  bool is_full() const { return is_full_.load(std::memory_order_relaxed); }
+  std::size_t vertex_capacity() const { return points_.capacity(); }
+  std::size_t tet_capacity() const { return tets_.capacity(); }
 
   // --- tets ---
   bool alive(TetId t) const { return load(tets_[t.value].v[0]) != load(tets_[t.value].v[1]); }
@@ -112,18 +119,13 @@ class TetMesh {
   void set_patch(TetId t, int face, PatchId p) { patches_[t.value][face] = p.value + 1; }
   std::int32_t ref(TetId t) const { return tet_refs_[t.value]; }
   void set_ref(TetId t, std::int32_t r) { tet_refs_[t.value] = r; }
-  /// Cached mean ratio (quality.h), kept right by every operator.
+  /// Cached mean ratio (quality.h) in the mean that operators judge by (Kernel::policy); they keep it right.
   float quality(TetId t) const { return load(quality_[t.value]); }
   void set_quality(TetId t, float q) { store(quality_[t.value], q); }
   std::uint8_t marks(TetId t) const { return load(marks_[t.value]); }
   void mark(TetId t, std::uint8_t m) { set_bits(marks_[t.value], m); }
   /// Removes marks and says which of them were there.
   std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
-
-  /// How judges average the metrics of a tet's vertices. Change it only while no operator runs; cached
-  /// qualities are then stale.
-  MetricMean metric_mean() const { return metric_mean_; }
-  void set_metric_mean(MetricMean m) { metric_mean_ = m; }
 
   // --- vertices ---
   bool alive(VertexId v) const { return load(vertex_tets_[v.value]) != 0; }
@@ -179,9 +181,6 @@ class TetMesh {
   void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
   /// May be asked before v is claimed: no operator freezes, thaws or removes a frozen vertex.
   bool frozen(VertexId v) const { return load(flags_[v.value]) & kFrozen; }
-  /// Whether nobody can claim frozen vertices at present: then all around them stays as it is.
-  bool frozen_are_untouchable() const { return frozen_are_untouchable_; }
-  void set_frozen_are_untouchable(bool yes) { frozen_are_untouchable_ = yes; }  ///< not while operators run
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
@@ -222,8 +221,7 @@ class TetMesh {
   }
 
   std::atomic<std::uint32_t> vertex_slots_{0}, tet_slots_{0};
-  MetricMean metric_mean_ = MetricMean::arithmetic;
-  bool frozen_are_untouchable_ = false;
+  std::atomic<bool> is_full_{false};
   StableArray<Tet> tets_;
   StableArray<std::array<std::uint32_t, 4>> patches_;  // patch + 1, so that fresh memory means none
   StableArray<std::int32_t> tet_refs_;
@@ -240,5 +238,12 @@ class TetMesh {
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
 };
+
+struct Room {
+  std::size_t vertices, tets;
+};
+/// A mesh with room for so many entities, or, where the system does not grant the address space (ulimit -v,
+/// strict overcommit), for half as many, a quarter and so on down to `least`. Throws NoAddressSpace.
+std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages = Pages::huge);
 
 }  // namespace weft::meshing

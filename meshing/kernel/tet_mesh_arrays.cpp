@@ -55,7 +55,7 @@ TetMeshArrays to_arrays(const TetMesh& mesh) {
 
 std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_capacity,
                                      std::size_t tet_capacity, Pages pages) {
-  auto mesh = std::make_unique<TetMesh>(vertex_capacity, tet_capacity, pages);
+  auto mesh = reserve_tet_mesh({vertex_capacity, tet_capacity}, {a.points.size(), a.tets.size()}, pages);
   mesh->take_vertex_slots(static_cast<std::uint32_t>(a.points.size()));
   mesh->take_tet_slots(static_cast<std::uint32_t>(a.tets.size()));
   for (std::uint32_t i = 0; i < a.points.size(); ++i) {

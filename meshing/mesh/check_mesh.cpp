@@ -208,8 +208,50 @@ class FaceCheck {
   }
   std::uint64_t num_components() const { return components_.count(); }
 
+  std::uint64_t count_touching_edges() const {
+    std::vector<std::uint64_t> edges;
+    for_groups([&](Group group) {
+      if (group.size() != 1) return;
+      const Triangle v = group[0].vertices();  // ascending
+      for (const auto& [i, j] : {std::pair{0, 1}, {0, 2}, {1, 2}})
+        edges.push_back(std::uint64_t{v[static_cast<std::size_t>(i)]} << 32 | v[static_cast<std::size_t>(j)]);
+    });
+    tbb::parallel_sort(edges);
+    std::uint64_t touching = 0;
+    for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
+      while (next < edges.size() && edges[next] == edges[i]) ++next;
+      touching += next - i != 2;
+    }
+    return touching;
+  }
+
+  /// Sets of corners of tets that are joined around their vertex: one for each vertex where the mesh is a
+  /// manifold.
+  std::uint64_t count_balls() const {
+    Components corners(4 * mesh_.tets.size());
+    for_groups([&](Group group) {
+      for (const FaceRecord& face : group.subspan(1))
+        for (const std::uint32_t v : face.vertices())
+          corners.unite(corner_of(group[0].tet(), v), corner_of(face.tet(), v));
+    });
+    return corners.count();
+  }
+
  private:
   using Group = std::span<const FaceRecord>;
+
+  template <class Visit>
+  void for_groups(const Visit& visit) const {
+    for (std::size_t i = 0, next = 0; i < faces_.size(); i = next) {
+      while (next < faces_.size() && faces_[next].same_face(faces_[i])) ++next;
+      visit(Group(&faces_[i], next - i));
+    }
+  }
+
+  std::uint32_t corner_of(std::uint32_t tet, std::uint32_t vertex) const {
+    const auto at = std::ranges::find(mesh_.tets[tet], vertex) - mesh_.tets[tet].begin();
+    return 4 * tet + static_cast<std::uint32_t>(at);
+  }
 
   /// The groups that start in [begin, end).
   void check_groups(std::size_t begin, std::size_t end, Problems& found) {
@@ -432,6 +474,8 @@ CheckReport check_mesh(const MeshData& mesh, int max_problems) {
     edges.report(problems);
     sum_sizes(mesh, report);
     report.unreferenced_points = count_unreferenced(mesh);
+    report.touching_edges = faces.count_touching_edges();
+    report.touching_vertices = faces.count_balls() - (mesh.points.size() - report.unreferenced_points);
   }
   report.num_problems = problems.count();
   report.problems = problems.take();

@@ -19,9 +19,10 @@ namespace weft::meshing {
 /// that lie on its two sides; every face of one tet, and every face between tets of different references, has
 /// exactly one triangle; every triangle is the face of a tet; no duplicate triangles; edges are edges of
 /// triangles or tets. The triangles of every component's boundary then form a closed surface, because the
-/// boundary of a set of tets has no boundary itself. Sums volumes and areas with compensated summation, so
-/// that comparisons at 1e-9 mean something. Multithreaded on TBB (in the caller's arena); 70 bytes a tet of
-/// temporaries.
+/// boundary of a set of tets has no boundary itself, but it may touch itself at edges and vertices: that is
+/// counted, and no problem of a mesh alone, for domains may be so (two cells of a chessboard). Sums volumes
+/// and areas with compensated summation, so that comparisons at 1e-9 mean something. Multithreaded on TBB (in
+/// the caller's arena); 90 bytes a tet of temporaries.
 CheckReport check_mesh(const MeshData& mesh, int max_problems = 20);
 
 /// The first of these checks alone, up to the lists being in range.

@@ -17,8 +17,10 @@ MassMatrix::MassMatrix(const MeshData& mesh)
     const auto row = neighbours_.of(v);
     for (const std::uint32_t t : tets.of(v)) {
       const auto& tet = mesh.tets[t];
-      const double volume =
-          six_volume(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]) / 6;
+      // A tet that is exactly positive may compute a negative volume.
+      const double volume = std::max(
+          0.0,
+          six_volume(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]) / 6);
       lumped_[v] += volume / 4;
       diagonal_[v] += volume / 10;
       for (const std::uint32_t w : tet) {

@@ -5,16 +5,18 @@
 #include <limits>
 
 #include "meshing/geometry/curved_triangle.h"
+#include "meshing/mesh/predicates.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::meshing {
 namespace {
 
 /// Negative coordinates set to zero and the rest scaled to sum to one: the closest simplex feature, nearly.
+/// The middle where none is positive.
 std::array<double, 4> clamped(std::array<double, 4> l) {
   double sum = 0;
   for (double& x : l) sum += x = std::max(x, 0.0);
-  for (double& x : l) x /= sum;
+  for (double& x : l) x = sum > 0 ? x / sum : 0.25;
   return l;
 }
 
@@ -29,12 +31,27 @@ Background::Barycentric Background::barycentric(std::uint32_t tet, const Point& 
               &d = mesh_.points[v[3]];
   const Vec u = b - a, w = c - a, z = d - a, q = p - a;
   const Vec wz = cross(w, z), uq = cross(u, q);
-  const double inverse = 1 / dot(u, wz);
+  const double det = dot(u, wz);
+  if (!(det > std::numeric_limits<double>::min())) return barycentric_in_flat(tet, p);
+  const double inverse = 1 / det;
   Barycentric l;
   l[1] = dot(q, wz) * inverse;
   l[2] = dot(uq, z) * inverse;
   l[3] = -dot(uq, w) * inverse;
   l[0] = 1 - l[1] - l[2] - l[3];
+  return l;
+}
+
+/// A tet that is positive exactly but not in doubles. Beyond one of its faces: -1 there, so that a walk goes
+/// on; otherwise its vertex nearest to `p`.
+Background::Barycentric Background::barycentric_in_flat(std::uint32_t tet, const Point& p) const {
+  std::array<Point, 4> x;
+  for (int i = 0; i < 4; ++i) x[i] = mesh_.points[mesh_.tets[tet][i]];
+  Barycentric l{};
+  const auto nearest = std::ranges::min_element(x, {}, [&](const Point& q) { return norm2(q - p); });
+  l[static_cast<std::size_t>(nearest - x.begin())] = 1;
+  for (int f = 0; f < 4; ++f)
+    if (orientation(x[kTetFaces[f][0]], x[kTetFaces[f][1]], x[kTetFaces[f][2]], p) < 0) l[f] -= 1;
   return l;
 }
 

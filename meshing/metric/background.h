@@ -56,6 +56,7 @@ class Background {
 
  private:
   Barycentric barycentric(std::uint32_t tet, const Point& p) const;
+  Barycentric barycentric_in_flat(std::uint32_t tet, const Point& p) const;
   bool walk(const Point& p, std::uint32_t& tet, Barycentric& l) const;
   Point closest_in(std::uint32_t tet, const Point& p) const;
   std::uint32_t search_everywhere(const Point& p) const;

@@ -1,4 +1,6 @@
 // Sizes from the curvature of the boundary.
+#include "meshing/metric/curvature_metric.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,7 +8,6 @@
 
 #include "meshing/base/parallel.h"
 #include "meshing/geometry/surface.h"
-#include "meshing/metric/boundary_metric.h"
 
 namespace weft::meshing {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -12,13 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/assert.h"
 #include "meshing/base/lanes.h"
 #include "meshing/base/parallel.h"
 
 namespace weft::meshing {
 namespace {
 
-constexpr int kMaxSweeps = 50;
 constexpr double kTolerance = 1e-3;
 
 /// Positive definite by its Cholesky factors: backward stable, where minors by expansion drown in rounding at
@@ -224,8 +223,11 @@ int grade(const MeshData& mesh, const VertexLists& neighbours, double beta, LogM
   std::vector<Metric> metrics(field.size());
   for_each_index(field.size(), [&](std::size_t i) { metrics[i] = exp_fast(field[i]); });
   Grading<Growth> grading(mesh, neighbours, Growth(beta, field.size()), metrics);
+  // A demand travels one edge a sweep and weakens on the way, so that none passes a vertex twice (Bellman and
+  // Ford's argument, exact for isotropic sizes). Intersections of anisotropic ones may need a few more.
+  const std::size_t most = field.size() + 50;
   int sweeps = 0;
-  while (sweeps < kMaxSweeps && grading.sweep()) ++sweeps;
+  while (static_cast<std::size_t>(sweeps) < most && grading.sweep()) ++sweeps;
   for_each_index(field.size(), [&](std::size_t i) {
     if (grading.ever_changed(i)) field[i] = log_of(metrics[i]);
   });
@@ -240,7 +242,7 @@ Gradation::Gradation(const MeshData& mesh, double beta, GradationSpace space)
 }
 
 int Gradation::limit(LogMetricField& field) const {
-  assert(field.size() == mesh_.points.size());
+  WEFT_ASSERT_LIGHT(field.size() == mesh_.points.size(), "one metric a vertex");
   if (!(beta_ > 1)) return 0;
   return space_ == GradationSpace::metric ? grade<MetricSpaceGrowth>(mesh_, neighbours_, beta_, field)
                                           : grade<MixedSpaceGrowth>(mesh_, neighbours_, beta_, field);

@@ -2,9 +2,9 @@
 #include "meshing/metric/hessian.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cstdint>
 
+#include "meshing/base/assert.h"
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/metric/quadratic_fit.h"
@@ -23,9 +23,12 @@ class Ball {
   void start(std::uint32_t centre) { vertices_.assign(1, centre); }
   /// One edge wider; false when there is nothing more to reach.
   bool grow(const VertexLists& neighbours) {
+    const std::uint32_t centre = vertices_.size() == 1 ? vertices_[0] : kNone;
     wider_ = vertices_;
     for (const std::uint32_t v : vertices_) {
       const auto more = neighbours.of(v);
+      // All the balls of a hub's k neighbours would have k vertices: k^2 in all. They do without it.
+      if (v != centre && more.size() > kMostNeighbours) continue;
       wider_.insert(wider_.end(), more.begin(), more.end());
     }
     std::sort(wider_.begin(), wider_.end());
@@ -36,6 +39,8 @@ class Ball {
   std::span<const std::uint32_t> vertices() const { return vertices_; }
 
  private:
+  static constexpr std::size_t kMostNeighbours = 256;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
   std::vector<std::uint32_t> vertices_, wider_;
 };
 
@@ -183,7 +188,7 @@ std::vector<SymTensor> project_hessians(const MeshData& mesh, std::span<const do
 
 std::vector<SymTensor> recover_hessians(const MeshData& mesh, std::span<const double> values,
                                         HessianRecovery recovery) {
-  assert(values.size() == mesh.points.size());
+  WEFT_ASSERT_LIGHT(values.size() == mesh.points.size(), "one value a vertex");
   return recovery == HessianRecovery::least_squares ? fit_hessians(mesh, values)
                                                     : project_hessians(mesh, values);
 }

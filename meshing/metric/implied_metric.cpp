@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
-#include "meshing/metric/boundary_metric.h"
+#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {
@@ -31,31 +33,55 @@ LogMetric log_metric_of_tet(const Vec& u, const Vec& v, const Vec& w, double six
   return log_of({product(x, x), product(x, y), product(y, y), product(x, z), product(y, z), product(z, z)});
 }
 
+bool is_finite(const LogMetric& l) { return std::isfinite(l.xx + l.xy + l.yy + l.xz + l.yz + l.zz); }
+
+/// Vertices that have nothing but flat tets take the mean of those of their neighbours that have a metric.
+void fill_from_neighbours(const MeshData& mesh, const VertexLists& tets_at, std::vector<std::uint8_t>& found,
+                          LogMetricField& field) {
+  for (std::size_t vertex = 0; vertex < field.size(); ++vertex) {
+    if (found[vertex]) continue;
+    LogMetric sum;
+    double count = 0;
+    for (const std::uint32_t t : tets_at.of(vertex))
+      for (const std::uint32_t v : mesh.tets[t]) {
+        if (!found[v]) continue;
+        sum = sum + field[v];
+        ++count;
+      }
+    if (count > 0) field[vertex] = (1 / count) * sum;
+  }
+}
+
 }  // namespace
 
 LogMetricField implied_metric(const MeshData& mesh) {
   const VertexLists tets_at = vertex_tets(mesh.tets, mesh.points.size());
   const auto& p = mesh.points;
-  const auto six_volumes = [&](std::size_t t) {
+  const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
     const auto& [a, b, c, d] = mesh.tets[t];
-    return six_volume(p[a], p[b], p[c], p[d]);
-  };
-  const std::size_t flat = find_first(mesh.tets.size(), [&](std::size_t t) { return !(six_volumes(t) > 0); });
-  if (flat < mesh.tets.size())
-    throw InputError("", "tet " + std::to_string(flat + 1), "has no volume or is inverted, so no metric");
+    return orientation(p[a], p[b], p[c], p[d]) <= 0;
+  });
+  if (bad < mesh.tets.size())
+    throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted, so no metric");
   LogMetricField field(p.size(), identity_tensor(-2 * std::log(largest_size(mesh))));
+  std::vector<std::uint8_t> found(p.size(), 0);
   for_each_index(field.size(), [&](std::size_t vertex) {
-    if (tets_at.of(vertex).empty()) return;
     LogMetric sum;
     double weight = 0;
     for (const std::uint32_t t : tets_at.of(vertex)) {
       const auto& [a, b, c, d] = mesh.tets[t];
-      const double volume = six_volumes(t);
-      sum = sum + volume * log_metric_of_tet(p[b] - p[a], p[c] - p[a], p[d] - p[a], volume);
+      const double volume = six_volume(p[a], p[b], p[c], p[d]);
+      if (!(volume > 0)) continue;
+      const LogMetric of_tet = log_metric_of_tet(p[b] - p[a], p[c] - p[a], p[d] - p[a], volume);
+      if (!is_finite(of_tet)) continue;  // too flat for doubles
+      sum = sum + volume * of_tet;
       weight += volume;
     }
+    if (!(weight > 0)) return;
     field[vertex] = (1 / weight) * sum;
+    found[vertex] = 1;
   });
+  fill_from_neighbours(mesh, tets_at, found, field);
   return field;
 }
 

@@ -6,11 +6,11 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "meshing/base/assert.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/measure_totals.h"
@@ -57,7 +57,8 @@ std::vector<double> densities_of(std::span<const LogMetric> log_metrics) {
 /// vertex has to be kept.
 double tet_complexity(const Tet& tet, std::span<const Point> points, const std::vector<double>& densities) {
   const auto& [a, b, c, d] = tet;
-  return 0.25 * tet_volume(tet, points) * (densities[a] + densities[b] + densities[c] + densities[d]);
+  const double volume = std::max(0.0, tet_volume(tet, points));  // a flat one may compute a negative volume
+  return 0.25 * volume * (densities[a] + densities[b] + densities[c] + densities[d]);
 }
 
 std::vector<Metric> metrics_of(std::span<const LogMetric> log_metrics) {
@@ -182,7 +183,7 @@ void Histogram::add(double value) {
 }
 
 Histogram& Histogram::operator+=(const Histogram& other) {
-  assert(counts.size() == other.counts.size());
+  WEFT_ASSERT_LIGHT(counts.size() == other.counts.size(), "histograms of the same intervals");
   for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
   below += other.below;
   above += other.above;
@@ -203,7 +204,7 @@ double mean_ratio(const std::array<Point, 4>& points, const std::array<LogMetric
 }
 
 Measures measure(const MeshData& mesh, std::span<const LogMetric> log_metrics) {
-  assert(log_metrics.size() == mesh.points.size());
+  WEFT_ASSERT_LIGHT(log_metrics.size() == mesh.points.size(), "one value a vertex");
   Measures m;
   m.num_vertices = mesh.points.size();
   m.num_tets = mesh.tets.size();
@@ -222,7 +223,7 @@ ShapeMeasures measure_shape(const MeshData& mesh) {
 }
 
 double complexity(const MeshData& mesh, std::span<const LogMetric> log_metrics) {
-  assert(log_metrics.size() == mesh.points.size());
+  WEFT_ASSERT_LIGHT(log_metrics.size() == mesh.points.size(), "one value a vertex");
   struct Sum {
     double value = 0;
     Sum& operator+=(const Sum& o) { return value += o.value, *this; }

@@ -29,9 +29,21 @@ inline SymTensor operator*(double s, const SymTensor& a) {
 inline SymTensor identity_tensor(double d = 1) { return {d, 0, d, 0, 0, d}; }
 
 inline double trace(const SymTensor& a) { return a.xx + a.yy + a.zz; }
+/// By expansion: for tensors that may be indefinite.
 inline double determinant(const SymTensor& a) {
   return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
          a.xz * (a.xy * a.yz - a.yy * a.xz);
+}
+/// Determinant of a positive definite tensor: the first pivot times the minor of what is left, two steps of
+/// elimination with one division. The relative error is about eps times the condition number, that of an
+/// expansion eps times its square: all digits at sizes of 1:1e4. Not positive, or not finite: the tensor is
+/// not definite as far as doubles show. `T` is SymTensor or TensorLanes.
+template <class T>
+auto determinant_of_definite(const T& a) {
+  const auto inverse = 1 / a.xx;
+  const auto xy = a.xy * inverse, xz = a.xz * inverse;
+  const auto yy = a.yy - xy * a.xy, yz = a.yz - xy * a.xz, zz = a.zz - xz * a.xz;
+  return a.xx * (yy * zz - yz * yz);
 }
 inline Vec apply(const SymTensor& m, const Vec& v) {
   return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,

@@ -4,10 +4,11 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "meshing/base/assert.h"
+#include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/metric/measures.h"
@@ -142,7 +143,7 @@ LogMetricField metric_from_solution(const SolutionData& solution, std::size_t nu
                      "metric of another mesh: it has " + std::to_string(solution.num_points) +
                          " vertices, the mesh " + std::to_string(num_points));
   const Field& field = find_metric(solution, file);
-  assert(field.values.size() == num_points * components(field.kind));
+  WEFT_ASSERT_LIGHT(field.values.size() == num_points * components(field.kind), "one value a vertex");
   const std::size_t bad = find_first(num_points, [&](std::size_t i) { return !is_metric(field, i); });
   if (bad < num_points)
     throw InputError(file, "vertex " + std::to_string(bad + 1), reason_against(field, bad, num_points));
@@ -164,6 +165,13 @@ SolutionData solution_from_metric(std::span<const LogMetric> log_metrics) {
     std::copy(six.begin(), six.end(), &values[6 * i]);
   });
   return solution;
+}
+
+double largest_size(const MeshData& mesh) {
+  Box box;
+  for (const Point& p : mesh.points) box.include(p);
+  const double diagonal = mesh.points.empty() ? 0 : norm(box.size());
+  return diagonal > 0 ? diagonal : 1;
 }
 
 LogMetricField sample(const AnalyticMetric& metric, const MeshData& mesh) {
@@ -211,7 +219,7 @@ void limit_aspect(double ratio, LogMetricField& field) {
 }
 
 void intersect_with(const LogMetricField& other, LogMetricField& field) {
-  assert(other.size() == field.size());
+  WEFT_ASSERT_LIGHT(other.size() == field.size(), "one value a vertex");
   for_each_index(field.size(), [&](std::size_t i) {
     field[i] = log_of(intersect(exp_exact(field[i]), exp_exact(other[i])));
   });

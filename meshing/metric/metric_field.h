@@ -28,6 +28,9 @@ LogMetricField metric_from_solution(const SolutionData& solution, std::size_t nu
 /// The other way: a tensor field to write.
 SolutionData solution_from_metric(std::span<const LogMetric> log_metrics);
 
+/// The size where nothing is asked for: the diagonal of the mesh's bounding box, 1 for a mesh without any.
+double largest_size(const MeshData& mesh);
+
 LogMetricField sample(const AnalyticMetric& metric, const MeshData& mesh);
 
 /// M <- (target/C)^(2/3) M, so that the complexity on `mesh` becomes `target`.

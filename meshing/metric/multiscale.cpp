@@ -2,9 +2,9 @@
 #include "meshing/metric/multiscale.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 
+#include "meshing/base/assert.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
@@ -65,7 +65,7 @@ void check_finite(std::span<const double> values, const std::string& file, const
 
 LogMetricField multiscale_metric(const MeshData& mesh, std::span<const double> values,
                                  const MultiscaleOptions& options) {
-  assert(values.size() == mesh.points.size());
+  WEFT_ASSERT_LIGHT(values.size() == mesh.points.size(), "one value a vertex");
   if (!(options.norm >= 1)) throw InputError("", "norm", "is below 1");
   check_finite(values, "", "");
   const std::vector<SymTensor> hessians = recover_hessians(mesh, scaled_to_one(values), options.recovery);

@@ -1,4 +1,6 @@
 // First layers at walls: distances and directions from the nearest wall triangle.
+#include "meshing/metric/wall_metric.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,7 +10,6 @@
 #include "meshing/base/parallel.h"
 #include "meshing/geometry/closest_tree.h"
 #include "meshing/geometry/curved_triangle.h"
-#include "meshing/metric/boundary_metric.h"
 
 namespace weft::meshing {
 namespace {
@@ -120,13 +121,6 @@ class Walls {
 };
 
 }  // namespace
-
-double largest_size(const MeshData& mesh) {
-  Box box;
-  for (const Point& p : mesh.points) box.include(p);
-  const double diagonal = mesh.points.empty() ? 0 : norm(box.size());
-  return diagonal > 0 ? diagonal : 1;
-}
 
 LogMetricField wall_metric(const MeshData& mesh, const WallOptions& options) {
   check(options, mesh);

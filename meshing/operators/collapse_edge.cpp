@@ -2,11 +2,25 @@
 #include "meshing/operators/collapse_edge.h"
 
 #include <algorithm>
+#include <span>
 
+#include "meshing/base/assert.h"
+#include "meshing/operators/check_cavity.h"
 #include "meshing/operators/surface_fit.h"
 
 namespace weft::meshing {
 namespace {
+
+/// What a collapse does: the ball's centre goes to `kept`.
+struct CollapsePlan {
+  const Ball& ball;
+  VertexId kept;
+  EdgeClass edge;                          ///< of the boundary, if the centre lies there
+  std::span<const float> qualities;        ///< of the ball's tets afterwards; negative for those that vanish
+  std::span<const Neighbour> short_edges;  ///< new ones at `kept`
+
+  VertexId removed() const { return ball.centre; }
+};
 
 /// May `removed` go to the other end of the edge without losing a corner, ridge, patch or interface?
 Verdict judge_classification(const Worker& w, const EdgeClass& edge, VertexId removed) {
@@ -36,6 +50,39 @@ void link_edges_in(const TetMesh& mesh, const Ball& ball, VertexId other, const 
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+}
+
+/// Calls visit(x, y) for the two other vertices of every face of the ball that lies on a patch and at its
+/// centre.
+template <class Visit>
+void for_patch_faces(const TetMesh& mesh, const Ball& ball, Visit visit) {
+  for (const auto& [t, local] : ball.tets)
+    for (int f = 0; f < 4; ++f) {
+      if (f == local || !mesh.patch(t, f).valid()) continue;
+      const int i = (f + 1) % 4 == local ? (f + 2) % 4 : (f + 1) % 4, j = 6 - f - local - i;
+      visit(mesh.vertex(t, i), mesh.vertex(t, j));
+    }
+}
+
+/// The boundary's part of the link condition, for the surface that boundary and interfaces are: a vertex that
+/// surface edges join to both ends must do so across a surface triangle of all three. Otherwise the two edges
+/// become one with four surface triangles, and the body hangs together by an edge there. Both balls are
+/// gathered; `across` and `joined` are scratch.
+bool pinches_surface(const Worker& w, VertexId removed, VertexId kept, SmallSet& across, SmallSet& joined) {
+  across.clear();
+  joined.clear();
+  for_patch_faces(w.mesh, w.ball, [&](VertexId x, VertexId y) {
+    if (x == kept || y == kept)
+      across.insert((x == kept ? y : x).value);
+    else
+      for (const VertexId v : {x, y}) joined.insert(v.value);
+  });
+  bool pinches = false;
+  for_patch_faces(w.mesh, w.other_ball, [&](VertexId x, VertexId y) {
+    if (x == removed || y == removed) return;
+    for (const VertexId v : {x, y}) pinches |= joined.contains(v.value) && !across.contains(v.value);
+  });
+  return pinches;
 }
 
 /// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are
@@ -72,7 +119,7 @@ Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
     if (std::binary_search(of_kept.begin(), of_kept.end(), e) &&
         std::find(shell_edges.begin(), shell_edges.end(), e) == shell_edges.end())
       return Verdict::breaks_topology;
-  return Verdict::accepted;
+  return pinches_surface(w, removed, kept, link, ring) ? Verdict::breaks_topology : Verdict::accepted;
 }
 
 /// The longest edge at the centre of the gathered ball.
@@ -88,8 +135,10 @@ double longest_spoke(Worker& w) {
   return longest;
 }
 
-/// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring.
-Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
+/// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring. The short
+/// ones are listed in `plan`.
+Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
+  const VertexId kept = plan.kept;
   const TetMesh& mesh = w.mesh;
   const double longest = goal == CollapseGoal::quality
                              ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
@@ -107,18 +156,20 @@ Verdict judge_lengths(Worker& w, VertexId kept, CollapseGoal goal) {
         if (length > longest) return Verdict::too_long;
         if (length < w.kernel.limits.short_edge) w.short_edges.push_back({mesh.vertex(t, i), length});
       }
+  plan.short_edges = w.short_edges;
   return Verdict::accepted;
 }
 
-/// Qualities of the tets with `kept` in the place of `removed`, into w.qualities (-1 where the tet vanishes).
-Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
+/// Qualities of the tets with `kept` in the place of `removed`, for `plan`.
+Verdict judge_qualities(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
+  const VertexId kept = plan.kept;
   const TetMesh& mesh = w.mesh;
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
   const double enough = goal == CollapseGoal::quality
                             ? std::max(1.1 * old_worst, old_worst + 1e-3)
                             : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
-  const Corner k = corner(mesh, kept);
+  const Corner k = w.corner(kept);
   w.qualities.clear();
   for (const auto& [t, local] : w.ball.tets) {
     if (mesh.local_index(t, kept) >= 0) {
@@ -126,12 +177,13 @@ Verdict judge_qualities(Worker& w, VertexId kept, CollapseGoal goal) {
       continue;
     }
     const auto& f = kTetFaces[local];
-    const double q = judge_quality(mesh.metric_mean(), corner(mesh, mesh.vertex(t, f[0])),
-                                   corner(mesh, mesh.vertex(t, f[1])), corner(mesh, mesh.vertex(t, f[2])), k);
+    const double q = judge_quality(w.mean(), w.corner(mesh.vertex(t, f[0])), w.corner(mesh.vertex(t, f[1])),
+                                   w.corner(mesh.vertex(t, f[2])), k);
     if (q < 0) return Verdict::inverts;
     if (q < enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(q));
   }
+  plan.qualities = w.qualities;
   return Verdict::accepted;
 }
 
@@ -194,70 +246,78 @@ void close_gap(Worker& w, TetId t, int removed_local, int kept_local) {
     if (i != removed_local) mesh.set_tet_of(mesh.vertex(t, i), home);
 }
 
-void keep_feature(Worker& w, const EdgeClass& edge, VertexId removed, VertexId kept) {
-  TetMesh& mesh = w.mesh;
-  if (edge.kind != VertexKind::ridge) return;
-  for (const auto& [t, local] : w.ball.tets)
+void keep_feature(TetMesh& mesh, const CollapsePlan& plan) {
+  if (plan.edge.kind != VertexKind::ridge) return;
+  for (const auto& [t, local] : plan.ball.tets)
     for (int i = 0; i < 4; ++i) {
       const VertexId v = mesh.vertex(t, i);
-      if (i == local || v == kept || !mesh.curve(removed, v).valid()) continue;
-      mesh.set_curve(removed, v, CurveId());
-      mesh.set_curve(kept, v, edge.curve);
+      if (i == local || v == plan.kept || !mesh.curve(plan.removed(), v).valid()) continue;
+      mesh.set_curve(plan.removed(), v, CurveId());
+      mesh.set_curve(plan.kept, v, plan.edge.curve);
     }
-  mesh.set_curve(removed, kept, CurveId());
+  mesh.set_curve(plan.removed(), plan.kept, CurveId());
 }
 
-void commit(Worker& w, VertexId removed, VertexId kept, const EdgeClass& edge) {
+void commit(Worker& w, const CollapsePlan& plan) {
   TetMesh& mesh = w.mesh;
-  keep_feature(w, edge, removed, kept);
-  for (const auto& [t, local] : w.ball.tets)
+  const VertexId kept = plan.kept;
+  keep_feature(mesh, plan);
+  for (const auto& [t, local] : plan.ball.tets)
     if (const int k = mesh.local_index(t, kept); k >= 0) close_gap(w, t, local, k);
-  TetId last;
-  for (std::size_t i = 0; i < w.ball.tets.size(); ++i) {
-    const auto [t, local] = w.ball.tets[i];
-    if (w.qualities[i] < 0) continue;
+  for (std::size_t i = 0; i < plan.ball.tets.size(); ++i) {
+    const auto [t, local] = plan.ball.tets[i];
+    if (plan.qualities[i] < 0) continue;
     mesh.set_vertex(t, local, kept);
-    mesh.set_quality(t, w.qualities[i]);
+    mesh.set_quality(t, plan.qualities[i]);
     mesh.mark(t, kAllTetMarks);
     for (const VertexId v : mesh.vertices(t)) {
       mesh.set_tet_of(v, t);
       mesh.touch(v);
     }
   }
-  for (std::size_t i = 0; i < w.ball.tets.size(); ++i)
-    if (w.qualities[i] < 0) w.free(w.ball.tets[i].tet);
-  w.free(removed);
-  for (const Neighbour& n : w.short_edges) {
+  for (std::size_t i = 0; i < plan.ball.tets.size(); ++i)
+    if (plan.qualities[i] < 0) w.free(plan.ball.tets[i].tet);
+  w.free(plan.removed());
+  for (const Neighbour& n : plan.short_edges) {
     mesh.mark(n.vertex, kCheckShort);
     mesh.mark(kept, kCheckShort);
   }
 }
 
+/// How the edge from the centre of the gathered ball to `kept` lies in the boundary.
+Verdict classify_edge(Worker& w, CollapsePlan& plan) {
+  const auto at = std::ranges::find_if(
+      plan.ball.tets, [&](const Ball::Entry& e) { return w.mesh.local_index(e.tet, plan.kept) >= 0; });
+  const Verdict r = gather_shell(w.mesh, w.claims, at->tet, plan.removed(), plan.kept, w.shell);
+  if (r == Verdict::accepted) plan.edge = classify(w.mesh, w.shell);
+  return r;
+}
+
+/// Accepted: `plan` is complete.
+Verdict judge(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
+  const VertexId removed = plan.removed(), kept = plan.kept;
+  const bool boundary = w.mesh.kind(removed) != VertexKind::interior;
+  if (boundary)
+    if (const Verdict r = classify_edge(w, plan); r != Verdict::accepted) return r;
+  if (const Verdict r = judge_classification(w, plan.edge, removed); r != Verdict::accepted) return r;
+  if (lies_down(w.mesh, w.ball, kept)) return Verdict::breaks_topology;
+  if (const Verdict r = judge_lengths(w, goal, plan); r != Verdict::accepted) return r;
+  if (const Verdict r = judge_qualities(w, goal, plan); r != Verdict::accepted) return r;
+  if (!boundary) return Verdict::accepted;
+  if (const Verdict r = judge_topology(w, removed, kept, plan.edge); r != Verdict::accepted) return r;
+  if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
+  return judge_link(w, removed, kept);
+}
+
 }  // namespace
 
-Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal) {
-  TetMesh& mesh = w.mesh;
-  const VertexId removed = w.ball.centre;
-  EdgeClass edge;
-  const bool boundary = mesh.kind(removed) != VertexKind::interior;
-  if (boundary) {
-    const auto at = std::find_if(w.ball.tets.begin(), w.ball.tets.end(),
-                                 [&](const Ball::Entry& e) { return mesh.local_index(e.tet, kept) >= 0; });
-    const TetId t = at->tet;
-    if (const Verdict r = gather_shell(mesh, w.claims, t, removed, kept, w.shell); r != Verdict::accepted)
-      return r;
-    edge = classify(mesh, w.shell);
-  }
-  if (const Verdict r = judge_classification(w, edge, removed); r != Verdict::accepted) return r;
-  if (lies_down(mesh, w.ball, kept)) return Verdict::breaks_topology;
-  if (const Verdict r = judge_lengths(w, kept, goal); r != Verdict::accepted) return r;
-  if (const Verdict r = judge_qualities(w, kept, goal); r != Verdict::accepted) return r;
-  if (boundary) {
-    if (const Verdict r = judge_topology(w, removed, kept, edge); r != Verdict::accepted) return r;
-    if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
-    if (const Verdict r = judge_link(w, removed, kept); r != Verdict::accepted) return r;
-  }
-  commit(w, removed, kept, edge);
+Verdict collapse_edge(Worker& w, VertexId removed, VertexId kept, CollapseGoal goal) {
+  WEFT_ASSERT_LIGHT(w.ball.centre == removed, "the ball of the removed vertex has been gathered");
+  CollapsePlan plan{w.ball, kept, {}, {}, {}};
+  const Verdict r = judge(w, goal, plan);
+  if (r != Verdict::accepted) return r;
+  commit(w, plan);
+  check_cavity(w, kept);
   return Verdict::accepted;
 }
 

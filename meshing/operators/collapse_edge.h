@@ -11,9 +11,9 @@ enum class CollapseGoal {
   quality,  ///< the worst tet of the ball must become better
 };
 
-/// Collapses `w.ball.centre`, whose ball has been gathered, into its neighbour `kept`. The removed vertex
+/// Collapses `removed`, whose ball has been gathered in w.ball, into its neighbour `kept`. The removed vertex
 /// must be free to go that way: along its curve, along its patch, or anywhere from the interior. All touched
 /// vertices stay claimed; the caller releases.
-Verdict collapse_edge(Worker& w, VertexId kept, CollapseGoal goal);
+Verdict collapse_edge(Worker& w, VertexId removed, VertexId kept, CollapseGoal goal);
 
 }  // namespace weft::meshing

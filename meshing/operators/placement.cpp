@@ -1,6 +1,7 @@
 // The allowed space of a vertex and the bookkeeping of a move.
 #include "meshing/operators/placement.h"
 
+#include "meshing/operators/check_cavity.h"
 #include "meshing/operators/surface_fit.h"
 
 namespace weft::meshing {
@@ -79,8 +80,9 @@ bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target,
   return true;
 }
 
-void commit_move(Worker& w, VertexId v, const MovedVertex& moved) {
+void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::span<const float> qualities) {
   TetMesh& mesh = w.mesh;
+  const VertexId v = ball.centre;
   const Limits& limits = w.kernel.limits;
   // A short step hardly changes what is best for the neighbours: only a long one calls them up again.
   const bool far = squared_length(moved.metric, moved.x - mesh.point(v)) > limits.far_step * limits.far_step;
@@ -89,9 +91,9 @@ void commit_move(Worker& w, VertexId v, const MovedVertex& moved) {
   mesh.set_background_hint(v, moved.background_hint);
   mesh.set_surface_hint(v, moved.surface_hint);
   w.vertices_seen.clear();
-  for (std::size_t i = 0; i < w.ball.tets.size(); ++i) {
-    const auto [t, local] = w.ball.tets[i];
-    mesh.set_quality(t, w.qualities[i]);
+  for (std::size_t i = 0; i < ball.tets.size(); ++i) {
+    const auto [t, local] = ball.tets[i];
+    mesh.set_quality(t, qualities[i]);
     std::uint8_t marks = kCheckSwap | kCheckPoor;
     for (int k = 0; k < 4; ++k) {
       const VertexId u = mesh.vertex(t, k);
@@ -107,6 +109,7 @@ void commit_move(Worker& w, VertexId v, const MovedVertex& moved) {
     mesh.mark(t, marks);
   }
   if (far) mesh.mark(v, kCheckPlace);
+  check_cavity(w, v);
 }
 
 }  // namespace weft::meshing

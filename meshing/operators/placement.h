@@ -1,6 +1,8 @@
 // Where a vertex may move, and what moving it involves: geometry, metric, cached qualities, marks.
 #pragma once
 
+#include <span>
+
 #include "meshing/kernel/kernel.h"
 
 namespace weft::meshing {
@@ -31,7 +33,7 @@ Verdict move_space(const Worker& w, VertexId v, MoveSpace& space);
 /// surface.
 bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target, MovedVertex& moved);
 
-/// Moves `v`; w.qualities holds the new qualities of w.ball's tets.
-void commit_move(Worker& w, VertexId v, const MovedVertex& moved);
+/// Moves the ball's centre; `qualities` are those of the ball's tets afterwards.
+void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::span<const float> qualities);
 
 }  // namespace weft::meshing

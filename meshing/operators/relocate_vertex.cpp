@@ -1,11 +1,12 @@
 // Relocation of a vertex whose ball smoothing cannot repair, by Ceres' TinySolver.
+#include "meshing/operators/relocate_vertex.h"
+
 #include <ceres/tiny_solver.h>
 
 #include <algorithm>
 
 #include "meshing/kernel/ball_objective.h"
 #include "meshing/operators/placement.h"
-#include "meshing/operators/smooth_vertex.h"
 
 namespace weft::meshing {
 namespace {
@@ -58,10 +59,10 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   if (mesh.kind(v) != VertexKind::interior || mesh.fixed(v)) return Verdict::not_needed;
   if (w.ball.tets.size() > kMaxBall) return Verdict::too_large;
-  w.faces.gather(mesh, w.ball);
+  w.faces.gather(w.mean(), mesh, w.ball);
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const BallResiduals residuals(w.faces, mesh.point(v), judge_tensor(mesh, v),
+  const BallResiduals residuals(w.faces, mesh.point(v), judge_tensor(w.mean(), mesh, v),
                                 eigen_decomposition(mesh.metric(v)));
   ceres::TinySolver<BallResiduals> solver;
   solver.options.max_num_iterations = 20;
@@ -70,10 +71,10 @@ Verdict relocate_vertex(Worker& w, VertexId v) {
   MovedVertex moved;
   if (!y.allFinite() || y.squaredNorm() < 1e-6) return Verdict::not_needed;
   if (!move_to(w, v, MoveSpace{}, residuals.position(y.data()), moved)) return Verdict::leaves_surface;
-  const double worst = w.faces.qualities(moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
+  const double worst = w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities);
   if (worst < 0) return Verdict::inverts;
   if (worst < old_worst + std::max(1e-3, 0.02 * old_worst)) return Verdict::worsens_quality;
-  commit_move(w, v, moved);
+  commit_move(w, w.ball, moved, w.qualities);
   return Verdict::accepted;
 }
 

@@ -9,13 +9,20 @@
 namespace weft::meshing {
 namespace {
 
-/// Solves H x = -g for symmetric H; false when H is not safely positive definite.
+/// Solves H x = -g for symmetric H by L D L^T, whose error grows with the condition number; that of an
+/// inverse by cofactors grows with its square. False when H is not safely positive definite.
 bool newton_step(const SymTensor& h, const Vec& g, Vec& step) {
-  const double d = determinant(h), scale = trace(h);
-  if (!(h.xx > 0 && h.xx * h.yy - h.xy * h.xy > 0 && d > 1e-14 * scale * scale * scale * 1e-10)) return false;
-  const SymTensor adj = {h.yy * h.zz - h.yz * h.yz, h.xz * h.yz - h.xy * h.zz, h.xx * h.zz - h.xz * h.xz,
-                         h.xy * h.yz - h.xz * h.yy, h.xy * h.xz - h.xx * h.yz, h.xx * h.yy - h.xy * h.xy};
-  step = (-1 / d) * apply(adj, g);
+  constexpr double kRounding = 1e-15;  // a pivot that has cancelled further is noise
+  if (!(h.xx > 0)) return false;
+  const double yx = h.xy / h.xx, zx = h.xz / h.xx;
+  const double dy = h.yy - yx * h.xy, yz = h.yz - yx * h.xz;
+  if (!(dy > kRounding * h.yy)) return false;
+  const double zy = yz / dy, dz = h.zz - zx * h.xz - zy * yz;
+  if (!(dz > kRounding * h.zz)) return false;
+  const double y = -g.y + yx * g.x, z = -g.z + zx * g.x - zy * y;
+  step.z = z / dz;
+  step.y = y / dy - zy * step.z;
+  step.x = -g.x / h.xx - yx * step.y - zx * step.z;
   return true;
 }
 
@@ -29,7 +36,7 @@ bool newton_step_in_plane(const SymTensor& h, const Vec& g, const Vec& n, Vec& s
   const Vec v = cross(n, u);
   const double huu = squared_length(h, u), hvv = squared_length(h, v), huv = dot(u, apply(h, v));
   const double d = huu * hvv - huv * huv;
-  if (!(huu > 0 && d > 1e-12 * huu * hvv)) return false;
+  if (!(huu > 0 && d > 1e-15 * huu * hvv)) return false;
   const double gu = dot(g, u), gv = dot(g, v);
   step = ((-gu * hvv + gv * huv) / d) * u + ((-gv * huu + gu * huv) / d) * v;
   return true;
@@ -49,9 +56,9 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   MoveSpace space;
   if (const Verdict r = move_space(w, v, space); r != Verdict::accepted) return r;
-  w.faces.gather(mesh, w.ball);
+  w.faces.gather(w.mean(), mesh, w.ball);
   const Point old = mesh.point(v);
-  const BallDerivatives d = w.faces.derivatives(old, judge_tensor(mesh, v));
+  const BallDerivatives d = w.faces.derivatives(old, judge_tensor(w.mean(), mesh, v));
   Vec step;
   if (space.kind == VertexKind::interior) {
     if (!newton_step(d.hessian, d.gradient, step)) return Verdict::not_needed;
@@ -64,7 +71,7 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   }
   // Steps far below the local size change nothing worth the work that they would cause around.
   const double shortest = w.kernel.limits.shortest_step;
-  if (squared_length(mesh.metric(v), step) < shortest * shortest) return Verdict::not_needed;
+  if (!(squared_length(mesh.metric(v), step) >= shortest * shortest)) return Verdict::not_needed;
   double old_worst = 1, old_sum = 0;
   for (const auto& [t, local] : w.ball.tets) {
     old_worst = std::min<double>(old_worst, mesh.quality(t));
@@ -74,10 +81,10 @@ Verdict smooth_vertex(Worker& w, VertexId v) {
   for (double damping = 1; damping > 0.2; damping *= 0.5) {
     MovedVertex moved;
     if (!move_to(w, v, space, old + damping * step, moved)) return Verdict::leaves_surface;
-    const double worst = w.faces.qualities(moved.x, moved.tensor(mesh.metric_mean()), w.qualities);
+    const double worst = w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities);
     verdict = worst < 0 ? Verdict::inverts : Verdict::worsens_quality;
     if (worst >= std::min(old_worst, 0.6) && sum_of_inverses(w.qualities) < 0.999 * old_sum) {
-      commit_move(w, v, moved);
+      commit_move(w, w.ball, moved, w.qualities);
       return Verdict::accepted;
     }
   }

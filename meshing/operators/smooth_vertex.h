@@ -1,4 +1,4 @@
-// Vertex moves: a Newton step on the ball's quality, and a Ceres-based relocation where that fails.
+// Smoothing: a Newton step of one vertex on the quality of its ball.
 #pragma once
 
 #include "meshing/kernel/kernel.h"
@@ -9,9 +9,5 @@ namespace weft::meshing {
 /// classification allows (curve, patch, space). Taken when the sum falls and the worst tet gets no worse,
 /// with the metric read at the new place.
 Verdict smooth_vertex(Worker& w, VertexId v);
-
-/// Where smoothing is stuck: minimises the sum of 1/Q^4 over the ball (nearly the worst tet alone) by
-/// Levenberg-Marquardt, Ceres' TinySolver. Taken when the worst tet gets better. Interior vertices only.
-Verdict relocate_vertex(Worker& w, VertexId v);
 
 }  // namespace weft::meshing

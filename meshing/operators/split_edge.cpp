@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "meshing/operators/check_cavity.h"
+
 namespace weft::meshing {
 namespace {
 
@@ -40,58 +42,70 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   return n;
 }
 
-Verdict judge(Worker& w, const Shell& shell, const NewVertex& n, const SplitBounds& bounds) {
+/// What a split does: every tet of the shell becomes two.
+struct SplitPlan {
+  const Shell& shell;
+  const NewVertex& vertex;
+  std::span<const float> qualities;        ///< of the two tets that each one becomes: at a, at b
+  std::span<const Neighbour> short_edges;  ///< new ones at the vertex
+};
+
+/// The ring's vertices that the new one is near to, for `plan`.
+Verdict judge_lengths(Worker& w, double shortest, SplitPlan& plan) {
   const TetMesh& mesh = w.mesh;
+  const NewVertex& n = plan.vertex;
   w.short_edges.clear();
-  const int ring_size = shell.closed ? shell.size : shell.size + 1;
+  const int ring_size = plan.shell.closed ? plan.shell.size : plan.shell.size + 1;
   for (int i = 0; i < ring_size; ++i) {
-    const VertexId r = shell.ring[i];
+    const VertexId r = plan.shell.ring[i];
     const double length = edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric);
-    if (length < bounds.shortest) return Verdict::too_short;
+    if (length < shortest) return Verdict::too_short;
     if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
   }
-  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
-               p{n.x, judge_tensor(mesh.metric_mean(), n.metric, n.log_metric)};
-  const MetricMean mean = mesh.metric_mean();
-  double worst_before = 1;
-  for (int i = 0; i < shell.size; ++i)
-    worst_before = std::min<double>(worst_before, mesh.quality(shell.tets[i].tet));
-  w.qualities.clear();
-  for (int i = 0; i < shell.size; ++i) {
-    const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
-    const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
-    if (qa < 0 || qb < 0) return Verdict::inverts;
-    const double worst = std::min(qa, qb);
-    const bool enough = bounds.must_improve ? worst > worst_before
-                                            : worst >= std::min(w.kernel.limits.split_quality,
-                                                                bounds.keep_share * worst_before);
-    if (!enough) return Verdict::worsens_quality;
-    w.qualities.push_back(static_cast<float>(qa));
-    w.qualities.push_back(static_cast<float>(qb));
-  }
+  plan.short_edges = w.short_edges;
   return Verdict::accepted;
 }
 
-/// The qualities of the tets that a split would leave; false where one is not positive.
-bool stays_positive(Worker& w, const Shell& shell, const NewVertex& n) {
-  const TetMesh& mesh = w.mesh;
-  const MetricMean mean = mesh.metric_mean();
-  const Corner a = corner(mesh, shell.a), b = corner(mesh, shell.b),
+/// The qualities of the tets that a split would leave, for `plan`, as long as is_enough(the worse of two).
+template <class IsEnough>
+Verdict judge_qualities(Worker& w, SplitPlan& plan, const IsEnough& is_enough) {
+  const Shell& shell = plan.shell;
+  const NewVertex& n = plan.vertex;
+  const MetricMean mean = w.mean();
+  const Corner a = w.corner(shell.a), b = w.corner(shell.b),
                p{n.x, judge_tensor(mean, n.metric, n.log_metric)};
   w.qualities.clear();
   for (int i = 0; i < shell.size; ++i) {
-    const Corner r = corner(mesh, shell.ring[i]), s = corner(mesh, shell.ring[i + 1]);
+    const Corner r = w.corner(shell.ring[i]), s = w.corner(shell.ring[i + 1]);
     const double qa = judge_quality(mean, a, p, r, s), qb = judge_quality(mean, p, b, r, s);
-    if (qa < 0 || qb < 0) return false;
+    if (qa < 0 || qb < 0) return Verdict::inverts;
+    if (!is_enough(std::min(qa, qb))) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(qa));
     w.qualities.push_back(static_cast<float>(qb));
   }
-  return true;
+  plan.qualities = w.qualities;
+  return Verdict::accepted;
 }
 
-VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
+/// Accepted: `plan` is complete.
+Verdict judge(Worker& w, const SplitBounds& bounds, SplitPlan& plan) {
+  if (const Verdict r = judge_lengths(w, bounds.shortest, plan); r != Verdict::accepted) return r;
+  double worst_before = 1;
+  for (int i = 0; i < plan.shell.size; ++i)
+    worst_before = std::min<double>(worst_before, w.mesh.quality(plan.shell.tets[i].tet));
+  const double bound = std::min(w.kernel.limits.split_quality, bounds.keep_share * worst_before);
+  return judge_qualities(
+      w, plan, [&](double worst) { return bounds.must_improve ? worst > worst_before : worst >= bound; });
+}
+
+/// All that matters where the caller decides: no tet is lost.
+Verdict judge_positive(Worker& w, SplitPlan& plan) {
+  return judge_qualities(w, plan, [](double) { return true; });
+}
+
+/// Writes the new vertex into slot `p`.
+void create(Worker& w, VertexId p, const NewVertex& n, const Shell& shell) {
   TetMesh& mesh = w.mesh;
-  const VertexId p = w.new_vertex();
   mesh.set_point(p, n.x);
   mesh.set_metric(p, n.log_metric, n.metric);
   mesh.set_kind(p, n.on.kind);
@@ -106,11 +120,11 @@ VertexId create(Worker& w, const NewVertex& n, const Shell& shell) {
     mesh.set_curve(shell.a, p, n.on.curve);
     mesh.set_curve(p, shell.b, n.on.curve);
   }
-  return p;
 }
 
-void commit(Worker& w, const Shell& shell, VertexId p) {
+void commit(Worker& w, const SplitPlan& plan, VertexId p) {
   TetMesh& mesh = w.mesh;
+  const Shell& shell = plan.shell;
   std::array<TetId, Shell::kMaxSize> upper;
   for (int i = 0; i < shell.size; ++i) {
     // The old tet keeps a and becomes (a, p, r, s); the new one is (p, b, r, s) in the same local places.
@@ -128,8 +142,8 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
     mesh.set_patch(u, is, mesh.patch(t, is));
     mesh.set_patch(t, ia, PatchId());
     mesh.glue(TetFace(t, ia), TetFace(u, ib));
-    mesh.set_quality(t, w.qualities[2 * i]);
-    mesh.set_quality(u, w.qualities[2 * i + 1]);
+    mesh.set_quality(t, plan.qualities[2 * i]);
+    mesh.set_quality(u, plan.qualities[2 * i + 1]);
     mesh.mark(t, kAllTetMarks);
     mesh.mark(u, kAllTetMarks);
     mesh.touch(shell.ring[i]);
@@ -147,7 +161,7 @@ void commit(Worker& w, const Shell& shell, VertexId p) {
   mesh.set_tet_of(p, upper[0]);
   mesh.set_tet_of(shell.b, upper[0]);
   for (VertexId v : {shell.a, shell.b, p}) mesh.touch(v);
-  for (const Neighbour& n : w.short_edges) {
+  for (const Neighbour& n : plan.short_edges) {
     mesh.mark(n.vertex, kCheckShort);
     mesh.mark(p, kCheckShort);
   }
@@ -161,18 +175,25 @@ VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId>
   on.kind = at.kind;
   on.curve = at.curve;
   const NewVertex n{at.x, at.log_metric, exp_fast(at.log_metric), on, at.background_hint, at.surface_hint};
+  SplitPlan plan{w.shell, n, {}, {}};  // of one fan at a time
   const auto judge_fan = [&](TetId t) {
     return gather_shell(w.mesh, w.claims, t, a, b, w.shell) == Verdict::accepted &&
-           stays_positive(w, w.shell, n);
+           judge_positive(w, plan) == Verdict::accepted;
   };
-  if (!std::ranges::all_of(fans, judge_fan)) return {};
-  VertexId p;
+  std::size_t tets = 0;
+  for (const TetId t : fans) {
+    if (!judge_fan(t)) return {};
+    tets += static_cast<std::size_t>(w.shell.size);
+  }
+  if (!w.secure(tets, 1)) return {};
+  const VertexId p = w.new_vertex();
+  if (!p.valid()) return {};
+  create(w, p, n, w.shell);
   for (const TetId t : fans) {
     if (fans.size() > 1) judge_fan(t);  // else it is at hand
-    if (!p.valid()) p = create(w, n, w.shell);
-    w.short_edges.clear();
-    commit(w, w.shell, p);
+    commit(w, plan, p);
   }
+  check_cavity(w, p);
   return p;
 }
 
@@ -188,8 +209,14 @@ Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
   const NewVertex n = place(w, a, b, on);
-  if (const Verdict r = judge(w, w.shell, n, bounds); r != Verdict::accepted) return r;
-  commit(w, w.shell, create(w, n, w.shell));
+  SplitPlan plan{w.shell, n, {}, {}};
+  if (const Verdict r = judge(w, bounds, plan); r != Verdict::accepted) return r;
+  if (!w.secure(static_cast<std::size_t>(w.shell.size), 1)) return Verdict::too_large;
+  const VertexId p = w.new_vertex();
+  if (!p.valid()) return Verdict::conflict;
+  create(w, p, n, w.shell);
+  commit(w, plan, p);
+  check_cavity(w, p);
   return Verdict::accepted;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "meshing/mesh/tet_tables.h"
-#include "meshing/metric/expected_size.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/tet_measures.h"
 

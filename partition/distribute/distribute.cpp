@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "meshing/kernel/quality.h"
-#include "meshing/metric/expected_size.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -71,8 +71,8 @@ struct TetMeasures {
 
 /// Mean ratio in the metric `log_metric`; it does not change when the metric is scaled.
 double quality(const TetCorners& p, const meshing::LogMetric& log_metric) {
-  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric), p[1] - p[0],
-                    p[2] - p[0], p[3] - p[0]);
+  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric),
+                    std::exp(trace(log_metric)), p[1] - p[0], p[2] - p[0], p[3] - p[0]);
 }
 
 TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
@@ -81,7 +81,8 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
     const auto p = points.of(t);
     double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
     for (const PointRecord* corner : p) density += 0.25 * std::exp(0.5 * trace(corner->log_metric));
-    const double volume = six_volume(p[0]->point, p[1]->point, p[2]->point, p[3]->point) / 6;
+    // A tet that is exactly positive may compute a negative volume.
+    const double volume = std::max(0.0, six_volume(p[0]->point, p[1]->point, p[2]->point, p[3]->point) / 6);
     m.complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
     meshing::LogMetric mean;
     for (const PointRecord* corner : p) mean = mean + 0.25 * corner->log_metric;

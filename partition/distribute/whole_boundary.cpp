@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/touching_edges.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
@@ -19,8 +20,6 @@ namespace {
 using meshing::MeshData;
 using Tet = std::array<std::uint32_t, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
-
-constexpr std::uint32_t kDropped = 0xFFFFFFFFu;
 
 /// The faces that meet here, sorted.
 std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
@@ -72,11 +71,9 @@ void refuse_overlaps(Peers& peers, const MeshSlice& slice, const Ranges& tets,
   if (least.code == Overlap{}.code) return;
   const std::vector<std::uint64_t> numbers{least.code >> 5, least.other};
   const auto both = fetch<Tet>(peers, tets, numbers, [&](std::size_t t) { return slice.tets[t]; });
-  throw_first(peers,
-              InputIssue{{},
-                         fmt::format("tets {} and {}", numbers[0] + 1, numbers[1] + 1),
-                         both[0] == both[1] ? "are duplicates"
-                                            : "overlap: they lie on the same side of their common face"});
+  throw_first(peers, InputIssue{{},
+                                fmt::format("tets {} and {}", numbers[0] + 1, numbers[1] + 1),
+                                meshing::overlap_reason(both[0] == both[1])});
 }
 
 /// A triangle that the input lacks.
@@ -112,10 +109,7 @@ std::vector<SortedTriangle> my_triangles(const Peers& peers, const std::vector<T
 }
 
 InputIssue no_face(const Triangle& v, std::uint32_t index) {
-  return {{index, 0, 0},
-          fmt::format("triangle {} ({} {} {})", std::uint64_t{index} + 1, std::uint64_t{v[0]} + 1,
-                      std::uint64_t{v[1]} + 1, std::uint64_t{v[2]} + 1),
-          "is not a face of any tet"};
+  return {{index, 0, 0}, meshing::triangle_name(index, v), meshing::kIsNoFace};
 }
 
 /// Walks through faces and triangles, both sorted by vertices.
@@ -166,52 +160,20 @@ void take_triangles(const MeshData& m, std::vector<std::uint32_t> repeated, std:
   std::sort(repeated.begin(), repeated.end());
   std::sort(created.begin(), created.end(),
             [](const Created& x, const Created& y) { return x.code < y.code; });
-  std::vector<std::uint32_t> new_index(m.triangles.size(), kDropped);
+  std::vector<std::uint32_t> new_index(m.triangles.size(), meshing::kDropped);
   for (std::uint32_t i = 0; i < m.triangles.size(); ++i) {
     if (std::binary_search(repeated.begin(), repeated.end(), i)) continue;
     new_index[i] = static_cast<std::uint32_t>(b.data.triangles.size());
     b.data.triangles.push_back(m.triangles[i]);
     b.data.triangle_refs.push_back(m.triangle_refs[i]);
   }
-  if (!repeated.empty())
-    b.warnings.push_back(fmt::format("{} repeated triangles were dropped", repeated.size()));
-  for (const std::uint32_t r : m.required_triangles)
-    if (new_index[r] != kDropped) b.data.required_triangles.push_back(new_index[r]);
+  if (!repeated.empty()) b.warnings.push_back(meshing::repeated_triangles_warning(repeated.size()));
+  meshing::take_required_triangles(m, new_index, b.data);
   for (const Created& c : created) {
     b.data.triangles.push_back(c.vertices);
     b.data.triangle_refs.push_back(0);
   }
-  if (!created.empty())
-    b.warnings.push_back(
-        fmt::format("{} boundary or interface triangles were missing and have been created with reference 0",
-                    created.size()));
-}
-
-std::array<std::uint32_t, 2> sorted_edge(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
-/// Keeps the edges that lie on triangles: the kernel tracks features of the boundary only.
-void take_edges(const MeshData& m, WholeBoundary& b) {
-  std::vector<std::array<std::uint32_t, 2>> sides;
-  if (!m.edges.empty())
-    for (const Triangle& t : b.data.triangles)
-      for (int i = 0; i < 3; ++i) sides.push_back(sorted_edge(t[i], t[(i + 1) % 3]));
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::uint32_t> new_index(m.edges.size(), kDropped);
-  for (std::size_t i = 0; i < m.edges.size(); ++i) {
-    if (!std::binary_search(sides.begin(), sides.end(), sorted_edge(m.edges[i][0], m.edges[i][1]))) continue;
-    new_index[i] = static_cast<std::uint32_t>(b.data.edges.size());
-    b.data.edges.push_back(m.edges[i]);
-    b.data.edge_refs.push_back(m.edge_refs[i]);
-  }
-  for (const std::uint32_t e : m.ridges)
-    if (new_index[e] != kDropped) b.data.ridges.push_back(new_index[e]);
-  for (const std::uint32_t e : m.required_edges)
-    if (new_index[e] != kDropped) b.data.required_edges.push_back(new_index[e]);
-  if (b.data.edges.size() < m.edges.size())
-    b.warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped",
-                                     m.edges.size() - b.data.edges.size()));
+  if (!created.empty()) b.warnings.push_back(meshing::created_triangles_warning(created.size()));
 }
 
 /// Renumbers by the points that occur, in their order, so that whatever goes by order stays as it is.
@@ -258,7 +220,7 @@ WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Rang
   b.data.corners = slice.boundary.corners;
   b.data.required_points = slice.boundary.required_points;
   take_triangles(slice.boundary, gather(peers, findings.repeated), gather(peers, findings.created), b);
-  take_edges(slice.boundary, b);
+  meshing::take_boundary_edges(slice.boundary, b.data, b.warnings);
   const std::size_t touching = meshing::require_touching_edges(gather(peers, findings.outer), b.data);
   if (touching > 0) b.warnings.push_back(meshing::touching_edges_warning(touching));
   compress(b);

@@ -100,13 +100,14 @@ void check_names(const RefinedVertices& vertices, SubdomainId subdomain) {
 /// All splits down to one length.
 class Level {
  public:
-  Level(const Subdomain& s, const Geometry& geometry, RefinedVertices& vertices, double longest)
+  Level(const Subdomain& s, const Geometry& geometry, RefinedVertices& vertices, double longest,
+        meshing::MetricMean mean)
       : vertices_(vertices),
         longest_(longest),
         mesh_(*s.mesh),
         surface_(geometry.surface),
         background_(s.background.background()),
-        kernel_{mesh_, background_, geometry.surface, {}},
+        kernel_{mesh_, background_, geometry.surface, {}, {.mean = mean}},
         worker_(kernel_, 1, true),
         faces_(mesh_, geometry.patch_inner),
         index_of_(mesh_.vertex_slots(), RefinedVertices::kNone),
@@ -334,7 +335,9 @@ bool is_delicate(const std::array<Point, 4>& p) {
 InterfaceRefinement::InterfaceRefinement(Subdomain& s, const Geometry& geometry)
     : subdomain_(s), geometry_(geometry), vertices_(s.interface, s.phase) {}
 
-void InterfaceRefinement::refine(double longest) { Level(subdomain_, geometry_, vertices_, longest).run(); }
+void InterfaceRefinement::refine(double longest, meshing::MetricMean mean) {
+  Level(subdomain_, geometry_, vertices_, longest, mean).run();
+}
 
 std::vector<InterfaceVertices> InterfaceRefinement::created() const {
   const TetMesh& mesh = *subdomain_.mesh;

@@ -22,7 +22,7 @@ namespace weft::partition {
 
 /// A caller's flag beside kHasBeenFree: edges at this vertex must not be split without quality checks, since
 /// rounding might invert tets around it in one of its holders. All holders of a vertex have the same flag.
-inline constexpr std::uint8_t kDelicate = 0x40;
+inline constexpr std::uint8_t kDelicate = meshing::kCallerSecond;
 
 /// Whether rounding of a few points on its edges might invert this tet.
 bool is_delicate(const std::array<meshing::Point, 4>& tet);
@@ -59,7 +59,7 @@ class InterfaceRefinement {
   /// and those between vertices of curved boundary, and those inside a face that have no end as long as a
   /// side of it must stay. New vertices are frozen. Throws std::runtime_error should a split fail that must
   /// not.
-  void refine(double longest);
+  void refine(double longest, meshing::MetricMean mean = meshing::MetricMean::arithmetic);
 
   /// For each of the interface's neighbours, the new vertices and the faces that it may have too. Throws
   /// std::runtime_error where two new vertices have one global id.

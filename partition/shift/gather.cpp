@@ -1,6 +1,7 @@
 // Proposals, and the packing of the tets that leave.
 #include <algorithm>
 
+#include "meshing/metric/expectations.h"
 #include "partition/shift/packing.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/tets_at.h"
@@ -17,11 +18,10 @@ bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHas
 
 /// Marks vertices of poor tets and of those that touch them, by slot: any that is frozen may be in the way.
 std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
-  constexpr float kPoor = 0.5f;
   std::vector<std::uint8_t> at(mesh.vertex_slots(), 0);
   bool any = false;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-    if (mesh.quality(TetId(i)) < kPoor && mesh.alive(TetId(i))) {
+    if (mesh.quality(TetId(i)) < static_cast<float>(meshing::kShiftBelow) && mesh.alive(TetId(i))) {
       any = true;
       for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
     }

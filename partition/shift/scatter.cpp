@@ -351,15 +351,13 @@ void freshen(Subdomain& s, std::span<const VertexId> vertices) {
   if (vertices.empty()) return;
   TetMesh& mesh = *s.mesh;
   const bool new_metrics = s.phase > 0;
-  if (new_metrics) {
-    read_metrics_anew(s, vertices);
-    mesh.set_metric_mean(meshing::MetricMean::arithmetic);  // what it was last does not travel with the mesh
-  }
+  if (new_metrics) read_metrics_anew(s, vertices);
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) thawed[v.value] = 1;
   for_each_tet_at(mesh, thawed, [&](TetId t, const TetVertices& v) {
     mesh.mark(t, meshing::kFresh);
-    if (new_metrics) mesh.set_quality(t, static_cast<float>(judge_quality(mesh, v[0], v[1], v[2], v[3])));
+    if (new_metrics)
+      mesh.set_quality(t, static_cast<float>(judge_quality(meshing::MetricMean::arithmetic, mesh, v)));
   });
 }
 

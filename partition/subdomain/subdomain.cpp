@@ -53,7 +53,8 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
     : id(start.subdomain),
       tet_capacity(capacity),
       next_local(std::uint64_t{1} << (GlobalId::kLocalBits - 1)),  // beyond all numbers of the input
-      mesh(std::make_unique<meshing::TetMesh>(vertex_capacity(capacity), capacity, meshing::Pages::small)),
+      mesh(meshing::reserve_tet_mesh({vertex_capacity(capacity), capacity},
+                                     {start.points.size(), start.tets.size()}, meshing::Pages::small)),
       background(start.subdomain, start.points, start.log_metrics, start.ids, start.tets) {
   fill_vertices(start, *mesh);
   fill_tets(start, *mesh);

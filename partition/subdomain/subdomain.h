@@ -16,12 +16,12 @@
 
 namespace weft::partition {
 
-/// A vertex flag (meshing::VertexFlag leaves the upper bits to callers): some adaptation could change all
+/// A vertex flag (of those that meshing::VertexFlag reserves for callers): some adaptation could change all
 /// around the vertex.
-inline constexpr std::uint8_t kHasBeenFree = 0x80;
+inline constexpr std::uint8_t kHasBeenFree = meshing::kCallerThird;
 
 /// Another one: the vertex has been one of the interface.
-inline constexpr std::uint8_t kWasInterface = 0x20;
+inline constexpr std::uint8_t kWasInterface = meshing::kCallerFirst;
 
 /// The data of one subdomain between two steps of the distributed method (DESIGN.md, sections 3 and 5). The
 /// steps are functions on it: shift.h, adapt_subdomain.h. Vertices carry their GlobalId as the kernel's

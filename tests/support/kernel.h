@@ -34,6 +34,9 @@ inline meshing::LogMetricField uniform_metric(const meshing::MeshData& mesh, dou
 /// A ridge angle that makes every edge that is not perfectly flat a ridge: no boundary is curved.
 inline constexpr double kFaceted = 1;
 
+/// For claims that may be made at frozen vertices too.
+inline constexpr meshing::FrozenPolicy kClaimable = meshing::FrozenPolicy::claimable;
+
 /// A mesh in the kernel, its input as the background, and one worker that works alone.
 class KernelRig {
  public:
@@ -54,10 +57,9 @@ class KernelRig {
   }
 
   void judge_by(meshing::MetricMean mean) {
-    mesh.set_metric_mean(mean);
+    kernel.policy.mean = mean;
     for (const meshing::TetId t : live_tets()) {
-      const auto v = mesh.vertices(t);
-      mesh.set_quality(t, static_cast<float>(meshing::judge_quality(mesh, v[0], v[1], v[2], v[3])));
+      mesh.set_quality(t, static_cast<float>(meshing::judge_quality(mean, mesh, mesh.vertices(t))));
     }
   }
 
@@ -152,13 +154,16 @@ inline void expect_same_domain(const meshing::MeshData& mesh, const meshing::Mes
   for (const std::string& problem : now.problems) ADD_FAILURE() << problem;
   EXPECT_EQ(now.num_components, before.num_components);
   EXPECT_EQ(now.unreferenced_points, 0u);
+  EXPECT_EQ(now.touching_edges, before.touching_edges);
+  EXPECT_EQ(now.touching_vertices, before.touching_vertices);
   EXPECT_NEAR(now.volume, before.volume, 1e-9 * before.volume);
   expect_same_sums(now.volume_by_ref, before.volume_by_ref, "volume");
   expect_same_sums(now.area_by_ref, before.area_by_ref, "area");
 }
 
 /// Every pointer, cached value and claim of the kernel's mesh is right.
-inline void expect_sound(const meshing::TetMesh& mesh, bool cached_qualities = true) {
+inline void expect_sound(const meshing::TetMesh& mesh, bool cached_qualities = true,
+                         meshing::MetricMean mean = meshing::MetricMean::arithmetic) {
   using namespace meshing;
   auto& claims = const_cast<TetMesh&>(mesh);
   std::size_t wrong_neighbours = 0, wrong_patches = 0, wrong_qualities = 0, dead_vertices = 0,
@@ -187,7 +192,7 @@ inline void expect_sound(const meshing::TetMesh& mesh, bool cached_qualities = t
       wrong_patches += mesh.patch(t, f) != mesh.patch(n.tet(), n.face());
       wrong_patches += mesh.ref(t) != mesh.ref(n.tet()) && !mesh.patch(t, f).valid();
     }
-    const double q = judge_quality(mesh, v[0], v[1], v[2], v[3]);
+    const double q = judge_quality(mean, mesh, v);
     EXPECT_GT(q, 0) << "of tet " << t;
     if (cached_qualities) wrong_qualities += std::abs(q - mesh.quality(t)) > 1e-6 + 1e-4 * q;
   }

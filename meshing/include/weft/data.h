@@ -214,6 +214,10 @@ struct CheckReport {
   std::map<std::int32_t, double> volume_by_ref;  ///< tet reference -> volume
   std::map<std::int32_t, double> area_by_ref;    ///< triangle reference -> area
   std::uint64_t unreferenced_points = 0;         ///< points of no tet; not a problem, only counted
+  /// Where the body touches itself: edges with more than two boundary faces, and how many sets of tets,
+  /// joined through faces, the vertices have beyond one each. A mesh may be given like that, but adaptation
+  /// must not add any: a difference from the input is a defect.
+  std::uint64_t touching_edges = 0, touching_vertices = 0;
   bool ok() const { return num_problems == 0; }
 };
 

@@ -1,9 +1,10 @@
 // Worst tets first: each starts a cavity that a vertex nearby, or a new one, fills with better tets.
+#include "meshing/initial/recovery/improve_tets.h"
+
 #include <algorithm>
 #include <queue>
 
 #include "meshing/initial/grid/star_cavity.h"
-#include "meshing/initial/recovery/recovery.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,8 +1,8 @@
 // A Steiner point's cavity grows beyond faces that the point does not see: slivers in its way go with them.
+#include "meshing/initial/recovery/insert_steiner.h"
+
 #include <algorithm>
 #include <unordered_set>
-
-#include "meshing/initial/recovery/recovery.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,11 +1,12 @@
 // Steiner points leave the surface: each side gets its own copy, pushed into the tets there (George,
 // Borouchaki and Saltel 2003). What the link of the point sees of it, it also sees of a point near it.
+#include "meshing/initial/recovery/lift_steiner.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "meshing/initial/grid/star_cavity.h"
-#include "meshing/initial/recovery/recovery.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,5 +1,7 @@
 // Input edges become grid edges: by flips, else by Steiner points where the edge pierces grid faces (George,
 // Borouchaki and Saltel 2003).
+#include "meshing/initial/recovery/recover_edges.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +9,9 @@
 #include <optional>
 
 #include "meshing/base/error.h"
-#include "meshing/initial/recovery/recovery.h"
+#include "meshing/initial/recovery/insert_steiner.h"
+#include "meshing/initial/recovery/relax_steiner.h"
+#include "meshing/initial/recovery/remove_edge.h"
 
 namespace weft::meshing {
 

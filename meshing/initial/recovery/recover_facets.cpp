@@ -1,8 +1,12 @@
 // Facets become grid faces by a front that grows from their edges; a grid edge in its way is swapped away or
 // split where the facet cuts it.
+#include "meshing/initial/recovery/recover_facets.h"
+
 #include <algorithm>
 
-#include "meshing/initial/recovery/recovery.h"
+#include "meshing/initial/recovery/insert_steiner.h"
+#include "meshing/initial/recovery/relax_steiner.h"
+#include "meshing/initial/recovery/remove_edge.h"
 
 namespace weft::meshing {
 namespace {

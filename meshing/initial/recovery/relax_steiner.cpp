@@ -1,8 +1,8 @@
 // A point that stays where an edge met a face makes tets that are flat to rounding with the next ones: it
 // moves on, within its edge or facet, to where its worst tet is best.
-#include <algorithm>
+#include "meshing/initial/recovery/relax_steiner.h"
 
-#include "meshing/initial/recovery/recovery.h"
+#include <algorithm>
 
 namespace weft::meshing {
 namespace {

@@ -1,7 +1,9 @@
 // Flat tets give way to edge swaps that make fewer of them.
+#include "meshing/initial/recovery/remove_slivers.h"
+
 #include <algorithm>
 
-#include "meshing/initial/recovery/recovery.h"
+#include "meshing/initial/recovery/remove_edge.h"
 
 namespace weft::meshing {
 namespace {

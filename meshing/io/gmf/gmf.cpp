@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "meshing/io/files/atomic_file.h"
+#include "meshing/io/files/single_precision.h"
 #include "meshing/io/gmf/gmf_binary_file.h"
 #include "meshing/io/gmf/gmf_rows.h"
 #include "meshing/io/gmf/gmf_text_file.h"
@@ -168,6 +169,7 @@ SolutionData read_gmf_solution(const std::filesystem::path& path) {
 
 void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int version) {
   check_lengths(mesh);
+  if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
   write_file(path, version, mesh_shapes(counts_of(mesh)),
              [&](auto& out, Keyword code) { write_section_rows(out, mesh, code); });
 }
@@ -175,6 +177,7 @@ void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int
 void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
                     std::span<const GmfCommunicator> communicators, int version) {
   check_lengths(mesh);
+  if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
   std::vector<SectionShape> shapes = mesh_shapes(counts_of(mesh));
   add_communicator_shapes(communicators, shapes);
   write_file(path, version, shapes, [&](auto& out, Keyword code) {

@@ -15,10 +15,12 @@
 #include <string>
 
 #include "meshing/adapt/passes.h"
+#include "meshing/adapt/stages.h"
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
+#include "meshing/operators/collapse_edge.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
@@ -297,6 +299,43 @@ TEST(Adapt, TinyMetersAreAsGoodAsLargeOnes) {
     EXPECT_NEAR(report.volume / (unit * unit * unit), 1, 1e-9);
     expect_good(result, {0.78, 0.45, 0.15, 0.90});
   }
+}
+
+TEST(Adapt, AFullMeshIsLeftValid) {
+  const MeshData input = unit_cube(3);
+  for (const int threads : {1, 3}) {
+    const LogMetricField metric = uniform_metric(input, 0.05);
+    ImportedMesh imported = import_mesh(input, 45, 2000, 4000);
+    const Background background(input, metric, build_adjacency(input.tets, input.points.size()));
+    read_metric(*imported.mesh, background, true);
+    Kernel kernel{*imported.mesh, background, *imported.surface, {}};
+    AdaptReport report;
+    adapt_in_place(kernel, with_threads(threads), Extent::everything, report);
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_THAT(report.warnings[0], HasSubstr("room for 4000 tets"));
+    MeshData result;
+    LogMetricField metrics;
+    export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result, metrics);
+    EXPECT_GT(result.tets.size(), 1000u);
+    expect_same_domain(result, input);
+  }
+}
+
+TEST(Adapt, CountsWhatIsDeadFromBefore) {
+  KernelRig rig(unit_cube(4));
+  ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, rig.vertex_at({0.5, 0.5, 0.5}), rig.worker.ball),
+            Verdict::accepted);
+  rig.kernel.limits.collapse_longest = 10;
+  rig.kernel.limits.collapse_quality = 0;
+  Verdict collapsed = Verdict::not_needed;
+  for (const VertexId v : rig.neighbours_of(rig.worker.ball.centre))
+    if (collapsed != Verdict::accepted)
+      collapsed = collapse_edge(rig.worker, rig.worker.ball.centre, v, CollapseGoal::length);
+  ASSERT_EQ(collapsed, Verdict::accepted);
+  rig.worker.claims.release();
+  const WorkerPool pool(rig.kernel, 1, nullptr);
+  EXPECT_EQ(pool.live_tets(), rig.live_tets().size());
+  EXPECT_EQ(pool.live_vertices(), rig.live_vertices().size());
 }
 
 TEST(Adapt, MoreThreadsThanCoresOrNoneIsFine) {

@@ -13,9 +13,11 @@
 
 #include "meshing/adapt/passes.h"
 #include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
 #include "meshing/operators/split_edge.h"
-#include "meshing/operators/swap.h"
+#include "meshing/operators/swap_edge.h"
+#include "meshing/operators/swap_face.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
@@ -265,7 +267,7 @@ TEST(KernelProperty, WhereEverythingIsFrozenNothingHappens) {
   MeshData mesh = support::unit_cube(3);
   KernelRig rig(mesh, 0.1);
   for (const VertexId v : rig.live_vertices()) rig.mesh.freeze(v);
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   Shaker shaker(rig.worker, 1);
   shaker.shake(2000);
   for (std::size_t op = 0; op < static_cast<std::size_t>(Operator::count_); ++op)

@@ -1,4 +1,6 @@
 // Worst tets get better, and what is inside the walls stays the same.
+#include "meshing/initial/recovery/improve_tets.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -51,10 +51,10 @@ TEST_P(BallObjective, DerivativesAreThoseOfFiniteDifferences) {
     KernelRig& rig = *made;
     ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), rig.worker.ball), Verdict::accepted);
     BallFaces faces;
-    faces.gather(rig.mesh, rig.worker.ball);
+    faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
     ASSERT_EQ(faces.size(), 8);
     const Point x = rig.mesh.point(VertexId(0));
-    const SymTensor m = judge_tensor(rig.mesh, VertexId(0));
+    const SymTensor m = judge_tensor(rig.kernel.policy.mean, rig.mesh, VertexId(0));
     const auto at = [&](const Vec& d) { return faces.derivatives(x + d, m); };
     const BallDerivatives d = at({});
     constexpr double kStep = 1e-5;
@@ -78,8 +78,8 @@ TEST_P(BallObjective, ValueIsTheSumOfInverseQualities) {
     KernelRig& rig = *made;
     ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), rig.worker.ball), Verdict::accepted);
     BallFaces faces;
-    faces.gather(rig.mesh, rig.worker.ball);
-    const SymTensor m = judge_tensor(rig.mesh, VertexId(0));
+    faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
+    const SymTensor m = judge_tensor(rig.kernel.policy.mean, rig.mesh, VertexId(0));
     double sum = 0, least = 1;
     for (const auto& [t, local] : rig.worker.ball.tets) {
       sum += 1 / static_cast<double>(rig.mesh.quality(t));
@@ -99,8 +99,8 @@ TEST_P(BallObjective, QualitiesAreRefusedWhereATetIsNotExactlyPositive) {
   rig.judge_by(GetParam());
   ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), rig.worker.ball), Verdict::accepted);
   BallFaces faces;
-  faces.gather(rig.mesh, rig.worker.ball);
-  const SymTensor m = judge_tensor(rig.mesh, VertexId(0));
+  faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
+  const SymTensor m = judge_tensor(rig.kernel.policy.mean, rig.mesh, VertexId(0));
   std::vector<float> qualities;
   EXPECT_GT(faces.qualities({0.3, 0.3, 0.3}, m, qualities), 0);
   EXPECT_EQ(faces.qualities({0.5, 0.5, 0}, m, qualities), -1) << "in the plane of a face";
@@ -113,9 +113,9 @@ TEST_P(BallObjective, EachFaceGivesItsOwnValueAndGradient) {
     KernelRig& rig = *made;
     ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), rig.worker.ball), Verdict::accepted);
     BallFaces faces;
-    faces.gather(rig.mesh, rig.worker.ball);
-    const BallDerivatives d =
-        faces.derivatives(rig.mesh.point(VertexId(0)), judge_tensor(rig.mesh, VertexId(0)));
+    faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
+    const BallDerivatives d = faces.derivatives(rig.mesh.point(VertexId(0)),
+                                                judge_tensor(rig.kernel.policy.mean, rig.mesh, VertexId(0)));
     double value = 0;
     Vec gradient;
     for (int k = 0; k < faces.size(); ++k) {
@@ -138,12 +138,14 @@ TEST_P(BallObjective, ServesBallsOfAnySize) {
     for (const VertexId v : rig.live_vertices()) {
       ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, v, rig.worker.ball), Verdict::accepted);
       BallFaces& faces = rig.worker.faces;  // as the operators use it: once large, then small
-      faces.gather(rig.mesh, rig.worker.ball);
+      faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
       double sum = 0;
       for (const auto& [t, local] : rig.worker.ball.tets) sum += 1 / static_cast<double>(rig.mesh.quality(t));
-      EXPECT_NEAR(faces.derivatives(rig.mesh.point(v), judge_tensor(rig.mesh, v)).value, sum, 1e-5 * sum);
+      EXPECT_NEAR(
+          faces.derivatives(rig.mesh.point(v), judge_tensor(rig.kernel.policy.mean, rig.mesh, v)).value, sum,
+          1e-5 * sum);
       std::vector<float> qualities;
-      faces.qualities(rig.mesh.point(v), judge_tensor(rig.mesh, v), qualities);
+      faces.qualities(rig.mesh.point(v), judge_tensor(rig.kernel.policy.mean, rig.mesh, v), qualities);
       ASSERT_EQ(qualities.size(), rig.worker.ball.tets.size());
       for (std::size_t i = 0; i < qualities.size(); ++i)
         EXPECT_NEAR(qualities[i], rig.mesh.quality(rig.worker.ball.tets[i].tet), 1e-5);
@@ -158,8 +160,8 @@ void expect_qualities_of_the_judge(double size, MetricMean mean) {
   rig.judge_by(mean);
   ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), rig.worker.ball), Verdict::accepted);
   BallFaces faces;
-  faces.gather(rig.mesh, rig.worker.ball);
-  const SymTensor m = judge_tensor(rig.mesh, VertexId(0));
+  faces.gather(rig.kernel.policy.mean, rig.mesh, rig.worker.ball);
+  const SymTensor m = judge_tensor(rig.kernel.policy.mean, rig.mesh, VertexId(0));
   std::vector<float> qualities;
   faces.qualities(rig.mesh.point(VertexId(0)), m, qualities);
   ASSERT_EQ(qualities.size(), rig.worker.ball.tets.size());

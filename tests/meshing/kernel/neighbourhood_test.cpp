@@ -34,7 +34,8 @@ void expect_turning_round(const TetMesh& mesh, const Shell& shell) {
     EXPECT_EQ(mesh.vertex(e.tet, e.b), shell.b);
     EXPECT_EQ(mesh.vertex(e.tet, e.r), shell.ring[s]);
     EXPECT_EQ(mesh.vertex(e.tet, e.s), shell.ring[s + 1]);
-    EXPECT_GT(judge_quality(mesh, shell.a, shell.b, shell.ring[s], shell.ring[s + 1]), 0);
+    EXPECT_GT(
+        judge_quality(MetricMean::arithmetic, mesh, {shell.a, shell.b, shell.ring[s], shell.ring[s + 1]}), 0);
   }
   EXPECT_EQ(tets.size(), static_cast<std::size_t>(shell.size)) << "a tet came twice";
 }
@@ -90,7 +91,7 @@ TEST(Shell, OfManyTetsIsTooLarge) {
 
 TEST(Shell, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   KernelRig rig(ring_of(6, 1));
-  Claims other(rig.mesh, 2, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable);
   const TetId t = rig.tet_with(VertexId(0), VertexId(2));
   const auto gather = [&] {
     Shell shell;
@@ -104,7 +105,7 @@ TEST(Shell, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   other.release();
   EXPECT_EQ(gather(), Verdict::accepted);
   rig.mesh.freeze(VertexId(5));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   EXPECT_EQ(gather(), Verdict::frozen);
 }
 
@@ -139,7 +140,7 @@ TEST(Ball, IsEveryTetOfTheVertexAndNoOther) {
 
 TEST(Ball, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   KernelRig rig(octahedron());
-  Claims other(rig.mesh, 2, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable);
   Ball ball;
   ASSERT_EQ(other.claim(VertexId(6)), Verdict::accepted);
   EXPECT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), ball), Verdict::conflict);
@@ -148,7 +149,7 @@ TEST(Ball, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   rig.worker.claims.release();
   other.release();
   rig.mesh.freeze(VertexId(6));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   EXPECT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(0), ball), Verdict::frozen);
   rig.worker.claims.release();
   EXPECT_EQ(gather_ball(rig.mesh, rig.worker.claims, VertexId(6), ball), Verdict::frozen);

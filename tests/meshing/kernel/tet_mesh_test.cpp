@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <numeric>
 #include <set>
@@ -44,6 +45,34 @@ TEST(TetMesh, NoMoreSlotsThanThereIsRoomFor) {
   EXPECT_EQ(mesh.vertex_slots(), 4u) << "a refused request takes nothing";
   EXPECT_EQ(mesh.take_vertex_slots(1), 4u);
 }
+
+TEST(TetMesh, SaysWhenItIsFull) {
+  TetMesh mesh(10, 10);
+  EXPECT_EQ(mesh.try_take_tet_slots(8), 0u);
+  EXPECT_FALSE(mesh.is_full());
+  EXPECT_EQ(mesh.try_take_tet_slots(8), std::nullopt);
+  EXPECT_EQ(mesh.tet_slots(), 8u);
+  EXPECT_TRUE(mesh.is_full());
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(TetMesh, MakesDoWithLessAddressSpace) {
+  const auto with_little_space = [](Room least) {
+    rlimit limit{};
+    limit.rlim_cur = limit.rlim_max = std::size_t{4} << 30;
+    setrlimit(RLIMIT_AS, &limit);
+    try {
+      const auto mesh = reserve_tet_mesh({1u << 29, 1u << 29}, least);
+      std::exit(mesh->tet_capacity() >= 1u << 20 && mesh->tet_capacity() < 1u << 29 ? 0 : 1);
+    } catch (const NoAddressSpace& e) {
+      std::fputs(e.what(), stderr);
+      std::exit(2);
+    }
+  };
+  EXPECT_EXIT(with_little_space({1000, 1000}), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(with_little_space({1u << 28, 1u << 28}), testing::ExitedWithCode(2), "ulimit -v");
+}
+#endif
 
 TEST(TetMesh, ThreadsNeverGetTheSameSlot) {
   constexpr int kThreads = 4, kTakes = 1000;
@@ -116,7 +145,7 @@ TEST(TetMesh, FeatureEdgesComeSorted) {
 
 TEST(Claims, AClaimedVertexIsAConflictForOthersUntilItIsReleased) {
   TetMesh mesh(10, 10);
-  Claims mine(mesh, 1, false), other(mesh, 2, false);
+  Claims mine(mesh, 1, false, support::kClaimable), other(mesh, 2, false, support::kClaimable);
   EXPECT_EQ(mine.claim(VertexId(4)), Verdict::accepted);
   EXPECT_EQ(mine.claim(VertexId(4)), Verdict::accepted) << "held already";
   EXPECT_TRUE(mine.holds(VertexId(4)));
@@ -132,9 +161,9 @@ TEST(Claims, AClaimedVertexIsAConflictForOthersUntilItIsReleased) {
 TEST(Claims, AFrozenVertexIsNeverClaimedAndStaysFrozen) {
   TetMesh mesh(10, 10);
   mesh.freeze(VertexId(3));
-  mesh.set_frozen_are_untouchable(true);
   for (const bool sole : {true, false}) {
-    Claims claims(mesh, 1, sole);
+    const FrozenPolicy policy = FrozenPolicy::untouchable;
+    Claims claims(mesh, 1, sole, policy);
     EXPECT_EQ(claims.claim(VertexId(3)), Verdict::frozen);
     EXPECT_FALSE(claims.holds(VertexId(3)));
     claims.release();
@@ -144,7 +173,7 @@ TEST(Claims, AFrozenVertexIsNeverClaimedAndStaysFrozen) {
 
 TEST(Claims, ATetIsClaimedByItsFourVertices) {
   KernelRig rig(support::two_tets());
-  Claims other(rig.mesh, 2, false), mine(rig.mesh, 3, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable), mine(rig.mesh, 3, false, support::kClaimable);
   EXPECT_EQ(mine.claim_tet(TetId(0)), Verdict::accepted);
   for (const VertexId v : rig.mesh.vertices(TetId(0))) EXPECT_TRUE(mine.holds(v));
   EXPECT_EQ(other.claim_tet(TetId(1)), Verdict::conflict);
@@ -162,7 +191,7 @@ TEST(Claims, OneOfManyThreadsGetsAVertex) {
     std::vector<std::jthread> threads;
     for (int i = 0; i < kThreads; ++i)
       threads.emplace_back([&mesh, &won, i] {
-        Claims claims(mesh, static_cast<std::uint32_t>(i + 1), false);
+        Claims claims(mesh, static_cast<std::uint32_t>(i + 1), false, support::kClaimable);
         for (std::uint32_t v = 0; v < kVertices; ++v)
           won[static_cast<std::size_t>(i)] += claims.claim(VertexId(v)) == Verdict::accepted;
       });
@@ -177,7 +206,7 @@ TEST(Renumber, KeepsTheMesh) {
   KernelRig rig(input, 0.3);
   const std::size_t num_features = rig.mesh.feature_edges().size();
   rig.mesh.freeze(VertexId(17));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   rig.mesh.mark(VertexId(17), kCheckShort);
   const Point frozen = rig.mesh.point(VertexId(17));
   renumber_along_curve(rig.mesh);

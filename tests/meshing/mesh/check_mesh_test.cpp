@@ -268,6 +268,23 @@ TEST(CheckMesh, FindsReferencesThatDoNotFitTheEntities) {
   EXPECT_TRUE(finds_only(mesh, "tet references: 1 given for 2 entities"));
 }
 
+TEST(CheckMesh, CountsWhereTheBodyTouchesItself) {
+  const auto touching = [](const MeshData& mesh) {
+    const CheckReport report = check_mesh(mesh);
+    EXPECT_TRUE(report.ok());
+    return std::pair(report.touching_edges, report.touching_vertices);
+  };
+  using Counts = std::pair<std::uint64_t, std::uint64_t>;
+  EXPECT_EQ(touching(unit_cube(3)), Counts(0, 0));
+  const MeshData at_edge = support::mesh_of(
+      {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 2, 3, 1}, {0, 4, 5, 1}});
+  EXPECT_EQ(touching(at_edge), Counts(1, 2));
+  const MeshData at_vertex =
+      support::mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}},
+                       {{0, 1, 2, 3}, {0, 5, 4, 6}});
+  EXPECT_EQ(touching(at_vertex), Counts(0, 1));
+}
+
 TEST(CheckMesh, CountsAllProblemsButNamesOnlySome) {
   MeshData mesh = unit_cube(4);
   for (auto& tet : mesh.tets) std::swap(tet[0], tet[1]);

@@ -1,6 +1,4 @@
 // Tests of sizes from the boundary's curvature and of first layers at walls.
-#include "meshing/metric/boundary_metric.h"
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -8,6 +6,8 @@
 #include <numbers>
 
 #include "meshing/base/error.h"
+#include "meshing/metric/curvature_metric.h"
+#include "meshing/metric/wall_metric.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing {

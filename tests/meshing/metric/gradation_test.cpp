@@ -112,6 +112,22 @@ TEST(Gradation, LeavesNoEdgeThatViolatesIt) {
       }
 }
 
+TEST(Gradation, ReachesTheEndOfALongRow) {
+  BoxOptions options;
+  options.cells = {200, 1, 1};
+  options.max = {200, 1, 1};
+  const MeshData mesh = structured_box(options);
+  for (const GradationSpace space : kSpaces) {
+    LogMetricField field;
+    for (const Point& p : mesh.points)
+      field.push_back(identity_tensor(-2 * std::log(p.x < 0.5 ? 1e-3 : 100)));
+    EXPECT_GT(limit_gradation(mesh, 1.2, field, space), 190);
+    EXPECT_LT(worst_violation(mesh, 1.2, field, space), 1.01e-3);
+    for (std::size_t v = 0; v < field.size(); ++v)
+      EXPECT_NEAR(size_of(field[v]), 1e-3 + mesh.points[v].x * std::log(1.2), 0.02 * mesh.points[v].x + 1e-9);
+  }
+}
+
 TEST(Gradation, DoesNotDependOnTheThreads) {
   const MeshData mesh = unit_cube(12);
   const LogMetricField before = sample(AnalyticMetric("polar-2"), mesh);

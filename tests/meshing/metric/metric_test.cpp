@@ -254,5 +254,17 @@ TEST(AnalyticMetric, RefusesWhatItDoesNotKnow) {
     EXPECT_THROW(AnalyticMetric{name}, InputError) << name;
 }
 
+TEST(Metric, TheDeterminantOfADefiniteTensorIsRightAtStrongAnisotropy) {
+  const Vec n = (1 / std::sqrt(14.0)) * Vec{1, 2, 3};
+  for (const double ratio : {1.0, 1e3, 1e5, 1e6}) {
+    const double more = ratio * ratio - 1;
+    const Metric thin = {1 + more * n.x * n.x, more * n.x * n.y, 1 + more * n.y * n.y,
+                         more * n.x * n.z,     more * n.y * n.z, 1 + more * n.z * n.z};
+    EXPECT_NEAR(determinant_of_definite(thin) / (ratio * ratio), 1, 1e-15 + 1e-15 * ratio * ratio);
+  }
+  EXPECT_FALSE(determinant_of_definite(SymTensor{}) > 0);
+  EXPECT_FALSE(determinant_of_definite(SymTensor{1, 2, 1, 0, 0, 1}) > 0);
+}
+
 }  // namespace
 }  // namespace weft::meshing

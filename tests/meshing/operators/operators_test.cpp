@@ -9,10 +9,12 @@
 #include <set>
 
 #include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
 #include "meshing/operators/split_edge.h"
 #include "meshing/operators/surface_fit.h"
-#include "meshing/operators/swap.h"
+#include "meshing/operators/swap_edge.h"
+#include "meshing/operators/swap_face.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
@@ -41,7 +43,7 @@ Verdict split(KernelRig& rig, VertexId a, VertexId b, SplitBounds bounds = {0}) 
 
 Verdict collapse(KernelRig& rig, VertexId removed, VertexId kept, CollapseGoal goal = CollapseGoal::length) {
   Verdict r = gather_ball(rig.mesh, rig.worker.claims, removed, rig.worker.ball);
-  if (r == Verdict::accepted) r = collapse_edge(rig.worker, kept, goal);
+  if (r == Verdict::accepted) r = collapse_edge(rig.worker, removed, kept, goal);
   rig.worker.claims.release();
   return r;
 }
@@ -125,6 +127,24 @@ MeshData half_ring_off_centre(std::uint32_t n, double length) {
   MeshData mesh = half_ring_of(n, length);
   for (int i = 0; i < 2; ++i) mesh.points[i].y = 0.8;
   return mesh;
+}
+
+/// A bar whose section is a triangle, in two lengths; its middle section (vertices 3, 4, 5) is the face of
+/// two tets each of which has all of it.
+MeshData triangular_bar() {
+  std::vector<Point> points;
+  for (int k = 0; k < 3; ++k)
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.05, 1.0}})
+      points.push_back({x, y, static_cast<double>(k)});
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  for (const std::uint32_t end : {0u, 6u}) {
+    tets.push_back({3, 4, 5, end});
+    tets.push_back({end, end + 1, end + 2, 5});
+    tets.push_back({end, end + 1, 5, 4});
+  }
+  for (auto& t : tets)
+    if (six_volume(points[t[0]], points[t[1]], points[t[2]], points[t[3]]) < 0) std::swap(t[2], t[3]);
+  return support::mesh_of(std::move(points), std::move(tets));
 }
 
 // --- split ---
@@ -254,7 +274,7 @@ TEST(SplitEdge, RefusesWhatIsTooLarge) {
 TEST(SplitEdge, RefusesAFrozenRing) {
   KernelRig rig(ring_of(5, 1), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return split(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -405,12 +425,12 @@ TEST(CollapseEdge, RefusesATetThatLiesUponACurvedSurface) {
 
 TEST(CollapseEdge, RefusesFrozenNeighboursAndThoseThatOthersHold) {
   KernelRig rig(octahedron(), 2, kFaceted);
-  Claims other(rig.mesh, 2, false);
+  Claims other(rig.mesh, 2, false, support::kClaimable);
   ASSERT_EQ(other.claim(VertexId(4)), Verdict::accepted);
   EXPECT_EQ(collapse(rig, VertexId(0), VertexId(1)), Verdict::conflict);
   other.release();
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
 }
 
@@ -436,6 +456,13 @@ TEST(CollapseEdge, OnASphereKeepsTheSphereASphere) {
   std::set<std::uint32_t> vertices;
   for (const auto& t : data.triangles) vertices.insert(t.begin(), t.end());
   EXPECT_EQ(2 * vertices.size(), 4 + data.triangles.size());
+}
+
+TEST(CollapseEdge, DoesNotCutABarInTwo) {
+  constexpr double kNoRidges = 179, kCoarse = 10;
+  KernelRig rig(triangular_bar(), kCoarse, kNoRidges);
+  rig.kernel.limits.hausd = 10;
+  expect_refused(rig, Verdict::breaks_topology, [&] { return collapse(rig, VertexId(3), VertexId(4)); });
 }
 
 // --- swaps ---
@@ -511,8 +538,8 @@ TEST(SwapEdge, FindsTheBestTriangulationOfTheRing) {
       double least = 1;
       for (std::uint32_t i = 1; i <= 3; ++i) {
         const VertexId u(2 + apex), v(2 + (apex + i) % 5), w(2 + (apex + i + 1) % 5);
-        least = std::min({least, judge_quality(rig.mesh, u, v, w, VertexId(1)),
-                          judge_quality(rig.mesh, v, u, w, VertexId(0))});
+        least = std::min({least, judge_quality(MetricMean::arithmetic, rig.mesh, {u, v, w, VertexId(1)}),
+                          judge_quality(MetricMean::arithmetic, rig.mesh, {v, u, w, VertexId(0)})});
       }
       best = std::max(best, least);
     }
@@ -642,11 +669,11 @@ TEST(SwapFace, RefusesToInvert) {
 TEST(SwapEdge, RefusesAFrozenRingAndSwapFaceAFrozenApex) {
   KernelRig rig(ring_of(4, 4), 1, kFaceted);
   rig.mesh.freeze(VertexId(4));
-  rig.mesh.set_frozen_are_untouchable(true);
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(rig, Verdict::frozen, [&] { return swap(rig, VertexId(0), VertexId(1)); });
   KernelRig two(support::two_tets(), 1, kFaceted);
   two.mesh.freeze(VertexId(4));
-  two.mesh.set_frozen_are_untouchable(true);
+  two.kernel.policy.frozen = FrozenPolicy::untouchable;
   const TetId t = two.tet_with(VertexId(0), VertexId(3));
   expect_refused(two, Verdict::frozen, [&] { return swap(two, t, two.mesh.local_index(t, VertexId(3))); });
 }
@@ -745,7 +772,7 @@ TEST_P(MoveVertex, NeverMovesAFixedOrFrozenVertex) {
   KernelRig frozen(mesh, 1, kFaceted);
   frozen.judge_by(GetParam());
   frozen.mesh.freeze(VertexId(3));
-  frozen.mesh.set_frozen_are_untouchable(true);
+  frozen.kernel.policy.frozen = FrozenPolicy::untouchable;
   expect_refused(frozen, Verdict::frozen, [&] { return smooth(frozen, VertexId(0)); });
   expect_refused(frozen, Verdict::frozen, [&] { return relocate(frozen, VertexId(0)); });
 }

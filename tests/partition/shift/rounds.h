@@ -64,8 +64,9 @@ class Rounds {
     ForEach<partition::InterfaceVertices> created;
     for (auto& s : subdomains_) {
       partition::InterfaceRefinement refinement(s, geometry_);
-      adapt_subdomain(s, geometry_.surface, limits_, meshing::Extent::everything, options_,
-                      [&](double long_edge) { refinement.refine(long_edge); });
+      adapt_subdomain(
+          s, geometry_.surface, limits_, meshing::Extent::everything, options_,
+          [&](double long_edge, meshing::MetricMean mean) { refinement.refine(long_edge, mean); });
       created.push_back(refinement.created());
     }
     register_interfaces(std::move(created));

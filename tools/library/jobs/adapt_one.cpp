@@ -8,6 +8,7 @@
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
+#include "meshing/metric/expectations.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
@@ -64,9 +65,8 @@ class OneMesh {
 
   /// For the percentage; a complexity of 0 is not known yet, and taken to be the input's.
   void predict_work(double complexity) {
-    constexpr double kTetsOfComplexity = 12;
     const double tets = static_cast<double>(result_.input_counts.tets);
-    work_.emplace(tets, complexity > 0 ? kTetsOfComplexity * complexity : tets,
+    work_.emplace(tets, complexity > 0 ? meshing::kTetsPerComplexity * complexity : tets,
                   !input_.fields.fields.empty());
   }
 

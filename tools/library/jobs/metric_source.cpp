@@ -9,10 +9,11 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
-#include "meshing/metric/boundary_metric.h"
+#include "meshing/metric/curvature_metric.h"
 #include "meshing/metric/implied_metric.h"
 #include "meshing/metric/measures.h"
 #include "meshing/metric/multiscale.h"
+#include "meshing/metric/wall_metric.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 

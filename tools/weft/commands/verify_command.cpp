@@ -47,6 +47,9 @@ std::string report_text(const std::string& name, const CheckReport& report) {
   text += by_ref_text("area  ", report.area_by_ref);
   if (report.unreferenced_points > 0)
     text += fmt::format("  vertices that no tet uses: {}\n", grouped(report.unreferenced_points));
+  if (report.touching_edges + report.touching_vertices > 0)
+    text += fmt::format("  the body touches itself at {} edges and {} vertices\n",
+                        grouped(report.touching_edges), grouped(report.touching_vertices));
   for (const std::string& problem : report.problems) text += fmt::format("  PROBLEM: {}\n", problem);
   if (report.num_problems > report.problems.size())
     text += fmt::format("  and {} more\n", grouped(report.num_problems - report.problems.size()));
@@ -74,6 +77,20 @@ std::string differences_text(const char* what, const ByRef& ours, const ByRef& t
   return text;
 }
 
+/// A body must not come to touch itself where it did not, nor come apart: a line for each figure that
+/// differs.
+std::string touching_text(const CheckReport& ours, const CheckReport& theirs) {
+  std::string text;
+  const auto compare = [&](const char* what, std::uint64_t a, std::uint64_t b) {
+    if (a == b) return;
+    text += fmt::format("  PROBLEM: the body touches itself at {} {}, the other mesh's at {}\n", grouped(a),
+                        what, grouped(b));
+  };
+  compare("edges", ours.touching_edges, theirs.touching_edges);
+  compare("vertices", ours.touching_vertices, theirs.touching_vertices);
+  return text;
+}
+
 int run_verify(const VerifyCommand& command) {
   Progress progress(command.verbosity.style());
   progress.phase("checking");
@@ -82,10 +99,11 @@ int run_verify(const VerifyCommand& command) {
   if (!command.against.empty()) {
     progress.phase("checking the other mesh");
     const CheckReport other = verify(read_mesh(command.against), 0);
-    differences = differences_text("volume", report.volume_by_ref, other.volume_by_ref) +
-                  differences_text("area", report.area_by_ref, other.area_by_ref);
+    const std::string sums = differences_text("volume", report.volume_by_ref, other.volume_by_ref) +
+                             differences_text("area", report.area_by_ref, other.area_by_ref);
+    differences = sums + touching_text(report, other);
     text += fmt::format("against {}\n", command.against) +
-            (differences.empty() ? "  volumes and areas are the same\n" : differences);
+            (sums.empty() ? "  volumes and areas are the same\n" : "") + differences;
   }
   progress.finish();
   const bool good = report.ok() && differences.empty();

@@ -361,6 +361,16 @@ TEST(GmfSolution, UnknownFieldTypesAreNamed) {
   expect_contains(message_of([&] { read_gmf_solution(directory / "s.sol"); }), "SolAtVertices: is missing");
 }
 
+TEST(GmfWriter, RefusesToRoundTetsAway) {
+  const TemporaryDirectory directory;
+  MeshData mesh = two_tets();
+  for (Point& p : mesh.points) p.x += 1e8;
+  expect_contains(message_of([&] { write_gmf_mesh(directory / "m.meshb", mesh, 1); }),
+                  "tet 1: would lose its volume");
+  EXPECT_EQ(directory.num_entries(), 0u);
+  EXPECT_NO_THROW(write_gmf_mesh(directory / "m.meshb", mesh, 2));
+}
+
 TEST(GmfWriter, RefusesVersionsThatCannotHoldTheData) {
   const TemporaryDirectory directory;
   MeshData mesh = two_tets();

@@ -1,15 +1,14 @@
-// Edge swap by the best triangulation of the ring; face swap two tets to three.
-#include "meshing/operators/swap.h"
+// Edge swap by the best triangulation of the ring.
+#include "meshing/operators/swap_edge.h"
 
 #include <algorithm>
 
+#include "meshing/operators/check_cavity.h"
 #include "meshing/operators/surface_fit.h"
+#include "meshing/operators/swap_common.h"
 
 namespace weft::meshing {
 namespace {
-
-/// A swap must improve the worst tet by more than rounding, lest two swaps undo each other for ever.
-double enough_for(double old_worst) { return old_worst + std::max(1e-3, 0.01 * old_worst); }
 
 /// Best triangulation of the ring polygon by dynamic programming over its chains i..j.
 struct RingTriangulation {
@@ -26,7 +25,6 @@ std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const
   return {qb, judge_quality(mean, ring[k], ring[i], ring[j], a)};
 }
 
-/// Fills `r`; false when no triangulation has all tets better than `enough`.
 /// Would a tet over ring triangle (i, k, j) lie flat upon a curved surface?
 bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
   const int on =
@@ -34,6 +32,7 @@ bool lies_down(const TetMesh& mesh, const Shell& shell, int i, int k, int j) {
   return on & (mesh.flags(shell.a) | mesh.flags(shell.b));
 }
 
+/// Fills `r`; false when no triangulation has all tets better than `enough`.
 bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const Corner& a, const Corner& b,
                  const Corner* ring, int m, double enough, RingTriangulation& r) {
   for (int i = 0; i + 1 < m; ++i) r.best[i][i + 1] = 2;
@@ -57,19 +56,6 @@ bool triangulate(MetricMean mean, const TetMesh& mesh, const Shell& shell, const
   return r.apex[0][m - 1] >= 0;
 }
 
-/// A face of the hole: the outer neighbour and patch it had.
-struct OuterFace {
-  TetFace neighbour;
-  PatchId patch;
-};
-
-/// A new edge may be short.
-void mark_if_short(const Worker& w, VertexId a, VertexId b) {
-  if (length_between(w.mesh, a, b) >= w.kernel.limits.short_edge) return;
-  w.mesh.mark(a, kCheckShort);
-  w.mesh.mark(b, kCheckShort);
-}
-
 /// Writes the tets of the chosen triangulation into the hole that the shell leaves.
 class RingBuilder {
  public:
@@ -77,8 +63,8 @@ class RingBuilder {
       : w_(w), mesh_(w.mesh), shell_(shell), r_(r) {
     for (int i = 0; i < shell.size; ++i) {
       const auto& e = shell.tets[i];
-      outer_a_[i] = {mesh_.neighbour(e.tet, e.b), mesh_.patch(e.tet, e.b)};
-      outer_b_[i] = {mesh_.neighbour(e.tet, e.a), mesh_.patch(e.tet, e.a)};
+      outer_a_[i] = outer_face(mesh_, e.tet, e.b);
+      outer_b_[i] = outer_face(mesh_, e.tet, e.a);
     }
     ref_ = mesh_.ref(shell.tets[0].tet);
   }
@@ -100,6 +86,7 @@ class RingBuilder {
   /// Builds all tets of an open shell; the faces over the ring's closing edge come to lie on `patch`.
   Faces build_open(PatchId patch) {
     const Faces root = chain(0, shell_.size);
+    mark_if_short(w_, shell_.ring[0], shell_.ring[shell_.size]);
     attach(root.a, {TetFace(), patch});
     attach(root.b, {TetFace(), patch});
     free_unused();
@@ -195,22 +182,24 @@ TetId worst_of(const TetMesh& mesh, const Shell& shell) {
 }
 
 /// The best triangulation of one shell's ring, if all its tets are better than `enough`.
-Verdict judge_ring(Worker& w, const Shell& shell, double enough, RingTriangulation& r) {
-  const TetMesh& mesh = w.mesh;
+Verdict judge_ring(const Worker& w, const Shell& shell, double enough, RingTriangulation& r) {
   const int m = shell.closed ? shell.size : shell.size + 1;
   if (m > kMaxRing) return Verdict::too_large;
   if (m < 3) return Verdict::not_needed;
   std::array<Corner, kMaxRing> ring;
-  for (int i = 0; i < m; ++i) ring[i] = corner(mesh, shell.ring[i]);
-  return triangulate(mesh.metric_mean(), mesh, shell, corner(mesh, shell.a), corner(mesh, shell.b),
-                     ring.data(), m, enough, r)
+  for (int i = 0; i < m; ++i) ring[i] = w.corner(shell.ring[i]);
+  return triangulate(w.mean(), w.mesh, shell, w.corner(shell.a), w.corner(shell.b), ring.data(), m, enough, r)
              ? Verdict::accepted
              : Verdict::worsens_quality;
 }
 
+/// At most so many tets replace those of a shell: two over each triangle of the ring's polygon.
+std::size_t tets_over(const Shell& shell) { return 2 * static_cast<std::size_t>(shell.size); }
+
 Verdict swap_inside(Worker& w, const Shell& shell, double enough) {
   RingTriangulation r;
   if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
+  if (!w.secure(tets_over(shell), 0)) return Verdict::too_large;
   RingBuilder(w, shell, r).build_closed();
   return Verdict::accepted;
 }
@@ -219,6 +208,7 @@ Verdict swap_on_boundary(Worker& w, const Shell& shell, PatchId patch, double en
   RingTriangulation r;
   if (const Verdict v = judge_ring(w, shell, enough, r); v != Verdict::accepted) return v;
   if (const Verdict v = judge_boundary(w, shell, patch); v != Verdict::accepted) return v;
+  if (!w.secure(tets_over(shell), 0)) return Verdict::too_large;
   RingBuilder(w, shell, r).build_open(patch);
   return Verdict::accepted;
 }
@@ -252,6 +242,7 @@ Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double e
     if (const Verdict v = judge_ring(w, halves[i], enough, r[i]); v != Verdict::accepted) return v;
     if (const Verdict v = judge_boundary(w, halves[i], patch); v != Verdict::accepted) return v;
   }
+  if (!w.secure(tets_over(halves[0]) + tets_over(halves[1]), 0)) return Verdict::too_large;
   RingBuilder first(w, halves[0], r[0]), second(w, halves[1], r[1]);
   const RingBuilder::Faces one = first.build_open(patch), other = second.build_open(patch);
   w.mesh.glue(one.a, other.a);
@@ -271,64 +262,12 @@ Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   if (worst != t && mesh.marks(worst) & kCheckSwap) return Verdict::not_needed;
   const EdgeClass on = classify(mesh, shell);
   if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
-  const double enough = enough_for(mesh.quality(worst));
-  if (on.kind == VertexKind::interior) return swap_inside(w, shell, enough);
-  return shell.closed ? swap_on_interface(w, shell, on.patch, enough)
-                      : swap_on_boundary(w, shell, on.patch, enough);
-}
-
-Verdict swap_face(Worker& w, TetId t, int face) {
-  TetMesh& mesh = w.mesh;
-  const TetFace across = mesh.neighbour(t, face);
-  if (!across.valid() || mesh.patch(t, face).valid()) return Verdict::breaks_classification;
-  const TetId u = across.tet();
-  const VertexId p = mesh.vertex(t, face), q = mesh.vertex(u, across.face());
-  if (const Verdict r = w.claims.claim(q); r != Verdict::accepted) return r;
-  std::array<VertexId, 3> f;
-  for (int i = 0; i < 3; ++i) f[i] = mesh.vertex(t, kTetFaces[face][i]);
-  const double enough = enough_for(std::min(mesh.quality(t), mesh.quality(u)));
-  std::array<double, 3> quality;
-  const Corner cp = corner(mesh, p), cq = corner(mesh, q);
-  for (int i = 0; i < 3; ++i) {
-    if (mesh.all_on_curved_boundary({q, p, f[i], f[(i + 1) % 3]})) return Verdict::breaks_topology;
-    quality[i] = judge_quality(mesh.metric_mean(), cq, cp, corner(mesh, f[i]), corner(mesh, f[(i + 1) % 3]));
-    if (quality[i] < 0) return Verdict::inverts;
-    if (quality[i] <= enough) return Verdict::worsens_quality;
-  }
-  // New tet i is (q, p, f_i, f_i+1): its face opposite q is the face of t over edge i, that opposite p is
-  // u's.
-  std::array<OuterFace, 3> outer_t, outer_u;
-  for (int i = 0; i < 3; ++i) {
-    const int it = mesh.local_index(t, f[(i + 2) % 3]), iu = mesh.local_index(u, f[(i + 2) % 3]);
-    outer_t[i] = {mesh.neighbour(t, it), mesh.patch(t, it)};
-    outer_u[i] = {mesh.neighbour(u, iu), mesh.patch(u, iu)};
-  }
-  const std::array<TetId, 3> tets = {t, u, w.new_tet()};
-  const std::int32_t ref = mesh.ref(t);
-  for (int i = 0; i < 3; ++i) {
-    const TetId n = tets[i];
-    mesh.set_vertices(n, {q, p, f[i], f[(i + 1) % 3]});
-    mesh.set_ref(n, ref);
-    mesh.set_quality(n, static_cast<float>(quality[i]));
-    mesh.mark(n, kAllTetMarks);
-    mesh.set_tet_of(f[i], n);
-  }
-  for (int i = 0; i < 3; ++i) {
-    const TetId n = tets[i];
-    mesh.glue(TetFace(n, 0), outer_t[i].neighbour);
-    mesh.set_neighbour(n, 0, outer_t[i].neighbour);
-    mesh.set_patch(n, 0, outer_t[i].patch);
-    mesh.glue(TetFace(n, 1), outer_u[i].neighbour);
-    mesh.set_neighbour(n, 1, outer_u[i].neighbour);
-    mesh.set_patch(n, 1, outer_u[i].patch);
-    mesh.glue(TetFace(n, 2), TetFace(tets[(i + 1) % 3], 3));  // faces (q, p, f_i+1)
-    mesh.set_patch(n, 2, PatchId());
-    mesh.set_patch(n, 3, PatchId());
-  }
-  for (const VertexId v : {p, q}) mesh.set_tet_of(v, tets[0]);
-  mark_if_short(w, p, q);
-  for (const VertexId v : {p, q, f[0], f[1], f[2]}) mesh.touch(v);
-  return Verdict::accepted;
+  const double enough = enough_for_swap(mesh.quality(worst));
+  const Verdict r = on.kind == VertexKind::interior ? swap_inside(w, shell, enough)
+                    : shell.closed                  ? swap_on_interface(w, shell, on.patch, enough)
+                                                    : swap_on_boundary(w, shell, on.patch, enough);
+  if (r == Verdict::accepted) check_cavity(w, shell.ring[0]);
+  return r;
 }
 
 }  // namespace weft::meshing

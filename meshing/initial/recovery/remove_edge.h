@@ -1,4 +1,4 @@
-// Body of remove_edge: dynamic programming over the chains of the ring (Klincsek 1980).
+// Exchange of the tets around an edge: dynamic programming over the chains of its ring (Klincsek 1980).
 #pragma once
 
 #include <climits>
@@ -44,6 +44,9 @@ inline bool exchangeable(const TetGrid& grid, const TetGrid::EdgeShell& shell, s
 
 namespace weft::meshing {
 
+/// Exchanges the tets around edge (a, b) for tets on the triangulation of its ring of least cost, where that
+/// is below `limit`: `triangle_cost(r, s, t)` for each ring triangle and `diagonal_cost(r, s)` for each
+/// diagonal. Facet faces and input edges stay.
 template <class TriangleCost, class DiagonalCost>
 bool remove_edge(Recovery& r, std::uint32_t a, std::uint32_t b, int limit, const TriangleCost& triangle_cost,
                  const DiagonalCost& diagonal_cost) {
