@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds a preset: build.sh [release|debug|asan|tsan|mpich] [--no-tests]. The release command lands at build/bin/weft.
+# Builds a preset: build.sh [release|debug|asan|tsan|mpich|portable|clang|heavy] [--no-tests]. The release command lands at build/bin/weft.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,5 +20,7 @@ memory_gb=$(awk '/^MemAvailable/ { print int($2 / 1048576) }' /proc/meminfo)
 jobs=$(nproc)
 ((jobs <= memory_gb / 2)) || jobs=$((memory_gb / 2 > 0 ? memory_gb / 2 : 1))
 
-cmake --preset "$preset" -DWEFT_TESTS=$tests --log-level=WARNING
+# WEFT_CMAKE_OPTIONS: further -D options, as .ci/run gives.
+# shellcheck disable=SC2086
+cmake --preset "$preset" -DWEFT_TESTS=$tests ${WEFT_CMAKE_OPTIONS:-} --log-level=WARNING
 cmake --build --preset "$preset" --parallel "$jobs"

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# The long checks: all tests, those of MPI with MPICH, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
+# The long checks: all tests, all again with heavy assertions, those of MPI with MPICH, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/test.sh
 scripts/test_mpich.sh
+# The whole mesh is checked after every pass.
+scripts/build.sh heavy
+ctest --test-dir build-heavy --output-on-failure
 scripts/sanitize.sh asan tsan
 # A hang that comes once in a hundred runs is a hang.
 ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100
