@@ -14,6 +14,11 @@ RunWork::RunWork(double tets, double wanted, bool has_fields) : has_fields_(has_
   predict_after(wanted);
 }
 
+RunWork RunWork::to_complexity(double tets, double complexity, bool has_fields) {
+  constexpr double kTetsOfComplexity = 12;
+  return {tets, complexity > 0 ? kTetsOfComplexity * complexity : tets, has_fields};
+}
+
 /// What has been said of the adaptation stays as it is.
 void RunWork::adapted(double tets) { predict_after(tets); }
 
