@@ -159,6 +159,14 @@ class Report(CommandTest):
                   "--report", "r")
         self.assertIsNone(json.loads((self.folder / "r/report.json").read_text())["before"])
 
+    def test_tells_the_complexity_that_was_asked_for_even_where_limits_keep_it_away(self):
+        self.box(4)
+        for subdomains in ([], ["--subdomains", 2]):
+            self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "--complexity", 500, "--hmin", 0.3, *subdomains,
+                      "-o", "out.meshb", "--report", "r", expect=1)
+            report = json.loads((self.folder / "r/report.json").read_text())
+            self.assertEqual((report["asked_complexity"], report["target_complexity"]), (500, 500), subdomains)
+
 
 class Interrupt(CommandTest):
     def interrupted(self, number):

@@ -323,6 +323,7 @@ class Runs(SampleTest):
         profile = json.loads((self.folder / "report/profile.json").read_text())
         jsonschema.validate(profile, schema("tools/report/weft-profile-1.schema.json"))
         self.assertIsNone(profile["graph"])
+        self.assert_fails("graph", "report/profile.json", says="contains no graph: the run recorded none")
         self.assertGreater(profile["mesh"]["layers"][0]["facets"], 100)
 
     def test_what_makes_no_sense_is_said(self):

@@ -25,6 +25,12 @@ TEST(SharesOfARun, AscendFromStepToStep) {
     }
 }
 
+TEST(SharesOfARun, OfAnUnknownComplexityAreThoseOfAResultAsLargeAsTheInput) {
+  const double unknown = RunWork::to_complexity(1.2e6, 0, false).at_adaptation(0);
+  EXPECT_EQ(unknown, RunWork::to_complexity(1.2e6, 1e5, false).at_adaptation(0));
+  EXPECT_NE(unknown, RunWork::to_complexity(1.2e6, 1e6, false).at_adaptation(0));
+}
+
 TEST(SharesOfARun, OfALargeResultAreOfItsAdaptation) {
   const RunWork work(1e4, 1e7, false);
   EXPECT_LT(work.at_adaptation(0), 0.02);

@@ -236,7 +236,7 @@ class View(CommandTest):
         for bad, says in [
             (["--size", "9x9"], "--size"),
             (["--from", "up"], "--from"),
-            (["--from", "z", "--up", "-z"], "--up"),
+            (["--from", "z", "--up", "-z"], "parallel to the view direction"),
             (["--clip", "x"], "--clip"),
             (["--clip", "0,0,0,0,0,0"], "--clip"),
             (["--slice"], "--clip"),

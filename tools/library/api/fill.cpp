@@ -80,7 +80,7 @@ FillResult fill(const Mesh& surface, const FillOptions& options) {
   common.run = options.run;
   validate(common);
   if ((options.background == nullptr) != (options.metric == nullptr))
-    throw OptionError("--background", "belongs together with --metric");
+    throw OptionError("--background", "requires --metric and the reverse");
   const WholeMesh whole(surface);
   if (options.metric) check_length(*options.background, options.metric->size(), "metric");
   return tools::with_threads(tools::number_of_threads(options.run.threads),

@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 tools::GraphFormat format_named(const std::string& name) {
   const auto found = tools::graph_formats().find(name);
   if (found != tools::graph_formats().end()) return found->second;
-  throw OptionError("--format", "'" + name + "' is none of dot, graphml, json and svg");
+  throw OptionError("--format", "'" + name + "' is not one of dot, graphml, json and svg");
 }
 
 Collapse collapse_named(const std::string& name) {
@@ -33,7 +33,7 @@ Collapse collapse_named(const std::string& name) {
       {"none", Collapse::none}, {"rounds", Collapse::rounds}, {"subdomains", Collapse::instances}};
   const auto found = all.find(name);
   if (found != all.end()) return found->second;
-  throw OptionError("--collapse", "'" + name + "' is none of none, rounds and subdomains");
+  throw OptionError("--collapse", "'" + name + "' is not one of none, rounds and subdomains");
 }
 
 /// call(); what it has against a document is said with the file's name.
@@ -52,7 +52,7 @@ GraphDump read_dump(const std::string& path) {
   Json json = tools::read_json(path);
   if (json.is_object() && json.value("schema", "") == "weft-profile-1") {
     Json inner = std::move(json["graph"]);
-    if (inner.is_null()) throw InputError(path, "", "has no graph: the run kept none");
+    if (inner.is_null()) throw InputError(path, "", "contains no graph: the run recorded none");
     json = std::move(inner);
   }
   return naming_document(path, [&] { return graph::dataflow::dump_from_json(json); });

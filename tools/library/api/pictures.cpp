@@ -29,7 +29,7 @@ ColourBy colour_by(const std::string& word) {
   if (found != all.end()) return found->second;
   throw OptionError("--color-by",
                     "'" + word +
-                        "' is none of none, ref, subdomain, quality, length, nonconforming, field "
+                        "' is not one of none, ref, subdomain, quality, length, nonconforming, field "
                         "and field:NAME");
 }
 
@@ -48,7 +48,7 @@ picture::View view_of(const PictureOptions& words) {
   if (words.up.empty()) return {toward_eye, picture::default_up(toward_eye)};
   const Point up = parsed("--up", [&] { return picture::direction_named(words.up); });
   if (!(norm(cross(up, toward_eye)) > 0))
-    throw OptionError("--up", "'" + words.up + "' is along the line of sight of --from");
+    throw OptionError("--up", "'" + words.up + "' is parallel to the view direction --from");
   return {toward_eye, up};
 }
 

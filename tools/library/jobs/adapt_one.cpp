@@ -8,7 +8,6 @@
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
-#include "meshing/metric/expectations.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
@@ -63,11 +62,10 @@ class OneMesh {
     result_.times.metric = watch_.lap();
   }
 
-  /// For the percentage; a complexity of 0 is not known yet, and taken to be the input's.
+  /// For the percentage.
   void predict_work(double complexity) {
-    const double tets = static_cast<double>(result_.input_counts.tets);
-    work_.emplace(tets, complexity > 0 ? meshing::kTetsPerComplexity * complexity : tets,
-                  !input_.fields.fields.empty());
+    work_ = RunWork::to_complexity(static_cast<double>(result_.input_counts.tets), complexity,
+                                   !input_.fields.fields.empty());
   }
 
   void measure_before() {

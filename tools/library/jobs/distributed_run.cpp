@@ -113,7 +113,8 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   table_.reset();
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
   report.complexity_asked = options_.metric.complexity > 0;
-  report.target_complexity = rank_.plan.expected_complexity;
+  report.target_complexity =
+      report.complexity_asked ? options_.metric.complexity : rank_.plan.expected_complexity;
   report.times.metric = result_.decomposition_seconds;
   report.times.adapt = result_.adaptation_seconds;
   report.cancelled = monitor_.cancelled();

@@ -13,6 +13,7 @@
 #include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
 #include "tools/library/report/report_json.h"
@@ -63,8 +64,10 @@ class FileJob {
   }
 
   void write() {
-    constexpr double kShareBeforeWriting = 0.99;
-    monitor_.update("writing", kShareBeforeWriting, run_.output_counts.tets);
+    RunWork work = RunWork::to_complexity(static_cast<double>(run_.input_counts.tets), run_.target_complexity,
+                                          !fields_.fields.empty());
+    work.adapted(static_cast<double>(run_.output_counts.tets));
+    monitor_.update("writing", work.at_writing(), run_.output_counts.tets);
     write_mesh_with_solution(run_.outputs, mesh_, metric_.fields(), fields_, names_);
     run_.times.write = watch_.lap();
   }

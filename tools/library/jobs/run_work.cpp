@@ -2,6 +2,7 @@
 #include "tools/library/jobs/run_work.h"
 
 #include "meshing/adapt/work.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::tools {
 
@@ -12,6 +13,10 @@ RunWork::RunWork(double tets, double wanted, bool has_fields) : has_fields_(has_
   before_ = kRead * tets + metric_ + measure_;
   adapt_ = meshing::predict_work(tets, wanted).sum();
   predict_after(wanted);
+}
+
+RunWork RunWork::to_complexity(double tets, double complexity, bool has_fields) {
+  return {tets, complexity > 0 ? meshing::kTetsPerComplexity * complexity : tets, has_fields};
 }
 
 /// What has been said of the adaptation stays as it is.

@@ -10,6 +10,9 @@ class RunWork {
   /// Of a mesh of `tets` that is to have `wanted` in the end. `has_fields`: fields are carried along.
   RunWork(double tets, double wanted, bool has_fields);
 
+  /// That is adapted to `complexity`; 0: not known yet, taken to be the input's.
+  static RunWork to_complexity(double tets, double complexity, bool has_fields);
+
   /// The result has `tets`.
   void adapted(double tets);
 

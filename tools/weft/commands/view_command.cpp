@@ -118,7 +118,7 @@ int run_view(ViewCommand& command) {
   check_writable(command.output);
   RefNames names;
   Progress progress(command.verbosity.style());
-  progress.phase("drawing");
+  progress.phase("reading");
   const Mesh mesh = mesh_to_show(command, names);
   Metric metric;
   if (command.metric.given()) metric = make_metric(mesh, command.metric, command.mesh).metric;
@@ -126,6 +126,7 @@ int run_view(ViewCommand& command) {
   if (picture.color_by == "field") field = colour_field(command, mesh.points.size());
   const PictureSource source{mesh, command.metric.given() ? &metric : nullptr, field.first, field.second,
                              &names};
+  progress.phase("drawing");
   naming(command.mesh, [&] { draw(command.output, source, picture); });
   progress.finish();
   command.verbosity.print("{}: {} x {} pixels\n", command.output, size.width, size.height);

@@ -112,7 +112,7 @@ struct MetricOptions {
   std::vector<Fields> solutions;  ///< the same, in memory
   double norm = 2;                ///< p of the Lp norm of the interpolation error
   HessianRecovery recovery = HessianRecovery::least_squares;
-  bool implied = false;  ///< the metric that the mesh has already
+  bool implied = false;  ///< the metric in which the input mesh is unit
   // Demands of the boundary, which are not scaled where there is a source too.
   double curvature = 0;  ///< edges per full turn of curvature; 0: none
   double sagitta = 0;    ///< distance of an edge's middle from the surface; 0: any
@@ -132,7 +132,7 @@ struct MetricOptions {
 struct Progress {
   std::string stage;       ///< "collapse", "measuring", or for subdomains a sentence with counts and times
   bool sentence = false;   ///< `stage` is such a sentence
-  double done = 0;         ///< predicted share of the time, 0 to 1
+  double done = 0;         ///< predicted share of the run's time, 0 to 1; of a sentence: of its step's work
   std::uint64_t tets = 0;  ///< now; 0: not known
 };
 
@@ -144,7 +144,7 @@ struct RunOptions {
   /// The same from elsewhere: set (on all ranks) by another thread or a signal handler; set here too when the
   /// function above returns false. Must outlive the call.
   std::atomic<bool>* cancel = nullptr;
-  bool force = false;   ///< start even if the memory seems too small
+  bool force = false;   ///< run even if the memory seems insufficient
   bool check = false;   ///< check the invariants of all subdomains after every round: slow
   bool measure = true;  ///< fill the measures of the result
   /// SIGUSR1 makes every rank tell on_state what it does. The command's; a library handles no signals else.
@@ -537,7 +537,7 @@ struct GraphFilter {
   std::string collapse =
       "none";  ///< a vertex for each run (none), node and round (rounds) or subdomain (subdomains)
   bool critical_path = false;  ///< only that
-  bool plan = false;           ///< the graph that every subdomain has, as planned
+  bool plan = false;           ///< the planned graph, which is the same for every subdomain
 };
 /// The graph of a run in `path` (graph.json, profile.json, what Files::graph names as .json), as text in a
 /// format: dot, graphml, json, or svg (needs Graphviz). Throws InputError.
