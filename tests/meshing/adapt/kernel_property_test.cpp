@@ -88,7 +88,7 @@ class Shaker {
     if (const Verdict r = gather_ball(mesh_, w_.claims, v, w_.ball); r != Verdict::accepted) return r;
     const auto [t, local] = w_.ball.tets[below(w_.ball.tets.size())];
     const VertexId kept = mesh_.vertex(t, (local + 1 + static_cast<int>(below(3))) % 4);
-    return collapse_edge(w_, kept, below(4) > 0 ? CollapseGoal::length : CollapseGoal::quality);
+    return collapse_edge(w_, v, kept, below(4) > 0 ? CollapseGoal::length : CollapseGoal::quality);
   }
 
   Worker& w_;
