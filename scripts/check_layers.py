@@ -73,7 +73,7 @@ WHOLE_TREES = ("tools", "tests")
 # Library -> (pattern of its headers, paths that may include them).
 LIBRARIES = {
     "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"),
-            ["engine/mpi/mpi_transport.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
+            ["engine/mpi/mpi_transport.cpp", "engine/mpi/mpi_version.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
              "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/library/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),

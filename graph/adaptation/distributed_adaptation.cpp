@@ -4,7 +4,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "meshing/metric/expectations.h"
+#include "partition/communication/reduce.h"
+#include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
 
@@ -17,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
-/// Twelve times its complexity, as in partition/distribute/distribute.h.
+/// Of the adapted subdomain.
 double predicted_tets(const SubdomainStart& s) {
   std::vector<double> densities;
   densities.reserve(s.log_metrics.size());
@@ -40,28 +47,117 @@ std::size_t tet_capacity(double complexity, std::uint64_t input_tets) {
       std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
 }
 
-/// Returns who borders on whom.
-std::vector<Neighbours> make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts,
-                                        std::size_t capacity, dataflow::Recording recording,
-                                        const AdaptationPlan& plan) {
-  std::vector<Neighbours> neighbours;
+/// What is made at the start of a run.
+struct Made {
+  std::vector<Neighbours> neighbours;  ///< who borders on whom
+  std::vector<std::pair<SubdomainTask::Ref, engine::Seconds>> tasks;
+};
+
+Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts, std::size_t capacity,
+                     dataflow::Recording recording, const AdaptationPlan& plan) {
+  Made made;
   for (SubdomainStart& start : starts) {
     const double predicted = predicted_tets(start);
     const std::size_t num_tets = start.tets.size();
     Subdomain subdomain(start, capacity);
     const auto others = subdomain.interface.neighbours();
-    neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
+    made.neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
     const auto ref =
         dataflow::create<SubdomainTask>(context, SubdomainTask(std::move(subdomain), predicted), recording);
     if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
-      throw std::logic_error("subdomain " + std::to_string(start.subdomain) +
+      throw std::logic_error("subdomain " + std::to_string(start.subdomain.value) +
                              " is not the object that others expect");
     start = {};
     const double to_adapt = plan.is_coarse(0) ? static_cast<double>(num_tets) : predicted;
-    dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {},
-                                                    SubdomainTask::seconds_to_adapt(to_adapt));
+    made.tasks.emplace_back(ref, SubdomainTask::seconds_to_adapt(to_adapt));
   }
-  return neighbours;
+  return made;
+}
+
+void start_tasks(engine::Context& context, const Made& made) {
+  for (const auto& [ref, seconds] : made.tasks)
+    dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {}, seconds);
+}
+
+/// A run with pauses, in which everything is checked.
+class CheckedRun {
+ public:
+  CheckedRun(engine::Runtime& runtime, EnginePeers& peers, const RankData& rank,
+             const DistributedOptions& options)
+      : runtime_(runtime), peers_(peers), rank_(rank), options_(options) {}
+
+  /// After make_subdomains(). Returns the number of checks.
+  std::uint32_t run(const Made& made) {
+    const partition::PiecesReport at_first = check("after the decomposition");
+    totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd);
+    runtime_.run([&](engine::Context& context) { start_tasks(context, made); });
+    while (const std::optional<Pause> pause = next_pause()) {
+      const bool after_interiors = !pause->begins_phase && rank_.plan.begins_phase(pause->round);
+      check(after_interiors ? "after the adaptation of the interiors"
+                            : "after shift " + std::to_string(pause->round));
+      go_on();
+    }
+    return checks_;
+  }
+
+ private:
+  /// Where subdomains on any rank pause: all that do are at the same place. Empty: all rest.
+  std::optional<Pause> next_pause() {
+    std::uint64_t next = 0;  // none
+    dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
+      if (const auto& pause = task.paused())
+        next = std::max(next, 2 * pause->round + 2 - pause->begins_phase);
+    });
+    next = partition::max(peers_, next);
+    if (next == 0) return {};
+    return Pause{(next - 1) / 2, next % 2 == 1};
+  }
+
+  partition::PiecesReport check(const std::string& when) {
+    std::vector<const Subdomain*> mine;
+    dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
+      if (options_.on_check) options_.on_check(task.subdomain());
+      mine.push_back(&task.subdomain());
+    });
+    partition::PiecesReport report = check_subdomains(peers_, mine, *rank_.geometry, totals_);
+    throw_if_violated(report, when);
+    ++checks_;
+    return report;
+  }
+
+  void go_on() {
+    std::vector<std::pair<SubdomainTask::Ref, Pause>> released;
+    dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref ref, SubdomainTask& task) {
+      if (const auto pause = task.release()) released.emplace_back(ref, *pause);
+    });
+    runtime_.run([&](engine::Context& context) {
+      for (const auto& [ref, pause] : released)
+        pause.begins_phase ? dataflow::start<&SubdomainTask::adapt_interior>(context, ref, pause.round)
+                           : dataflow::start<&SubdomainTask::propose>(context, ref, pause.round);
+    });
+  }
+
+  engine::Runtime& runtime_;
+  EnginePeers& peers_;
+  const RankData& rank_;
+  const DistributedOptions& options_;
+  std::optional<partition::ExpectedTotals> totals_;
+  std::uint32_t checks_ = 0;
+};
+
+/// All ranks: says when the limit of shifts has ended the run.
+void warn_of_limit(engine::Runtime& runtime, EnginePeers& peers, const AdaptationPlan& plan,
+                   std::vector<std::string>& warnings) {
+  std::vector<std::uint64_t> wanting(2, 0);  // subdomains, vertices
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    wanting[0] += task.wanted_at_limit() > 0;
+    wanting[1] += task.wanted_at_limit();
+  });
+  wanting = partition::sum(peers, wanting);
+  if (wanting[0] == 0) return;
+  warnings.push_back("the run ended by its limit of " + std::to_string(plan.most_shifts) +
+                     " shifts: " + std::to_string(wanting[0]) + " of " + std::to_string(plan.subdomains) +
+                     " subdomains wanted " + std::to_string(wanting[1]) + " more vertices to be freed");
 }
 
 void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, DistributedResult& result) {
@@ -124,19 +220,25 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.expected_complexity = d.complexity;
   const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));
   plan.threads_of_subdomain = std::max(1, options.threads / here);
+  plan.pauses = options.check;
   rank.geometry = d.geometry;
   rank.interrupt = options.interrupt;
   rank.news = options.news;
 
   if (options.on_start) options.on_start();
   const auto middle = Clock::now();
+  Made made;
   runtime.run([&](engine::Context& context) {
-    result.planned =
+    made =
         make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
+    if (!plan.pauses) start_tasks(context, made);
   });
+  if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
+  result.planned = std::move(made.neighbours);
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);
+  warn_of_limit(runtime, peers, plan, result.warnings);
   take_pieces(runtime, *rank.geometry, result);
   return result;
 }

@@ -26,12 +26,19 @@ struct DistributedOptions {
   dataflow::Recording recording = dataflow::Recording::on;
   ProgressBoard* news = nullptr;        ///< of this rank
   std::function<void()> on_start = {};  ///< called when the decomposition is done
+  /// Checks the invariants of all subdomains (partition/verify/check_subdomains.h) after the decomposition,
+  /// the adaptation of the interiors, and every shift, for which all ranks wait for each other. The result is
+  /// the same.
+  bool check = false;
+  /// Called with each subdomain that is here before each of these checks: to look at them, or to see that
+  /// damage is found.
+  std::function<void(partition::Subdomain&)> on_check = {};
   const std::atomic<bool>* interrupt = nullptr;
 };
 
-/// Whom a subdomain shares its interface with.
+/// A subdomain and those that share its interface.
 struct Neighbours {
-  partition::SubdomainId subdomain = 0;
+  partition::SubdomainId subdomain;
   std::vector<partition::SubdomainId> others;
 
   template <class Archive>
@@ -40,7 +47,7 @@ struct Neighbours {
   }
 };
 
-/// What this rank has in the end.
+/// Result of this rank.
 struct DistributedResult {
   std::vector<partition::MeshPiece> pieces;
   std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
@@ -48,6 +55,7 @@ struct DistributedResult {
   meshing::OperationCounts counts;                       ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks
+  std::uint32_t checks = 0;           ///< how many times all invariants were checked, and held
   double decomposition_seconds = 0, adaptation_seconds = 0;
 };
 
@@ -56,7 +64,8 @@ void register_adaptation(engine::Registry& registry);
 
 /// Decomposes the mesh, adapts all subdomains and their interfaces, and leaves every rank what it has then.
 /// All ranks call it, with one runtime whose RuntimeOptions::local is `rank` (which this fills) and which has
-/// no objects but those of `peers`. Throws what distribute() throws, and engine::RunFailure, on all ranks.
+/// no objects but those of `peers`. Throws on all ranks: what distribute() throws,
+/// partition::InvariantViolation where a check fails, engine::RunFailure.
 DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers, RankData& rank,
                                     partition::MeshSlice&& slice, const DistributedOptions& options);
 

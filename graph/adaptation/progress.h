@@ -1,5 +1,4 @@
-// How far a run is: what subdomains tell of themselves, and what rank 0 makes of it. Nothing of the run
-// depends on it.
+// Progress of a run: reports of the subdomains, and rank 0's estimates. The run does not depend on them.
 #pragma once
 
 #include <cstdint>
@@ -14,18 +13,18 @@
 
 namespace weft::graph::adaptation {
 
-/// A subdomain's own account. Plain data.
+/// Report of one subdomain. Plain data.
 struct SubdomainProgress {
-  partition::SubdomainId subdomain = 0;
-  std::uint32_t number = 0;   ///< of this subdomain's news: the highest is the latest, wherever it comes from
-  std::uint32_t step = 0;     ///< 0: adapts its interior; r + 1: in round r of the shifts
-  bool rests = false;         ///< nothing is left to do for it, unless a neighbour wakes it
-  float done = 0;             ///< share of the step, 0 to 1
-  double predicted_tets = 0;  ///< of the adapted subdomain: its weight
+  partition::SubdomainId subdomain;
+  std::uint32_t number = 0;     ///< of this report: the highest is the latest, whichever rank it comes from
+  std::uint32_t step = 0;       ///< 0: adapts its interior; r + 1: in round r of the shifts
+  bool rests = false;           ///< nothing left to do, unless a neighbour wakes it
+  float done = 0;               ///< share of the step, 0 to 1
+  double predicted_tets = 0;    ///< of the adapted subdomain: its weight
   meshing::Nonconforming left;  ///< after its last adaptation; no tets: it has not been adapted yet
 };
 
-/// The news of the subdomains of one rank; for all threads.
+/// Latest reports of the subdomains of one rank; thread-safe.
 class ProgressBoard {
  public:
   void post(const SubdomainProgress& news);
@@ -37,7 +36,7 @@ class ProgressBoard {
   std::unordered_map<partition::SubdomainId, SubdomainProgress> latest_;
 };
 
-/// What can be said of a run at some time.
+/// State of a run at some time.
 struct RunProgress {
   std::uint32_t subdomains = 0, most_shifts = 0;
   std::uint32_t step = 0;  ///< of the slowest subdomain that does not rest: as SubdomainProgress::step
@@ -48,7 +47,7 @@ struct RunProgress {
   meshing::Nonconforming left;  ///< edges of an interface count in each subdomain that has them
   double seconds = 0;           ///< since the run began
   /// Until this step is done, at the pace of its work so far (for a shift that has just begun: going by those
-  /// before). Empty: it cannot be told as yet.
+  /// before). Empty: not known yet.
   std::optional<double> step_left;
   /// Until all is done, if shifts go on getting shorter as they have, or as they use to where too few have
   /// been seen. Empty before the first shift is under way: how much it will have to do is not known.

@@ -2,6 +2,7 @@
 #include "graph/adaptation/subdomain_task.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/base/text.h"
 #include "partition/distribute/distribute.h"
@@ -21,7 +22,7 @@ constexpr double kShareShifted = 0.3;
 /// For each subdomain and round another number.
 std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
   return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0),
-                                           partition::GlobalId(0, round + 1))
+                                           partition::GlobalId(SubdomainId(0), round + 1))
       .value();
 }
 
@@ -33,10 +34,10 @@ std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
 }
 
 /// The first subdomain whose home is this rank.
-SubdomainId first_of(const AdaptationPlan& plan, int ranks, int home) {
+std::uint32_t first_of(const AdaptationPlan& plan, int ranks, int home) {
   const std::uint64_t share = std::uint64_t{plan.subdomains} * static_cast<std::uint64_t>(home);
-  return static_cast<SubdomainId>((share + static_cast<std::uint64_t>(ranks) - 1) /
-                                  static_cast<std::uint64_t>(ranks));
+  return static_cast<std::uint32_t>((share + static_cast<std::uint64_t>(ranks) - 1) /
+                                    static_cast<std::uint64_t>(ranks));
 }
 
 }  // namespace
@@ -48,15 +49,16 @@ const Phase& AdaptationPlan::phase_of(std::uint64_t round) const {
 
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
-  return {
-      engine::ObjectId{engine::Rank(home), plan.first_object + (subdomain - first_of(plan, ranks, home))}};
+  return {engine::ObjectId{engine::Rank(home),
+                           plan.first_object + (subdomain.value - first_of(plan, ranks, home))}};
 }
 
 std::optional<SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks, engine::ObjectId object) {
   if (plan.first_object == 0 || object.number < plan.first_object) return {};  // 0: there is no plan yet
-  const SubdomainId subdomain = first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
+  const std::uint32_t subdomain =
+      first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
   if (subdomain >= first_of(plan, ranks, object.home.value + 1)) return {};
-  return subdomain;
+  return SubdomainId(subdomain);
 }
 
 SubdomainTask::SubdomainTask(partition::Subdomain subdomain, double predicted_tets)
@@ -85,7 +87,7 @@ dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
   dataflow::Blueprint<SubdomainTask> g("subdomain");
   const auto interior = g.start<&SubdomainTask::adapt_interior>("adapt interior");
   const auto registered = g.event<&SubdomainTask::register_interface>("register interface");
-  const auto proposal = g.node<&SubdomainTask::propose>("propose");
+  const auto proposal = g.start<&SubdomainTask::propose>("propose");
   const auto gathered = g.event<&SubdomainTask::gather>("gather");
   const auto woken = g.wakes<&SubdomainTask::wake>(gathered, "wake");
   const auto scattered = g.event<&SubdomainTask::scatter>("scatter");
@@ -114,6 +116,19 @@ std::vector<SubdomainTask::Ref> SubdomainTask::neighbours(NodeContext& context) 
   return refs;
 }
 
+/// A neighbour's proposal for this round wakes a subdomain that rests: the round has been released.
+bool SubdomainTask::pauses_at(NodeContext& context, bool begins_phase) {
+  const Pause here{context.round(), begins_phase};
+  if (!rank_data(context).plan.pauses || here == released_ || woken_for_ == context.round()) return false;
+  paused_ = here;
+  return true;
+}
+
+std::optional<Pause> SubdomainTask::release() {
+  if (paused_) released_ = *paused_;
+  return std::exchange(paused_, std::nullopt);
+}
+
 /// What the subdomain is predicted to have in a round, for the balancer.
 double SubdomainTask::tets_after(const RankData& rank, std::uint64_t round) const {
   const double factor = rank.plan.phase_of(round).coarseness;
@@ -137,6 +152,7 @@ void SubdomainTask::tell_done(const RankData& rank, std::uint64_t round, double 
 
 /// Before a later phase the interface has moved, and is as coarse as the mesh: it is refined like an input's.
 void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
+  if (pauses_at(context, true)) return;
   const RankData& rank = rank_data(context);
   const std::uint64_t round = context.round();
   if (round > 0) {
@@ -163,9 +179,9 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   context.expect<&SubdomainTask::register_interface>(round, to);
 }
 
-BeginShift SubdomainTask::register_interface(NodeContext&, std::uint64_t,
+BeginShift SubdomainTask::register_interface(NodeContext& context, std::uint64_t,
                                              std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
-  partition::register_interface(subdomain_, values_of(arrivals));
+  partition::register_interface(subdomain_, *rank_data(context).geometry, values_of(arrivals));
   return {};
 }
 
@@ -186,9 +202,12 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   options.repair_at_frozen =
       !coarse && next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
+  std::optional<partition::InterfaceSnapshot> interface;
+  if (rank.plan.pauses) interface.emplace(subdomain_);
   options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
+  if (interface) interface->check(subdomain_);
   counts_ += report.counts;
   const bool same_tets = !shifts_.empty() && shifts_.back().sent + shifts_.back().received == 0;
   const engine::TimePoint begin = engine::now();
@@ -227,14 +246,17 @@ partition::Priority SubdomainTask::priority_in(const AdaptationPlan& plan, std::
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it
 /// rests.
 void SubdomainTask::propose(NodeContext& context, BeginShift) {
+  if (pauses_at(context, false)) return;
   const RankData& rank = rank_data(context);
   const std::uint64_t round = context.round(), shift = rank.plan.shift_of(round);
   const bool coarse = rank.plan.is_coarse(round);
   wants_.clear();
   const bool interrupted = rank.interrupt && rank.interrupt->load(std::memory_order_relaxed);
-  if (shift < rank.plan.most_shifts && !interrupted) wants_ = partition::wanted(subdomain_, shift);
+  const bool at_limit = !coarse && shift >= rank.plan.most_shifts;
+  if (!interrupted) wants_ = partition::wanted(subdomain_, shift);
+  if (at_limit) wanted_at_limit_ = std::exchange(wants_, {}).size();
   const bool goes_on = !wants_.empty() || neighbourhood_wants_ || woken_for_ == round;
-  rests_ = !coarse && (shift >= rank.plan.most_shifts || !goes_on || subdomain_.interface.size() == 0);
+  rests_ = at_limit || (!coarse && (!goes_on || subdomain_.interface.size() == 0));
   news_.rests = rests_;
   if (!rests_ && !coarse) news_.step = static_cast<std::uint32_t>(shift) + 1, news_.done = 0;
   tell(rank);
@@ -254,12 +276,6 @@ double SubdomainTask::share_wanted(std::span<const partition::Proposal> proposal
   for (const partition::Proposal& p : proposals) wanted += p.wants.size();
   const std::size_t all = std::max<std::size_t>(subdomain_.interface.size(), 1);
   return std::min(1.0, static_cast<double>(wanted) / static_cast<double>(all));
-}
-
-/// How many neighbours come before this subdomain: 0 where it receives from all (Luby's independent set).
-double SubdomainTask::colour(std::span<const partition::Proposal> proposals) const {
-  return static_cast<double>(std::count_if(proposals.begin(), proposals.end(),
-                                           [&](const auto& p) { return priority_ < p.priority; }));
 }
 
 std::optional<BeginShift> SubdomainTask::wake(NodeContext&, std::uint64_t round) {
@@ -289,7 +305,8 @@ void SubdomainTask::gather(NodeContext& context, std::uint64_t round,
   context.expect<&SubdomainTask::scatter>(
       round, to, seconds_to_adapt(kShareShifted * share_wanted(proposals) * tets_after(rank, round)));
   context.count("tets sent", static_cast<double>(record.sent));
-  context.count("colour", colour(proposals));
+  const partition::ReceiverOrder order(priority_, partition::priorities_of(proposals));
+  context.count("colour", static_cast<double>(order.above_self()));
 }
 
 /// Nothing is adapted where all of it is to be next.

@@ -30,6 +30,7 @@
 #include "partition/shift/shift.h"
 #include "partition/subdomain/geometry.h"
 #include "partition/subdomain/subdomain.h"
+#include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
 
@@ -51,6 +52,9 @@ struct AdaptationPlan {
   double hausd = 0;                  ///< meshing::AdaptOptions, not 0
   double expected_complexity = 0;    ///< of the whole result
   int threads_of_subdomain = 1;      ///< that one adaptation may use
+  /// Every subdomain pauses after its interior adaptation and after every shift, until
+  /// SubdomainTask::release: so a run of the engine ends there, and what subdomains have can be checked.
+  bool pauses = false;
 
   const Phase& phase_of(std::uint64_t round) const;
   bool begins_phase(std::uint64_t round) const { return phase_of(round).first_round == round; }
@@ -59,12 +63,27 @@ struct AdaptationPlan {
   std::uint64_t shift_of(std::uint64_t round) const { return round - phase_of(round).first_round; }
 };
 
-/// What a subdomain tells itself to begin.
+/// Value of the start node of a phase.
 struct BeginPhase {
   template <class Archive>
   void serialize(Archive&) {}
 };
-struct BeginShift {};
+struct BeginShift {
+  template <class Archive>
+  void serialize(Archive&) {}
+};
+
+/// Where a subdomain pauses: before it begins a phase or a shift.
+struct Pause {
+  std::uint64_t round = 0;
+  bool begins_phase = true;
+  friend bool operator==(const Pause&, const Pause&) = default;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(round, begins_phase);
+  }
+};
 
 /// What all subdomains of a rank read (engine::RuntimeOptions::local).
 struct RankData {
@@ -94,6 +113,11 @@ class SubdomainTask {
   partition::Subdomain& subdomain() { return subdomain_; }
   const std::vector<ShiftRecord>& shifts() const { return shifts_; }
   const meshing::OperationCounts& counts() const { return counts_; }
+  /// Vertices of the interface that it would have freed had there been more shifts.
+  std::uint64_t wanted_at_limit() const { return wanted_at_limit_; }
+  const std::optional<Pause>& paused() const { return paused_; }
+  /// Ends the pause that it has made (AdaptationPlan::pauses), if any; to be started there.
+  std::optional<Pause> release();
   /// How far it is, in words.
   std::string describe() const;
 
@@ -104,7 +128,7 @@ class SubdomainTask {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(subdomain_, predicted_tets_, wants_, priority_, neighbourhood_wants_, rests_, woken_for_, shifts_,
-            counts_, left_, news_);
+            counts_, left_, news_, wanted_at_limit_, released_, paused_);
   }
 
   // The nodes.
@@ -125,13 +149,13 @@ class SubdomainTask {
  private:
   const RankData& rank_data(dataflow::NodeContext& context) const;
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
+  bool pauses_at(dataflow::NodeContext& context, bool begins_phase);
   void adapt(dataflow::NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
              const meshing::BeforeLevel& before_level = {});
   double tets_after(const RankData& rank, std::uint64_t round) const;
   void tell_done(const RankData& rank, std::uint64_t round, double done);
   double share_wanted(std::span<const partition::Proposal> proposals) const;
   partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
-  double colour(std::span<const partition::Proposal> proposals) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
   void tell(const RankData& rank);
 
@@ -141,7 +165,7 @@ class SubdomainTask {
   double predicted_tets_ = 0;
   std::vector<partition::GlobalId> wants_;  ///< of this round
   partition::Priority priority_;            ///< of this round
-  bool neighbourhood_wants_ = true;         ///< somebody wanted something in the last round
+  bool neighbourhood_wants_ = true;         ///< this subdomain or a neighbour wanted something last
   bool rests_ = false;
   std::uint64_t woken_for_ =
       kNever;  ///< a round that a neighbour has proposed while this one was in the last
@@ -149,6 +173,9 @@ class SubdomainTask {
   meshing::OperationCounts counts_;
   meshing::NonconformingParts left_;  ///< after the last adaptation
   SubdomainProgress news_;
+  std::uint64_t wanted_at_limit_ = 0;
+  Pause released_;               ///< the latest that it need not make any more: the first is over
+  std::optional<Pause> paused_;  ///< now
 };
 
 /// The object of a subdomain: made on its home rank, in the order of their ids.

@@ -10,7 +10,9 @@
 #include <string>
 
 #include "meshing/adapt/passes.h"
+#include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::meshing {
 namespace {
@@ -49,10 +51,11 @@ class Adaptation {
 
   void run() {
     kernel_.policy.frozen = frozen_policy();
-    stage("collapse", 0, 0.02, [&] { start(); });
-    stage("create points", 0.02, 0.4, [&] { create_points(); });
-    stage("reconnect and smooth", 0.4, 0.95, [&] { reconnect_and_smooth(); });
-    stage("improve", 0.95, 1, [&] { improve_quality(); });
+    if (options_.progress) predict();
+    stage("collapse", [&] { start(); });
+    stage("create points", [&] { create_points(); });
+    stage("reconnect and smooth", [&] { reconnect_and_smooth(); });
+    stage("improve", [&] { improve_quality(); });
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     kernel_.policy.frozen = FrozenPolicy::claimable;
     if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
@@ -65,11 +68,10 @@ class Adaptation {
 
  private:
   template <class F>
-  void stage(const char* name, double from, double to, F f) {
+  void stage(const char* name, F f) {
     if (crew_.interrupted()) return;
     stage_ = name;
-    done_ = from;
-    stage_end_ = to;
+    begin_pass(0);
     const auto begin = Clock::now();
     f();
     StageReport s;
@@ -86,9 +88,53 @@ class Adaptation {
     return options_.tets_at_frozen_stay ? FrozenPolicy::untouchable : FrozenPolicy::claimable;
   }
 
-  void tell_progress(double share_of_rest) {
-    done_ += share_of_rest * (stage_end_ - done_);
-    if (options_.progress) options_.progress(stage_, done_, crew_.live_tets());
+  double tets() const { return static_cast<double>(crew_.live_tets()); }
+
+  /// What is fresh is looked at in a mesh that has its size already.
+  void predict() {
+    expected_tets_ = extent_ == Extent::everything ? count_wanted_tets() : tets();
+    const PredictedWork work = predict_work(tets(), expected_tets_);
+    meter_.spend(work.import);
+    meter_.expect(work.sum() - work.import);
+    crew_.watch([this](double share) { tell_progress(share); });
+  }
+
+  /// The pass before it is over. `work_of_tet`: predicted for each tet, in the units of work.h.
+  void begin_pass(double work_of_tet) {
+    end_pass();
+    tets_before_pass_ = crew_.live_tets();
+    pass_work_ = work_of_tet * tets();
+    tell_progress(0);
+  }
+
+  void end_pass() {
+    meter_.spend(pass_work_);
+    pass_work_ = 0;
+  }
+
+  /// A hundred times in all rather than after every few tets.
+  void tell_progress(double share_of_pass) {
+    constexpr double kStep = 0.005;
+    if (!options_.progress) return;
+    const double share = meter_.share(share_of_pass * pass_work_);
+    if (share_of_pass > 0 && share < told_share_ + kStep) return;
+    told_share_ = share;
+    options_.progress(stage_, share, tets_before_pass_);
+  }
+
+  /// What is left after the creation of points.
+  double left_after_creation() const {
+    const PredictedWork work = predict_work(tets(), std::max(expected_tets_, tets()));
+    return work.reconnect + work.improve + work.output;
+  }
+
+  /// What is left of creation when `rounds` more are needed at this level, and of all that comes after it.
+  void expect_rounds(double rounds, double level) {
+    constexpr double kRoundsOfLevel = 2.5;
+    double left = rounds * work::kRound * tets() + left_after_creation();
+    for (double finer = level / 2; finer >= 1; finer /= 2)
+      left += kRoundsOfLevel * work::kRound * std::max(tets(), expected_tets_ / (finer * finer * finer));
+    meter_.expect(left);
   }
 
   void start() {
@@ -99,8 +145,12 @@ class Adaptation {
     mark_what_is_wrong();
     if (share_long_ > kCoarse) resolve_curved_boundary();
     if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
+    begin_pass(predict_work(tets(), expected_tets_).collapse / std::max(1.0, tets()));
     collapse_pass(crew_);
+    end_pass();
     collapse_pass(crew_);
+    const PredictedWork left = predict_work(tets(), std::max(expected_tets_, tets()));
+    meter_.expect(left.create + left.reconnect + left.improve + left.output);
   }
 
   /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric
@@ -136,8 +186,8 @@ class Adaptation {
       if (level == 1 && first_level_ > 1) judge_by(MetricMean::arithmetic);
       const bool coarsens = level > 1 && is_too_fine_for(level);
       if (coarsens) coarsen(wanted.short_edge * level);
-      refine_to_level();
-      if (coarsens) polish();
+      refine_to_level(level);
+      if (coarsens) polish(work::kReconnect[0]);
       kernel_.limits.short_edge = wanted.short_edge;
       if (level > 1) mark_later();
     }
@@ -168,40 +218,59 @@ class Adaptation {
     before_level_(kernel_.limits.finest_long_edge * level, kernel_.policy.mean);
   }
 
-  void refine_to_level() {
+  void refine_to_level(double level) {
     constexpr int kMostRounds = 10;
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
+      begin_pass(work::kSplit);
       const std::uint64_t splits = split_pass(crew_);
+      end_pass();
       if (splits * 50 < crew_.live_tets()) return;
+      if (level == 1) expected_tets_ = tets();  // most of the splits there are have been made
+      expect_rounds(work::rounds_after(splits, tets()) + 1 - work::kSplit / work::kRound, level);
+      begin_pass(work::kCollapse);
       collapse_pass(crew_);
+      begin_pass(work::kSwap);
       swap_pass(crew_, kSwapBelowWhileCreating);
+      begin_pass(work::kSmooth);
       smooth_pass(crew_);
+      begin_pass(work::kCollapseAgain);
       collapse_pass(crew_);
+      end_pass();
       renumber_if_grown();
-      tell_progress(0.15);
     }
   }
 
   void reconnect_and_smooth() {
-    constexpr int kRoundsWithLengths = 4, kRoundsOfQuality = 2;
+    constexpr std::size_t kRoundsWithLengths = 4;
     renumber_if_grown();
-    for (int round = 0; round < kRoundsWithLengths && !crew_.interrupted(); ++round) {
-      polish();
-      tell_progress(0.3);
-    }
-    for (int round = 0; round < kRoundsOfQuality && !crew_.interrupted(); ++round) {
-      swap_for_quality();
-      smooth_pass(crew_);
-      tell_progress(0.5);
+    for (std::size_t round = 0; round < work::kReconnect.size() && !crew_.interrupted(); ++round) {
+      end_pass();
+      const PredictedWork last = predict_work(tets(), tets());
+      meter_.expect(work::reconnection(round, tets()) + last.improve + last.output);
+      if (round < kRoundsWithLengths)
+        polish(work::kReconnect[round]);
+      else
+        polish_quality(work::kReconnect[round]);
     }
   }
 
-  void polish() {
+  void polish(double work_of_tet) {
+    begin_pass(0.45 * work_of_tet);
     swap_for_quality();
+    begin_pass(0.37 * work_of_tet);
     smooth_pass(crew_);
+    begin_pass(0.13 * work_of_tet);
     collapse_pass(crew_);
     retry_curved_boundary();
+    begin_pass(0.05 * work_of_tet);
     split_pass(crew_);
+  }
+
+  void polish_quality(double work_of_tet) {
+    begin_pass(0.5 * work_of_tet);
+    swap_for_quality();
+    begin_pass(0.5 * work_of_tet);
+    smooth_pass(crew_);
   }
 
   void swap_for_quality() {
@@ -335,8 +404,8 @@ class Adaptation {
       mesh_.mark(v[e[0]], kCheckShort);
       mesh_.mark(v[e[1]], kCheckShort);
     }
-    mesh_.mark(t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) |
-                                            (poor ? kCheckSwap | kCheckPoor : 0)));
+    mesh_.mark(
+        t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) | (poor ? kCheckSwap | kCheckPoor : 0)));
     if (!poor) return;
     for (const VertexId x : v) mesh_.mark(x, kCheckPlace);
   }
@@ -386,7 +455,10 @@ class Adaptation {
   AdaptReport& report_;
   const BeforeLevel& before_level_;
   std::string stage_;
-  double done_ = 0, stage_end_ = 0;
+  WorkMeter meter_;
+  std::uint64_t tets_before_pass_ = 0;
+  double pass_work_ = 0, told_share_ = 0;
+  double expected_tets_ = 0;  ///< in the end, as far as is known now
   double first_level_ = 1, next_level_ = 1, share_long_ = 0;
   double tets_of_far_mesh_ = 0;  ///< at the start; 0 for a mesh that is not far from its metric
   double wanted_tets_ = 0;

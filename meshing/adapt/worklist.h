@@ -7,7 +7,9 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <functional>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "meshing/adapt/check_whole.h"
@@ -47,6 +49,9 @@ class WorkerPool {
     });
   }
 
+  /// During sweeps the calling thread tells `watcher` now and then which share of the sweep is done.
+  void watch(std::function<void(double share)> watcher) { watcher_ = std::move(watcher); }
+
   /// Runs a plain function with the pool's threads at hand.
   template <class F>
   auto run(F f) {
@@ -69,6 +74,8 @@ class WorkerPool {
   template <class Visit>
   std::uint64_t sweep(std::uint32_t slots, Visit visit) {
     std::atomic<std::uint64_t> accepted{0};
+    std::atomic<std::uint32_t> visited{0};
+    const std::thread::id caller = std::this_thread::get_id();
     const auto body = [&](Worker& w, std::uint32_t begin, std::uint32_t end) {
       std::uint64_t mine = 0;
       for (std::uint32_t i = begin; i < end; ++i) {
@@ -76,6 +83,9 @@ class WorkerPool {
         ++mine;
       }
       accepted += mine;
+      visited += end - begin;
+      if (watcher_ && std::this_thread::get_id() == caller)
+        watcher_(static_cast<double>(visited) / static_cast<double>(slots));
     };
     if (workers_.size() == 1) {
       for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
@@ -98,6 +108,7 @@ class WorkerPool {
   tbb::task_arena arena_;
   std::vector<std::unique_ptr<Worker>> workers_;
   const std::atomic<bool>* interrupt_;
+  std::function<void(double)> watcher_;
   std::uint64_t dead_tets_ = 0, dead_vertices_ = 0;  ///< not in any worker's list
 };
 

@@ -33,6 +33,7 @@ class Problems {
   }
   /// An empty list with the same limit.
   Problems fresh() const { return Problems(limit_); }
+  std::size_t limit() const { return limit_; }
   std::uint64_t count() const { return count_; }
   std::vector<std::string> take() { return std::move(sentences_); }
 

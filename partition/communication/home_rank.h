@@ -1,5 +1,5 @@
-// Meeting places: each entity's home is a rank that follows from the ids of its vertices alone, so that all
-// who have the entity find each other there, wherever its subdomains are.
+// Each entity has a home rank that follows from the ids of its vertices alone: records of all copies of the
+// entity meet there, on whatever ranks its subdomains are.
 #pragma once
 
 #include <algorithm>

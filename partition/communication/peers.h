@@ -1,5 +1,5 @@
-// What the ranks tell each other before and after the adaptation, as seen by plain algorithms: how it travels
-// is not known here.
+// Communication between ranks before and after the adaptation, as seen by plain algorithms: transport is not
+// known here.
 #pragma once
 
 #include <cstddef>

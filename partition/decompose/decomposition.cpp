@@ -14,21 +14,25 @@ namespace weft::partition {
 
 namespace {
 
+std::vector<SubdomainId> as_subdomains(const Bricks& bricks) {
+  return {bricks.numbers.begin(), bricks.numbers.end()};
+}
+
 Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
                   std::uint32_t num_subdomains, const Partitioner& partitioner) {
   const bool axes = partitioner.principal_axes;
   Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, axes);
-  if (partitioner.thin) return {std::move(bricks.subdomains), {}};
+  if (partitioner.thin) return {as_subdomains(bricks), {}};
   const Slabs asked = bricks.slabs;
   const Slabs left = worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
-  if (left == asked) return {std::move(bricks.subdomains), {}};
+  if (left == asked) return {as_subdomains(bricks), {}};
   const std::uint64_t bricks_left = num_bricks(left);
   bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, axes);
-  // Their numbers are spread over all, as subdomains are over the ranks.
-  for (SubdomainId& s : bricks.subdomains)
-    s = static_cast<SubdomainId>(std::uint64_t{s} * num_subdomains / bricks_left);
+  // Bricks are spread over the numbers of subdomains, as subdomains are over the ranks.
+  for (std::uint32_t& brick : bricks.numbers)
+    brick = static_cast<std::uint32_t>(std::uint64_t{brick} * num_subdomains / bricks_left);
   return {
-      std::move(bricks.subdomains),
+      as_subdomains(bricks),
       fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of the "
                   "vertices in interfaces, {6}x{7}x{8} are enough (`:thin` after the slabs keeps them)",
                   num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],

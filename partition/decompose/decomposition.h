@@ -28,7 +28,7 @@ struct Items {
   std::span<const double> complexities;                    ///< of the metric in each; all 0: not known
 };
 
-/// What has become of them.
+/// Result of decompose().
 struct Decomposition {
   std::vector<SubdomainId> subdomains;  ///< of each of this rank's tets: 0 to num_subdomains - 1
   std::string warning;                  ///< where some were left empty on purpose; the same on all ranks

@@ -121,14 +121,14 @@ std::vector<SubdomainId> graph_partition(Peers& peers, const WeightedItems& item
   agree_on(peers, [&] { parts = divide(arrived, bisected); });
   parts = partition::all_to_all(peers, parts);
 
-  std::vector<SubdomainId> first(bisected.sizes.size(), 0);
+  std::vector<std::uint32_t> first(bisected.sizes.size(), 0);
   std::exclusive_scan(bisected.sizes.begin(), bisected.sizes.end(), first.begin(), 0u);
   std::vector<std::size_t> next(parts.size(), 0);
   std::vector<SubdomainId> result;
   result.reserve(bisected.groups.size());
   for (const std::uint32_t g : bisected.groups) {
     const std::size_t r = g % parts.size();
-    result.push_back(first[g] + (bisected.sizes[g] == 1 ? 0 : parts[r][next[r]++]));
+    result.emplace_back(first[g] + (bisected.sizes[g] == 1 ? 0 : parts[r][next[r]++]));
   }
   return result;
 }

@@ -95,7 +95,9 @@ Bisected bisect(Peers& peers, const WeightedItems& items, std::uint32_t num_subd
 }
 
 std::vector<SubdomainId> bisection(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains) {
-  return bisect(peers, items, num_subdomains, [](std::uint64_t, std::uint32_t) { return true; }).groups;
+  const Bisected all =
+      bisect(peers, items, num_subdomains, [](std::uint64_t, std::uint32_t) { return true; });
+  return {all.groups.begin(), all.groups.end()};
 }
 
 }  // namespace weft::partition

@@ -18,10 +18,10 @@ using Slabs = std::array<std::uint32_t, 3>;
 
 inline std::uint64_t num_bricks(const Slabs& slabs) { return std::uint64_t{slabs[0]} * slabs[1] * slabs[2]; }
 
-/// Items in bricks; part p, q, r is subdomain (p slabs[1] + q) slabs[2] + r.
+/// Items in bricks; brick p, q, r has the number (p slabs[1] + q) slabs[2] + r.
 struct Bricks {
   Slabs slabs;
-  std::vector<SubdomainId> subdomains;  ///< of each of this rank's items
+  std::vector<std::uint32_t> numbers;  ///< brick of each of this rank's items
 };
 
 /// Sorted by how far they reach along the first axis into slabs[0] parts of equal weight, each along the

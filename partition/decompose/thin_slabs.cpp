@@ -1,4 +1,4 @@
-// The vertices wanted on each cut between two slabs, and how many of the cuts are worth while.
+// Expected vertices on each cut between two slabs, and the number of slabs that follows.
 #include "partition/decompose/thin_slabs.h"
 
 #include <algorithm>
@@ -8,19 +8,17 @@
 #include <vector>
 
 #include "meshing/mesh/tet_tables.h"
+#include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/tet_measures.h"
 
 namespace weft::partition {
 namespace {
 
-/// Of an adapted mesh, six tets a vertex.
-constexpr double kVerticesPerComplexity = 2;
-
 /// A face of a tet. Plain data without padding.
 struct Side {
   std::array<std::uint32_t, 3> vertices;  ///< ascending
-  SubdomainId subdomain;
+  std::uint32_t brick;
   float area;
 };
 
@@ -28,7 +26,7 @@ struct Side {
 template <class Action>
 void pair_up(std::vector<Side>& sides, const Action& action) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.vertices, a.subdomain, a.area) < std::tie(b.vertices, b.subdomain, b.area);
+    return std::tie(a.vertices, a.brick, a.area) < std::tie(b.vertices, b.brick, b.area);
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -42,14 +40,14 @@ void pair_up(std::vector<Side>& sides, const Action& action) {
   sides.resize(kept);
 }
 
-std::vector<Side> sides_of(const ItemFaces& faces, const std::vector<SubdomainId>& subdomains) {
+std::vector<Side> sides_of(const ItemFaces& faces, const std::vector<std::uint32_t>& bricks) {
   std::vector<Side> sides;
-  sides.reserve(4 * subdomains.size());
-  for (std::size_t t = 0; t < subdomains.size(); ++t)
+  sides.reserve(4 * bricks.size());
+  for (std::size_t t = 0; t < bricks.size(); ++t)
     for (std::size_t i = 0; i < 4; ++i) {
       const auto& f = meshing::kTetFaces[i];
       const auto& v = faces.vertices[t];
-      sides.push_back({{v[f[0]], v[f[1]], v[f[2]]}, subdomains[t], faces.areas[t][i]});
+      sides.push_back({{v[f[0]], v[f[1]], v[f[2]]}, bricks[t], faces.areas[t][i]});
       std::sort(sides.back().vertices.begin(), sides.back().vertices.end());
     }
   return sides;
@@ -57,9 +55,9 @@ std::vector<Side> sides_of(const ItemFaces& faces, const std::vector<SubdomainId
 
 /// For the two sides of each face of the mesh, on one rank.
 template <class Action>
-void for_each_face(Peers& peers, const ItemFaces& faces, const std::vector<SubdomainId>& subdomains,
+void for_each_face(Peers& peers, const ItemFaces& faces, const std::vector<std::uint32_t>& bricks,
                    const Action& action) {
-  std::vector<Side> sides = sides_of(faces, subdomains);
+  std::vector<Side> sides = sides_of(faces, bricks);
   pair_up(sides, action);
   const auto ranks = static_cast<std::uint32_t>(peers.ranks());
   if (ranks == 1) return;
@@ -81,13 +79,12 @@ std::array<Cuts, 3> measure_cuts(Peers& peers, const ItemFaces& faces, const Bri
   const Slabs stride{slabs[1] * slabs[2], slabs[2], 1};
   const Slabs first{0, slabs[0], slabs[0] + slabs[1]};
   std::vector<std::int64_t> steps(std::size_t{first[2]} + slabs[2], 0);
-  for_each_face(peers, faces, bricks.subdomains, [&](const Side& a, const Side& b) {
-    if (a.subdomain == b.subdomain) return;
+  for_each_face(peers, faces, bricks.numbers, [&](const Side& a, const Side& b) {
+    if (a.brick == b.brick) return;
     const double wanted = std::clamp(vertices_wanted(a.area, b.area), 0.5, kMost);  // it has some already
     const std::int64_t quanta = std::llround(wanted / kQuantum);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t i = a.subdomain / stride[axis] % slabs[axis],
-                          j = b.subdomain / stride[axis] % slabs[axis];
+      const std::uint32_t i = a.brick / stride[axis] % slabs[axis], j = b.brick / stride[axis] % slabs[axis];
       steps[first[axis] + std::min(i, j)] += quanta;
       steps[first[axis] + std::max(i, j)] -= quanta;
     }
@@ -136,7 +133,7 @@ Slabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span<const dou
                        const Bricks& bricks) {
   const std::uint32_t fewest = fewest_slabs(num_bricks(bricks.slabs));
   if (*std::max_element(bricks.slabs.begin(), bricks.slabs.end()) <= fewest) return bricks.slabs;
-  const double all = kVerticesPerComplexity * ordered_sum(peers, complexities);
+  const double all = meshing::kVerticesPerComplexity * ordered_sum(peers, complexities);
   if (!(all > 0)) return bricks.slabs;
   return fewer_slabs(measure_cuts(peers, faces, bricks), bricks.slabs, kMostShared * all, fewest);
 }

@@ -1,4 +1,4 @@
-// How many slabs are worth while where they would be little but interface.
+// Limits the number of slabs when slabs would be mostly interface.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The classification of meshing::import_mesh, for whoever asks by vertices.
+// The classification of meshing::import_mesh, looked up by vertices.
 #include "partition/distribute/boundary_index.h"
 
 #include <algorithm>

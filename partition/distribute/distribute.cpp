@@ -12,8 +12,10 @@
 
 #include "meshing/kernel/quality.h"
 #include "meshing/metric/expectations.h"
+#include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/same_arithmetic.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/inertia.h"
 #include "partition/decompose/tet_measures.h"
@@ -29,7 +31,7 @@ namespace {
 
 using meshing::Point;
 
-/// Final tets for one unit of complexity, and what an input tet costs in final tets.
+/// What handling an input tet costs, in final tets.
 constexpr double kHandling = 0.1;
 
 /// The slice's tets with the points that they need from anywhere.
@@ -157,27 +159,52 @@ void find_inner_patches(Peers& peers, const WholeBoundary& boundary, std::span<c
     for (const auto& face : s.boundary_faces) ++faces[face.patch.value];
   for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t)
     ++triangles[geometry.surface.triangle_patch(t).value];
-  std::vector<std::int64_t> sum(faces.size(), 0);
-  for (const auto& part : allgather(peers, faces))
-    for (std::size_t p = 0; p < part.size(); ++p) sum[p] += part[p];
-  for (std::size_t p = 0; p < sum.size(); ++p) geometry.patch_inner[p] = sum[p] > triangles[p];
+  faces = partition::sum(peers, faces);
+  for (std::size_t p = 0; p < faces.size(); ++p) geometry.patch_inner[p] = faces[p] > triangles[p];
+}
+
+/// A copy of a vertex of the interface.
+struct DelicateCopy {
+  EntityKey<1> key;
+  std::uint64_t delicate;
+};
+
+/// The flag of every copy of a vertex of the interface is that of any of them: they meet at the vertex's
+/// home.
+void share_delicate(Peers& peers, std::span<SubdomainStart> starts) {
+  Rendezvous<1, DelicateCopy> mail(peers.ranks());
+  const auto for_each_shared = [&](const auto& f) {
+    for (SubdomainStart& s : starts)
+      for (std::size_t i = 0; i < s.shared.size(); ++i)
+        if (i == 0 || s.shared[i].vertex != s.shared[i - 1].vertex) f(s, s.shared[i].vertex);
+  };
+  for_each_shared([&](const SubdomainStart& s, std::uint32_t v) {
+    mail.add({{s.ids[v]}, (s.flags[v] & kDelicate) != 0});
+  });
+  const auto arrived = mail.deliver(peers);
+  std::vector<GlobalId> delicate;
+  for (const auto& of_rank : arrived)
+    for (const DelicateCopy& copy : of_rank)
+      if (copy.delicate) delicate.push_back(copy.key[0]);
+  std::sort(delicate.begin(), delicate.end());
+  std::vector<std::vector<std::uint8_t>> answers(arrived.size());
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (const DelicateCopy& copy : arrived[r])
+      answers[r].push_back(std::binary_search(delicate.begin(), delicate.end(), copy.key[0]));
+  const std::vector<std::uint8_t> mine = mail.answer(peers, answers);
+  auto answer = mine.begin();
+  for_each_shared([&](SubdomainStart& s, std::uint32_t v) {
+    if (*answer++) s.flags[v] |= kDelicate;
+  });
 }
 
 /// Vertices of tets so thin that rounding could invert them are marked in all copies.
 void mark_delicate(Peers& peers, std::span<SubdomainStart> starts) {
-  std::vector<std::uint64_t> delicate;
-  for (const SubdomainStart& s : starts)
+  for (SubdomainStart& s : starts)
     for (const auto& t : s.tets)
       if (is_delicate({s.points[t[0]], s.points[t[1]], s.points[t[2]], s.points[t[3]]}))
-        for (const std::uint32_t v : t) delicate.push_back(s.ids[v].value());
-  std::sort(delicate.begin(), delicate.end());
-  delicate.erase(std::unique(delicate.begin(), delicate.end()), delicate.end());
-  std::vector<std::uint64_t> all;
-  for (const auto& part : allgather(peers, delicate)) all.insert(all.end(), part.begin(), part.end());
-  std::sort(all.begin(), all.end());
-  for (SubdomainStart& s : starts)
-    for (std::size_t v = 0; v < s.ids.size(); ++v)
-      if (std::binary_search(all.begin(), all.end(), s.ids[v].value())) s.flags[v] |= kDelicate;
+        for (const std::uint32_t v : t) s.flags[v] |= kDelicate;
+  share_delicate(peers, starts);
 }
 
 void check_options(const DecompositionOptions& options) {
@@ -192,6 +219,7 @@ void check_options(const DecompositionOptions& options) {
 
 Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options) {
   check_options(options);
+  check_same_arithmetic(peers);
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
   Distributed result;
@@ -211,7 +239,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   result.geometry = geometry;
   const BoundaryIndex index(boundary, *geometry);
   auto begin = mine.begin();
-  for (SubdomainId s = 0; s < options.num_subdomains; ++s) {
+  for (SubdomainId s(0); s.value < options.num_subdomains; ++s.value) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));

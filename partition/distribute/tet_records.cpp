@@ -64,7 +64,7 @@ std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
 }
 
 std::span<const InputHolder> Holders::of(std::uint32_t vertex) const {
-  const auto begin = std::lower_bound(shared.begin(), shared.end(), InputHolder{vertex, 0});
+  const auto begin = std::lower_bound(shared.begin(), shared.end(), InputHolder{vertex, SubdomainId(0)});
   auto end = begin;
   while (end != shared.end() && end->vertex == vertex) ++end;
   return {begin, end};

@@ -1,4 +1,4 @@
-// Tets on their way to their subdomains, and who holds their vertices then.
+// Tets sent to the home ranks of their subdomains, and the holders of their vertices.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace weft::partition {
 
 /// The rank on which a subdomain starts: contiguous and even.
 inline int home_rank(SubdomainId subdomain, std::uint32_t num_subdomains, int ranks) {
-  return static_cast<int>(std::uint64_t{subdomain} * static_cast<std::uint64_t>(ranks) / num_subdomains);
+  return static_cast<int>(std::uint64_t{subdomain.value} * static_cast<std::uint64_t>(ranks) /
+                          num_subdomains);
 }
 
 /// A tet of the input; vertices are numbered as in the whole input.

@@ -53,7 +53,7 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<Par
       for (std::size_t e = part.edges.begins[v]; e < part.edges.begins[v + 1]; ++e) {
         if (!shared[part.edges.others[e]]) continue;
         const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[part.edges.others[e]]};
-        holdings.push_back({sorted_key<2>(ends), mine[p].subdomain});
+        holdings.push_back({sorted_key<2>(ends), mine[p].subdomain.value});
         counts.push_back(&part.counts[e]);
       }
     }
@@ -74,7 +74,7 @@ void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine, std::
     for (std::size_t v = 0; v < used.size(); ++v) {
       parts[p].num_vertices += used[v] && !shared[v];
       if (!used[v] || !shared[v]) continue;
-      holdings.push_back({{mine[p].ids[v]}, mine[p].subdomain});
+      holdings.push_back({{mine[p].ids[v]}, mine[p].subdomain.value});
       pieces.push_back(p);
     }
   }
@@ -118,7 +118,8 @@ Sums sum_here(std::span<const MeshPiece> mine, const std::vector<Part>& parts) {
     const TetTotals tets = sum_tets(parts[p].tets, mesh.points, mine[p].log_metrics, qualities);
     const EdgeTotals edges = sum_edges(parts[p].edges, parts[p].counts, mesh.points, mine[p].log_metrics);
     sums.qualities.insert(sums.qualities.end(), qualities.begin(), qualities.end());
-    sums.pieces.push_back({mine[p].subdomain, tets.volume, tets.complexity, tets.quality, edges.length});
+    sums.pieces.push_back(
+        {mine[p].subdomain.value, tets.volume, tets.complexity, tets.quality, edges.length});
     sums.tets += tets;
     sums.edges += edges;
     sums.counts.num_vertices += parts[p].num_vertices;

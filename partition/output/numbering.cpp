@@ -33,7 +33,7 @@ std::string complaint_about(const MeshPiece& piece) {
                     mesh.tet_refs.size() == mesh.tets.size() &&
                     mesh.triangle_refs.size() == mesh.triangles.size() &&
                     mesh.edge_refs.size() == mesh.edges.size();
-  return fits ? "" : "subdomain " + std::to_string(piece.subdomain) + ": arrays differ in length";
+  return fits ? "" : "subdomain " + std::to_string(piece.subdomain.value) + ": arrays differ in length";
 }
 
 std::uint64_t count_set(const std::vector<std::uint8_t>& flags) {
@@ -67,7 +67,7 @@ struct SubdomainCounts {
 void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& numbering) {
   std::vector<SubdomainCounts> here;
   for (std::size_t p = 0; p < mine.size(); ++p)
-    here.push_back({mine[p].subdomain, own_counts(mine[p].mesh, numbering.pieces[p].share)});
+    here.push_back({mine[p].subdomain.value, own_counts(mine[p].mesh, numbering.pieces[p].share)});
   std::vector<SubdomainCounts> all;
   for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all, {}, &SubdomainCounts::subdomain);
@@ -76,12 +76,13 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
     firsts[part.subdomain] = numbering.totals;
     for (const auto kind : kKinds) numbering.totals.*kind += part.counts.*kind;
   }
-  for (std::size_t p = 0; p < mine.size(); ++p) numbering.pieces[p].first = firsts.at(mine[p].subdomain);
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    numbering.pieces[p].first = firsts.at(mine[p].subdomain.value);
 }
 
 void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {
   std::vector<std::uint64_t> here, all;
-  for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
+  for (const MeshPiece& piece : mine) here.push_back(piece.subdomain.value);
   for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all);
   const auto twin = std::ranges::adjacent_find(all);
@@ -136,7 +137,7 @@ std::string complaint_about_points(std::span<const MeshPiece> mine, const std::v
     const auto unknown = std::ranges::find(pieces[p].points, kUnknown);
     if (unknown == pieces[p].points.end()) continue;
     std::ostringstream text;
-    text << "subdomain " << mine[p].subdomain << ": vertex "
+    text << "subdomain " << mine[p].subdomain.value << ": vertex "
          << mine[p].ids[static_cast<std::size_t>(unknown - pieces[p].points.begin())]
          << " is not in the lowest subdomain that should hold it";
     return text.str();

@@ -83,11 +83,11 @@ std::vector<meshing::CellData> cell_data(const MeshPiece& piece, const MeshData&
     const auto& [a, b, c, d] = part.tets[t];
     quality[t] = meshing::mean_ratio({p[a], p[b], p[c], p[d]}, {l[a], l[b], l[c], l[d]});
   }
-  return {{"subdomain", std::vector<double>(cells, piece.subdomain)}, {"quality", std::move(quality)}};
+  return {{"subdomain", std::vector<double>(cells, piece.subdomain.value)}, {"quality", std::move(quality)}};
 }
 
-std::string vtu_name(const fs::path& index, std::uint64_t subdomain) {
-  return index.stem().string() + "_" + std::to_string(subdomain) + ".vtu";
+std::string vtu_name(const fs::path& index, SubdomainId subdomain) {
+  return index.stem().string() + "_" + std::to_string(subdomain.value) + ".vtu";
 }
 
 void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers& numbers) {
@@ -98,8 +98,8 @@ void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers&
 }
 
 /// The subdomains of all pieces, ascending.
-std::vector<std::uint64_t> all_subdomains(Peers& peers, std::span<const MeshPiece> mine) {
-  std::vector<std::uint64_t> here, all;
+std::vector<SubdomainId> all_subdomains(Peers& peers, std::span<const MeshPiece> mine) {
+  std::vector<SubdomainId> here, all;
   for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
   for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
   std::ranges::sort(all);
@@ -112,7 +112,7 @@ std::vector<meshing::GmfCommunicator> communicators_of(const MeshPiece& piece, c
   std::map<SubdomainId, meshing::GmfCommunicator> by_part;
   for (const auto& [vertex, other] : piece.shared) {
     meshing::GmfCommunicator& communicator = by_part[other];
-    communicator.part = static_cast<std::int32_t>(other);
+    communicator.part = static_cast<std::int32_t>(other.value);
     communicator.points.push_back(vertex);
     communicator.global.push_back(numbers.points[vertex]);
   }
@@ -124,14 +124,14 @@ std::vector<meshing::GmfCommunicator> communicators_of(const MeshPiece& piece, c
 /// NAME.S.meshb
 fs::path part_name(const fs::path& mesh, SubdomainId subdomain) {
   return mesh.parent_path() /
-         (mesh.stem().string() + "." + std::to_string(subdomain) + mesh.extension().string());
+         (mesh.stem().string() + "." + std::to_string(subdomain.value) + mesh.extension().string());
 }
 
 }  // namespace
 
 void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs::path& index) {
   const Numbering numbering = number_pieces(peers, mine);
-  const std::vector<std::uint64_t> subdomains = all_subdomains(peers, mine);
+  const std::vector<SubdomainId> subdomains = all_subdomains(peers, mine);
   NewFiles files;
   agree_on(peers, [&] {
     for (std::size_t p = 0; p < mine.size(); ++p) {
@@ -143,7 +143,7 @@ void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     std::vector<std::string> names;
-    for (const std::uint64_t subdomain : subdomains) names.push_back(vtu_name(index, subdomain));
+    for (const SubdomainId subdomain : subdomains) names.push_back(vtu_name(index, subdomain));
     meshing::write_pvtu_index(index, meshing::solution_from_metric({}), {"subdomain", "quality"}, names);
   });
   files.keep();

@@ -34,7 +34,7 @@ class Candidates {
         all_shared = all_shared && shared[entities[e][i]] != 0;
       }
       if (!all_shared) continue;
-      holdings_.push_back({sorted_key<N>(key), piece.subdomain});
+      holdings_.push_back({sorted_key<N>(key), piece.subdomain.value});
       flags_.push_back(&flags[e]);
     }
   }

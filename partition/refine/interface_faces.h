@@ -1,5 +1,5 @@
-// The faces of a subdomain's interface and the edges between them, while edges are split: who lies at which
-// edge is known without a search.
+// The faces of a subdomain's interface and their edges while edges are split: the faces at an edge are known
+// without a search.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace weft::partition {
 
-/// Faces beyond which somebody else has the tets, with their edges. An edge has two faces as a rule, more
-/// where the subdomain touches itself. Valid as long as the mesh changes by the splits that it is told of
-/// alone.
+/// Faces whose other tet is in another subdomain, with their edges. An edge usually has two of these faces,
+/// more where the subdomain touches itself. Valid as long as the mesh changes only by the splits reported to
+/// split().
 class InterfaceFaces {
  public:
   using EdgeIndex = std::uint32_t;

@@ -2,8 +2,10 @@
 #include "partition/refine/refine_interface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <queue>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -48,6 +50,51 @@ std::vector<VertexId> places_of(const RefinedVertices& vertices, const Subdomain
     if (const VertexId v(i); s.mesh->alive(v) && s.mesh->frozen(v))
       places.at(vertices.find(s.global_id(v))) = v;
   return places;
+}
+
+/// Calls f(vertices, by id) for each face beyond which a neighbour has the tet.
+template <class F>
+void for_each_interface_face(const Subdomain& s, const Geometry& geometry, F f) {
+  const TetMesh& mesh = *s.mesh;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    for (int k = 0; k < 4; ++k) {
+      if (mesh.neighbour(t, k).valid()) continue;
+      const meshing::PatchId patch = mesh.patch(t, k);
+      if (patch.valid() && !geometry.patch_inner[patch.value]) continue;
+      std::array<VertexId, 3> v;
+      for (std::size_t c = 0; c < 3; ++c) v[c] = mesh.vertex(t, meshing::kTetFaces[k][c]);
+      std::ranges::sort(v, {}, [&](VertexId x) { return mesh.label(x); });
+      f(v);
+    }
+  }
+}
+
+/// `v` by id.
+InterfaceVertices::Face digest_of(const TetMesh& mesh, const std::array<VertexId, 3>& v) {
+  const auto id = [&](std::size_t i) { return GlobalId::from_value(mesh.label(v[i])); };
+  GlobalId bits;
+  const auto add = [&](double x) {
+    bits = GlobalId::derived_from(bits, GlobalId::from_value(std::bit_cast<std::uint64_t>(x)));
+  };
+  for (const VertexId x : v) {
+    const Point& p = mesh.point(x);
+    const LogMetric& l = mesh.log_metric(x);
+    for (const double value : {p.x, p.y, p.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz}) add(value);
+  }
+  return {GlobalId::derived_from(GlobalId::derived_from(id(0), id(1)), id(2)).value(), bits.value()};
+}
+
+/// Derived names are hashes: two vertices may have the same, by an accident of 1 in 1e19 for each pair.
+void check_names(const RefinedVertices& vertices, SubdomainId subdomain) {
+  for (VertexIndex i = vertices.first_new() + 1; i < vertices.size(); ++i)
+    if (vertices.id(i) == vertices.id(i - 1)) {
+      std::ostringstream text;
+      text << "subdomain " << subdomain.value << ": two new vertices of the interface have the global id "
+           << vertices.id(i);
+      throw std::runtime_error(text.str());
+    }
 }
 
 /// All splits down to one length.
@@ -154,22 +201,69 @@ class Level {
     for (auto* list : {&at_edge_, &ends_seen_}) list->clear();
     for (auto* list : {&fans_, &tets_}) list->clear();
     faces_.append_faces(index, at_edge_);
-    const meshing::Shell& shell = worker_.shell;
     for (const TetFace face : at_edge_) {
       if (std::find(ends_seen_.begin(), ends_seen_.end(), face) != ends_seen_.end()) continue;
-      worker_.claims.claim_tet(face.tet());
-      if (gather_shell(mesh_, worker_.claims, face.tet(), e.a, e.b, worker_.shell) !=
-          meshing::Verdict::accepted)
-        throw std::runtime_error("an interface edge has more tets around it than " +
-                                 std::to_string(meshing::Shell::kMaxSize));
-      worker_.claims.release();
-      fans_.push_back(face.tet());
-      for (int i = 0; i < shell.size; ++i) tets_.push_back(shell.tets[i].tet);
-      ends_seen_.emplace_back(shell.tets[0].tet, shell.tets[0].s);
-      ends_seen_.emplace_back(shell.tets[shell.size - 1].tet, shell.tets[shell.size - 1].r);
-      if (const auto on = meshing::classify(mesh_, shell); on.patch.valid()) patch = on.patch;
+      if (gather_fan(face.tet(), e)) {
+        take_fan(face.tet(), patch);
+        continue;
+      }
+      for (const TetId t : cut_long_fan(face.tet(), e)) {
+        gather_fan(t, e);
+        take_fan(t, patch);
+      }
     }
     return patch;
+  }
+
+  /// The tets that are joined with one around the edge; false where they are more than a shell can have.
+  bool gather_fan(TetId t, const Edge& e) {
+    worker_.claims.claim_tet(t);
+    const auto verdict = gather_shell(mesh_, worker_.claims, t, e.a, e.b, worker_.shell);
+    worker_.claims.release();
+    return verdict == meshing::Verdict::accepted;
+  }
+
+  void take_fan(TetId t, meshing::PatchId& patch) {
+    const meshing::Shell& shell = worker_.shell;
+    fans_.push_back(t);
+    for (int i = 0; i < shell.size; ++i) tets_.push_back(shell.tets[i].tet);
+    ends_seen_.emplace_back(shell.tets[0].tet, shell.tets[0].s);
+    ends_seen_.emplace_back(shell.tets[shell.size - 1].tet, shell.tets[shell.size - 1].r);
+    if (const auto on = meshing::classify(mesh_, shell); on.patch.valid()) patch = on.patch;
+  }
+
+  /// An axis of an O-grid may have any number of tets around it. Their fan is taken apart, until the edge is
+  /// split, into fans that a shell can have; returns a tet of each.
+  std::vector<TetId> cut_long_fan(TetId start, const Edge& e) {
+    meshing::Shell::Entry at = shell_entry(mesh_, start, e.a, e.b);
+    for (TetFace n; (n = mesh_.neighbour(at.tet, at.s)).valid();) at = shell_entry(mesh_, n.tet(), e.a, e.b);
+    std::vector<TetId> fans{at.tet};
+    int size = 1;
+    for (TetFace n; (n = mesh_.neighbour(at.tet, at.r)).valid(); ++size) {
+      if (size == meshing::Shell::kMaxSize) {
+        const TetFace face(at.tet, at.r);
+        mesh_.set_neighbour(face.tet(), face.face(), TetFace());
+        mesh_.set_neighbour(n.tet(), n.face(), TetFace());
+        taken_apart_.push_back({face, n});
+        fans.push_back(n.tet());
+        size = 0;
+      }
+      at = shell_entry(mesh_, n.tet(), e.a, e.b);
+    }
+    return fans;
+  }
+
+  /// Both halves of each face where a fan was taken apart: those with the end that tets have kept are where
+  /// the face was, the others in the tets' other halves, which have the same local places.
+  void join_fans(VertexId kept) {
+    const auto other_half = [&](TetFace f) {
+      return TetFace(mesh_.neighbour(f.tet(), mesh_.local_index(f.tet(), kept)).tet(), f.face());
+    };
+    for (const auto& [a, b] : taken_apart_) {
+      mesh_.glue(other_half(a), other_half(b));
+      mesh_.glue(a, b);
+    }
+    taken_apart_.clear();
   }
 
   void classify(const Edge& e, meshing::PatchId patch, meshing::VertexOnEdge& at) const {
@@ -192,6 +286,7 @@ class Level {
     const VertexId m = split_edge_at(worker_, e.a, e.b, fans_, at);
     worker_.claims.release();
     if (!m.valid()) throw std::runtime_error("an interface edge could not be split: a tet would be inverted");
+    join_fans(e.a);
     remember(m, e);
     const EdgeIndex first = faces_.num_edges();
     faces_.split(index, e.a, m, tets_);
@@ -219,6 +314,7 @@ class Level {
   std::priority_queue<LongEdge, std::vector<LongEdge>, ShorterFirst> long_edges_;
   std::vector<TetFace> at_edge_, ends_seen_;  ///< these and the next: look_around()
   std::vector<TetId> fans_, tets_;
+  std::vector<std::array<TetFace, 2>> taken_apart_;  ///< faces of the mesh: cut_long_fan()
 };
 
 }  // namespace
@@ -245,6 +341,7 @@ void InterfaceRefinement::refine(double longest, meshing::MetricMean mean) {
 
 std::vector<InterfaceVertices> InterfaceRefinement::created() const {
   const TetMesh& mesh = *subdomain_.mesh;
+  check_names(vertices_, subdomain_.id);
   const std::vector<VertexId> places = places_of(vertices_, subdomain_);
   const auto neighbours = subdomain_.interface.neighbours();
   std::vector<InterfaceVertices> result(neighbours.size());
@@ -253,10 +350,62 @@ std::vector<InterfaceVertices> InterfaceRefinement::created() const {
       const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
       result[at].vertices.push_back({vertices_.id(i), mesh.surface_hint(places[i]), mesh.kind(places[i])});
     }
+  add_faces(result);
   return result;
 }
 
-void register_interface(Subdomain& s, std::span<const InterfaceVertices> theirs) {
+/// To each neighbour that holds all three vertices: one of them has the tet beyond.
+void InterfaceRefinement::add_faces(std::vector<InterfaceVertices>& result) const {
+  std::vector<VertexIndex> index_of(subdomain_.mesh->vertex_slots(), RefinedVertices::kNone);
+  const std::vector<VertexId> places = places_of(vertices_, subdomain_);
+  for (VertexIndex i = 0; i < places.size(); ++i) index_of[places[i].value] = i;
+  const auto neighbours = subdomain_.interface.neighbours();
+  for_each_interface_face(subdomain_, geometry_, [&](const std::array<VertexId, 3>& v) {
+    const InterfaceVertices::Face face = digest_of(*subdomain_.mesh, v);
+    for (const SubdomainId other : vertices_.holders(index_of[v[0].value])) {
+      const auto holds = [&](VertexId x) {
+        return std::ranges::binary_search(vertices_.holders(index_of[x.value]), other);
+      };
+      if (!holds(v[1]) || !holds(v[2])) continue;
+      const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
+      result[static_cast<std::size_t>(at)].faces.push_back(face);
+    }
+  });
+}
+
+namespace {
+
+/// The mesh is wrong, whatever the reason: better none.
+[[noreturn]] void refuse(const Subdomain& s, const std::array<VertexId, 3>& v, const std::string& what) {
+  std::ostringstream text;
+  text
+      << "subdomain " << s.id.value << ": interface face (" << s.global_id(v[0]) << ' ' << s.global_id(v[1])
+      << ' ' << s.global_id(v[2]) << ") " << what
+      << "; holders of an interface decide alike only with the same program, C library and kind of processor "
+         "on all ranks";
+  throw std::runtime_error(text.str());
+}
+
+/// Each face of the interface is there, with the same bits, in a neighbour.
+void compare_faces(const Subdomain& s, const Geometry& geometry, std::span<const InterfaceVertices> theirs) {
+  using Face = InterfaceVertices::Face;
+  std::vector<Face> all;
+  for (const InterfaceVertices& of_one : theirs)
+    all.insert(all.end(), of_one.faces.begin(), of_one.faces.end());
+  std::sort(all.begin(), all.end());
+  for_each_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
+    const Face mine = digest_of(*s.mesh, v);
+    if (std::binary_search(all.begin(), all.end(), mine)) return;
+    const auto at = std::lower_bound(all.begin(), all.end(), Face{mine.name, 0});
+    const bool named = at != all.end() && at->name == mine.name;
+    refuse(s, v, named ? "has other coordinates or metrics in a neighbour" : "is in no neighbour");
+  });
+}
+
+}  // namespace
+
+void register_interface(Subdomain& s, const Geometry& geometry, std::span<const InterfaceVertices> theirs) {
+  compare_faces(s, geometry, theirs);
   std::unordered_map<GlobalId, VertexId> mine;
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
     if (s.mesh->alive(VertexId(i)) && s.mesh->frozen(VertexId(i)) && s.global_id(VertexId(i)).derived())

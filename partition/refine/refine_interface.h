@@ -1,8 +1,8 @@
 // Refinement of the interface without communication: all holders of an interface edge split it at the same
-// point, because the decision rests on nothing but what all of them hold.
+// point, because the decision uses only data that all of them hold.
 //
-// Longest edge first (in the metric; ties by global ids), until none is long. That may be interrupted at any
-// length, to adapt what is not frozen, and gone on with: the order of the splits is the same. Two subdomains
+// Longest edge first (in the metric; ties by global ids), until none is long. This may be interrupted at any
+// length, to adapt what is not frozen, and resumed: the order of the splits stays the same. Two subdomains
 // that share a face see the same edges of it appear in the same order, whatever happens elsewhere: the
 // longest edge of the face is split before all others of it, and splits in other faces do not change them.
 // Metrics at new vertices are interpolated along the edge, which is what the background has there: interface
@@ -20,25 +20,32 @@
 
 namespace weft::partition {
 
-/// A caller's flag beside kHasBeenFree: edges at this vertex must not be split unasked, since rounding might
-/// invert tets around it in one of the subdomains that hold it. All holders of a vertex have the same.
+/// A caller's flag beside kHasBeenFree: edges at this vertex must not be split without quality checks, since
+/// rounding might invert tets around it in one of its holders. All holders of a vertex have the same flag.
 inline constexpr std::uint8_t kDelicate = meshing::kCallerSecond;
 
-/// Could a tet with such points be inverted by the rounding of a few points on its edges?
+/// Whether rounding of a few points on its edges might invert this tet.
 bool is_delicate(const std::array<meshing::Point, 4>& tet);
 
-/// New vertices of the interface, for a subdomain that may have them too.
+/// New vertices of the interface, for a subdomain that may have them too, and all faces of it that this
+/// subdomain may have the other side of.
 struct InterfaceVertices {
   struct Vertex {
     GlobalId id;
     std::uint32_t surface_hint;
     meshing::VertexKind kind;
   };
+  struct Face {
+    std::uint64_t name;  ///< a hash of its vertices' ids
+    std::uint64_t bits;  ///< a hash of the bits of their coordinates and metrics
+    friend auto operator<=>(const Face&, const Face&) = default;
+  };
   std::vector<Vertex> vertices;  ///< by id
+  std::vector<Face> faces;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(vertices);
+    archive(vertices, faces);
   }
 };
 
@@ -54,17 +61,22 @@ class InterfaceRefinement {
   /// not.
   void refine(double longest, meshing::MetricMean mean = meshing::MetricMean::arithmetic);
 
-  /// For each of the interface's neighbours, the new vertices that it may have too.
+  /// For each of the interface's neighbours, the new vertices and the faces that it may have too. Throws
+  /// std::runtime_error where two new vertices have one global id.
   std::vector<InterfaceVertices> created() const;
 
  private:
+  void add_faces(std::vector<InterfaceVertices>& result) const;
+
   Subdomain& subdomain_;
   const Geometry& geometry_;
   RefinedVertices vertices_;  ///< new ones sorted, except within a level
 };
 
-/// Which of the new vertices the neighbours have too, in the order of the neighbours: with this the interface
-/// is right again.
-void register_interface(Subdomain& subdomain, std::span<const InterfaceVertices> theirs);
+/// Adds the neighbours as holders of the new vertices that they have too; `theirs`: of each neighbour, in
+/// their order. Throws std::runtime_error naming a face of the interface that no neighbour has, or has with
+/// other bits of coordinates or metrics: then the holders have decided differently.
+void register_interface(Subdomain& subdomain, const Geometry& geometry,
+                        std::span<const InterfaceVertices> theirs);
 
 }  // namespace weft::partition

@@ -1,5 +1,5 @@
-// What is known of the vertices of an interface that is being refined: in which side or face of the interface
-// at first they lie, and who else may have them.
+// Origin and possible holders of the vertices of an interface that is being refined: the side or face of the
+// initial interface in which each lies, and the other subdomains that may hold it.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace weft::partition {
 
-/// Those that were there at first, in the order of the interface, then new ones.
+/// Initial vertices, in the order of the interface, then new ones.
 class RefinedVertices {
  public:
   using Index = std::uint32_t;
@@ -25,9 +25,10 @@ class RefinedVertices {
   Index size() const { return static_cast<Index>(vertices_.size()); }
   Index first_new() const { return first_new_; }
   GlobalId id(Index i) const { return vertices_[i].id; }
-  /// Vertices at first, of the side or face in which a new one lies; of others, themselves. kNone fills up.
+  /// Initial vertices of the side or face in which a new vertex lies; an initial one is its own. Padded with
+  /// kNone.
   const std::array<Index, 3>& corners(Index i) const { return vertices_[i].corners; }
-  /// Others who may have the vertex, ascending.
+  /// Other subdomains that may hold the vertex, ascending.
   const std::vector<SubdomainId>& holders(Index i) const { return sets_[vertices_[i].holders]; }
 
   /// Adds the vertex between two that have an edge in one face of the interface, and returns its index.

@@ -13,17 +13,7 @@ using meshing::TetVertices;
 using meshing::VertexId;
 
 Choice::Choice(const Subdomain& s, const Priority& mine, std::span<const Proposal> proposals)
-    : s_(s), mesh_(*s.mesh) {
-  order_.push_back(mine);
-  for (const Proposal& p : proposals) order_.push_back(p.priority);
-  std::sort(order_.begin(), order_.end());
-  const auto place = [&](SubdomainId id) {
-    const auto at = std::find_if(order_.begin(), order_.end(), [&](const Priority& p) { return p.id == id; });
-    return static_cast<Rank>(at - order_.begin()) + 1;
-  };
-  self_ = place(s.id);
-  for (const SubdomainId neighbour : s.interface.neighbours()) rank_of_neighbour_.push_back(place(neighbour));
-}
+    : s_(s), mesh_(*s.mesh), order_(mine, priorities_of(proposals)) {}
 
 Chosen Choice::choose(std::span<const GlobalId> wanted, std::span<const Proposal> proposals,
                       const ShiftOptions& options) {
@@ -43,7 +33,7 @@ Chosen Choice::choose(std::span<const GlobalId> wanted, std::span<const Proposal
       }
     }
     for (std::uint32_t i = 0; i < tet_.size(); ++i) {
-      if (tet_[i] == self_) tet_[i] = kNobody;
+      if (tet_[i] == order_.self()) tet_[i] = kNobody;
       if (tet_[i] != kNobody) chosen.leaving.emplace_back(i);
     }
   }
@@ -51,22 +41,15 @@ Chosen Choice::choose(std::span<const GlobalId> wanted, std::span<const Proposal
   return chosen;
 }
 
-Rank Choice::rank_of(SubdomainId id) const {
-  const auto neighbours = s_.interface.neighbours();
-  return rank_of_neighbour_[static_cast<std::size_t>(
-      std::lower_bound(neighbours.begin(), neighbours.end(), id) - neighbours.begin())];
-}
-
-/// Wanted vertices belong to the first of their holders. Returns whether any goes to another subdomain.
+/// The holder of highest priority receives a wanted vertex. Returns whether any goes to another subdomain.
 bool Choice::seed(std::span<const GlobalId> wanted) {
   bool any_leave = false;
   std::uint32_t i = 0;
   for (const GlobalId id : wanted) {  // both are sorted
     while (s_.interface.id(i) < id) ++i;
-    Rank first = self_;
-    for (const Holder& h : s_.interface.others(i)) first = std::max(first, rank_of(h.subdomain));
-    vertex_[s_.interface.local(i).value] = first;
-    any_leave |= first != self_;
+    const Place receiver = order_.receiver(s_.interface.others(i));
+    vertex_[s_.interface.local(i).value] = receiver;
+    any_leave |= receiver != order_.self();
   }
   return any_leave;
 }

@@ -10,13 +10,12 @@
 
 namespace weft::partition {
 
-/// Subdomains by their place in the order of priorities, 1 and up; 0 stands for nobody.
-using Rank = std::uint32_t;
-inline constexpr Rank kNobody = 0;
+using Place = ReceiverOrder::Place;
+inline constexpr Place kNobody = ReceiverOrder::kNobody;
 
 /// What has been chosen for each tet.
 struct Chosen {
-  std::vector<Rank> to;                 ///< by slot; kNobody for tets that stay
+  std::vector<Place> to;                ///< receiver by slot; kNobody for tets that stay
   std::vector<meshing::TetId> leaving;  ///< ascending
   bool leaves(meshing::TetId t) const { return to[t.value] != kNobody; }
 };
@@ -27,15 +26,12 @@ class Choice {
   /// `proposals` as for gather().
   Choice(const Subdomain& subdomain, const Priority& mine, std::span<const Proposal> proposals);
 
-  Rank self() const { return self_; }
-  SubdomainId subdomain(Rank r) const { return order_[r - 1].id; }
-  std::size_t ranks() const { return order_.size() + 1; }
+  const ReceiverOrder& order() const { return order_; }
 
   Chosen choose(std::span<const GlobalId> wanted, std::span<const Proposal> proposals,
                 const ShiftOptions& options);
 
  private:
-  Rank rank_of(SubdomainId neighbour) const;
   bool seed(std::span<const GlobalId> wanted);
   void take_at_vertices();
   void spread_to_vertices();
@@ -43,12 +39,10 @@ class Choice {
 
   const Subdomain& s_;
   const meshing::TetMesh& mesh_;
-  std::vector<Priority> order_;
-  Rank self_ = kNobody;
-  std::vector<Rank> rank_of_neighbour_;
-  std::vector<Rank> vertex_, tet_;
+  ReceiverOrder order_;
+  std::vector<Place> vertex_, tet_;
   std::vector<std::uint32_t> taken_;  ///< tets of the last layer
-  std::vector<std::pair<std::uint32_t, Rank>> next_;
+  std::vector<std::pair<std::uint32_t, Place>> next_;
 };
 
 }  // namespace weft::partition

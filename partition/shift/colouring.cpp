@@ -1,13 +1,32 @@
-// The local decision of the colouring.
+// Sorted once, looked up by vertex.
 #include "partition/shift/colouring.h"
 
 #include <algorithm>
 
 namespace weft::partition {
 
-bool receives(const Priority& mine, std::span<const Priority> neighbours) {
-  return std::all_of(neighbours.begin(), neighbours.end(),
-                     [&](const Priority& other) { return other < mine; });
+ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> neighbours) : order_{self} {
+  order_.insert(order_.end(), neighbours.begin(), neighbours.end());
+  std::sort(order_.begin(), order_.end());
+  const auto find = [&](const Priority& p) {
+    return static_cast<Place>(std::lower_bound(order_.begin(), order_.end(), p) - order_.begin()) + 1;
+  };
+  self_ = find(self);
+  for (const Priority& neighbour : neighbours) {
+    ids_.push_back(neighbour.id);
+    place_.push_back(find(neighbour));
+  }
+}
+
+ReceiverOrder::Place ReceiverOrder::place_of(SubdomainId neighbour) const {
+  return place_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), neighbour) -
+                                         ids_.begin())];
+}
+
+ReceiverOrder::Place ReceiverOrder::receiver(std::span<const Holder> others) const {
+  Place first = self_;
+  for (const Holder& h : others) first = std::max(first, place_of(h.subdomain));
+  return first;
 }
 
 }  // namespace weft::partition

@@ -1,26 +1,50 @@
-// Decentralised colouring after Luby (1986): who may receive is decided by what a subdomain and its
-// neighbours know.
+// Decentralised colouring after Luby (1986): who receives is decided by what a subdomain and its neighbours
+// know of each other's priorities.
 #pragma once
 
 #include <compare>
 #include <cstdint>
 #include <span>
+#include <vector>
 
-#include "partition/subdomain/global_id.h"
+#include "partition/subdomain/interface.h"
 
 namespace weft::partition {
 
-/// How much a subdomain wants to receive. A strict total order: by value, equal ones by id.
+/// How much a subdomain wants to receive. A strict total order: by value, equal values by id.
 struct Priority {
   std::uint64_t value = 0;
-  SubdomainId id = 0;
+  SubdomainId id;
   friend auto operator<=>(const Priority&, const Priority&) = default;
 };
 
-/// Whether the subdomain of priority `mine` receives: it is greater than every neighbour that takes part.
-/// Where neighbours know each other's priorities, no two of them receive in one round, and one subdomain at
-/// least does. A maximal independent set comes of repeating the question among those that neither receive nor
-/// have a neighbour that does.
-bool receives(const Priority& mine, std::span<const Priority> neighbours);
+/// A subdomain and its neighbours in the order of their priorities: places 1 and up, the last one receives
+/// from all. The holders of a vertex know each other's priorities, so they agree on who receives there.
+class ReceiverOrder {
+ public:
+  /// Place in the order; kNobody stands for no subdomain.
+  using Place = std::uint32_t;
+  static constexpr Place kNobody = 0;
+
+  /// `neighbours`: their priorities, ascending by id.
+  ReceiverOrder(const Priority& self, std::span<const Priority> neighbours);
+
+  Place self() const { return self_; }
+  /// Places are 0 (kNobody) to size() - 1.
+  std::size_t size() const { return order_.size() + 1; }
+  SubdomainId subdomain(Place place) const { return order_[place - 1].id; }
+  Place place_of(SubdomainId neighbour) const;
+  /// How many neighbours come before this subdomain. 0: it receives from all of them; subdomains of this
+  /// colour are an independent set of the adjacency graph, never an empty one.
+  std::size_t above_self() const { return order_.size() - self_; }
+  /// Who receives the tets around a vertex that this subdomain and `others` hold.
+  Place receiver(std::span<const Holder> others) const;
+
+ private:
+  std::vector<Priority> order_;   ///< ascending
+  std::vector<SubdomainId> ids_;  ///< of the neighbours, ascending
+  std::vector<Place> place_;      ///< of the neighbours
+  Place self_ = kNobody;
+};
 
 }  // namespace weft::partition

@@ -26,10 +26,10 @@ class Targets {
 
   bool known(VertexId v) const { return last_[v.value] != kNobody; }
   /// By slot: kNobody where not known.
-  const std::vector<Rank>& last() const { return last_; }
+  const std::vector<Place>& last() const { return last_; }
 
-  void note(VertexId v, Rank to) {
-    Rank& last = last_[v.value];  // neighbours in the arrays mostly go the same way
+  void note(VertexId v, Place to) {
+    Place& last = last_[v.value];  // neighbours in the arrays mostly go the same way
     if (last == to) return;
     if (last == kNobody) {
       vertices_.push_back(v.value);
@@ -45,13 +45,13 @@ class Targets {
   std::vector<std::uint32_t> take_vertices() { return std::move(vertices_); }
   struct Found {
     std::uint32_t vertex;
-    Rank to;
+    Place to;
   };
   std::span<const Found> found() const { return found_; }
 
  private:
   const std::vector<std::uint32_t>& interface_index_;
-  std::vector<Rank> last_;
+  std::vector<Place> last_;
   std::vector<std::uint8_t> several_;  ///< to be listed: of the interface now, or after this
   std::vector<std::uint32_t> vertices_;
   std::vector<Found> found_;  ///< some repeatedly
@@ -98,14 +98,14 @@ Departures find_departures(const Subdomain& s, const Choice& choice, const Chose
     if (chosen.leaves(t)) return;
     for (const VertexId v : vertices) {
       if (!targets.known(v)) continue;
-      targets.note(v, choice.self());
+      targets.note(v, choice.order().self());
       departures.staying[v.value] = t;
     }
   });
   departures.vertices = targets.take_vertices();
   for (const Targets::Found& found : targets.found())
     departures.of_interface.push_back(
-        {s.global_id(VertexId(found.vertex)), choice.subdomain(found.to), found.vertex});
+        {s.global_id(VertexId(found.vertex)), choice.order().subdomain(found.to), found.vertex});
   std::sort(departures.of_interface.begin(), departures.of_interface.end());
   departures.of_interface.erase(std::unique(departures.of_interface.begin(), departures.of_interface.end()),
                                 departures.of_interface.end());

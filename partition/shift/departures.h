@@ -1,4 +1,4 @@
-// What the tets that leave a subdomain mean for its vertices, and their removal.
+// Vertices affected by the tets that leave a subdomain, and the removal of these tets.
 #pragma once
 
 #include <compare>
@@ -18,9 +18,9 @@ struct Departure {
 };
 
 struct Departures {
-  /// Sorted: where the tets around each vertex go, for vertices of the interface around which not all stay
-  /// and for those that become vertices of it. A vertex that leaves with all its tets for one other concerns
-  /// nobody else.
+  /// Sorted: where the tets around a vertex go, for interface vertices not all of whose tets stay and for
+  /// vertices that become interface vertices. An inner vertex that leaves with all its tets for one
+  /// subdomain concerns no third one.
   std::vector<Departure> of_interface;
   /// Vertices of leaving tets, each with a tet that stays; invalid where none does.
   std::vector<std::uint32_t> vertices;

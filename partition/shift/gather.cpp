@@ -58,13 +58,14 @@ std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen&
   packing.reserve(neighbours.size());
   for (const SubdomainId neighbour : neighbours)
     packing.emplace_back(s, neighbour, interface_index, place_of_tet);
-  std::vector<std::size_t> tets_to(choice.ranks(), 0);
+  std::vector<std::size_t> tets_to(choice.order().size(), 0);
   for (const TetId t : chosen.leaving) ++tets_to[chosen.to[t.value]];
-  std::vector<Packing*> packing_of(choice.ranks(), nullptr);
-  for (Rank r = 1; r < choice.ranks(); ++r) {
+  std::vector<Packing*> packing_of(choice.order().size(), nullptr);
+  for (Place r = 1; r < choice.order().size(); ++r) {
     if (tets_to[r] == 0) continue;
     packing_of[r] = &packing[static_cast<std::size_t>(
-        std::lower_bound(neighbours.begin(), neighbours.end(), choice.subdomain(r)) - neighbours.begin())];
+        std::lower_bound(neighbours.begin(), neighbours.end(), choice.order().subdomain(r)) -
+        neighbours.begin())];
     packing_of[r]->reserve(tets_to[r]);
   }
   for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
@@ -75,6 +76,12 @@ std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen&
 }
 
 }  // namespace
+
+std::vector<Priority> priorities_of(std::span<const Proposal> proposals) {
+  std::vector<Priority> priorities;
+  for (const Proposal& p : proposals) priorities.push_back(p.priority);
+  return priorities;
+}
 
 std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
   std::vector<std::uint8_t> poor(s.mesh->vertex_slots(), 0);

@@ -10,6 +10,21 @@ using meshing::TetId;
 using meshing::TetVertices;
 using meshing::VertexId;
 
+namespace {
+
+/// The eight tets between the corners of a tet (0 to 3) and the middles of its edges (4 and up, in the order
+/// of kTetEdges).
+constexpr std::size_t kChildren[8][4] = {{0, 4, 5, 6}, {1, 4, 7, 8}, {2, 5, 7, 9}, {3, 6, 8, 9},
+                                         {5, 8, 4, 7}, {5, 8, 7, 9}, {5, 8, 9, 6}, {5, 8, 6, 4}};
+
+bool in_two_pieces(const std::array<std::uint32_t, 4>& slots) {
+  const auto other = std::ranges::find_if(slots, [&](std::uint32_t s) { return s != slots[0]; });
+  return other == slots.end() ||
+         std::ranges::all_of(slots, [&](std::uint32_t s) { return s == slots[0] || s == *other; });
+}
+
+}  // namespace
+
 Packing::Packing(const Subdomain& s, SubdomainId to, const std::vector<std::uint32_t>& interface_index,
                  std::vector<std::uint32_t>& place_of_tet)
     : s_(s), mesh_(*s.mesh), to_(to), interface_index_(interface_index), place_of_tet_(place_of_tet) {
@@ -85,31 +100,66 @@ std::uint32_t Packing::slot_of(std::uint64_t piece) {
   return at->second;
 }
 
-/// A tet that is larger than the pieces may cover one that none of its vertices is in. Not one between
+/// A tet that is larger than the pieces may cover some that none of its vertices is in. Not one between
 /// pieces that have many vertices each.
 void Packing::add_background(std::size_t tet) {
   constexpr std::uint32_t kMany = 8;  // a piece has about a hundred of its own
   const std::array<std::uint32_t, 4>& places = parcel_.tets[tet].vertices;
-  std::array<std::uint32_t, 4> slot;
-  for (std::size_t i = 0; i < 4; ++i) slot[i] = slot_of_vertex_[places[i]];
+  Probe probe;
+  for (std::size_t i = 0; i < 4; ++i) probe.slots[i] = slot_of_vertex_[places[i]];
+  const auto& slot = probe.slots;
   const auto differs = std::find_if(slot.begin(), slot.end(), [&](std::uint32_t s) { return s != slot[0]; });
   if (differs == slot.end()) return;
   if (std::all_of(slot.begin(), slot.end(), [&](std::uint32_t s) { return covered_[s].vertices >= kMany; }))
     return;
-  const std::uint32_t other = *differs;
   const TetVertices v = mesh_.vertices(tets_[tet]);
-  meshing::Point centre;
-  for (const VertexId x : v) centre += 0.25 * mesh_.point(x);
-  look_up(centre, v[0]);
-  if (std::count(slot.begin(), slot.end(), slot[0]) + std::count(slot.begin(), slot.end(), other) == 4)
-    return;
-  for (const auto& e : meshing::kTetEdges)
-    if (slot[e[0]] != slot[e[1]]) look_up(midpoint(mesh_.point(v[e[0]]), mesh_.point(v[e[1]])), v[e[0]]);
+  for (std::size_t i = 0; i < 4; ++i) probe.corners[i] = mesh_.point(v[i]);
+  last_found_ = mesh_.background_hint(v[0]);
+  look_within(probe, 0);
 }
 
-void Packing::look_up(const meshing::Point& p, VertexId near) {
-  slot_of(s_.background.name_of(s_.background.background().walk_towards(p, mesh_.background_hint(near)).tet)
-              .piece);
+/// Looks up the centre and, between three pieces and more, the middles of the edges. A tet that is much
+/// larger than pieces meets many of them there; then, as long as that finds a piece that no corner is in,
+/// goes on with the eight tets between corners and middles. (Tets where a few pieces meet are many, and
+/// covered by this.)
+void Packing::look_within(const Probe& probe, int depth) {
+  constexpr int kDeepest = 5;
+  constexpr std::ptrdiff_t kManyPieces = 6;
+  const auto& x = probe.corners;
+  std::array<std::uint32_t, 11> slots;  // of corners, middles of edges, and the centre
+  std::copy(probe.slots.begin(), probe.slots.end(), slots.begin());
+  meshing::Point centre;
+  for (const meshing::Point& p : x) centre += 0.25 * p;
+  slots[10] = look_up(centre);
+  if (depth == 0 && in_two_pieces(probe.slots)) return;
+  std::array<meshing::Point, 6> middle;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto a = static_cast<std::size_t>(meshing::kTetEdges[e][0]);
+    const auto b = static_cast<std::size_t>(meshing::kTetEdges[e][1]);
+    middle[e] = midpoint(x[a], x[b]);
+    slots[4 + e] = slots[a] == slots[b] ? slots[a] : look_up(middle[e]);
+  }
+  const auto is_new = [&](std::uint32_t s) { return std::ranges::find(probe.slots, s) == probe.slots.end(); };
+  if (depth == kDeepest || std::none_of(slots.begin() + 4, slots.end(), is_new)) return;
+  if (depth == 0) {
+    std::array<std::uint32_t, 11> pieces = slots;
+    std::ranges::sort(pieces);
+    if (std::unique(pieces.begin(), pieces.end()) - pieces.begin() < kManyPieces) return;
+  }
+  for (const auto& child : kChildren) {
+    Probe part;
+    for (std::size_t i = 0; i < 4; ++i) {
+      part.corners[i] = child[i] < 4 ? x[child[i]] : middle[child[i] - 4];
+      part.slots[i] = slots[child[i]];
+    }
+    look_within(part, depth + 1);
+  }
+}
+
+/// Counts as covered the piece where p is.
+std::uint32_t Packing::look_up(const meshing::Point& p) {
+  last_found_ = s_.background.background().walk_towards(p, last_found_).tet;
+  return slot_of(s_.background.name_of(last_found_).piece);
 }
 
 void Packing::name_neighbours(const Chosen& chosen) {

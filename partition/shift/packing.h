@@ -33,7 +33,13 @@ class Packing {
   void add_features(const meshing::TetVertices& v);
   std::uint32_t slot_of(std::uint64_t piece);
   void add_background(std::size_t tet);
-  void look_up(const meshing::Point& p, meshing::VertexId near);
+  /// A tet by its corners, each with the place in covered_ of the piece that it is in.
+  struct Probe {
+    std::array<meshing::Point, 4> corners;
+    std::array<std::uint32_t, 4> slots;
+  };
+  std::uint32_t look_up(const meshing::Point& p);
+  void look_within(const Probe& probe, int depth);
   void name_neighbours(const Chosen& chosen);
   bool concerns_receiver(std::uint32_t vertex) const;
   void add_previous_holders(std::uint32_t vertex);
@@ -56,6 +62,7 @@ class Packing {
   std::vector<Covered> covered_;
   std::unordered_map<std::uint64_t, std::uint32_t> slots_;  ///< piece -> its place in covered_
   std::vector<std::uint32_t> slot_of_vertex_;               ///< by place in the parcel
+  std::uint32_t last_found_ = 0;  ///< a tet of the background: the next walk of look_up() starts there
 };
 
 }  // namespace weft::partition

@@ -1,7 +1,10 @@
-// Joining of parcels by global ids, and who holds which vertex afterwards.
+// Joining of parcels by global ids, and the holders of vertices afterwards.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <iterator>
+#include <sstream>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -79,6 +82,9 @@ class Joining {
       for (std::uint32_t i = 0; i < names_[p].size(); ++i) all.push_back({parcels[p].vertices[i].id, p, i});
     }
     std::sort(all.begin(), all.end(), [](const Arriving& a, const Arriving& b) { return a.id < b.id; });
+    const auto point_of = [&](const Arriving& a) -> const meshing::Point& {
+      return parcels[a.parcel].vertices[a.index].point;
+    };
     AscendingFinder finder(s_.interface);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const GlobalId id = all[k].id;
@@ -87,11 +93,21 @@ class Joining {
         const VertexId v = at != Interface::kNone ? s_.interface.local(at) : VertexId();
         const bool here = v.valid() && mesh_.alive(v);
         named_.push_back({here ? v : VertexId(), !here, here});
+        if (here) check_same_place(id, mesh_.point(v), point_of(all[k]));
       } else {
         named_.back().met = true;
+        check_same_place(id, point_of(all[k - 1]), point_of(all[k]));
       }
       names_[all[k].parcel][all[k].index] = static_cast<std::uint32_t>(named_.size()) - 1;
     }
+  }
+
+  /// Copies of a vertex never move apart; two vertices of one name are an accident of hashing.
+  void check_same_place(GlobalId id, const meshing::Point& a, const meshing::Point& b) const {
+    if (std::memcmp(&a, &b, sizeof a) == 0) return;
+    std::ostringstream text;
+    text << "subdomain " << s_.id.value << ": copies of vertex " << id << " differ in their coordinates";
+    throw std::runtime_error(text.str());
   }
 
   void add(const Parcel& parcel, const std::vector<std::uint32_t>& names) {
@@ -188,8 +204,8 @@ void for_each_vertex(std::span<const Holder> lines, F f) {
   }
 }
 
-/// All holders, this subdomain included, of the vertices that somebody says something of; all others keep
-/// theirs.
+/// All holders, this subdomain included, of the vertices that a parcel or this subdomain's departures
+/// mention; other vertices keep theirs.
 class NewHolders {
  public:
   NewHolders(const Subdomain& s, std::span<const Parcel> parcels)
@@ -208,7 +224,8 @@ class NewHolders {
   /// Of a vertex of the interface.
   bool mentioned(std::uint32_t i) const { return mentioned_[i]; }
   std::span<const Holder> of(GlobalId vertex) const {
-    const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, 0}, by_vertex);
+    const auto [first, last] =
+        std::equal_range(lines_.begin(), lines_.end(), Holder{vertex, SubdomainId(0)}, by_vertex);
     return {first, last};
   }
 

@@ -24,11 +24,11 @@
 
 namespace weft::partition {
 
-/// What one subdomain tells a neighbour first.
+/// First message of a round to each neighbour.
 struct Proposal {
   Priority priority;
   std::vector<GlobalId> wants;  ///< shared with the neighbour, to be freed; ascending
-  /// Of the background, those that it has (BackgroundPiece::id), which need not be sent again; ascending.
+  /// Ids of the background pieces that the sender has, which need not be sent to it; ascending.
   std::vector<std::uint64_t> pieces;
 
   template <class Archive>
@@ -37,8 +37,8 @@ struct Proposal {
   }
 };
 
-/// Tets on their way, with all that belongs to them, and what the receiver must know of the sender's
-/// departures.
+/// Tets that change subdomains with all that belongs to them, and what the receiver must know about other
+/// tets that left the sender.
 struct Parcel {
   struct Vertex {
     GlobalId id;
@@ -62,17 +62,17 @@ struct Parcel {
     std::array<std::uint32_t, 2> ends;  ///< in the parcel
     meshing::CurveId curve;
   };
-  SubdomainId from = 0;
+  SubdomainId from;
   std::vector<Vertex> vertices;
   std::vector<Tet> tets;
   std::vector<FeatureEdge> feature_edges;
-  /// Of the background, those that the receiver lacks; never changed, so shared within a rank.
+  /// Background pieces that the receiver lacks; immutable, so shared within a rank.
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
-  /// receiver; left out where all of them stay with the sender, and where all go to the receiver and nobody
-  /// else had any.
+  /// receiver. Left out where all of them stay with the sender, and where all go to the receiver and no
+  /// other subdomain had any.
   std::vector<Holder> now;
-  /// Who held a vertex of the parcel before, for vertices that the receiver did not hold.
+  /// Former holders of vertices of the parcel that the receiver did not hold.
   std::vector<Holder> before;
 
   template <class Archive>
@@ -92,20 +92,23 @@ struct Notice {
   }
 };
 
+/// Of the neighbours, in their order.
+std::vector<Priority> priorities_of(std::span<const Proposal> proposals);
+
 struct ShiftOptions {
   int layers = 2;         ///< of tets, point-connected, handed over beyond those at the interface
   bool by_faces = false;  ///< layers grow through faces instead of points
 
-  /// The first shift moves the interface away; later ones free what is left of it, mostly where three
-  /// subdomains meet, for which a layer is enough (a fifth of the tets moved, Q 1 % 0.731 instead of 0.734).
+  /// The first shift hands over `layers` as given and moves the interface away. Later ones free what is left,
+  /// mostly where three subdomains meet, and hand over one layer at most.
   ShiftOptions in_round(std::uint64_t round) const {
     return {round == 0 ? layers : std::min(layers, 1), by_faces};
   }
 };
 
-/// The shared vertices that this subdomain wants to be freed, ascending: those that have never been free, and
-/// those of poor tets and of tets that touch them. The latter only in the first kRoundsForQuality rounds:
-/// there are tets that no shift can mend.
+/// The interface vertices that this subdomain wants to be freed, ascending: those that have never been free
+/// and, in the first kRoundsForQuality rounds, those of poor tets and of tets that touch them. (Some poor
+/// tets cannot be improved by any shift.)
 inline constexpr std::uint64_t kRoundsForQuality = 10;
 std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 
@@ -113,28 +116,28 @@ std::vector<GlobalId> wanted(const Subdomain& subdomain, std::uint64_t round);
 std::vector<Proposal> propose(const Subdomain& subdomain, const Priority& mine,
                               std::span<const GlobalId> wanted);
 
-/// Takes the tets that go away out of the mesh. `proposals` are those of the neighbours, in their order; so
+/// Removes the tets that leave from the mesh. `proposals` are those of the neighbours, in their order; so
 /// are the parcels, many of them empty.
 std::vector<Parcel> gather(Subdomain& subdomain, const Priority& mine, std::span<const GlobalId> wanted,
                            std::span<const Proposal> proposals, const ShiftOptions& options);
 
-/// What scattering leaves to be said and heard.
+/// Result of scatter(): notices to send and to expect.
 struct Scattered {
   std::uint64_t received = 0;  ///< tets
-  std::uint64_t thawed = 0;    ///< vertices of the interface that are none any more
+  std::uint64_t thawed = 0;    ///< former interface vertices
   struct Addressed {
     SubdomainId to;
     Notice notice;
   };
   std::vector<Addressed> notices;     ///< by addressee, ascending
-  std::vector<SubdomainId> expected;  ///< who sends a notice here, ascending
+  std::vector<SubdomainId> expected;  ///< senders of notices to this subdomain, ascending
 };
 
-/// Joins the parcels of all neighbours (in the order of the neighbours) with the mesh. The tets around what
-/// was frozen get the mark kFresh: all else has been adapted where it was.
+/// Joins the parcels of all neighbours, in the order of the neighbours, with the mesh. Tets around thawed
+/// vertices get the mark kFresh: all others have been adapted already.
 Scattered scatter(Subdomain& subdomain, std::span<Parcel> parcels);
 
-/// The notices of all that were expected. Returns how many vertices turned out to be no interface.
+/// Takes the notices of all expected senders. Returns the number of former interface vertices it finds.
 std::uint64_t update_topology(Subdomain& subdomain, std::span<const Notice> notices);
 
 }  // namespace weft::partition

@@ -17,8 +17,8 @@ meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surfac
                                      const meshing::AdaptOptions& options,
                                      const meshing::BeforeLevel& before_level = {});
 
-/// What of the subdomain's mesh does not conform as yet; apart (`flagged`) what has a vertex that is or has
-/// been one of an interface. Cheap: tets are counted, edges estimated from those of 256 to 511 vertices.
+/// Remaining nonconforming entities of the subdomain's mesh; apart (`flagged`) what has a vertex that is or
+/// has been one of an interface. Cheap: tets are counted, edges estimated from those of 256 to 511 vertices.
 meshing::NonconformingParts count_nonconforming(const Subdomain& subdomain);
 
 }  // namespace weft::partition

@@ -111,7 +111,7 @@ BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing:
   PieceCutter cutter(points, log_metrics, ids);
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece) {
-    const std::uint64_t id = std::uint64_t{subdomain} << 32 | pieces.size();
+    const std::uint64_t id = std::uint64_t{subdomain.value} << 32 | pieces.size();
     pieces.push_back(cutter.cut(id, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
   }
   add(pieces);

@@ -7,10 +7,15 @@
 #include <functional>
 #include <ostream>
 
+#include "meshing/base/ids.h"
+
 namespace weft::partition {
 
+struct SubdomainTag {
+  static constexpr char kLetter = 's';
+};
 /// Number of a subdomain, 0 to N - 1, the same everywhere.
-using SubdomainId = std::uint32_t;
+using SubdomainId = meshing::Id<SubdomainTag>;
 
 /// A vertex's name for life, wherever its copies are (the paper's pair of subdomain and local number). Those
 /// of the input carry their number in it; new vertices count on from there in the subdomain that creates
@@ -21,7 +26,7 @@ class GlobalId {
 
   constexpr GlobalId() = default;
   constexpr GlobalId(SubdomainId owner, std::uint64_t local)
-      : value_((std::uint64_t{owner} + 1) << kLocalBits | local) {}
+      : value_((std::uint64_t{owner.value} + 1) << kLocalBits | local) {}
   static constexpr GlobalId from_value(std::uint64_t value) {
     GlobalId id;
     id.value_ = value;
@@ -35,13 +40,15 @@ class GlobalId {
   constexpr bool derived() const { return value_ & kDerived; }
 
   constexpr bool valid() const { return value_ != 0; }
-  constexpr SubdomainId owner() const { return static_cast<SubdomainId>((value_ >> kLocalBits) - 1); }
+  constexpr SubdomainId owner() const {
+    return SubdomainId(static_cast<std::uint32_t>((value_ >> kLocalBits) - 1));
+  }
   constexpr std::uint64_t local() const { return value_ & ((std::uint64_t{1} << kLocalBits) - 1); }
   constexpr std::uint64_t value() const { return value_; }  ///< 0 for none
 
   friend constexpr auto operator<=>(GlobalId, GlobalId) = default;
   friend std::ostream& operator<<(std::ostream& out, GlobalId id) {
-    return id.valid() ? out << id.owner() << ':' << id.local() : out << "none";
+    return id.valid() ? out << id.owner().value << ':' << id.local() : out << "none";
   }
 
  private:

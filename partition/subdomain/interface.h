@@ -13,7 +13,7 @@ namespace weft::partition {
 /// One holder of one vertex. Plain data, ordered by vertex, then subdomain.
 struct Holder {
   GlobalId vertex;
-  SubdomainId subdomain = 0;
+  SubdomainId subdomain;
   friend auto operator<=>(const Holder&, const Holder&) = default;
 };
 

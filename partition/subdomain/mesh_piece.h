@@ -1,4 +1,4 @@
-// What one subdomain leaves at the end: a part of the result as plain arrays.
+// The result of one subdomain: a part of the mesh as plain arrays.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace weft::partition {
 /// A part of the result mesh. Every tet of the result is in one piece; a vertex, a feature edge or a triangle
 /// (of a material interface) may be in several.
 struct MeshPiece {
-  SubdomainId subdomain = 0;
+  SubdomainId subdomain;
   meshing::MeshData mesh;  ///< local indices
   meshing::LogMetricField log_metrics;
   std::vector<GlobalId> ids;                   ///< of mesh.points

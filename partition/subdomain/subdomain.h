@@ -31,7 +31,7 @@ struct Subdomain {
   /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
   Subdomain(const SubdomainStart& start, std::size_t tet_capacity);
 
-  SubdomainId id = 0;
+  SubdomainId id;
   std::uint64_t tet_capacity = 0;
   std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
   std::unique_ptr<meshing::TetMesh> mesh;
@@ -56,7 +56,7 @@ void name_new_vertices(Subdomain& subdomain);
 
 std::uint64_t count_tets(const Subdomain& subdomain);
 
-/// Adaptation begins anew: nothing counts as having been free, nor as having been interface.
+/// Begins the next phase: no vertex counts as having been free or as former interface.
 void begin_next_phase(Subdomain& subdomain);
 
 /// Finds the interface's vertices in the mesh again, after numbers have changed. Those whose tets have all

@@ -1,5 +1,5 @@
-// What one subdomain starts from: a part of the input mesh as plain arrays, and what it must know of the
-// rest.
+// The initial data of one subdomain: a part of the input mesh as plain arrays, and its connections to the
+// other parts.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace weft::partition {
 
 /// Arrays of one entry a vertex or a tet; indices are local.
 struct SubdomainStart {
-  SubdomainId subdomain = 0;
+  SubdomainId subdomain;
 
   std::vector<meshing::Point> points;
   std::vector<std::int32_t> point_refs;

@@ -42,7 +42,7 @@ std::vector<Face> faces_of_tets(const MeshPiece& piece, Problems& problems) {
     const auto& v = piece.mesh.tets[t];
     const int sign = meshing::orientation(p[v[0]], p[v[1]], p[v[2]], p[v[3]]);
     if (sign <= 0)
-      problems.add("subdomain ", piece.subdomain, ": tet ", t + 1, sign < 0 ? ": inverted" : ": flat",
+      problems.add("subdomain ", piece.subdomain.value, ": tet ", t + 1, sign < 0 ? ": inverted" : ": flat",
                    " (its orientation is ", sign < 0 ? "negative)" : "zero)");
     for (const auto& f : kFaces) {
       const std::array<std::uint32_t, 3> face{v[f[0]], v[f[1]], v[f[2]]};
@@ -60,7 +60,7 @@ std::vector<Face> sorted_triangles(const MeshPiece& piece, Problems& problems) {
   std::ranges::sort(triangles, {}, &Face::key);
   for (std::size_t t = 1; t < triangles.size(); ++t)
     if (triangles[t].key == triangles[t - 1].key)
-      problems.add("subdomain ", piece.subdomain, ": triangles ", triangles[t - 1].entity + 1, " and ",
+      problems.add("subdomain ", piece.subdomain.value, ": triangles ", triangles[t - 1].entity + 1, " and ",
                    triangles[t].entity + 1, ": have the same vertices");
   return triangles;
 }
@@ -76,7 +76,7 @@ void check_triangles(const MeshPiece& piece, std::span<const Face> faces, std::s
                      Problems& problems) {
   for (const Face& triangle : triangles)
     if (!std::ranges::binary_search(faces, triangle.key, {}, &Face::key))
-      problems.add("subdomain ", piece.subdomain, ": triangle ", triangle.entity + 1,
+      problems.add("subdomain ", piece.subdomain.value, ": triangle ", triangle.entity + 1,
                    ": is not a face of any tet");
 }
 
@@ -84,14 +84,14 @@ void check_triangles(const MeshPiece& piece, std::span<const Face> faces, std::s
 void check_inner_face(const MeshPiece& piece, std::span<const Face> tets, bool has_triangle,
                       Problems& problems) {
   if (tets.size() > 2)
-    return problems.add("subdomain ", piece.subdomain, ": face ", name(tets[0].key), ": shared by ",
+    return problems.add("subdomain ", piece.subdomain.value, ": face ", name(tets[0].key), ": shared by ",
                         tets.size(), " tets");
   const std::uint32_t a = tets[0].entity, b = tets[1].entity;
   if (tets[0].side == tets[1].side)
-    problems.add("subdomain ", piece.subdomain, ": face ", name(tets[0].key), ": tets ", a + 1, " and ",
+    problems.add("subdomain ", piece.subdomain.value, ": face ", name(tets[0].key), ": tets ", a + 1, " and ",
                  b + 1, " lie on the same side of it");
   if (!has_triangle && piece.mesh.tet_refs[a] != piece.mesh.tet_refs[b])
-    problems.add("subdomain ", piece.subdomain, ": face ", name(tets[0].key), ": between tets ", a + 1,
+    problems.add("subdomain ", piece.subdomain.value, ": face ", name(tets[0].key), ": between tets ", a + 1,
                  " and ", b + 1, " of different references without a triangle");
 }
 
@@ -124,8 +124,8 @@ std::vector<OpenFace> check_faces(const MeshPiece& piece, Problems& problems) {
       check_inner_face(piece, {&face, end - begin}, has_triangle, problems);
     } else {
       const std::int32_t ref = has_triangle ? piece.mesh.triangle_refs[triangle->entity] : 0;
-      open.push_back({face.key, piece.subdomain, face.entity, piece.mesh.tet_refs[face.entity], face.side,
-                      ref, has_triangle});
+      open.push_back({face.key, piece.subdomain.value, face.entity, piece.mesh.tet_refs[face.entity],
+                      face.side, ref, has_triangle});
     }
   }
   return open;

@@ -13,8 +13,8 @@ namespace weft::partition {
 /// A face that has one tet in its piece; the other may be in another piece. Plain data without padding.
 struct OpenFace {
   EntityKey<3> key;
-  std::uint64_t subdomain;
-  std::uint64_t tet;  ///< 0-based, in the piece
+  std::uint64_t subdomain;  ///< SubdomainId::value
+  std::uint64_t tet;        ///< 0-based, in the piece
   std::int32_t tet_ref;
   std::int32_t side;  ///< 1 or -1: where the tet is, seen from the vertices in the order of the key
   std::int32_t triangle_ref;

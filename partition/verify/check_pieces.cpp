@@ -31,31 +31,31 @@ void check_ids(const MeshPiece& piece, Problems& problems) {
   std::vector<GlobalId> ids = piece.ids;
   std::ranges::sort(ids);
   if (!ids.empty() && !ids[0].valid())
-    problems.add("subdomain ", piece.subdomain, ": a vertex has no global id");
+    problems.add("subdomain ", piece.subdomain.value, ": a vertex has no global id");
   for (std::size_t i = 1; i < ids.size(); ++i)
     if (ids[i] == ids[i - 1])
-      problems.add("subdomain ", piece.subdomain, ": two vertices have the global id ", ids[i]);
+      problems.add("subdomain ", piece.subdomain.value, ": two vertices have the global id ", ids[i]);
 }
 
 void check_shared(const MeshPiece& piece, Problems& problems) {
   for (std::size_t i = 0; i < piece.shared.size(); ++i) {
     const auto& [vertex, other] = piece.shared[i];
     if (vertex >= piece.mesh.points.size() || other == piece.subdomain)
-      problems.add("subdomain ", piece.subdomain, ": holders of vertices ", i + 1, ": names vertex ",
-                   vertex + 1, " and subdomain ", other);
+      problems.add("subdomain ", piece.subdomain.value, ": holders of vertices ", i + 1, ": names vertex ",
+                   vertex + 1, " and subdomain ", other.value);
     if (i > 0 && !(piece.shared[i - 1] < piece.shared[i]))
-      problems.add("subdomain ", piece.subdomain, ": holders of vertices ", i + 1, ": are not sorted");
+      problems.add("subdomain ", piece.subdomain.value, ": holders of vertices ", i + 1, ": are not sorted");
   }
 }
 
 void check_one(const MeshPiece& piece, Problems& problems) {
   const std::size_t n = piece.mesh.points.size();
   if (piece.ids.size() != n || piece.log_metrics.size() != n)
-    problems.add("subdomain ", piece.subdomain, ": ", piece.ids.size(), " global ids and ",
+    problems.add("subdomain ", piece.subdomain.value, ": ", piece.ids.size(), " global ids and ",
                  piece.log_metrics.size(), " metrics for ", n, " vertices");
   Problems of_mesh = problems.fresh();
   meshing::check_arrays(piece.mesh, of_mesh);
-  problems.append(std::move(of_mesh), "subdomain " + std::to_string(piece.subdomain) + ": ");
+  problems.append(std::move(of_mesh), "subdomain " + std::to_string(piece.subdomain.value) + ": ");
   check_ids(piece, problems);
   check_shared(piece, problems);
 }
@@ -104,7 +104,8 @@ void check_twin_tets(Peers& peers, std::span<const MeshPiece> mine, Problems& pr
   for (const MeshPiece& piece : mine)
     for (std::size_t t = 0; t < piece.mesh.tets.size(); ++t) {
       const auto& [a, b, c, d] = piece.mesh.tets[t];
-      mail.add({sorted_key<4>({piece.ids[a], piece.ids[b], piece.ids[c], piece.ids[d]}), piece.subdomain, t});
+      mail.add({sorted_key<4>({piece.ids[a], piece.ids[b], piece.ids[c], piece.ids[d]}),
+                piece.subdomain.value, t});
     }
   const auto order = [](const PlacedTet& p) { return std::tie(p.key, p.subdomain, p.tet); };
   for_each_group(gathered(peers, mail, order), [&](const PlacedTet* begin, const PlacedTet* end) {
@@ -168,9 +169,9 @@ void check_vertices(Peers& peers, std::span<const MeshPiece> mine, Problems& pro
   Rendezvous<1, NamedHolder> holder_mail(peers.ranks());
   for (const MeshPiece& piece : mine) {
     for (std::size_t v = 0; v < piece.ids.size(); ++v)
-      copy_mail.add({{piece.ids[v]}, piece.subdomain, piece.mesh.points[v], piece.log_metrics[v]});
+      copy_mail.add({{piece.ids[v]}, piece.subdomain.value, piece.mesh.points[v], piece.log_metrics[v]});
     for (const auto& [vertex, other] : piece.shared)
-      holder_mail.add({{piece.ids[vertex]}, piece.subdomain, other});
+      holder_mail.add({{piece.ids[vertex]}, piece.subdomain.value, other.value});
   }
   const std::vector<VertexCopy> copies = gathered(peers, copy_mail, kByKeyAndSubdomain);
   const std::vector<NamedHolder> named = gathered(
@@ -200,8 +201,8 @@ std::vector<Part> parts_of(const MeshPiece& piece, const PieceShare& own) {
     const auto& [a, b, c] = piece.mesh.triangles[t];
     if (own.triangles[t]) areas[piece.mesh.triangle_refs[t]].add(norm(cross(p[b] - p[a], p[c] - p[a])) / 2);
   }
-  std::vector<Part> parts{{piece.subdomain, 0, 0, volume.value()}};
-  for (const auto& [ref, area] : areas) parts.push_back({piece.subdomain, 1, ref, area.value()});
+  std::vector<Part> parts{{piece.subdomain.value, 0, 0, volume.value()}};
+  for (const auto& [ref, area] : areas) parts.push_back({piece.subdomain.value, 1, ref, area.value()});
   return parts;
 }
 
@@ -219,8 +220,8 @@ void sum_sizes(Peers& peers, std::span<const MeshPiece> mine, PiecesReport& repo
   for (const auto& [ref, area] : areas) report.area_by_ref[ref] = area.value();
 }
 
-void compare(const std::string& what, double found, double expected, Problems& problems) {
-  if (std::abs(found - expected) <= 1e-9 * std::abs(expected)) return;
+void compare(const std::string& what, double found, double expected, double tolerance, Problems& problems) {
+  if (std::abs(found - expected) <= 1e-9 * std::abs(expected) + tolerance) return;
   std::ostringstream numbers;
   numbers.precision(17);
   numbers << found << " instead of " << expected;
@@ -228,24 +229,28 @@ void compare(const std::string& what, double found, double expected, Problems& p
 }
 
 void compare_totals(const PiecesReport& report, const ExpectedTotals& expected, Problems& problems) {
-  compare("the volume", report.volume, expected.volume, problems);
+  compare("the volume", report.volume, expected.volume, expected.volume_tolerance, problems);
+  if (!expected.areas_known) return;
   std::map<std::int32_t, std::array<double, 2>> areas;
   for (const auto& [ref, area] : report.area_by_ref) areas[ref][0] = area;
   for (const auto& [ref, area] : expected.area_by_ref) areas[ref][1] = area;
   for (const auto& [ref, pair] : areas)
-    compare("the area of triangles of reference " + std::to_string(ref), pair[0], pair[1], problems);
+    compare("the area of triangles of reference " + std::to_string(ref), pair[0], pair[1], 0, problems);
 }
 
-// --- All together
+}  // namespace
 
-/// Brings what all ranks have found to all of them.
-void gather_problems(Peers& peers, Problems&& found, std::size_t limit, PiecesReport& report) {
+void gather_problems(Peers& peers, Problems&& found, bool name_ranks, PiecesReport& report) {
+  const std::size_t limit = found.limit();
   const std::uint64_t mine = found.count();
   for (const auto& count : allgather(peers, std::vector<std::uint64_t>{mine}))
     report.num_problems += count[0];
   std::vector<char> lines;
+  const std::string where =
+      name_ranks ? " (found on rank " + std::to_string(peers.rank()) + ")" : std::string();
   for (const std::string& sentence : found.take()) {
     lines.insert(lines.end(), sentence.begin(), sentence.end());
+    lines.insert(lines.end(), where.begin(), where.end());
     lines.push_back('\n');
   }
   for (const auto& of_rank : allgather(peers, lines)) {
@@ -256,22 +261,20 @@ void gather_problems(Peers& peers, Problems&& found, std::size_t limit, PiecesRe
   if (report.problems.size() > limit) report.problems.resize(limit);
 }
 
-}  // namespace
-
 PiecesReport check_pieces(Peers& peers, std::span<const MeshPiece> mine,
-                          const std::optional<ExpectedTotals>& expected, int max_problems) {
+                          const std::optional<ExpectedTotals>& expected, int max_problems, bool name_ranks) {
   const auto limit = static_cast<std::size_t>(std::max(max_problems, 0));
   PiecesReport report;
   Problems of_arrays(limit), problems(limit);
   for (const MeshPiece& piece : mine) check_one(piece, of_arrays);
-  gather_problems(peers, std::move(of_arrays), limit, report);
+  gather_problems(peers, std::move(of_arrays), name_ranks, report);
   if (!report.ok()) return report;
   check_all_faces(peers, mine, problems);
   check_twin_tets(peers, mine, problems);
   check_vertices(peers, mine, problems);
   sum_sizes(peers, mine, report);
   if (expected && peers.rank() == 0) compare_totals(report, *expected, problems);
-  gather_problems(peers, std::move(problems), limit, report);
+  gather_problems(peers, std::move(problems), name_ranks, report);
   return report;
 }
 

@@ -1,4 +1,4 @@
-// The invariants of distributed data, checked over all ranks: for tests and for --check.
+// The invariants of distributed data that the parts of a mesh show, checked over all ranks.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/mesh/problems.h"
 #include "partition/communication/peers.h"
 #include "partition/subdomain/mesh_piece.h"
 
@@ -17,6 +18,8 @@ namespace weft::partition {
 struct ExpectedTotals {
   double volume = 0;
   std::map<std::int32_t, double> area_by_ref;  ///< triangle reference -> area
+  double volume_tolerance = 0;                 ///< beside 1e-9 of the volume
+  bool areas_known = true;                     ///< else areas are not compared
 };
 
 /// What check_pieces found, the same on all ranks. `problems` holds at most `max_problems` sentences in
@@ -38,8 +41,13 @@ struct PiecesReport {
 /// every triangle a face of its piece; copies of a vertex with equal bits of coordinates and metrics;
 /// `shared` of every copy naming exactly the other pieces that have the vertex; volume and areas as expected
 /// to 1e-9 of the value. Which of more than max_problems problems are named may depend on the ranks. Sends
-/// every vertex and tet of the mesh once.
+/// every vertex and tet of the mesh once. `name_ranks`: as gather_problems().
 PiecesReport check_pieces(Peers& peers, std::span<const MeshPiece> mine,
-                          const std::optional<ExpectedTotals>& expected = {}, int max_problems = 20);
+                          const std::optional<ExpectedTotals>& expected = {}, int max_problems = 20,
+                          bool name_ranks = false);
+
+/// All ranks: adds what each has found to the report of all, at most as many sentences as the list may have;
+/// with `name_ranks` each ends in "(found on rank 3)".
+void gather_problems(Peers& peers, meshing::Problems&& found, bool name_ranks, PiecesReport& report);
 
 }  // namespace weft::partition

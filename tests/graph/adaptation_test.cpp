@@ -5,17 +5,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 
 #include "engine/network/loopback_transport.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "meshing/mesh/check_mesh.h"
+#include "partition/communication/reduce.h"
 #include "partition/output/measure_pieces.h"
-#include "partition/verify/check_pieces.h"
+#include "partition/verify/check_subdomains.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/partition/scenes.h"
 #include "tests/support/ranks.h"
@@ -45,6 +49,9 @@ struct Setting {
   std::chrono::microseconds delay{0};
   std::atomic<bool>* interrupt = nullptr;
   ProgressBoard* news = nullptr;
+  std::uint32_t most_shifts = 12;
+  bool check = false;
+  std::function<void(partition::Subdomain&)> on_check = {};
 };
 
 MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
@@ -83,6 +90,9 @@ void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& s
   options.threads = setting.threads;
   options.interrupt = setting.interrupt;
   options.news = setting.news;
+  options.most_shifts = setting.most_shifts;
+  options.check = setting.check;
+  options.on_check = setting.on_check;
   DistributedResult result =
       adapt_distributed(runtime, peers, rank, slice_of(whole, peers.rank(), peers.ranks()), options);
   look({runtime, peers, result, rank.plan});
@@ -467,12 +477,81 @@ TEST(Phases, GiveTheQualityOfOneMesh) {
   EXPECT_GT(parts.quality_q01, 0.96 * one.quality_q01);
 }
 
+/// Pauses and checks change nothing, with one phase and with several, and see every shift.
+TEST_P(AdaptationOnRanks, ChecksAfterEveryRoundLeaveTheBytesAsTheyAre) {
+  for (const bool coarse_first : {false, true}) {
+    const MetricMesh whole =
+        coarse_first ? metric_mesh(unit_cube(8), 0.09) : metric_mesh(layered_box(3, 2, 3), 0.3);
+    Setting setting;
+    setting.balancer = engine::rotate();
+    const PieceBytes expected = on_one_rank(whole, setting);
+    setting.check = true;
+    on_ranks(GetParam(), [&](Transport& network) {
+      adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+        EXPECT_GE(rank.result.checks, 3u) << "start, interiors, a shift";
+        std::uint64_t rounds = 0;
+        for (const auto& records : rank.result.shifts)
+          for (const ShiftRecord& r : records) rounds = std::max(rounds, r.round + 1);
+        rounds = partition::max(rank.peers, rounds);
+        EXPECT_GE(rank.result.checks, rounds + 2);
+        const PieceBytes all = gather_bytes(rank.peers, rank.result.pieces);
+        EXPECT_TRUE(rank.peers.rank() > 0 || all == expected);
+      });
+    });
+  }
+}
+
+TEST_P(AdaptationOnRanks, AViolationEndsTheRunOnAllRanks) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  Setting setting;
+  setting.check = true;
+  setting.balancer = engine::no_balancing();
+  std::map<partition::SubdomainId, int> checks;
+  std::mutex mutex;
+  setting.on_check = [&](partition::Subdomain& s) {
+    const std::lock_guard lock(mutex);
+    if (++checks[s.id] != 3 || s.id.value != 2 || s.interface.size() == 0) return;  // after the first shift
+    const meshing::VertexId v = s.interface.local(0);
+    meshing::Point p = s.mesh->point(v);
+    p.x = std::nextafter(p.x, 2);
+    s.mesh->set_point(v, p);
+  };
+  std::atomic<int> violations{0};
+  on_ranks(GetParam(), [&](Transport& network) {
+    try {
+      adapt_on_rank(network, whole, setting, [](RankOutcome) { FAIL() << "nothing was noticed"; });
+    } catch (const partition::InvariantViolation& error) {
+      ++violations;
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("violated after shift 1\n"));
+      EXPECT_THAT(error.what(), ::testing::ContainsRegex("subdomains? .*2.*differ in place .found on rank"));
+    }
+  });
+  EXPECT_GE(violations.load(), 1);
+}
+
+TEST_P(AdaptationOnRanks, ARunThatEndsByItsLimitOfShiftsSaysSo) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.2);
+  for (const std::uint32_t most : {0u, 12u}) {
+    Setting setting;
+    setting.most_shifts = most;
+    on_ranks(GetParam(), [&](Transport& network) {
+      adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+        const auto says = ::testing::HasSubstr("the run ended by its limit of 0 shifts: 5 of 5 subdomains");
+        if (most == 0)
+          EXPECT_THAT(rank.result.warnings, ::testing::Contains(says));
+        else
+          EXPECT_THAT(rank.result.warnings, ElementsAre());
+      });
+    });
+  }
+}
+
 TEST(SubdomainOf, IsTheInverseOfObjectOf) {
   AdaptationPlan plan;
   plan.subdomains = 11;
   plan.first_object = 2;
   for (const int ranks : {1, 2, 3, 8, 20}) {
-    for (SubdomainId s = 0; s < plan.subdomains; ++s)
+    for (SubdomainId s(0); s.value < plan.subdomains; ++s.value)
       EXPECT_EQ(subdomain_of(plan, ranks, object_of(plan, ranks, s).id), s) << ranks;
     EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 1})) << "a mailbox";
     EXPECT_FALSE(subdomain_of(plan, ranks, {engine::Rank(0), 20})) << "beyond them all";

@@ -90,7 +90,7 @@ TEST_P(EnginePeersOnRanks, ServesTheTypedExchange) {
     const auto ranks = static_cast<std::size_t>(GetParam());
     std::vector<std::vector<int>> to_each(ranks);
     for (std::size_t to = 0; to < ranks; ++to) to_each[to].assign(to, peers.rank());
-    const auto received = partition::exchange<int>(peers, to_each);
+    const auto received = partition::all_to_all<int>(peers, to_each);
     ASSERT_EQ(received.size(), ranks);
     for (std::size_t from = 0; from < ranks; ++from) {
       const auto length = static_cast<std::size_t>(peers.rank());

@@ -19,7 +19,7 @@ class Scene {
 
   void at_step(std::uint32_t subdomain, std::uint32_t step, float done = 0, bool rests = false) {
     SubdomainProgress news;
-    news.subdomain = subdomain;
+    news.subdomain = partition::SubdomainId(subdomain);
     news.number = ++number_;
     news.step = step;
     news.done = done;
@@ -39,19 +39,20 @@ class Scene {
 
 TEST(ProgressBoard, KeepsTheLatestOfEachSubdomainUntilItIsTaken) {
   ProgressBoard board;
-  for (std::uint32_t number : {1u, 2u, 3u}) board.post({.subdomain = 7, .number = number});
-  board.post({.subdomain = 8, .number = 1});
+  for (std::uint32_t number : {1u, 2u, 3u})
+    board.post({.subdomain = partition::SubdomainId(7), .number = number});
+  board.post({.subdomain = partition::SubdomainId(8), .number = 1});
   auto news = board.take();
   ASSERT_EQ(news.size(), 2u);
-  EXPECT_EQ(news[0].subdomain + news[1].subdomain, 15u);
+  EXPECT_EQ(news[0].subdomain.value + news[1].subdomain.value, 15u);
   EXPECT_EQ(news[0].number + news[1].number, 4u);
   EXPECT_TRUE(board.take().empty());
 }
 
 TEST(ProgressTable, NewsThatAreOvertakenDoNotCount) {
   ProgressTable table(1, 8, 0);
-  table.hear({{.subdomain = 0, .number = 5, .step = 2, .predicted_tets = 1}});
-  table.hear({{.subdomain = 0, .number = 4, .step = 1, .predicted_tets = 1}});
+  table.hear({{.subdomain = partition::SubdomainId(0), .number = 5, .step = 2, .predicted_tets = 1}});
+  table.hear({{.subdomain = partition::SubdomainId(0), .number = 4, .step = 1, .predicted_tets = 1}});
   EXPECT_EQ(table.at(kSecond).step, 2u);
 }
 

@@ -108,7 +108,7 @@ TEST(SubdomainSerialize, EveryStepGivesTheSameAfterAJourney) {
 
 TEST(SubdomainSerialize, APieceOfTheBackgroundArrivesWhole) {
   Scene scene = random_scene(0, 1);
-  scene.part.assign(scene.mesh.tets.size(), 0);
+  scene.part.assign(scene.mesh.tets.size(), partition::SubdomainId(0));
   scene.subdomains = 1;
   const Cut cut = scene.cut();
   const Subdomain s(cut.starts[0], 10000);

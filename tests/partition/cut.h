@@ -43,7 +43,7 @@ class Cutting {
     mark_delicate();
     starts_.resize(subdomains);
     local_.resize(subdomains);
-    for (std::uint32_t s = 0; s < subdomains; ++s) starts_[s].subdomain = s;
+    for (std::uint32_t s = 0; s < subdomains; ++s) starts_[s].subdomain = partition::SubdomainId(s);
     for (std::uint32_t t = 0; t < part_.size(); ++t) add_tet(t);
     for (const auto& e : imported_.mesh->feature_edges()) add_feature_edge(e);
     for (auto& s : starts_) std::sort(s.shared.begin(), s.shared.end());
@@ -69,7 +69,7 @@ class Cutting {
   }
 
   void add_tet(std::uint32_t t) {
-    partition::SubdomainStart& s = starts_[part_[t]];
+    partition::SubdomainStart& s = starts_[part_[t].value];
     const auto number = static_cast<std::uint32_t>(s.tets.size());
     std::array<std::uint32_t, 4> tet;
     for (int i = 0; i < 4; ++i) tet[i] = add_vertex(s, mesh_.tets[t][i]);
@@ -82,7 +82,8 @@ class Cutting {
 
   /// Its number in the subdomain.
   std::uint32_t add_vertex(partition::SubdomainStart& s, std::uint32_t v) {
-    const auto [at, is_new] = local_[s.subdomain].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
+    const auto [at, is_new] =
+        local_[s.subdomain.value].try_emplace(v, static_cast<std::uint32_t>(s.points.size()));
     if (!is_new) return at->second;
     const meshing::TetMesh& whole = *imported_.mesh;
     s.points.push_back(mesh_.points[v]);
@@ -101,7 +102,7 @@ class Cutting {
   /// To each subdomain that has a tet with the edge.
   void add_feature_edge(const meshing::TetMesh::FeatureEdge& e) {
     for (partition::SubdomainStart& s : starts_) {
-      const auto& local = local_[s.subdomain];
+      const auto& local = local_[s.subdomain.value];
       const auto a = local.find(e.a.value), b = local.find(e.b.value);
       if (a == local.end() || b == local.end()) continue;
       const bool has_edge = std::any_of(s.tets.begin(), s.tets.end(), [&](const auto& t) {

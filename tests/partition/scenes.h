@@ -115,9 +115,9 @@ inline void cut_at_random(Scene& scene, std::uint32_t subdomains, unsigned way, 
       return norm2(a - c) < norm2(b - c);
     });
     const double slab = (c.x - low) / (high - low) * 0.9999 * subdomains;
-    scene.part.push_back(way == 0   ? static_cast<std::uint32_t>(nearest - places.begin())
-                         : way == 1 ? static_cast<std::uint32_t>(slab)
-                                    : static_cast<std::uint32_t>(random() % subdomains));
+    scene.part.emplace_back(way == 0   ? static_cast<std::uint32_t>(nearest - places.begin())
+                            : way == 1 ? static_cast<std::uint32_t>(slab)
+                                       : static_cast<std::uint32_t>(random() % subdomains));
   }
   constexpr const char* kWays[] = {"places", "slabs", "scattered"};
   scene.name += ", " + std::to_string(subdomains) + " subdomains: " + kWays[way];

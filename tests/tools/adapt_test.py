@@ -9,7 +9,7 @@ import unittest
 from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandTest, mesh_text, solution_text
 
 REPORT_KEYS = {
-    "schema", "version", "arguments", "input", "output", "target_complexity", "predicted", "goal_met", "goals_missed",
+    "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
     "interrupted", "before", "after", "stages", "operations", "subdomains", "fields", "surface_deviation", "seconds",
     "peak_memory_bytes", "threads", "warnings",
 }

@@ -88,7 +88,7 @@ class Metric(CommandTest):
         self.box(4, "box.mesh")
         done = self.weft("metric", "box.mesh", "--implied", "--wall", 5, "--wall-height", 1e-3, "--wall-size", 1e-2,
                          "--complexity", 10, "-o", "m.sol")
-        self.assertIn("warning: limits and demands lead to a complexity of", done.stdout)
+        self.assertIn("warning: limits and boundary sizes lead to a complexity of", done.stdout)
 
     def test_same_bytes_every_time(self):
         self.shock()

@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "weft/weft.h"
+
 namespace weft::tools {
 namespace {
 
@@ -46,9 +48,9 @@ TEST(PictureOptions, PlanesThatAreNone) {
 TEST(PictureOptions, TheExtensionNamesTheFormat) {
   EXPECT_EQ(picture_format("a/b.pdf"), picture::Canvas::Format::pdf);
   EXPECT_EQ(picture_format("b.c.svg"), picture::Canvas::Format::svg);
-  EXPECT_TRUE(picture_name()("b.png").empty());
-  EXPECT_FALSE(picture_name()("b.jpg").empty());
-  EXPECT_FALSE(picture_name()("png").empty());
+  EXPECT_TRUE(is_picture_name("b.png"));
+  EXPECT_FALSE(is_picture_name("b.jpg"));
+  EXPECT_FALSE(is_picture_name("png"));
 }
 
 }  // namespace

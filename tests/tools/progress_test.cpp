@@ -11,7 +11,7 @@ TEST(ProgressText, SaysThatItDoesNotKnow) {
   RunProgress progress;
   progress.subdomains = 128;
   progress.seconds = 1.5;
-  EXPECT_EQ(text_of(progress), "interior: 0 of 128 subdomains, time left unknown as yet, 1.50 s");
+  EXPECT_EQ(text_of(progress), "interior: 0 of 128 subdomains, time left unknown, 1.50 s");
 }
 
 TEST(ProgressText, SaysWhatIsWrongWhereItIsKnown) {
@@ -22,10 +22,10 @@ TEST(ProgressText, SaysWhatIsWrongWhereItIsKnown) {
   progress.left = {1234567, 12, 45000, 678};
   progress.seconds = 12.3;
   progress.step_left = 35.4;
-  EXPECT_EQ(text_of(progress),
-            "interior: 37 of 128 subdomains, this step about 36 s more, then shifts, 1,234,567 tets, wrong "
-            "as yet: 45,678 edges, 12 "
-            "poor tets in 40 subdomains, 12.3 s");
+  EXPECT_EQ(
+      text_of(progress),
+      "interior: 37 of 128 subdomains, this step about 36 s more, then shifts, 1,234,567 tets, remaining: "
+      "45,678 edges, 12 poor tets in 40 subdomains, 12.3 s");
 }
 
 TEST(ProgressText, GivesARangeAfterAShift) {

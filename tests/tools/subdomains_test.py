@@ -13,8 +13,8 @@ MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 200  # far above what anything here takes
 
 SUBDOMAIN_KEYS = {
-    "subdomains", "partitioner", "ranks", "layers", "decomposition_seconds", "adaptation_seconds", "seconds_by_operation",
-    "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine",
+    "subdomains", "partitioner", "ranks", "layers", "checks", "decomposition_seconds", "adaptation_seconds",
+    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine",
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
@@ -68,6 +68,17 @@ class Results(Subdomains):
     def test_same_bytes_with_a_metric_that_rank_0_has_to_grade(self):
         self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.2", "--hmax", "0.18", "--hgrad", "1.5",
                                 "--subdomains", 4, ranks=(2,))
+
+    def test_checks_after_every_round_are_told_and_change_nothing(self):
+        words = (self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5, "-o", "out.meshb", "--threads", 1)
+        self.run_on(2, *words)
+        expected = self.bytes_of("out.meshb")
+        for ranks in (0, 1, 3):
+            done = self.run_on(ranks, *words, "--check", "--report", "r")
+            self.assertRegex(done.stdout, r"all invariants checked \d+ times, and held")
+            self.assertEqual(self.bytes_of("out.meshb"), expected)
+            report = json.loads((self.folder / "r" / "report.json").read_text())
+            self.assertGreaterEqual(report["subdomains"]["checks"], 3)
 
     def test_partitioners(self):
         self.box(4)
@@ -165,11 +176,11 @@ class LookingOn(Subdomains):
         lines = [line for line in errors.splitlines() if line.startswith("weft: ")]
         about = [line for line in lines if re.match(
             r"weft: (interior|shift \d+ of at most 12): \d+ of 12 subdomains( \(\d+ at rest\))?, "
-            r"(time left unknown as yet|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
-            r"(, [\d,]+ tets?, wrong as yet: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
+            r"(time left unknown|this step about [\dmins ]+ more, (then shifts|all about [\dmins ]+ \(at most [\dmins ]+\)))"
+            r"(, [\d,]+ tets?, remaining: [\d,]+ edges?, [\d,]+ poor tets?( in \d+ subdomains?)?)?, [\d.]+ s$", line)]
         self.assertTrue(about, errors)
         self.assertEqual(len(about), sum("subdomains" in line for line in lines), errors)
-        self.assertTrue(any("wrong as yet" in line for line in about), errors)
+        self.assertTrue(any("remaining" in line for line in about), errors)
         for step, all_left, most in re.findall(r"about (\d+) s more, all about (\d+) s \(at most (\d+) s\)", errors):
             self.assertTrue(int(step) <= int(all_left) <= int(most), errors)
 
@@ -234,9 +245,9 @@ class Failures(Subdomains):
         self.box(2)
         constant = ("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb")
         self.assert_all_ranks_fail("none.meshb", *constant[1:], says="none.meshb")
-        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="of another mesh")
+        self.assert_all_ranks_fail("box.meshb", "--metric", "other.solb", "-o", "out.meshb", says="another mesh")
         self.assert_all_ranks_fail("box.meshb", "--metric", "none.solb", "-o", "out.meshb", says="none.solb")
-        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="of another mesh")
+        self.assert_all_ranks_fail(*constant, "--field", "other.solb", says="another mesh")
         self.assert_all_ranks_fail(*constant, "--field", "none.solb", says="none.solb")
 
     def test_outputs_that_cannot_be_written(self):

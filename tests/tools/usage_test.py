@@ -2,10 +2,10 @@
 
 import unittest
 
-from command import CommandTest
+from command import WEFT, CommandTest
 
 SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["mesh", "ball"], ["mesh", "cylinder"],
-               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"], ["view"]]
+               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"], ["view"], ["graph"], ["report"]]
 
 
 class Usage(CommandTest):
@@ -20,7 +20,49 @@ class Usage(CommandTest):
         self.assertLess(text.index("  adapt"), text.index("  stat"))
 
     def test_version(self):
-        self.assertRegex(self.weft("--version").stdout, r"^weft \d+\.\d+\.\d+\n$")
+        first, *others = self.weft("--version").stdout.splitlines()
+        self.assertRegex(first, r"^weft \d+\.\d+\.\d+$")
+        told = dict(line.split(maxsplit=1) for line in others)
+        self.assertEqual(list(told), ["compiler", "MPI", "TBB", "CGAL", "Ceres", "Eigen", "METIS", "HDF5", "CGNS", "processor",
+                                      "assertions"])
+        for name in ["compiler", "MPI", "TBB", "CGAL", "Ceres", "Eigen", "METIS", "HDF5", "CGNS"]:
+            self.assertRegex(told[name], r"\d+\.\d+", name)
+
+    def test_everything_is_silent_when_quiet(self):
+        size = ["--metric-fn", "uniform:0.5"]
+        self.write("one.sol", "MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n27\n1 1\n" + "1\n" * 27 + "End\n")
+        self.write("loop.json", '{"mesh": "box.meshb", "solver": "%s interpolate box.meshb {mesh} --field one.sol -o {solution} --quiet",'
+                                ' "complexities": [8]}' % WEFT)
+        for words in [
+            ["mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2],
+            ["mesh", "ball", "--size", 0.8, "-o", "ball.meshb"],
+            ["mesh", "cylinder", "--size", 0.8, "-o", "cylinder.meshb"],
+            ["mesh", "delta-wing", "-o", "wing.meshb"],
+            ["convert", "ball.meshb", "ball.stl"],
+            ["mesh", "ball.stl", "-o", "filled.meshb"],
+            ["adapt", "box.meshb", *size, "-o", "fine.meshb", "--subdomains", 2, "--report", "run"],
+            ["adapt", "box.meshb", *size, "-o", "fine.meshb"],
+            ["stat", "fine.meshb", *size, "--histogram"],
+            ["stat", "fine.meshb", "--json"],
+            ["verify", "fine.meshb", "--against", "box.meshb"],
+            ["metric", "box.meshb", *size, "-o", "metric.solb"],
+            ["interpolate", "box.meshb", "fine.meshb", "--field", "metric.solb", "-o", "carried.solb"],
+            ["convert", "fine.meshb", "fine.vtu"],
+            ["view", "fine.meshb", "-o", "fine.png", "--size", "64x64"],
+            ["graph", "run/graph.json"],
+            ["report", "run/profile.json", "run/profile.json", "-o", "compared.html"],
+            ["loop", "loop.json"],
+        ]:
+            for style in [[], ["--progress", "plain"]]:
+                done = self.weft(*words, "--quiet", *style)
+                self.assertEqual((done.stdout, done.stderr), ("", ""), words)
+        self.assertTrue((self.folder / "compared.html").exists())
+
+    def test_a_quiet_answer_is_the_exit_code(self):
+        self.box()
+        self.weft("mesh", "box", "-o", "other.meshb", "--max", 1, 1, 2, "--quiet")
+        done = self.weft("verify", "box.meshb", "--against", "other.meshb", "--quiet", expect=1)
+        self.assertEqual(done.stdout + done.stderr, "")
 
     def test_nothing_given_prints_the_help(self):
         self.assertIn("weft adapt wing.meshb", self.weft(expect=64).stderr)

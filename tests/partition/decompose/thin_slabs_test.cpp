@@ -39,10 +39,10 @@ Scene scene_of(std::uint32_t cells, const Slabs& slabs, double size, unsigned se
     scene.areas.push_back(face_areas(tet, meshing::identity_tensor(), std::pow(size, -2)));
     scene.complexities.push_back(six_volume(tet[0], tet[1], tet[2], tet[3]) / 6 / std::pow(size, 3));
     const meshing::Point centre = 0.25 * (tet[0] + tet[1] + (tet[2] + tet[3]));
-    std::uint32_t subdomain = 0;
+    std::uint32_t brick = 0;
     for (int axis = 0; axis < 3; ++axis)
-      subdomain = subdomain * slabs[axis] + static_cast<std::uint32_t>(centre[axis] * slabs[axis]);
-    scene.bricks.subdomains.push_back(subdomain);
+      brick = brick * slabs[axis] + static_cast<std::uint32_t>(centre[axis] * slabs[axis]);
+    scene.bricks.numbers.push_back(brick);
   }
   return scene;
 }
@@ -56,7 +56,7 @@ Slabs worthwhile_on(int ranks, const Scene& scene) {
       part.vertices.push_back(scene.vertices[i]);
       part.areas.push_back(scene.areas[i]);
       part.complexities.push_back(scene.complexities[i]);
-      part.bricks.subdomains.push_back(scene.bricks.subdomains[i]);
+      part.bricks.numbers.push_back(scene.bricks.numbers[i]);
     }
     const Slabs found = worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks);
     if (peers.rank() == 0) result = found;
@@ -64,8 +64,8 @@ Slabs worthwhile_on(int ranks, const Scene& scene) {
   return result;
 }
 
-/// The slab of a subdomain along an axis.
-std::uint32_t slab_of(SubdomainId s, const Slabs& slabs, int axis) {
+/// The slab of a brick along an axis.
+std::uint32_t slab_of(std::uint32_t s, const Slabs& slabs, int axis) {
   return axis == 2 ? s % slabs[2] : axis == 1 ? s / slabs[2] % slabs[1] : s / slabs[2] / slabs[1];
 }
 
@@ -77,13 +77,13 @@ std::uint32_t merged(std::uint32_t i, std::uint32_t from, std::uint32_t to) {
 /// The share of the vertices that lie on faces between slabs merged to `to`, as often as there are cuts
 /// between.
 double shared(const Scene& scene, const Slabs& to) {
-  std::map<std::array<std::uint32_t, 3>, std::vector<std::pair<SubdomainId, float>>> faces;
+  std::map<std::array<std::uint32_t, 3>, std::vector<std::pair<std::uint32_t, float>>> faces;
   for (std::size_t t = 0; t < scene.vertices.size(); ++t)
     for (std::size_t f = 0; f < 4; ++f) {
       std::array<std::uint32_t, 3> key;
       for (std::size_t i = 0; i < 3; ++i) key[i] = scene.vertices[t][meshing::kTetFaces[f][i]];
       std::sort(key.begin(), key.end());
-      faces[key].push_back({scene.bricks.subdomains[t], scene.areas[t][f]});
+      faces[key].push_back({scene.bricks.numbers[t], scene.areas[t][f]});
     }
   const Slabs& from = scene.bricks.slabs;
   double vertices = 0;
@@ -91,7 +91,7 @@ double shared(const Scene& scene, const Slabs& to) {
     if (sides.size() != 2) continue;
     const double wanted = std::max(0.5, vertices_wanted(sides[0].second, sides[1].second));
     for (int axis = 0; axis < 3; ++axis) {
-      const auto place = [&](SubdomainId s) -> int {
+      const auto place = [&](std::uint32_t s) -> int {
         return static_cast<int>(merged(slab_of(s, from, axis), from[axis], to[axis]));
       };
       vertices += wanted * std::abs(place(sides[0].first) - place(sides[1].first));

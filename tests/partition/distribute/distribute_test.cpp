@@ -16,6 +16,7 @@
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/measures.h"
+#include "partition/refine/refine_interface.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
 
@@ -76,8 +77,9 @@ TEST_P(Distribute, DoesNotDependOnTheNumberOfRanks) {
     for (const int ranks : support::kNumbersOfRanks) {
       const Distributed found = distribute_on(ranks, whole, options, seed + static_cast<unsigned>(ranks));
       ASSERT_EQ(found.starts.size(), GetParam());
-      for (SubdomainId s = 0; s < GetParam(); ++s)
-        ASSERT_TRUE(same(found.starts[s], expected.starts[s])) << s << " on " << ranks << " ranks";
+      for (SubdomainId s(0); s.value < GetParam(); ++s.value)
+        ASSERT_TRUE(same(found.starts[s.value], expected.starts[s.value]))
+            << s << " on " << ranks << " ranks";
       EXPECT_EQ(found.warnings, expected.warnings);
       EXPECT_EQ(found.complexity, expected.complexity);
       EXPECT_EQ(found.box.lo, expected.box.lo);
@@ -344,7 +346,7 @@ TEST(DistributeBalance, DividesTheExpectedTets) {
         for (const std::uint32_t v : tet) density += std::exp(trace(start.log_metrics[v]) / 2) / 4;
         const auto& p = start.points;
         const double mine = 12 * density * six_volume(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) / 6 + 0.1;
-        work[start.subdomain] += mine, total += mine, heaviest = std::max(heaviest, mine);
+        work[start.subdomain.value] += mine, total += mine, heaviest = std::max(heaviest, mine);
       }
     for (const double w : work) EXPECT_NEAR(w, total / n, heaviest);
   }
@@ -399,13 +401,57 @@ TEST(HomeRank, SpreadsSubdomainsInOrder) {
     for (const std::uint32_t n : {1u, 5u, 16u, 1000u}) {
       int last = 0;
       std::map<int, std::uint32_t> counts;
-      for (SubdomainId s = 0; s < n; ++s) {
+      for (SubdomainId s(0); s.value < n; ++s.value) {
         const int rank = home_rank(s, n, ranks);
         EXPECT_TRUE(rank >= last && rank < ranks);
         ++counts[last = rank];
       }
       for (const auto& [rank, count] : counts) EXPECT_LE(count, n / static_cast<std::uint32_t>(ranks) + 1);
     }
+}
+
+/// Every triangle a patch of its own: no rank may hear of all patches from every other.
+TEST(Distribute, NoExchangeGrowsWithRanksTimesPatches) {
+  MetricMesh whole;
+  whole.mesh = support::unit_cube(10);
+  for (std::size_t t = 0; t < whole.mesh.triangles.size(); ++t)
+    whole.mesh.triangle_refs[t] = static_cast<std::int32_t>(t);
+  whole.log_metrics.assign(whole.mesh.points.size(), meshing::LogMetric{});
+  const auto most_on = [&](int ranks) {
+    std::vector<std::size_t> most(static_cast<std::size_t>(ranks));
+    support::run_ranks(ranks, [&](Peers& peers) {
+      CountingPeers counting(peers);
+      const Distributed d =
+          distribute(counting, support::slice_of(whole, peers.rank(), ranks, 0), options_of(32));
+      EXPECT_EQ(d.geometry->patch_inner.size(), whole.mesh.triangles.size());
+      most[static_cast<std::size_t>(peers.rank())] = counting.most;
+    });
+    return *std::max_element(most.begin(), most.end());
+  };
+  EXPECT_LE(most_on(16), most_on(2));
+}
+
+/// Flat tets whose vertices are shared: all copies are marked, on whatever rank.
+TEST(Distribute, DelicateVerticesAreMarkedInAllCopies) {
+  MetricMesh whole;
+  whole.mesh = support::unit_cube(4);
+  for (meshing::Point& p : whole.mesh.points)
+    if (std::abs(p.z - 0.5) < 1e-9) p.z = 0.25 + 1e-13;  // a layer that is as good as flat
+  whole.log_metrics.assign(whole.mesh.points.size(), meshing::LogMetric{});
+  for (const int ranks : {1, 3, 5}) {
+    const Distributed d = distribute_on(ranks, whole, options_of(12));
+    std::map<GlobalId, int> flag;
+    std::size_t shared = 0, marked = 0;
+    for (const SubdomainStart& start : d.starts)
+      for (const auto& line : start.shared) {
+        const int mine = start.flags[line.vertex] & kDelicate;
+        EXPECT_EQ(flag.try_emplace(start.ids[line.vertex], mine).first->second, mine);
+        ++shared;
+        marked += mine != 0;
+      }
+    EXPECT_GT(marked, shared / 4);
+    EXPECT_LT(marked, shared);
+  }
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ TEST(WritePieces, NothingButEmptyPiecesMakeAnEmptyMesh) {
   const TemporaryDirectory directory;
   run_on_ranks(3, [&](Peers& peers) {
     std::vector<MeshPiece> mine(1);
-    mine[0].subdomain = static_cast<SubdomainId>(peers.rank());
+    mine[0].subdomain = SubdomainId(static_cast<std::uint32_t>(peers.rank()));
     if (peers.rank() == 1) mine.clear();
     write_pieces(peers, mine, directory / "m.meshb", directory / "m.solb");
   });

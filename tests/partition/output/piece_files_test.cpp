@@ -129,11 +129,11 @@ TEST(PiecesForParmmg, ReadBackAreThePiecesAndNameEachOther) {
       std::set<Shared> all, mirrored;
       std::size_t expected = 0;
       for (const MeshPiece& piece : cut.pieces) {
-        const std::string name = "m." + std::to_string(piece.subdomain);
+        const std::string name = "m." + std::to_string(piece.subdomain.value);
         meshing::expect_equal(meshing::read_gmf_mesh(directory / (name + ".mesh")), piece.mesh);
         meshing::expect_equal(meshing::read_gmf_solution(directory / (name + ".sol")),
                               meshing::solution_from_metric(piece.log_metrics));
-        all.merge(shared_in(directory / (name + ".mesh"), piece.subdomain));
+        all.merge(shared_in(directory / (name + ".mesh"), piece.subdomain.value));
         expected += piece.shared.size();
       }
       for (const auto& [piece, other, number, place] : all) {
@@ -163,7 +163,7 @@ TEST(PiecesForParmmg, BinaryFilesHoldTheSame) {
   std::memcpy(words.data(), bytes.data() + bytes.size() - 4 * words.size(), 4 * words.size());
   EXPECT_EQ(words[0], 71);
   EXPECT_EQ(words[2], static_cast<std::int32_t>(others.size()));
-  EXPECT_EQ(words[3], static_cast<std::int32_t>(*others.begin()));
+  EXPECT_EQ(words[3], static_cast<std::int32_t>(others.begin()->value));
   const std::size_t second = 3 + 2 * others.size();
   EXPECT_EQ(words[second], 73);
   EXPECT_EQ(static_cast<std::size_t>(words[1]), bytes.size() - 4 * (words.size() - second));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <random>
 #include <set>
@@ -21,13 +22,17 @@ namespace weft::partition {
 
 inline constexpr int kRankCounts[] = {1, 2, 3, 4, 8};
 
+inline std::vector<SubdomainId> subdomain_ids(std::initializer_list<std::uint32_t> numbers) {
+  return {numbers.begin(), numbers.end()};
+}
+
 /// Cuts a mesh by the subdomain of each tet. Slow and simple: each piece takes of every kind of entity those
 /// that a tet of it has.
 class Cutter {
  public:
-  Cutter(const MergedMesh& whole, const std::vector<SubdomainId>& subdomain_of_tet, SubdomainId num_pieces)
+  Cutter(const MergedMesh& whole, const std::vector<SubdomainId>& subdomain_of_tet, std::uint32_t num_pieces)
       : whole_(whole), pieces_(num_pieces), numbers_(num_pieces), subdomain_of_tet_(subdomain_of_tet) {
-    for (SubdomainId s = 0; s < num_pieces; ++s) pieces_[s].subdomain = s;
+    for (SubdomainId s(0); s.value < num_pieces; ++s.value) pieces_[s.value].subdomain = s;
   }
 
   std::vector<MeshPiece> cut() {
@@ -35,7 +40,7 @@ class Cutter {
     const meshing::MeshData& mesh = whole_.mesh;
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
       take(mesh.tets[t], subdomain_of_tet_[t], &meshing::MeshData::tets);
-      pieces_[subdomain_of_tet_[t]].mesh.tet_refs.push_back(mesh.tet_refs[t]);
+      pieces_[subdomain_of_tet_[t].value].mesh.tet_refs.push_back(mesh.tet_refs[t]);
     }
     take_with_marks(mesh.triangles, mesh.triangle_refs,
                     {{&mesh.required_triangles, &meshing::MeshData::required_triangles}},
@@ -62,9 +67,9 @@ class Cutter {
   }
 
   void take_point(std::uint32_t v, SubdomainId s, const std::set<SubdomainId>& holders) {
-    MeshPiece& piece = pieces_[s];
+    MeshPiece& piece = pieces_[s.value];
     const auto local = static_cast<std::uint32_t>(piece.mesh.points.size());
-    numbers_[s][v] = local;
+    numbers_[s.value][v] = local;
     piece.mesh.points.push_back(whole_.mesh.points[v]);
     piece.mesh.point_refs.push_back(whole_.mesh.point_refs[v]);
     piece.log_metrics.push_back(whole_.log_metrics[v]);
@@ -77,8 +82,8 @@ class Cutter {
   void take(const std::array<std::uint32_t, N>& entity, SubdomainId s,
             std::vector<std::array<std::uint32_t, N>> MeshData::*list) {
     std::array<std::uint32_t, N> local;
-    for (std::size_t i = 0; i < N; ++i) local[i] = numbers_[s].at(entity[i]);
-    (pieces_[s].mesh.*list).push_back(local);
+    for (std::size_t i = 0; i < N; ++i) local[i] = numbers_[s.value].at(entity[i]);
+    (pieces_[s.value].mesh.*list).push_back(local);
   }
 
   /// The subdomains that have a tet with all these vertices.
@@ -107,9 +112,9 @@ class Cutter {
     std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(pieces_.size());
     for (std::uint32_t e = 0; e < entities.size(); ++e)
       for (const SubdomainId s : holders_of(entities[e])) {
-        numbers[s][e] = static_cast<std::uint32_t>((pieces_[s].mesh.*list).size());
+        numbers[s.value][e] = static_cast<std::uint32_t>((pieces_[s.value].mesh.*list).size());
         take(entities[e], s, list);
-        (pieces_[s].mesh.*ref_list).push_back(refs[e]);
+        (pieces_[s.value].mesh.*ref_list).push_back(refs[e]);
       }
     for (const auto& [marked, mark_list] : marks)
       for (const std::uint32_t e : *marked)
@@ -173,7 +178,7 @@ inline MergedMesh random_mesh(unsigned seed) {
 }
 
 /// A subdomain for every tet: of the nearest of `num_pieces` random places, or all at random.
-inline std::vector<SubdomainId> random_subdomains(const meshing::MeshData& mesh, SubdomainId num_pieces,
+inline std::vector<SubdomainId> random_subdomains(const meshing::MeshData& mesh, std::uint32_t num_pieces,
                                                   bool scattered, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -186,8 +191,8 @@ inline std::vector<SubdomainId> random_subdomains(const meshing::MeshData& mesh,
     const auto nearest = std::min_element(places.begin(), places.end(), [&](const auto& a, const auto& b) {
       return norm2(a - centre) < norm2(b - centre);
     });
-    subdomains.push_back(scattered ? static_cast<SubdomainId>(random() % num_pieces)
-                                   : static_cast<SubdomainId>(nearest - places.begin()));
+    subdomains.push_back(scattered ? SubdomainId(static_cast<std::uint32_t>(random() % num_pieces))
+                                   : SubdomainId(static_cast<std::uint32_t>(nearest - places.begin())));
   }
   return subdomains;
 }
@@ -199,7 +204,7 @@ struct CutMesh {
 };
 inline CutMesh random_cut(unsigned seed) {
   CutMesh cut{random_mesh(seed), {}};
-  const SubdomainId num_pieces = 1 + seed % 7;
+  const std::uint32_t num_pieces = 1 + seed % 7;
   const auto subdomains = random_subdomains(cut.whole.mesh, num_pieces, seed % 3 == 0, seed);
   cut.pieces = Cutter(cut.whole, subdomains, num_pieces + 1).cut();
   return cut;

@@ -144,7 +144,7 @@ TEST(InterfaceFaces, AWholeMeshHasNone) {
   Scene scene;
   scene.mesh = unit_cube(3);
   scene.log_metrics = wanted_sizes(scene.mesh, 0.3, 1);
-  scene.part.assign(scene.mesh.tets.size(), 0);
+  scene.part.assign(scene.mesh.tets.size(), SubdomainId(0));
   const Cut cut = scene.cut();
   EXPECT_EQ(Splitting(cut, cut.starts[0]).faces().num_edges(), 0u);
 }

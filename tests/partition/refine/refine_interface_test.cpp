@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
 #include <set>
+#include <string>
 
 #include "meshing/kernel/kernel.h"
 #include "meshing/kernel/quality.h"
@@ -130,11 +134,11 @@ TEST(RefineInterface, SplitsNoEdgeThatMustStay) {
     std::vector<std::set<EdgeName>> kept(scene.subdomains);
     for (const Subdomain& s : rounds.subdomains())
       for (const auto& [name, edge] : interface_edges(s, cut.geometry))
-        if (must_stay(s, cut.geometry, edge.first, edge.second)) kept[s.id].insert(name);
+        if (must_stay(s, cut.geometry, edge.first, edge.second)) kept[s.id.value].insert(name);
     rounds.refine_interfaces();
     for (const Subdomain& s : rounds.subdomains()) {
       const Edges now = interface_edges(s, cut.geometry);
-      for (const EdgeName& name : kept[s.id])
+      for (const EdgeName& name : kept[s.id.value])
         EXPECT_TRUE(now.contains(name)) << name.first << ' ' << name.second;
     }
   });
@@ -220,7 +224,8 @@ TEST(RefineInterface, RefinesMaterialInterfacesBetweenSubdomains) {
   scene.mesh = layered_box(3, 2, 3);
   shuffle(scene.mesh, 4);
   scene.log_metrics = wanted_sizes(scene.mesh, 0.1, 4);
-  for (const std::int32_t ref : scene.mesh.tet_refs) scene.part.push_back(static_cast<SubdomainId>(ref - 1));
+  for (const std::int32_t ref : scene.mesh.tet_refs)
+    scene.part.push_back(SubdomainId(static_cast<std::uint32_t>(ref - 1)));
   scene.subdomains = 3;
   const Cut cut = scene.cut();
   Rounds rounds = refined(scene, cut);
@@ -265,6 +270,88 @@ TEST(RefineInterface, AMeshThatIsFineEnoughStays) {
   rounds.refine_interfaces();
   EXPECT_EQ(tets_of(rounds.subdomains()), before);
   expect_sound(rounds, totals_of(scene.mesh));
+}
+
+/// Two subdomains whose interfaces have been refined after `damage` to the second one; what is thrown.
+std::string complaint_after(const std::function<void(Subdomain&)>& damage) {
+  Scene scene;
+  scene.mesh = unit_cube(3);
+  scene.log_metrics = wanted_sizes(scene.mesh, 0.1, 1);
+  cut_at_random(scene, 2, 1, 1);
+  const Cut cut = scene.cut();
+  Rounds rounds(cut, scene.hausd(), {});
+  damage(rounds.subdomains()[1]);
+  try {
+    rounds.refine_interfaces();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+double up(double x) { return std::nextafter(x, std::numeric_limits<double>::infinity()); }
+
+/// Another C library on another machine would do this.
+TEST(RefineInterface, RefusesASideThatComputesAMetricOtherwiseByTheLastBit) {
+  EXPECT_EQ(complaint_after([](Subdomain&) {}), "");
+  for (std::uint32_t i : {0u, 3u, 7u}) {
+    const std::string complaint = complaint_after([i](Subdomain& s) {
+      const VertexId v = s.interface.local(i);
+      meshing::LogMetric l = s.mesh->log_metric(v);
+      l.xx = up(l.xx);
+      s.mesh->set_metric(v, l, meshing::exp_fast(l));
+    });
+    EXPECT_THAT(complaint, ::testing::HasSubstr("interface face ("));
+    EXPECT_THAT(complaint, ::testing::HasSubstr("has other coordinates or metrics in a neighbour; holders"));
+  }
+}
+
+TEST(RefineInterface, RefusesASideThatSplitsOtherEdges) {
+  const std::string complaint = complaint_after([](Subdomain& s) {
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i) {  // coarser by a factor of 2
+      const VertexId v = s.interface.local(i);
+      meshing::LogMetric l = s.mesh->log_metric(v);
+      l.xx -= 1.4, l.yy -= 1.4, l.zz -= 1.4;
+      s.mesh->set_metric(v, l, meshing::exp_fast(l));
+    }
+  });
+  EXPECT_THAT(complaint, ::testing::HasSubstr("is in no neighbour"));
+}
+
+/// An axis of three edges with `tets` around each.
+MeshData o_grid(std::uint32_t tets) {
+  std::vector<Point> points{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 0, 3}};
+  std::vector<std::array<std::uint32_t, 4>> around;
+  for (std::uint32_t i = 0; i < tets; ++i) {
+    const double angle = 2 * std::numbers::pi * i / tets;
+    points.push_back({std::cos(angle), std::sin(angle), 1.5});
+    for (std::uint32_t k = 0; k < 3; ++k) around.push_back({k, k + 1, 4 + i, 4 + (i + 1) % tets});
+  }
+  return mesh_of(std::move(points), std::move(around));
+}
+
+/// The axis of the grid is an edge of the interface with hundreds of tets on each side.
+TEST(RefineInterface, SplitsEdgesWithMoreTetsThanAShellCanHave) {
+  for (const std::uint32_t tets : {514u, 1100u, 1537u}) {
+    SCOPED_TRACE(tets);
+    Scene scene;
+    scene.mesh = o_grid(tets);
+    scene.log_metrics = uniform_metric(scene.mesh, 0.3);
+    for (std::uint32_t i = 0; i < 3 * tets; ++i) scene.part.emplace_back(2 * (i / 3) / tets);
+    scene.subdomains = 2;
+    const Cut cut = scene.cut();
+    Rounds rounds(cut, scene.hausd(), {});
+    ASSERT_NO_THROW(rounds.refine_interfaces());
+    expect_sound(rounds, totals_of(scene.mesh));
+    std::uint64_t on_axis = 0;
+    const Subdomain& s = rounds.subdomains()[0];
+    for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
+      const meshing::Point& p = s.mesh->point(s.interface.local(i));
+      on_axis += p.x == 0 && p.y == 0;
+    }
+    EXPECT_GT(on_axis, 8u);
+    if (HasFailure()) return;
+  }
 }
 
 TEST(IsDelicate, TellsThinFromSound) {

@@ -19,7 +19,8 @@ namespace weft::support {
 /// One for each subdomain; values repeat, so that ids have to decide now and then.
 inline std::vector<partition::Priority> random_priorities(std::size_t subdomains, std::mt19937& random) {
   std::vector<partition::Priority> priorities;
-  for (std::uint32_t i = 0; i < subdomains; ++i) priorities.push_back({random() % subdomains, i});
+  for (std::uint32_t i = 0; i < subdomains; ++i)
+    priorities.push_back({random() % subdomains, partition::SubdomainId(i)});
   return priorities;
 }
 
@@ -102,7 +103,7 @@ class Rounds {
       moved += r.received;
       expected_.push_back(std::move(r.expected));
       for (auto& [to, notice] : r.notices)
-        notices_[to].emplace(static_cast<SubdomainId>(i), std::move(notice));
+        notices_[to.value].emplace(SubdomainId(static_cast<std::uint32_t>(i)), std::move(notice));
     }
     return moved;
   }
@@ -142,7 +143,7 @@ class Rounds {
   void register_interfaces(ForEach<partition::InterfaceVertices> created) {
     const ForEach<SubdomainId> neighbours = find_neighbours();
     for (std::size_t i = 0; i < subdomains_.size(); ++i)
-      register_interface(subdomains_[i], arrived_at(i, created, neighbours));
+      register_interface(subdomains_[i], geometry_, arrived_at(i, created, neighbours));
   }
 
   ForEach<SubdomainId> find_neighbours() const {
@@ -157,10 +158,11 @@ class Rounds {
   static std::vector<T> arrived_at(std::size_t to, ForEach<T>& sent, const ForEach<SubdomainId>& neighbours) {
     std::vector<T> arrived;
     for (const SubdomainId from : neighbours[to]) {
-      const auto& back = neighbours[from];
-      const auto at = std::lower_bound(back.begin(), back.end(), static_cast<SubdomainId>(to));
-      if (at == back.end() || *at != to) throw std::logic_error("neighbours do not agree that they are");
-      arrived.push_back(std::move(sent[from][static_cast<std::size_t>(at - back.begin())]));
+      const auto& back = neighbours[from.value];
+      const SubdomainId self(static_cast<std::uint32_t>(to));
+      const auto at = std::lower_bound(back.begin(), back.end(), self);
+      if (at == back.end() || *at != self) throw std::logic_error("neighbours do not agree that they are");
+      arrived.push_back(std::move(sent[from.value][static_cast<std::size_t>(at - back.begin())]));
     }
     return arrived;
   }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "meshing/mesh/check_mesh.h"
-#include "partition/verify/check_pieces.h"
+#include "partition/verify/check_subdomains.h"
 #include "tests/partition/scenes.h"
 #include "tests/partition/shift/rounds.h"
 
@@ -51,34 +51,9 @@ inline void expect_conforming(const Rounds& rounds, const std::optional<partitio
 
 /// The interface's table fits the mesh, and whatever others may have on their side is frozen.
 inline void expect_sound_interface(const partition::Subdomain& s, const partition::Geometry& geometry) {
-  const meshing::TetMesh& mesh = *s.mesh;
-  std::size_t misplaced = 0, unlisted = 0, unguarded = 0, unlinked = 0;
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i) {
-    const meshing::VertexId v = s.interface.local(i);
-    misplaced += !v.valid() || !mesh.alive(v) || !mesh.frozen(v) || s.global_id(v) != s.interface.id(i);
-    misplaced += s.interface.held_by(i, s.id);
-  }
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (const meshing::VertexId v(i); mesh.alive(v) && mesh.frozen(v))
-      unlisted += s.interface.find(s.global_id(v)) == partition::Interface::kNone;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-    const meshing::TetId t(i);
-    if (!mesh.alive(t)) continue;
-    for (int f = 0; f < 4; ++f) {
-      const meshing::TetFace n = mesh.neighbour(t, f);
-      if (n.valid()) {
-        unlinked += !mesh.alive(n.tet()) || mesh.neighbour(n.tet(), n.face()) != meshing::TetFace(t, f);
-        continue;
-      }
-      const meshing::PatchId patch = mesh.patch(t, f);
-      if (patch.valid() && !geometry.patch_inner[patch.value]) continue;
-      for (const int k : meshing::kTetFaces[f]) unguarded += !mesh.frozen(mesh.vertex(t, k));
-    }
-  }
-  EXPECT_EQ(misplaced, 0u) << "of the interface's vertices in subdomain " << s.id;
-  EXPECT_EQ(unlisted, 0u) << "frozen vertices of subdomain " << s.id;
-  EXPECT_EQ(unguarded, 0u) << "vertices of faces to other subdomains of " << s.id;
-  EXPECT_EQ(unlinked, 0u) << "neighbours of tets of subdomain " << s.id;
+  meshing::Problems problems(20);
+  check_interface(s, geometry, problems);
+  EXPECT_THAT(problems.take(), ::testing::ElementsAre());
 }
 
 /// What a vertex is on the boundary and whether it has been free is the same in all copies.

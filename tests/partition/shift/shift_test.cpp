@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "meshing/adapt/adapt.h"
@@ -40,10 +41,10 @@ std::map<GlobalId, Priority> winners_of(std::vector<Subdomain>& subdomains,
                                         const std::vector<Priority>& priorities) {
   std::map<GlobalId, Priority> winners;
   for (const auto& list : wants)
-    for (const GlobalId id : list) winners.try_emplace(id);
+    for (const GlobalId id : list) winners.try_emplace(id, Priority{0, SubdomainId(0)});
   for (auto& [id, winner] : winners)
     for (const Subdomain& s : subdomains)
-      if (s.interface.find(id) != Interface::kNone) winner = std::max(winner, priorities[s.id]);
+      if (s.interface.find(id) != Interface::kNone) winner = std::max(winner, priorities[s.id.value]);
   return winners;
 }
 
@@ -208,9 +209,76 @@ TEST(Shift, WantsWhatIsInThePoorTetsWay) {
   }
 }
 
+/// A fine cube that has become a few tets, each of which covers thousands of the input's; they are handed
+/// over around one corner.
+TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
+  Scene scene;
+  scene.mesh = unit_cube(26);
+  scene.log_metrics = uniform_metric(scene.mesh, 3);
+  scene.part.assign(scene.mesh.tets.size(), SubdomainId(0));
+  const Cut cut = scene.cut();
+  Rounds rounds(cut, scene.hausd(), {0, false});
+  rounds.options().coarsen = true;
+  rounds.adapt(meshing::Extent::everything);
+  Subdomain& s = rounds.subdomains()[0];
+  ASSERT_LT(count_tets(s), 40u);
+  std::size_t moved = 0, without = 0;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> weight(0.02, 1);
+  for (std::uint32_t i = 0; i < s.mesh->vertex_slots() && moved == 0; ++i) {
+    if (!s.mesh->alive(meshing::VertexId(i))) continue;
+    const GlobalId shared = s.global_id(meshing::VertexId(i));
+    s.interface = Interface(std::vector<Holder>{{shared, SubdomainId(1)}});
+    s.interface.set_local(0, meshing::VertexId(i));
+    s.mesh->freeze(meshing::VertexId(i));
+    const std::vector<Proposal> proposals{{{1, SubdomainId(1)}, {shared}, {}}};
+    const std::vector<Parcel> parcels = gather(s, {0, SubdomainId(0)}, {}, proposals, {0, false});
+    BackgroundStore there;
+    there.add(parcels[0].pieces);
+    for (const Parcel::Tet& tet : parcels[0].tets)
+      for (int k = 0; k < 4000; ++k) {
+        double sum = 0;
+        meshing::Point p;
+        for (const std::uint32_t v : tet.vertices) {
+          const double w = weight(random);
+          p += w * parcels[0].vertices[v].point;
+          sum += w;
+        }
+        without += there.background().locate((1 / sum) * p, meshing::Background::kNoHint).distance2 > 1e-12;
+      }
+    moved = parcels[0].tets.size();
+  }
+  EXPECT_GE(moved, 1u);
+  EXPECT_EQ(without, 0u) << "of " << 4000 * moved << " points in " << moved << " tets";
+}
+
+/// Equal ids at different places: another arithmetic, or two vertices of one name.
+TEST(Shift, CopiesOfAVertexThatDifferByTheLastBitAreRefused) {
+  Scene scene;
+  scene.mesh = unit_cube(4);
+  scene.log_metrics = wanted_sizes(scene.mesh, 0.3, 1);
+  cut_at_random(scene, 2, 1, 1);
+  const Cut cut = scene.cut();
+  const std::vector<Priority> priorities{{0, SubdomainId(0)}, {1, SubdomainId(1)}};
+  Rounds sound(cut, scene.hausd(), {2, false}), damaged(cut, scene.hausd(), {2, false});
+  EXPECT_GT(sound.shift(priorities), 0u);
+  Subdomain& s = damaged.subdomains()[0];
+  const meshing::VertexId v = s.interface.local(3);
+  meshing::Point p = s.mesh->point(v);
+  p.x = std::nextafter(p.x, 2);
+  s.mesh->set_point(v, p);
+  try {
+    damaged.shift(priorities);
+    FAIL() << "nothing was noticed";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("subdomain 1: copies of vertex 0:"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("differ in their coordinates"));
+  }
+}
+
 TEST(Shift, EqualPrioritiesAreOrderedBySubdomain) {
-  EXPECT_LT((Priority{1, 5}), (Priority{2, 0}));
-  EXPECT_LT((Priority{2, 0}), (Priority{2, 5}));
+  EXPECT_LT((Priority{1, SubdomainId(5)}), (Priority{2, SubdomainId(0)}));
+  EXPECT_LT((Priority{2, SubdomainId(0)}), (Priority{2, SubdomainId(5)}));
 }
 
 std::size_t count_interfaces(const std::vector<Subdomain>& subdomains) {

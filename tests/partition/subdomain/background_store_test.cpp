@@ -35,7 +35,7 @@ class Whole {
     for (std::size_t t = 0; t < part.size(); ++t)
       if (part[t] == s) tets.push_back(mesh.tets[t]);
     std::vector<GlobalId> ids;
-    for (std::size_t v = 0; v < mesh.points.size(); ++v) ids.emplace_back(0, v);
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) ids.emplace_back(SubdomainId(0), v);
     return {s, mesh.points, log_metrics, ids, tets};
   }
 
@@ -93,7 +93,7 @@ TEST(BackgroundStore, AnswersWhereItCovers) {
     const Whole whole(seed);
     const auto part = parts(whole.mesh, 4, seed % 3, seed);
     std::size_t tets = 0;
-    for (SubdomainId s = 0; s < 4; ++s) {
+    for (SubdomainId s(0); s.value < 4; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
       tets += store.background().mesh().tets.size();
       expect_answers(store, whole, seed);
@@ -122,7 +122,7 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
     const Whole whole(seed);
     const auto part = parts(whole.mesh, 5, seed % 3, seed);
     Pieces all;
-    for (SubdomainId s = 0; s < 5; ++s) {
+    for (SubdomainId s(0); s.value < 5; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
       all.insert(all.end(), store.all_pieces().begin(), store.all_pieces().end());
     }
@@ -150,7 +150,7 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
 TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
   const Whole whole(2);
   const auto part = parts(whole.mesh, 3, 0, 2);
-  BackgroundStore store = whole.store(1, part);
+  BackgroundStore store = whole.store(SubdomainId(1), part);
   const auto own = static_cast<std::uint32_t>(store.background().mesh().tets.size());
   std::vector<BackgroundTet> names;
   for (std::uint32_t t = 0; t < own; ++t) {
@@ -158,9 +158,10 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
     EXPECT_TRUE(store.has(names[t].piece));
     EXPECT_EQ(store.tet_of(names[t]), t);
   }
-  for (const SubdomainId other : {0u, 2u}) store.add(whole.store(other, part).all_pieces());
+  for (const SubdomainId other : {SubdomainId(0), SubdomainId(2)})
+    store.add(whole.store(other, part).all_pieces());
   for (std::uint32_t t = 0; t < own; ++t) EXPECT_EQ(store.tet_of(names[t]), t);
-  const BackgroundStore fresh = whole.store(2, part);
+  const BackgroundStore fresh = whole.store(SubdomainId(2), part);
   for (std::uint32_t t = 0; t < fresh.background().mesh().tets.size(); ++t) {
     // Another subdomain finds the same tet by its name: the same corners.
     const std::uint32_t here = store.tet_of(fresh.name_of(t));
@@ -174,7 +175,8 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
 
 TEST(BackgroundStore, GivesPiecesByTheirIds) {
   const Whole whole(0);
-  const BackgroundStore store = whole.store(0, std::vector<SubdomainId>(whole.mesh.tets.size(), 0));
+  const BackgroundStore store =
+      whole.store(SubdomainId(0), std::vector<SubdomainId>(whole.mesh.tets.size(), SubdomainId(0)));
   ASSERT_GT(store.all_pieces().size(), 3u);
   const std::vector<std::uint64_t> ids{store.all_pieces()[0]->id, store.all_pieces()[2]->id};
   const Pieces found = store.pieces(ids);
@@ -186,7 +188,7 @@ TEST(BackgroundStore, GivesPiecesByTheirIds) {
 
 TEST(BackgroundStore, StaysValidWhenMoved) {
   const Whole whole(1);
-  BackgroundStore store = whole.store(0, parts(whole.mesh, 2, 0, 1));
+  BackgroundStore store = whole.store(SubdomainId(0), parts(whole.mesh, 2, 0, 1));
   const BackgroundStore moved = std::move(store);
   expect_answers(moved, whole, 1);
 }
@@ -196,7 +198,7 @@ TEST(BackgroundStore, PiecesOfTwoSubdomainsHaveDifferentIds) {
   const auto part = parts(whole.mesh, 3, 1, 0);
   std::set<std::uint64_t> ids;
   std::size_t pieces = 0;
-  for (SubdomainId s = 0; s < 3; ++s) {
+  for (SubdomainId s(0); s.value < 3; ++s.value) {
     const BackgroundStore store = whole.store(s, part);
     for (const auto& piece : store.all_pieces()) ids.insert(piece->id);
     pieces += store.all_pieces().size();

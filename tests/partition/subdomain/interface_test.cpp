@@ -17,14 +17,19 @@ using ::testing::IsEmpty;
 using Table = std::map<GlobalId, std::set<SubdomainId>>;
 
 /// Lines in no order, many of them repeated.
+GlobalId random_id(std::mt19937_64& random, std::uint64_t vertices) {
+  const std::uint64_t local = random() % vertices;
+  return {SubdomainId(static_cast<std::uint32_t>(random() % 5)), local};
+}
+
 std::vector<Holder> random_lines(unsigned seed) {
   std::mt19937_64 random(seed);
   std::vector<Holder> lines;
   const std::size_t count = random() % 200, vertices = 1 + random() % 60;
   for (std::size_t i = 0; i < count; ++i) {
-    const GlobalId counted(random() % 5, random() % vertices);
-    const GlobalId id = random() % 4 ? counted : GlobalId::derived_from(counted, GlobalId(1, 1));
-    lines.push_back({id, static_cast<SubdomainId>(random() % 7)});
+    const GlobalId counted = random_id(random, vertices);
+    const GlobalId id = random() % 4 ? counted : GlobalId::derived_from(counted, GlobalId(SubdomainId(1), 1));
+    lines.push_back({id, SubdomainId(static_cast<std::uint32_t>(random() % 7))});
   }
   return lines;
 }
@@ -56,7 +61,7 @@ TEST(Interface, EmptyHasNothing) {
     EXPECT_EQ(interface.size(), 0u);
     EXPECT_THAT(interface.neighbours(), IsEmpty());
     EXPECT_THAT(interface.lines(), IsEmpty());
-    EXPECT_EQ(interface.find(GlobalId(0, 0)), Interface::kNone);
+    EXPECT_EQ(interface.find(GlobalId(SubdomainId(0), 0)), Interface::kNone);
   }
 }
 
@@ -78,7 +83,7 @@ TEST(Interface, AnswersAsAMapOfSets) {
         others.push_back(h.subdomain);
       }
       EXPECT_EQ(others, std::vector(holders.begin(), holders.end()));
-      for (SubdomainId s = 0; s < 8; ++s) EXPECT_EQ(interface.held_by(i, s), holders.contains(s));
+      for (SubdomainId s(0); s.value < 8; ++s.value) EXPECT_EQ(interface.held_by(i, s), holders.contains(s));
       neighbours.insert(holders.begin(), holders.end());
       ++i;
     }
@@ -90,7 +95,7 @@ TEST(Interface, AnswersAsAMapOfSets) {
 TEST(Interface, FindsNothingElse) {
   const Interface interface(random_lines(3));
   for (std::uint64_t local = 0; local < 100; ++local)
-    EXPECT_EQ(interface.find(GlobalId(9, local)), Interface::kNone);
+    EXPECT_EQ(interface.find(GlobalId(SubdomainId(9), local)), Interface::kNone);
   EXPECT_EQ(interface.find(GlobalId()), Interface::kNone);
 }
 
@@ -102,7 +107,8 @@ TEST(Interface, ItsLinesMakeItAgain) {
 }
 
 TEST(Interface, PlacesAreUnknownUntilSet) {
-  Interface interface(std::vector<Holder>{{GlobalId(0, 4), 1}, {GlobalId(0, 2), 1}});
+  Interface interface(std::vector<Holder>{{GlobalId(SubdomainId(0), 4), SubdomainId(1)},
+                                          {GlobalId(SubdomainId(0), 2), SubdomainId(1)}});
   EXPECT_FALSE(interface.local(0).valid());
   interface.set_local(1, meshing::VertexId(17));
   EXPECT_FALSE(interface.local(0).valid());
@@ -110,23 +116,28 @@ TEST(Interface, PlacesAreUnknownUntilSet) {
 }
 
 TEST(SortUnique, SortsByVertexThenSubdomain) {
-  std::vector<Holder> lines{
-      {GlobalId(1, 0), 3}, {GlobalId(0, 9), 5}, {GlobalId(1, 0), 2}, {GlobalId(0, 9), 5}};
+  std::vector<Holder> lines{{GlobalId(SubdomainId(1), 0), SubdomainId(3)},
+                            {GlobalId(SubdomainId(0), 9), SubdomainId(5)},
+                            {GlobalId(SubdomainId(1), 0), SubdomainId(2)},
+                            {GlobalId(SubdomainId(0), 9), SubdomainId(5)}};
   sort_unique(lines);
-  EXPECT_THAT(lines,
-              ElementsAre(Holder{GlobalId(0, 9), 5}, Holder{GlobalId(1, 0), 2}, Holder{GlobalId(1, 0), 3}));
+  EXPECT_THAT(lines, ElementsAre(Holder{GlobalId(SubdomainId(0), 9), SubdomainId(5)},
+                                 Holder{GlobalId(SubdomainId(1), 0), SubdomainId(2)},
+                                 Holder{GlobalId(SubdomainId(1), 0), SubdomainId(3)}));
 }
 
 TEST(GlobalIds, DerivedNamesAreApartFromCountedOnes) {
   std::set<GlobalId> names;
   for (std::uint64_t a = 0; a < 60; ++a)
     for (std::uint64_t b = 0; b < 60; ++b) {
-      const GlobalId derived = GlobalId::derived_from(GlobalId(2, a), GlobalId(3, b));
+      const GlobalId derived =
+          GlobalId::derived_from(GlobalId(SubdomainId(2), a), GlobalId(SubdomainId(3), b));
       EXPECT_TRUE(derived.derived());
       EXPECT_TRUE(names.insert(derived).second) << a << ' ' << b;
-      EXPECT_EQ(derived, GlobalId::derived_from(GlobalId(2, a), GlobalId(3, b)));
+      EXPECT_EQ(derived, GlobalId::derived_from(GlobalId(SubdomainId(2), a), GlobalId(SubdomainId(3), b)));
     }
-  EXPECT_FALSE(GlobalId((1u << 23) - 3, (std::uint64_t{1} << GlobalId::kLocalBits) - 1).derived());
+  EXPECT_FALSE(
+      GlobalId(SubdomainId((1u << 23) - 3), (std::uint64_t{1} << GlobalId::kLocalBits) - 1).derived());
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ std::vector<std::string> problems_after(const std::function<void(MeshPiece&, Mes
                                         const std::optional<ExpectedTotals>& expected = {}) {
   MergedMesh whole{support::two_tets(), {}};
   whole.log_metrics.resize(whole.mesh.points.size());
-  std::vector<MeshPiece> pieces = Cutter(whole, {0, 1}, 2).cut();
+  std::vector<MeshPiece> pieces = Cutter(whole, subdomain_ids({0, 1}), 2).cut();
   damage(pieces[0], pieces[1]);
   const PiecesReport report = check_on(1, pieces, expected);
   EXPECT_EQ(report.num_problems, report.problems.size());
@@ -96,8 +96,8 @@ TEST(CheckPieces, FindsATetInTwoPieces) {
                 a.shared.clear();
                 b.shared.clear();
                 for (std::uint32_t v = 0; v < 4; ++v) {
-                  a.shared.push_back({v, 1});
-                  b.shared.push_back({v, 0});
+                  a.shared.push_back({v, SubdomainId(1)});
+                  b.shared.push_back({v, SubdomainId(0)});
                 }
               }),
               Contains("tet 1 of subdomain 0 and tet 1 of subdomain 1: have the same vertices"));
@@ -134,7 +134,7 @@ TEST(CheckPieces, FindsTwoTetsOnOneSideOfAFace) {
 TEST(CheckPieces, FindsAFaceWithoutATetOnItsOtherSide) {
   EXPECT_THAT(
       problems_after([](MeshPiece& a, MeshPiece& b) {
-        b = MeshPiece{.subdomain = 1, .mesh = {}, .log_metrics = {}, .ids = {}, .shared = {}};
+        b = MeshPiece{.subdomain = SubdomainId(1), .mesh = {}, .log_metrics = {}, .ids = {}, .shared = {}};
         a.shared.clear();
       }),
       ElementsAre("subdomain 0: face (0:0 0:1 0:2) of tet 1: without a triangle and without a tet on its "
@@ -155,7 +155,7 @@ TEST(CheckPieces, FindsTrianglesThatAreNoFacesOrTwice) {
     a.mesh.points.push_back({9, 9, 9});
     a.mesh.point_refs.push_back(0);
     a.log_metrics.emplace_back();
-    a.ids.emplace_back(0, 77);
+    a.ids.emplace_back(SubdomainId(0), 77);
     a.mesh.triangles.push_back({0, 1, 4});
     a.mesh.triangle_refs.push_back(1);
   });
@@ -201,15 +201,15 @@ TEST(CheckPieces, FindsFacesOfThreeTets) {
   whole.mesh.tet_refs.assign(3, 1);
   whole.log_metrics.resize(6);
   const std::string face = "(0:0 0:1 0:2): shared by 3 ";
-  EXPECT_THAT(check_on(2, Cutter(whole, {0, 1, 2}, 3).cut()).problems,
+  EXPECT_THAT(check_on(2, Cutter(whole, subdomain_ids({0, 1, 2}), 3).cut()).problems,
               Contains("face " + face + "subdomains"));
-  EXPECT_THAT(check_on(2, Cutter(whole, {0, 0, 0}, 1).cut()).problems,
+  EXPECT_THAT(check_on(2, Cutter(whole, subdomain_ids({0, 0, 0}), 1).cut()).problems,
               Contains("subdomain 0: face " + face + "tets"));
-  EXPECT_THAT(check_on(2, Cutter(whole, {0, 1, 0}, 2).cut()).problems,
+  EXPECT_THAT(check_on(2, Cutter(whole, subdomain_ids({0, 1, 0}), 2).cut()).problems,
               Contains("subdomain 0: face (0:0 0:1 0:2): tets 1 and 2 lie on the same side of it"));
   whole.mesh.tet_refs[1] = 2;
   EXPECT_THAT(
-      check_on(2, Cutter(whole, {0, 0, 1}, 2).cut()).problems,
+      check_on(2, Cutter(whole, subdomain_ids({0, 0, 1}), 2).cut()).problems,
       Contains("subdomain 0: face (0:0 0:1 0:2): between tets 1 and 2 of different references without a "
                "triangle"));
 }
@@ -226,16 +226,16 @@ TEST(CheckPieces, FindsCopiesThatDiffer) {
 
 TEST(CheckPieces, FindsHoldersThatAreWrong) {
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) {
-                std::erase(a.shared, SubdomainStart::Shared{local(a, 1), 1});
+                std::erase(a.shared, SubdomainStart::Shared{local(a, 1), SubdomainId(1)});
               }),
               ElementsAre("vertex 0:1: subdomain 0 does not name subdomain 1, which has it too"));
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) {
-                a.shared.push_back({local(a, 3), 1});
+                a.shared.push_back({local(a, 3), SubdomainId(1)});
                 std::ranges::sort(a.shared);
               }),
               ElementsAre("vertex 0:3: subdomain 0 names subdomain 1, which does not have it"));
   EXPECT_THAT(problems_after([](MeshPiece&, MeshPiece& b) {
-                b.shared.push_back({local(b, 0), 17});
+                b.shared.push_back({local(b, 0), SubdomainId(17)});
                 std::ranges::sort(b.shared);
               }),
               ElementsAre("vertex 0:0: subdomain 1 names subdomain 17, which does not have it"));
@@ -243,7 +243,7 @@ TEST(CheckPieces, FindsHoldersThatAreWrong) {
 
 TEST(CheckPieces, FindsTwoPiecesOfOneSubdomain) {
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece& b) {
-                b.subdomain = 0;
+                b.subdomain = SubdomainId(0);
                 a.shared.clear();
                 b.shared.clear();
               }),
@@ -259,7 +259,7 @@ TEST(CheckPieces, FindsArraysThatDoNotFit) {
               ElementsAre("subdomain 0: two vertices have the global id 0:2"));
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) { a.ids[3] = GlobalId(); }),
               ElementsAre("subdomain 0: a vertex has no global id"));
-  EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) { a.shared[2].other = 0; }),
+  EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) { a.shared[2].other = SubdomainId(0); }),
               ElementsAre("subdomain 0: holders of vertices 3: names vertex 3 and subdomain 0"));
   EXPECT_THAT(problems_after([](MeshPiece& a, MeshPiece&) { std::swap(a.shared[0], a.shared[1]); }),
               ElementsAre("subdomain 0: holders of vertices 2: are not sorted"));
@@ -309,7 +309,7 @@ TEST(CheckPieces, FindsRandomDamage) {
         std::swap(piece->mesh.tets[t][1], piece->mesh.tets[t][2]);
         break;
       default:
-        piece->ids[piece->mesh.tets[t][0]] = GlobalId(99, 1);
+        piece->ids[piece->mesh.tets[t][0]] = GlobalId(SubdomainId(99), 1);
     }
     const PiecesReport report = check_on(2, cut.pieces, totals_of(cut.whole));
     // A vertex of one piece alone may have any name.

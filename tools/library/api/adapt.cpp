@@ -31,13 +31,18 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   Result result;
   tools::Stopwatch watch;
   result.input_counts = tools::count(input.mesh);
-  tools::LogMetricMade made = tools::make_log_metric(options.metric, input.mesh, input.name, input.metric);
+  MetricOptions metric = options.metric;
+  const double target = tools::scaled_alone(metric) ? std::exchange(metric.complexity, 0) : 0;
+  tools::LogMetricMade made = tools::make_log_metric(metric, input.mesh, input.name, input.metric);
   result.warnings = std::move(made.warnings);
-  if (options.run.measure) result.before = meshing::measure(input.mesh, made.field);
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);
-    run.adapt(tools::deal_out(run.peers(), input.mesh, made.field), 0, input.name, result);
-    if (options.run.measure) run.measure(result);
+    run.adapt(tools::deal_out(run.peers(), input.mesh, made.field), target, input.name, result);
+    if (options.run.measure) {
+      if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);
+      result.before = meshing::measure(input.mesh, made.field);
+      run.measure(result);
+    }
     partition::MergedMesh merged = partition::merge_pieces(run.pieces());
     result.mesh = std::move(merged.mesh);
     result.metric = Metric::from_logarithms(std::move(merged.log_metrics));
@@ -104,6 +109,7 @@ FilesResult adapt_files(const Files& files, const Options& options) {
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as "
         "polar-2)");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
+  if (options.run.check) throw OptionError("--check", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
   if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
   return tools::adapt_files_as_one(files, options);
@@ -117,6 +123,8 @@ std::vector<std::string> published_cases() {
 
 std::string summary(const Report& report) { return tools::summary_text(report); }
 std::string summary(const FilesResult& result) { return tools::summary_text(result); }
+
+std::string to_json(const Measures& measures) { return tools::json_of(measures).dump(1); }
 
 std::string to_json(const Report& report) {
   tools::RunResult run;

@@ -21,10 +21,7 @@ namespace {
 
 /// A metric that is scaled alone is so in parts; anything else looks at the whole mesh.
 bool only_scaled(const MetricOptions& options) {
-  MetricOptions others = options;
-  others.complexity = 0;
-  const bool limited = options.hmin > 0 || options.hmax > 0 || options.aspect > 0 || options.hgrad > 1;
-  return !others.given() && !limited;
+  return tools::scaled_alone(options) && options.file.empty() && options.function.empty();
 }
 
 /// Rank 0 makes the metric of the whole mesh, and deals it out again.
@@ -60,8 +57,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   watch.lap();
   if (options.run.measure) run.measure(result);
   result.times.measure = watch.lap();
-  tools::PartWithMetric out =
-      tools::part_of_pieces(run.peers(), run.exchange(), std::move(run.pieces()), options.distributed.ghosts);
+  tools::PartWithMetric out = tools::part_of_pieces(run.peers(), run.pieces(), options.distributed.ghosts);
   result.part = std::move(out.part);
   result.metric = std::move(out.metric);
   result.times.write = watch.lap();

@@ -8,6 +8,7 @@
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
+#include "meshing/metric/expectations.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
@@ -15,6 +16,7 @@
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/metric_source.h"
 #include "tools/library/jobs/run_result.h"
+#include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
 
@@ -48,7 +50,8 @@ class OneMesh {
   const meshing::MeshData& background() const { return input_.background ? *input_.background : input_.mesh; }
 
   void prepare_metric() {
-    monitor_.update("metric", 0, result_.input_counts.tets);
+    predict_work(options_.metric.complexity);
+    monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
     LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric);
     field_ = std::move(made.field);
@@ -56,25 +59,34 @@ class OneMesh {
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =
         result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);
+    predict_work(result_.target_complexity);
     result_.times.metric = watch_.lap();
+  }
+
+  /// For the percentage; a complexity of 0 is not known yet, and taken to be the input's.
+  void predict_work(double complexity) {
+    const double tets = static_cast<double>(result_.input_counts.tets);
+    work_.emplace(tets, complexity > 0 ? meshing::kTetsPerComplexity * complexity : tets,
+                  !input_.fields.fields.empty());
   }
 
   void measure_before() {
     watch_.lap();
     if (input_.background) return;
-    monitor_.update("measuring", 0, result_.input_counts.tets);
+    monitor_.update("measuring", work_->at_measures_before(), result_.input_counts.tets);
     result_.before = meshing::measure(input_.mesh, field_);
     result_.times.measure = watch_.lap();
   }
 
   void adapt() {
+    monitor_.update("importing", work_->at_adaptation(0), result_.input_counts.tets);
     meshing::AdaptOptions kernel;
     kernel.threads = result_.threads;
     kernel.ridge_angle_degrees = options_.geometry.ridge_angle;
     kernel.hausd = options_.geometry.hausd;
     kernel.interrupt = &monitor_.flag();
     kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
-      monitor_.update(stage, done, tets);
+      monitor_.update(stage, work_->at_adaptation(done), tets);
     };
     meshing::AdaptResult adapted = naming(input_.name, [&] {
       return meshing::adapt(input_.mesh, {&background(), &field_}, kernel);
@@ -89,18 +101,19 @@ class OneMesh {
     result_.cancelled = report.interrupted;
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
     result_.output_counts = count(result_.mesh);
+    work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();
   }
 
   void measure_after() {
-    monitor_.update("measuring", 1, result_.output_counts.tets);
+    monitor_.update("measuring", work_->at_adaptation(1), result_.output_counts.tets);
     result_.after = meshing::measure(result_.mesh, result_.metric.logarithms());
     result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.cancelled);
     result_.times.measure += watch_.lap();
   }
 
   void carry_fields() {
-    monitor_.update("fields", 1, result_.output_counts.tets);
+    monitor_.update("fields", work_->at_fields(), result_.output_counts.tets);
     watch_.lap();
     Transfer carried = naming(input_.name, [&] {
       return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer);
@@ -117,6 +130,7 @@ class OneMesh {
   const Options& options_;
   Monitor& monitor_;
   Stopwatch watch_;
+  std::optional<RunWork> work_;  ///< from the metric on
   meshing::LogMetricField field_;
   Result result_;
 };

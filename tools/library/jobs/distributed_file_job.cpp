@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "partition/output/merge_pieces.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
+#include "partition/verify/check_subdomains.h"
 #include "tools/common/field_text.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/field_source.h"
@@ -155,8 +157,24 @@ class DistributedFileJob {
 
 FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
   FilesResult result;
-  on_world(
-      [&](engine::Transport& transport) { result = DistributedFileJob(files, options, transport).run(); });
+  bool first = true;
+  // What all ranks throw alike is for rank 0 to tell.
+  const auto tell = [&](const std::exception& error) {
+    if (first) throw InputError("", "", error.what());
+    throw RunError(error.what());
+  };
+  try {
+    on_world([&](engine::Transport& transport) {
+      first = transport.rank().value == 0;
+      result = DistributedFileJob(files, options, transport).run();
+    });
+  } catch (const InputError& error) {
+    tell(error);
+  } catch (const std::invalid_argument& error) {
+    tell(error);
+  } catch (const partition::InvariantViolation& error) {
+    tell(error);
+  }
   return result;
 }
 

@@ -66,7 +66,7 @@ engine::Bulletins DistributedRun::bulletins() {
 
 std::string DistributedRun::name_of(engine::ObjectId id) const {
   const auto subdomain = subdomain_of(rank_.plan, runtime_->ranks(), id);
-  return subdomain ? fmt::format("subdomain {}", *subdomain)
+  return subdomain ? fmt::format("subdomain {}", subdomain->value)
                    : fmt::format("mailbox of rank {}", id.home.value);
 }
 
@@ -93,6 +93,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.refine_interface = asked.interface_refinement;
   method.tets_at_frozen_stay = asked.freeze == DistributedOptions::Freeze::tets;
   method.hausd = options_.geometry.hausd;
+  method.check = options_.run.check;
   method.threads = threads_;
   method.interrupt = &monitor_.flag();
   if (monitor_.wanted()) method.news = &news_;
@@ -139,6 +140,7 @@ void DistributedRun::gather_statistics(Report& report) {
   stats_->ranks = runtime_->ranks();
   stats_->partitioner = partitioner_of(options_.distributed);
   stats_->layers = options_.distributed.layers;
+  stats_->checks = result_.checks;
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
   stats_->decomposition_seconds = result_.decomposition_seconds;
   stats_->adaptation_seconds = result_.adaptation_seconds;

@@ -129,6 +129,12 @@ std::string subdomains_text(const DistributedStats& a) {
     text +=
         "the input was far from its metric: it was made coarse, interfaces included, before it was made "
         "fine\n";
+  if (a.checks > 0)
+    text += fmt::format(
+        "all invariants checked {} times, and held: after the decomposition, the interior adaptation and "
+        "each "
+        "shift\n",
+        a.checks);
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(a.messages),
                       bytes_text(static_cast<double>(a.bytes)), a.collective_calls);
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",

@@ -39,7 +39,7 @@ SolutionData read_one(const std::string& file, std::size_t num_points, const std
   SolutionData solution = meshing::read_solution(file);
   if (solution.num_points != num_points)
     throw InputError(file, "",
-                     fmt::format("solution of another mesh: it has {} vertices, {} has {}",
+                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
                                  solution.num_points, mesh_file, num_points));
   if (solution.fields.empty()) throw InputError(file, "", "has no fields");
   check_values(file, solution);

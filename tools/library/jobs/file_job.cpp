@@ -63,7 +63,8 @@ class FileJob {
   }
 
   void write() {
-    monitor_.update("writing", 1, run_.output_counts.tets);
+    constexpr double kShareBeforeWriting = 0.99;
+    monitor_.update("writing", kShareBeforeWriting, run_.output_counts.tets);
     write_mesh_with_solution(run_.outputs, mesh_, metric_.fields(), fields_, names_);
     run_.times.write = watch_.lap();
   }

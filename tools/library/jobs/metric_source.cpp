@@ -102,7 +102,7 @@ std::vector<std::string> process(const MetricOptions& options, const meshing::Me
   }
   const double reached = scale(options, mesh, demands ? &*demands : nullptr, field);
   if (std::abs(reached / options.complexity - 1) <= kComplexityTolerance) return {};
-  return {fmt::format("limits and demands lead to a complexity of {}, not the {} asked for", grouped(reached),
+  return {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}", grouped(reached),
                       grouped(options.complexity))};
 }
 
@@ -120,6 +120,12 @@ std::vector<std::string> files_of(const MetricOptions& options) {
 
 bool has_demand(const MetricOptions& options) {
   return options.curvature > 0 || options.sagitta > 0 || !options.wall.refs.empty();
+}
+
+bool scaled_alone(const MetricOptions& options) {
+  const bool limited = options.hmin > 0 || options.hmax > 0 || options.aspect > 0 || options.hgrad > 1;
+  return !limited && options.sol.empty() && options.solutions.empty() && !options.implied &&
+         !has_demand(options);
 }
 
 std::string name_of(const MetricOptions& options) {

@@ -16,6 +16,9 @@ std::vector<std::string> files_of(const MetricOptions& options);
 /// Files and functions, for reports.
 std::string name_of(const MetricOptions& options);
 bool has_demand(const MetricOptions& options);
+/// Whether a given metric, a file or a function is scaled and nothing else: what each rank can do with its
+/// share.
+bool scaled_alone(const MetricOptions& options);
 
 struct LogMetricMade {
   meshing::LogMetricField field;

@@ -23,8 +23,8 @@ std::vector<std::string> missed_goals(const meshing::Measures& after, double ask
   if (interrupted) missed.push_back("interrupted: this is the valid mesh reached so far");
   if (after.edges_unit < kLeastUnitEdges)
     missed.push_back(fmt::format("only {} of the edges are unit", percent(after.edges_unit)));
-  // A complexity that nobody asked for is the input's own, and a coarse input does not show what its metric
-  // adds up to.
+  // Without --complexity the target is the metric's own on the background, and a coarse background samples it
+  // only roughly.
   const double off = asked_complexity > 0 ? after.complexity / asked_complexity - 1 : 0;
   if (!(std::abs(off) <= kComplexityTolerance))
     missed.push_back(fmt::format("the result's complexity {} is {} off the target {}",

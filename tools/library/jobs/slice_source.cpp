@@ -28,9 +28,7 @@ bool is_gmf(const std::string& file) {
 /// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
 bool only_scaled(const Files& files, const Options& options) {
   const MetricOptions& m = options.metric;
-  const bool limited = m.hmin > 0 || m.hmax > 0 || m.aspect > 0 || m.hgrad > 1;
-  return is_gmf(files.input) && files.background.empty() && files.fields.empty() && !limited &&
-         m.sol.empty() && m.solutions.empty() && !m.implied && !has_demand(m) &&
+  return is_gmf(files.input) && files.background.empty() && files.fields.empty() && scaled_alone(m) &&
          (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
 }
 

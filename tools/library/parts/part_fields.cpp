@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -82,7 +83,8 @@ class Exchange {
   Exchange(Peers& peers, const Part& from, std::vector<std::size_t> shapes)
       : peers_(peers), from_(from), shapes_(std::move(shapes)) {
     for (const std::size_t n : shapes_) width_ += n;
-    if (!from.mesh.tets.empty()) background_.emplace(meshing::field_background(from.mesh));
+    if (!from.mesh.tets.empty())
+      background_.reset(new meshing::Background(meshing::field_background(from.mesh)));
   }
 
   /// All ranks: asks each rank r for the values at the points asked[r], and keeps what is nearer than before.
@@ -132,7 +134,7 @@ class Exchange {
   const Part& from_;
   std::vector<std::size_t> shapes_;
   std::size_t width_ = 0;
-  std::optional<meshing::Background> background_;
+  std::unique_ptr<const meshing::Background> background_;  ///< null: no tets here
 };
 
 Field::Kind kind_of(std::size_t components) {

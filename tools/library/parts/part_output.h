@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "graph/dataflow/rank_exchange.h"
 #include "partition/communication/peers.h"
 #include "partition/subdomain/mesh_piece.h"
 #include "weft/weft.h"
@@ -16,9 +15,10 @@ struct PartWithMetric {
   Metric metric;
 };
 
-/// All ranks: subdomains go to the ranks in their order, so that all have about equally many tets; the pieces
-/// of a rank become one mesh. With `ghosts` the tets of other ranks at its vertices come last.
-PartWithMetric part_of_pieces(partition::Peers& peers, graph::dataflow::RankExchange& exchange,
-                              std::vector<partition::MeshPiece> pieces, bool ghosts);
+/// All ranks: the tets, in their order in the whole mesh (number_pieces), go to the ranks in equal shares,
+/// with their points and with the triangles and edges that they have. With `ghosts` the tets of other ranks
+/// at a part's points come last.
+PartWithMetric part_of_pieces(partition::Peers& peers, const std::vector<partition::MeshPiece>& pieces,
+                              bool ghosts);
 
 }  // namespace weft::tools

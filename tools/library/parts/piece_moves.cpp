@@ -22,34 +22,24 @@ void pack(Archive& archive, MeshPiece& p) {
 
 }  // namespace
 
-std::vector<MeshPiece> move_pieces(graph::dataflow::RankExchange& exchange, std::vector<MeshPiece> mine,
-                                   const std::function<int(const MeshPiece&)>& to) {
-  const auto ranks = static_cast<std::size_t>(exchange.runtime().ranks());
-  std::vector<std::vector<MeshPiece*>> of_rank(ranks);
-  for (MeshPiece& piece : mine) of_rank.at(static_cast<std::size_t>(to(piece))).push_back(&piece);
-  std::vector<engine::Payload> to_each(ranks);
-  for (std::size_t r = 0; r < ranks; ++r) {
-    engine::Packer packer(true);
-    std::uint64_t count = of_rank[r].size();
-    packer(count);
-    for (MeshPiece* piece : of_rank[r]) pack(packer, *piece);
-    to_each[r] = packer.take();
-  }
-  mine.clear();
-  std::vector<MeshPiece> here;
-  for (engine::Payload& payload : exchange.exchange(std::move(to_each))) {
+std::vector<MeshPiece> gather_pieces(graph::dataflow::RankExchange& exchange, std::vector<MeshPiece> mine) {
+  std::vector<engine::Payload> to_each(static_cast<std::size_t>(exchange.runtime().ranks()));
+  engine::Packer packer(true);
+  std::uint64_t count = mine.size();
+  packer(count);
+  for (MeshPiece& piece : mine) pack(packer, piece);
+  to_each[0] = packer.take();
+  std::vector<engine::Payload> arrived = exchange.exchange(std::move(to_each));
+  std::vector<MeshPiece> all;
+  if (exchange.runtime().rank().value != 0) return all;
+  for (engine::Payload& payload : arrived) {
     engine::Unpacker unpacker(std::move(payload));
-    std::uint64_t count = 0;
     unpacker(count);
-    for (std::uint64_t i = 0; i < count; ++i) pack(unpacker, here.emplace_back());
+    for (std::uint64_t i = 0; i < count; ++i) pack(unpacker, all.emplace_back());
     unpacker.finish();
   }
-  std::ranges::sort(here, {}, &MeshPiece::subdomain);
-  return here;
-}
-
-std::vector<MeshPiece> gather_pieces(graph::dataflow::RankExchange& exchange, std::vector<MeshPiece> mine) {
-  return move_pieces(exchange, std::move(mine), [](const MeshPiece&) { return 0; });
+  std::ranges::sort(all, {}, &MeshPiece::subdomain);
+  return all;
 }
 
 }  // namespace weft::tools

@@ -20,7 +20,7 @@ std::string about(double seconds) {
 
 std::string time_left_text(const RunProgress& progress) {
   std::string text = progress.step_left ? fmt::format("this step about {} more", about(*progress.step_left))
-                                        : "time left unknown as yet";
+                                        : "time left unknown";
   if (progress.all_left && progress.most_left)
     text += fmt::format(", all about {} (at most {})", about(*progress.all_left), about(*progress.most_left));
   else if (progress.step_left)
@@ -44,7 +44,7 @@ std::string text_of(const RunProgress& progress) {
   text += ", " + time_left_text(progress);
   if (progress.adapted > 0) {
     text +=
-        fmt::format(", {}, wrong as yet: {}, {}", plural(left.tets, "tet"),
+        fmt::format(", {}, remaining: {}, {}", plural(left.tets, "tet"),
                     plural(left.long_edges + left.short_edges, "edge"), plural(left.poor_tets, "poor tet"));
     if (progress.adapted < progress.subdomains) text += " in " + plural(progress.adapted, "subdomain");
   }

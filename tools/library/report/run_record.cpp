@@ -54,8 +54,8 @@ meshing::Box common_box(partition::Peers& peers, const std::vector<partition::Me
 graph::dataflow::GraphDump executed_graph(const graph::dataflow::ExecutionLog& log,
                                           const graph::adaptation::AdaptationPlan& plan, int ranks) {
   std::map<engine::ObjectId, std::uint64_t> subdomain_of;
-  for (partition::SubdomainId s = 0; s < plan.subdomains; ++s)
-    subdomain_of[graph::adaptation::object_of(plan, ranks, s).id] = s;
+  for (partition::SubdomainId s(0); s.value < plan.subdomains; ++s.value)
+    subdomain_of[graph::adaptation::object_of(plan, ranks, s).id] = s.value;
   return graph::dataflow::executed_dump(
       graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description(), log,
       [&](engine::ObjectId object) { return subdomain_of.at(object); });
@@ -77,13 +77,13 @@ void gather_runs(RankExchange& exchange, const graph::dataflow::ExecutionLog& lo
 graph::dataflow::GraphDump planned_graph(const std::vector<graph::adaptation::Neighbours>& neighbours,
                                          const graph::adaptation::AdaptationPlan& plan, int ranks) {
   std::vector<graph::dataflow::DumpedInstance> instances;
-  for (partition::SubdomainId s = 0; s < plan.subdomains; ++s) {
+  for (partition::SubdomainId s(0); s.value < plan.subdomains; ++s.value) {
     const engine::ObjectId object = graph::adaptation::object_of(plan, ranks, s).id;
-    instances.push_back({s, object, object.home});
+    instances.push_back({s.value, object, object.home});
   }
   std::vector<std::pair<graph::dataflow::InstanceIndex, graph::dataflow::InstanceIndex>> pairs;
   for (const graph::adaptation::Neighbours& n : neighbours)
-    for (const partition::SubdomainId other : n.others) pairs.emplace_back(n.subdomain, other);
+    for (const partition::SubdomainId other : n.others) pairs.emplace_back(n.subdomain.value, other.value);
   return graph::dataflow::planned_dump(
       graph::dataflow::blueprint_of<graph::adaptation::SubdomainTask>().description(), std::move(instances),
       pairs);
@@ -109,8 +109,8 @@ void gather_view(RankExchange& exchange, partition::Peers& peers,
   record.box = common_box(peers, pieces);
   report::MeshView mine;
   for (const partition::MeshPiece& piece : pieces)
-    append(mine,
-           report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain, record.box, true, options));
+    append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain.value, record.box, true,
+                                   options));
   thin_out(mine, record.box, options);
   for (report::MeshView& part : gather(exchange, std::move(mine))) {
     if (!part.layers.empty()) append(record.mesh, std::move(part));
@@ -178,7 +178,8 @@ engine::Annotations trace_annotations(const RunRecord& record,
   engine::Annotations annotations;
   annotations.object_kind = graph.description.name;
   annotations.number_of = [plan, ranks](engine::ObjectId object) -> std::optional<std::uint64_t> {
-    return subdomain_of(plan, ranks, object);
+    const auto subdomain = subdomain_of(plan, ranks, object);
+    return subdomain ? std::optional<std::uint64_t>(subdomain->value) : std::nullopt;
   };
   for (const auto& node : graph.description.nodes) annotations.names.push_back(node.name);
   for (const auto& edge : graph.description.edges) annotations.names.push_back(edge.name);

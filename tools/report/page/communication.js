@@ -76,17 +76,17 @@
     return card;
   }
 
-  const meanings = { invoke: "values and calls for subdomains", signal: "arrivals for events", migrate: "subdomains that moved to another rank", forward: "sent on, as the subdomain had moved" };
+  const meanings = { invoke: "values and calls for subdomains", signal: "arrivals for events", migrate: "subdomains that migrated to another rank", forward: "forwarded because the subdomain had migrated" };
 
   function volumes() {
     const kinds = Object.entries(data.engine.traffic).map(([kind, v]) => [kind, { class: "text", text: meanings[kind] || "" }, weft.count(v.sent.messages), weft.bytes(v.sent.bytes), weft.count(v.received.messages), weft.bytes(v.received.bytes)]);
     const figures = Object.keys(data.engine.traffic).map((kind) => ["", "", `traffic.${kind}.messages`, "", "", ""]);
     const same = data.engine.consistent, whole = same.messages && same.bytes && same.pairs;
     const methods = data.engine.methods.filter((m) => m.sent.messages > 0).sort((a, b) => b.sent.bytes - a.sent.bytes).map((m) => [m.name || "(engine)", weft.count(m.sent.messages), weft.bytes(m.sent.bytes)]);
-    return [weft.card("By kind", weft.table(["kind", "what for", "messages sent", "bytes sent", "messages received", "bytes received"], kinds, { figures }),
-      make("p", { class: whole ? "note" : "worse" }, whole ? "As many messages and bytes were received as were sent, between each two ranks." : "Messages or bytes that were sent were not received: the record is incomplete.")),
-    methods.length ? weft.card("By what is called", weft.table(["method", "messages", "bytes"], methods)) : null];
+    return [weft.card("By kind", weft.table(["kind", "purpose", "messages sent", "bytes sent", "messages received", "bytes received"], kinds, { figures }),
+      make("p", { class: whole ? "note" : "worse" }, whole ? "Between each two ranks, messages and bytes received equal those sent." : "Some messages sent were not received: the record is incomplete.")),
+    methods.length ? weft.card("By method", weft.table(["method", "messages", "bytes"], methods)) : null];
   }
 
-  weft.views.push({ id: "communication", title: "Communication", shown: () => data.engine !== null, build: () => (data.ranks.length === 1 ? [weft.card("From rank to rank", weft.empty("One rank: nothing was sent. Subdomains passed values to each other in its memory; who waited for whom is under Time."))] : [make("div", { class: "two" }, matrix(), make("div", {}, volumes()))]) });
+  weft.views.push({ id: "communication", title: "Communication", shown: () => data.engine !== null, build: () => (data.ranks.length === 1 ? [weft.card("From rank to rank", weft.empty("One rank: no messages were sent; subdomains exchanged values in memory. Waiting is shown under Time."))] : [make("div", { class: "two" }, matrix(), make("div", {}, volumes()))]) });
 })();

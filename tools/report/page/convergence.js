@@ -28,9 +28,9 @@
     const head = ["after", "subdomains adapted", ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `${what}, ${part}`))];
     const row = (s) => [stepName(s), weft.count(s.subdomains), ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => weft.count(s[part][what])))];
     const figure = (s) => ["", `left.${s.step}.subdomains`, ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `left.${s.step}.${part}.${what}`))];
-    return weft.card("What is wrong as yet", lines("What is wrong as yet", ["after", "in the whole mesh"], left.map(stepName), datasets),
-      begins.length > 1 ? make("p", { class: "note" }, "The input was far from its metric. The first phase made everything coarse, interfaces included; each later one has adapted everything again, to a finer metric, the last to the wanted one. All counts are against that.") : null,
-      make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric, estimated from the edges of some hundred vertices of each subdomain. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): what has a vertex that is or has been on an interface. An edge that lies on an interface just then counts in each of its subdomains."),
+    return weft.card("Remaining defects", lines("Remaining defects", ["after", "in the whole mesh"], left.map(stepName), datasets),
+      begins.length > 1 ? make("p", { class: "note" }, "The input was far from its metric. The first phase coarsened everything, including the interfaces; each later phase adapted everything to a finer metric, the last to the requested one, to which all counts refer.") : null,
+      make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric, estimated from the edges of some hundred vertices of each subdomain. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): tets and edges with a vertex that is or was on an interface. An edge on the current interface counts in each of its subdomains."),
       weft.table(head, left.map(row), { figures: left.map(figure) }));
   }
   function counters() {
@@ -39,12 +39,12 @@
     const same = (name) => names.filter((other) => column(other) === column(name));
     const datasets = names.filter((name) => same(name)[0] === name).map((name, i) => ({ label: same(name).join(" and "), values: rounds.map((r) => r.counters[name]), colour: weft.palette[i % weft.palette.length], dash: dashes[i % dashes.length] }));
     return weft.card("What the shifts moved", lines("Counters by round", ["round", "sum over the subdomains"], rounds.map((r) => r.round), datasets),
-      make("p", { class: "note" }, (last > 0 ? `Round ${last} holds the first shift of the last phase; those before are of coarse meshes.` : "Round 0 holds the first shift, and so on.") + " Lines end where nothing is left: a logarithmic axis has no zero."));
+      make("p", { class: "note" }, (last > 0 ? `Round ${last} is the first shift of the last phase; earlier rounds are of coarse meshes.` : "Round 0 is the first shift, and so on.") + " Lines end at zero, which a logarithmic axis cannot show."));
   }
   function table() {
     const head = ["round", "work", ...names];
     const rows = rounds.map((r) => [r.round, weft.seconds(r.seconds), ...names.map((n) => weft.count(r.counters[n]))]);
-    return weft.card("The same as numbers", make("p", { class: "note" }, `Work: of all workers; the adaptation of the interior is in that of round${begins.length > 1 ? "s" : ""} ${begins.join(", ") || 0}.`), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
+    return weft.card("Table", make("p", { class: "note" }, `Work: of all workers; the adaptation of the interior is in that of round${begins.length > 1 ? "s" : ""} ${begins.join(", ") || 0}.`), weft.table(head, rows, { figures: rounds.map((r) => ["", `round.${r.round}.seconds`, ...names.map((n) => `round.${r.round}.${n}`)]) }));
   }
   weft.views.push({ id: "convergence", title: "Convergence", shown: () => rounds.length > 0, build: () => [left.length ? whatIsLeft() : null, names.length ? counters() : null, table()] });
 })();

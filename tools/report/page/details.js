@@ -35,7 +35,7 @@
       counters.length ? weft.card("Counters of the engine", weft.table(["counter", "sum", "least of a rank", "most"], counters)) : null);
   }
   function command() {
-    const rows = [["command", "weft " + report.arguments.join(" ")], ["version", report.version], ["target complexity", weft.digits(report.target_complexity, 6)], ["threads", report.threads]];
+    const rows = [["command", "weft " + report.arguments.join(" ")], ["version", report.version], [report.asked_complexity === null ? "complexity of the metric on the background mesh (none was asked for)" : "target complexity", weft.digits(report.target_complexity, 6)], ["threads", report.threads]];
     if (report.subdomains) rows.push(["partitioner", report.subdomains.partitioner], ["layers handed over", report.subdomains.layers]);
     return weft.card("The command", weft.table(["", ""], rows.map(([k, v]) => [k, { class: "text", text: String(v) }])));
   }

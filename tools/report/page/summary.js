@@ -1,4 +1,4 @@
-// What a manager wants to know, in the order in which they would ask.
+// The outcome, its cost and its time, in this order.
 "use strict";
 (() => {
   const { data, make } = weft;
@@ -14,7 +14,7 @@
 
   function verdict() {
     const met = report.goal_met;
-    const text = `${weft.count(after.tets)} tets, ${weft.percent(after.edge_length.share_unit)} of the edges as long as wanted, in ${weft.seconds(report.seconds.total)}`;
+    const text = `${weft.count(after.tets)} tets, ${weft.percent(after.edge_length.share_unit)} unit edges, in ${weft.seconds(report.seconds.total)}`;
     const lines = [...report.goals_missed.map((g) => "Missed: " + g), ...(report.interrupted ? ["Interrupted by the user."] : [])];
     return make("div", { class: "card verdict" + (met ? "" : " missed") }, make("span", { class: "mark", "aria-hidden": "true" }, met ? "✓" : "!"),
       make("div", {}, (met ? "Goal met: " : "Goal not met: ") + text, make("small", {}, lines.length ? lines.join(" ") : `On ${workers()}${report.subdomains ? ", in " + weft.plural(report.subdomains.subdomains, "subdomain") : ""}.`)));
@@ -26,7 +26,7 @@
       tile("Time", weft.seconds(report.seconds.total), "seconds.total", `adapting ${weft.seconds(report.seconds.adapt)}: ${weft.count(rate)} tets a second`),
       tile("Tets", weft.count(report.output.tets), "output.tets", `from ${weft.count(report.input.tets)}; ${weft.count(report.output.vertices)} vertices`),
       tile("Mean quality", after.quality.mean.toFixed(3), "after.quality.mean", `worst 1 % below ${after.quality["quantile_0.01"].toFixed(3)}, worst ${weft.digits(after.quality.min, 2)}` + (before ? `; before ${before.quality.mean.toFixed(3)}` : "")),
-      tile("Edges as wanted", weft.percent(after.edge_length.share_unit), "after.edge_length.share_unit", before ? `before ${weft.percent(before.edge_length.share_unit)}` : "length in [0.71, 1.41] of the metric"),
+      tile("Unit edges", weft.percent(after.edge_length.share_unit), "after.edge_length.share_unit", before ? `before ${weft.percent(before.edge_length.share_unit)}` : "length in [0.71, 1.41] of the metric"),
     ];
     if (data.engine) {
       const sent = data.engine.traffic, bytes = Object.values(sent).reduce((s, t) => s + t.sent.bytes, 0);
@@ -65,7 +65,7 @@
     };
     draw();
     weft.onTheme.push(draw);
-    return weft.card(data.total ? "What the workers did while the mesh was adapted" : "Where the time of the adaptation went", holder);
+    return weft.card(data.total ? "Time of the workers during the adaptation" : "Time of the adaptation by stage", holder);
   }
 
   function build() {
@@ -77,7 +77,7 @@
     if (!data.published.length) return null;
     const own = ["weft, this run", weft.count(data.total ? data.total.workers : report.threads), weft.digits(report.seconds.adapt), after.quality.mean.toFixed(3), after.quality["quantile_0.01"].toFixed(3), weft.digits(after.quality.min), weft.percent(after.edge_length.share_unit), { class: "text", text: "seconds of the adaptation" }];
     const rows = data.published.map((p) => [p.program, p.cores, weft.digits(p.seconds), p.quality_mean.toFixed(3), p["quality_quantile_0.01"].toFixed(3), weft.digits(p.quality_min), weft.percent(p.share_unit), { class: "text", text: p.source }]);
-    return weft.card(`Others on ${data.case}`, weft.table(["program", "cores", "seconds", "Q mean", "Q 1 %", "Q min", "unit edges", "source"], [own, ...rows], { classOf: (r) => (r === 0 ? "own" : null) }));
+    return weft.card(`Published results for ${data.case}`, weft.table(["program", "cores", "seconds", "Q mean", "Q 1 %", "Q min", "unit edges", "source"], [own, ...rows], { classOf: (r) => (r === 0 ? "own" : null) }));
   };
 
   weft.views.push({ id: "summary", title: "Summary", build });

@@ -18,7 +18,7 @@
         plugins: { legend: { position: "bottom", labels: { boxWidth: 12 } }, tooltip: { callbacks: { label: (c) => `${c.dataset.label}: ${weft.digits(c.raw)}${unit === "percent" ? " %" : " s"}` } } } },
     }), few ? Math.max(260, 26 * labels.length + 110) : 460, "Time by operation and rank");
     const tool = make("div", { class: "tool" }, weft.choice("unit", [["percent", "Shares"], ["seconds", "Seconds"]], (u) => { unit = u; chart.redraw(); }),
-      make("span", { class: "note" }, "“all” in seconds is the mean of the ranks. Messages are carried by a thread of their own, which is not in the bars."));
+      make("span", { class: "note" }, "“all” in seconds is the mean of the ranks. The communication thread is not included in the bars."));
     return weft.card("Time by operation", tool, chart);
   }
 
@@ -27,16 +27,16 @@
     const row = (r, name) => [name, r.workers, weft.seconds(r.wall), ...data.operations.map((o) => weft.seconds(r.seconds[o])), weft.seconds(r.communication), r.peak_memory ? weft.bytes(r.peak_memory) : "–"];
     const all = [String("all"), data.total.workers, weft.seconds(data.total.wall), ...data.operations.map((o) => weft.seconds(data.total.seconds[o])), weft.seconds(data.engine.communication), weft.bytes(data.engine.peak_rss.sum)];
     const figures = [["", "", "", ...data.operations.map((o) => "total.seconds." + o), "", ""], ...data.ranks.map((r) => ["", "", "", ...data.operations.map((o) => `rank.${r.rank}.${o}`), "", ""])];
-    return weft.card("The same as numbers", weft.table(head, [all, ...data.ranks.map((r) => row(r, r.rank))], { figures, classOf: (r) => (r === 0 ? "own" : null) }));
+    return weft.card("Table", weft.table(head, [all, ...data.ranks.map((r) => row(r, r.rank))], { figures, classOf: (r) => (r === 0 ? "own" : null) }));
   }
 
   function waits() {
     if (!data.waiting) return null;
     const ranks = data.waiting.ranks.slice(0, 40).map((w) => [w.rank, w.for, weft.seconds(w.seconds), weft.count(w.count)]);
     const subdomains = data.waiting.subdomains.slice(0, 40).map((w) => [w.subdomain, w.for, weft.seconds(w.seconds), weft.count(w.count)]);
-    const none = weft.empty("Nobody waited.");
+    const none = weft.empty("No waiting was recorded.");
     return make("div", { class: "two" },
-      weft.card("Subdomains that waited for a neighbour", make("p", { class: "note" }, "A worker may have done something else meanwhile."), subdomains.length ? weft.table(["subdomain", "for", "waited", "times"], subdomains) : none),
+      weft.card("Subdomains that waited for a neighbour", make("p", { class: "note" }, "A worker may have done other work meanwhile."), subdomains.length ? weft.table(["subdomain", "for", "waited", "times"], subdomains) : none),
       weft.card("The same, by rank", make("p", { class: "note" }, "Summed over the subdomains that a rank had."), ranks.length ? weft.table(["rank", "for", "waited", "times"], ranks) : none.cloneNode(true)));
   }
 
@@ -53,7 +53,7 @@
     if (!data.critical_path) return null;
     const p = data.critical_path;
     const rows = p.by_operation.slice().sort((a, b) => b.seconds - a.seconds).map((o) => [o.operation, weft.seconds(o.seconds), weft.percent(o.seconds / p.seconds), weft.count(o.runs)]);
-    return weft.card("Critical path", make("p", { class: "note" }, `The longest chain of work of which each piece had to wait for the one before: ${weft.seconds(p.seconds)} of ${weft.seconds(p.wall)}. However many workers there are, it will not be faster with this work.`), weft.table(["operation", "time", "share", "runs"], rows));
+    return weft.card("Critical path", make("p", { class: "note" }, `The longest chain of dependent tasks: ${weft.seconds(p.seconds)} of ${weft.seconds(p.wall)}. More workers cannot make the run shorter than this chain.`), weft.table(["operation", "time", "share", "runs"], rows));
   }
 
   const build = () => (data.total ? [breakdown(), make("div", { class: "two" }, path(), commandCard()), waits(), rankTable(), stagesCard()] : [make("div", { class: "two" }, commandCard(), stagesCard())]);

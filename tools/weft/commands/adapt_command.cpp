@@ -9,6 +9,7 @@
 #include "tools/weft/options/field_options.h"
 #include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/interrupt.h"
 #include "tools/weft/terminal/progress.h"
@@ -23,13 +24,12 @@ constexpr const char* kFooter = R"(Examples:
   weft adapt wing.meshb --sol mach.solb --field flow.solb --transfer conservative -o fine.meshb
   weft adapt cube.meshb --metric-fn polar-2 -o layer.meshb --threads 2 --report report
 
-Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the fields carried along
-(fine-fields.solb); each whole or not at all.
---metric holds a symmetric tensor (m11 m12 m22 m13 m23 m33) or a wanted size at every vertex of the
-input, or of --background; --sol a solution whose interpolation error is to be least. The metric is scaled
-so that it has the --complexity once it is limited (--hmin, --hmax, --aspect) and graded (--hgrad); expect
-about 2 vertices and 12 tets a unit of complexity. Ctrl-C ends the run with the valid mesh reached so far
-and exit code 1.
+Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the transferred fields
+(fine-fields.solb). A file is written completely or not at all.
+--metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
+--background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
+the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
+and 12 tets per unit of complexity. Ctrl-C ends the run with a valid intermediate mesh and exit code 1.
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand {
@@ -37,8 +37,7 @@ struct AdaptCommand {
   Options options;
   FieldChoice fields;
   std::string shifts = "auto";
-  ProgressStyle progress = ProgressStyle::automatic;
-  bool quiet = false;
+  Verbosity verbosity;
 };
 
 /// Ranks share a machine: unless told otherwise each works with one thread.
@@ -46,7 +45,7 @@ int default_threads_of_rank() { return under_mpirun() ? 1 : default_threads(); }
 
 /// What the run tells goes to the terminal, and signals end it in good order or ask how far it is.
 FilesResult adapt_and_tell(AdaptCommand& command) {
-  Progress progress(command.progress);
+  Progress progress(command.verbosity.style());
   const InterruptGuard interrupt;
   StateRequest state_request;
   RunOptions& run = command.options.run;
@@ -57,7 +56,7 @@ FilesResult adapt_and_tell(AdaptCommand& command) {
     fmt::print(stderr, "weft: {}", text);
   };
   run.on_failure = [](const std::string& why) { fmt::print(stderr, "error: {}\n", printable(why)); };
-  if (command.progress != ProgressStyle::none || !in_subdomains(command.options))
+  if (command.verbosity.style() != ProgressStyle::none || !in_subdomains(command.options))
     run.progress = [&](const weft::Progress& now) {
       progress.show(now);
       if (!now.sentence && state_request.take()) progress.say(now.stage, now.done, now.tets);
@@ -73,7 +72,6 @@ int run(AdaptCommand& command) {
     throw CLI::RequiredError(
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
         CLI::ExitCodes::RequiredError);
-  if (command.quiet) command.progress = ProgressStyle::none;
   if (command.options.run.threads == 0) command.options.run.threads = default_threads_of_rank();
   if (command.shifts != "auto")
     command.options.distributed.shifts = static_cast<std::uint32_t>(std::stoul(command.shifts));
@@ -82,7 +80,7 @@ int run(AdaptCommand& command) {
   const FilesResult result = adapt_and_tell(command);
   if (!result.report_error.empty() && result.first)
     fmt::print(stderr, "weft: {}\n", printable(result.report_error));
-  if (!command.quiet && result.first) fmt::print("{}", summary(result));
+  if (result.first) command.verbosity.print("{}", summary(result));
   return result.goal_met() && result.report_error.empty() ? kDone : kGoalNotMet;
 }
 
@@ -103,7 +101,7 @@ void add_background(CLI::App& sub, AdaptCommand& command) {
 
 void add_geometry(CLI::App& sub, AdaptCommand& command) {
   sub.add_option("--ridge-angle", command.options.geometry.ridge_angle,
-                 "keep boundary edges sharper than this; default 45 (also -ar)")
+                 "keep boundary edges with a sharper angle; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
@@ -114,49 +112,41 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->group("Geometry");
 }
 
-void add_account(CLI::App& sub, AdaptCommand& command) {
-  constexpr const char* kGroup = "Account";
+void add_report_options(CLI::App& sub, AdaptCommand& command) {
+  constexpr const char* kGroup = "Report";
   static const CLI::Validator graph_name(
       [](const std::string& name) {
-        return !graph_format(name).empty()
-                   ? std::string()
-                   : "'" + name + "' ends in no format: .json, .dot, .graphml or .svg";
+        return !graph_format(name).empty() ? std::string()
+                                           : "'" + name + "' must end in .json, .dot, .graphml or .svg";
       },
       "");
-  sub.add_option("--report", command.files.report,
-                 "folder for report.html and, for programs, report.json and profile.json")
+  sub.add_option("--report", command.files.report, "folder for report.html, report.json and profile.json")
       ->type_name("DIR")
       ->group(kGroup);
-  sub.add_option("--case", command.files.case_name, "also show published figures of this case; see below")
+  sub.add_option("--case", command.files.case_name, "compare with published figures of this case; see below")
       ->type_name("NAME")
       ->check(CLI::IsMember(published_cases()).description(""))
       ->needs("--report")
       ->group(kGroup);
   sub.add_option("--graph", command.files.graph,
-                 "executed task graph (.json, .dot, .graphml, .svg), beside it the planned one")
+                 "executed task graph: .json, .dot, .graphml or .svg; the planned one beside it")
       ->type_name("FILE")
       ->check(graph_name)
       ->group(kGroup);
-  sub.add_option("--trace", command.files.trace, "a timeline for ui.perfetto.dev, .json")
+  sub.add_option("--trace", command.files.trace, "timeline for ui.perfetto.dev, .json")
       ->type_name("FILE")
       ->group(kGroup);
 }
 
 void add_run(CLI::App& sub, AdaptCommand& command) {
-  static const std::map<std::string, ProgressStyle> styles = {
-      {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
   sub.add_option("--threads", command.options.run.threads,
-                 "threads (of each rank); default: all cores, under mpirun one")
+                 "threads per rank; default: all cores, under mpirun 1")
       ->type_name("T")
       ->check(CLI::Range(1, 1024).description(""))
       ->group("Run");
-  add_account(sub, command);
-  sub.add_option("--progress", command.progress, "auto (a bar on a terminal, else lines), plain or none")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
-      ->type_name("STYLE")
-      ->group("Run");
-  sub.add_flag("--quiet", command.quiet, "print nothing but errors")->group("Run");
-  sub.add_flag("--force", command.options.run.force, "start even if the memory seems too small")
+  add_report_options(sub, command);
+  add_verbosity(sub, command.verbosity, "Run");
+  sub.add_flag("--force", command.options.run.force, "run even if the memory seems insufficient")
       ->group("Run");
 }
 
@@ -169,7 +159,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
   static const std::map<std::string, LayersBy> connections = {{"points", LayersBy::points},
                                                               {"faces", LayersBy::faces}};
   sub.add_option("--subdomains", distributed.subdomains,
-                 "adapt in N parts; else under mpirun or with --partitioner 4 for each thread")
+                 "number of subdomains; default 4 per thread under mpirun or with --partitioner")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
@@ -179,20 +169,21 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->group(kGroup);
   static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};
   sub.add_option("--equal", distributed.equal,
-                 "parts of equal predicted work (default) or of equally many tets of the input")
+                 "balance subdomains by predicted work (default) or by tets of the input")
       ->transform(CLI::CheckedTransformer(shares).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
-  sub.add_option("--layers", distributed.layers, "layers of tets handed over in the first shift; default 2")
+  sub.add_option("--layers", distributed.layers,
+                 "layers of tets migrated in the first shift; default 2; at most 1 later")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);
-  sub.add_option("--layers-by", distributed.layers_by, "layers grow through points (default) or faces")
+  sub.add_option("--layers-by", distributed.layers_by, "layers grow across points (default) or faces")
       ->transform(CLI::CheckedTransformer(connections).description(""))
       ->type_name("KIND")
       ->group(kGroup);
   sub.add_option("--shifts", command.shifts,
-                 "auto (default: until all the interface has been free, at most 12) or at most N")
+                 "auto (default: until the whole interface is adapted, at most 12) or at most N")
       ->type_name("N")
       ->check(number_or_auto())
       ->group(kGroup);
@@ -203,13 +194,16 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
   static const std::map<std::string, Freeze> frozen = {{"vertices", Freeze::vertices},
                                                        {"tets", Freeze::tets}};
   sub.add_option("--freeze", distributed.freeze,
-                 "frozen at an interface: vertices (default) or, as in the paper, tets")
+                 "what is frozen at an interface: vertices (default) or, as in the paper, tets")
       ->transform(CLI::CheckedTransformer(frozen).description(""))
       ->type_name("WHAT")
       ->group(kGroup);
+  sub.add_flag("--check", command.options.run.check,
+               "check the invariants of all subdomains after every round; slow")
+      ->group(kGroup);
   sub.add_flag_callback(
          "--no-interface-refinement", [&distributed] { distributed.interface_refinement = false; },
-         "leave the interface coarse before the interior is adapted")
+         "do not refine the interface before the interior is adapted")
       ->group(kGroup);
 }
 

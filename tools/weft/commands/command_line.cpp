@@ -21,11 +21,12 @@ namespace {
 constexpr const char* kFooter = R"(Example:
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb --threads 8
 
-`weft SUBCOMMAND --help` tells more. Meshes are .meshb or .mesh (Gamma Mesh Format, as refine, Mmg and
-Gmsh write it), .msh, .ugrid, .su2, .vtu, .pvtu or .cgns; metrics and solutions are .solb or .sol, or
-fields in a .msh, .vtu, .pvtu or .cgns.
-Exit codes: 0 done; 1 a valid mesh, but the goal was not met (`verify`: it does not conform); 2 no
-mesh; 64 usage.)";
+`weft SUBCOMMAND --help` shows the options of a subcommand.
+Meshes are .meshb or .mesh (Gamma Mesh Format, as refine, Mmg and Gmsh write it),
+.msh, .ugrid, .su2, .vtu, .pvtu or .cgns; metrics and solutions are .solb or .sol,
+or fields in a .msh, .vtu, .pvtu or .cgns.
+Exit codes: 0 success; 1 valid mesh, but the goal was not met (`verify`: it does not conform); 2 no mesh;
+64 usage error.)";
 
 std::vector<std::string> subcommand_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -81,7 +82,8 @@ int run_command_line(const std::vector<std::string>& arguments) {
   CLI::App app("weft adapts tetrahedral meshes to anisotropic metric fields.", "weft");
   Action action;
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_version_flag("--version", std::string("weft ") + version(), "print the version");
+  app.set_version_flag(
+      "--version", [] { return version_details(); }, "versions of weft and its libraries");
   app.require_subcommand(1);
   app.footer(kFooter);
   add_adapt_command(app, action, arguments);

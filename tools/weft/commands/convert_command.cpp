@@ -11,6 +11,7 @@
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -23,13 +24,14 @@ constexpr const char* kFooter = R"(Examples:
 
 Volumes: .meshb .mesh (Gamma), .msh (Gmsh), .ugrid (as .lb8.ugrid, .b8.ugrid, .lb8l.ugrid, ...; ASCII
 without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .ply. Each is read and written.
-Fields of the input and of --sol go into the result where its format holds them, else beside it into
-a .solb, beside a .mesh into a .sol. Says what is dropped: what weft has no place for, and what the
-new format cannot hold.)";
+Fields of the input and of --sol are written into the result if its format holds fields, else beside it
+into a .solb (beside a .mesh into a .sol). Whatever is dropped is listed: what weft cannot represent and
+what the new format cannot hold.)";
 
 struct ConvertCommand {
   std::string input, output, solution;
   WriteOptions options;
+  Verbosity verbosity;
 };
 
 std::string dropped_text(const std::vector<Dropped>& dropped) {
@@ -46,7 +48,7 @@ void add_solution(const ConvertCommand& command, MeshFile& contents) {
   Fields solution = read_fields(command.solution);
   if (solution.num_points != contents.mesh.points.size())
     throw InputError(command.solution, "",
-                     fmt::format("is the solution of another mesh: it has {} vertices, {} has {}",
+                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
                                  grouped(std::uint64_t{solution.num_points}), command.input,
                                  grouped(std::uint64_t{contents.mesh.points.size()})));
   std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
@@ -66,14 +68,18 @@ std::vector<Dropped> write(const ConvertCommand& command, const MeshFile& conten
 
 int run_convert(const ConvertCommand& command) {
   check_writable(command.output);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   MeshFile contents = read_mesh_file(command.input);
   if (!command.solution.empty()) add_solution(command, contents);
+  progress.phase("writing");
   const std::vector<Dropped> dropped = write(command, contents);
+  progress.finish();
   const auto& mesh = contents.mesh;
-  fmt::print("{}: {} vertices, {} tets, {} triangles\n", command.output,
-             grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
-             grouped(std::uint64_t{mesh.triangles.size()}));
-  fmt::print("{}{}", dropped_text(contents.dropped), dropped_text(dropped));
+  command.verbosity.print(
+      "{}: {} vertices, {} tets, {} triangles\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
+      grouped(std::uint64_t{mesh.tets.size()}), grouped(std::uint64_t{mesh.triangles.size()}));
+  command.verbosity.print("{}{}", dropped_text(contents.dropped), dropped_text(dropped));
   return kDone;
 }
 
@@ -111,6 +117,7 @@ void add_convert_command(CLI::App& app, Action& action) {
                   "fields at the vertices, .solb or .sol (also -sol, -met)")
       ->type_name("FILE");
   add_choices(*sub, command->options);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_convert(*command); }; });
 }
 

@@ -12,6 +12,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/field_options.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -21,41 +22,47 @@ namespace {
 constexpr const char* kFooter = R"(Example:
   weft interpolate wing.meshb fine.meshb --field mach.solb -o fine-mach.solb --transfer conservative
 
-Linear interpolation is exact for linear fields. The conservative transfer is that too, keeps the integral
-of every component to 1e-12 of that of its absolute value and makes no new extremes. Vertices of TO outside
-FROM get the value of its closest point. Said of every component: its integral and by what share it
-changed, and the differences that are left when the result is interpolated back to FROM, in the L2
-norm and the largest one, as shares of the field's own.)";
+Linear interpolation is exact for linear fields. The conservative transfer is too; it also preserves the
+integral of every component to 1e-12 of that of its absolute value and creates no new extrema. Vertices
+of TO outside FROM get the value of the closest point. Printed for every component: its integral and its
+relative change, and the differences after interpolation back to FROM, in the L2 and the maximum norm,
+relative to the norm of the field.)";
 
 struct InterpolateCommand {
   std::string from, to, output;
   FieldChoice fields;
   int threads = 1;
+  Verbosity verbosity;
 };
 
 int run_interpolate(const InterpolateCommand& command) {
   check_writable(command.output);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   const Mesh from = read_mesh(command.from), to = read_mesh(command.to);
   const Fields fields = read_fields(command.fields.files, from.points.size(), command.from);
+  progress.phase("fields");
   const Transfer result = naming(
       command.from, [&] { return interpolate(from, fields, to, command.fields.method, command.threads); });
+  progress.phase("writing");
   write_fields(command.output, result.fields);
-  fmt::print("{}: {} fields at {} vertices\n", command.output, fields.fields.size(),
-             grouped(std::uint64_t{to.points.size()}));
-  fmt::print("{}", accounts_text(result.accounts, command.fields.method));
+  progress.finish();
+  command.verbosity.print("{}: {} fields at {} vertices\n", command.output, fields.fields.size(),
+                          grouped(std::uint64_t{to.points.size()}));
+  command.verbosity.print("{}", accounts_text(result.accounts, command.fields.method));
   for (const std::string& warning : transfer_warnings(result, command.from))
-    fmt::print("warning: {}\n", warning);
+    command.verbosity.print("warning: {}\n", warning);
   return kDone;
 }
 
 }  // namespace
 
 void add_interpolate_command(CLI::App& app, Action& action) {
-  CLI::App* sub = app.add_subcommand("interpolate", "carry fields from one mesh to another");
+  CLI::App* sub = app.add_subcommand("interpolate", "transfer fields from one mesh to another");
   sub->footer(kFooter);
   auto command = std::make_shared<InterpolateCommand>();
   sub->add_option("FROM", command->from, "the mesh that the fields belong to")->type_name("FILE")->required();
-  sub->add_option("TO", command->to, "the mesh that they are wanted on")->type_name("FILE")->required();
+  sub->add_option("TO", command->to, "the mesh to transfer them to")->type_name("FILE")->required();
   add_field_options(*sub, command->fields, "FROM", "Options")->required();
   sub->add_option("-o,-x,--out", command->output,
                   "the fields at the vertices of TO, .solb or .sol (also -out)")
@@ -63,6 +70,7 @@ void add_interpolate_command(CLI::App& app, Action& action) {
       ->check(solution_name())
       ->required();
   add_threads(*sub, command->threads);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_interpolate(*command); }; });
 }
 

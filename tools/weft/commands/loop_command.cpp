@@ -1,6 +1,7 @@
 // `weft loop`: a solver and adaptation in turns.
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <string>
 
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/jobs/loop.h"
@@ -20,22 +21,29 @@ CONFIG is JSON; its paths are relative to its folder, where the solver runs too:
     "metric": {"norm": 2, "hgrad": 1.5},
     "transfer": "conservative"
   }
-The solver is a line for the shell: it reads {mesh}, writes its fields at the vertices to {solution}, may
-start from {restart}, the last solution carried to this mesh ('' in cycle 0), and know its {cycle}. All
+The solver is a shell command: it reads {mesh}, writes its fields at the vertices to {solution}, may start
+from {restart}, the previous solution on this mesh ('' in cycle 0), and may use the number {cycle}. All
 scalar fields drive the metric. Optional: folder (default: CONFIG's name), cycles (for each complexity),
 mesh_extension and solution_extension (.meshb and .solb), metric (norm, recovery, hmin, hmax, aspect,
 hgrad, hgrad_space), adapt (threads, hausd, ridge_angle) and transfer, all as in `weft adapt`.
 Every cycle keeps its mesh, metric, fields, report, solution and log in its own folder, 000, 001, ...
-The same command goes on where an earlier run stopped, killed or not. Ctrl-C: exit code 1.)";
+The same command continues where an earlier run stopped, even if it was killed. Ctrl-C: exit code 1.)";
 
 }  // namespace
 
 void add_loop_command(CLI::App& app, Action& action) {
-  CLI::App* sub = app.add_subcommand("loop", "run solver, metric, adaptation and transfer in turns");
+  CLI::App* sub = app.add_subcommand("loop", "alternate between a solver and adaptation to its solution");
   sub->footer(kFooter);
-  auto config = std::make_shared<std::string>();
-  sub->add_option("CONFIG", *config, "the configuration, .json")->type_name("FILE")->required();
-  sub->callback([config, &action] { action = [config] { return run_loop(read_loop_config(*config)); }; });
+  struct Command {
+    std::string config;
+    Verbosity verbosity;
+  };
+  auto command = std::make_shared<Command>();
+  sub->add_option("CONFIG", command->config, "the configuration, .json")->type_name("FILE")->required();
+  add_verbosity(*sub, command->verbosity);
+  sub->callback([command, &action] {
+    action = [command] { return run_loop(read_loop_config(command->config), command->verbosity); };
+  });
 }
 
 }  // namespace weft::tools

@@ -10,6 +10,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/jobs/volume_job.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -22,34 +23,35 @@ constexpr const char* kFooter = R"(Examples:
   weft mesh part.stl --background old.meshb --metric sizes.solb -o part.meshb
   weft mesh ball --size 0.1 -o ball.meshb
 
-SURFACE is any mesh file with triangles. They must close one or several volumes; shared faces divide
-materials, which get the references 1, 2 ... of tets. The triangles stay as they are, and sizes grow
-from theirs into the volume, faster than --growth where theirs do. Repaired with a note: points at the
-same place, triangles without area or given twice, orientations. Refused: open and self-intersecting
-surfaces.)";
+SURFACE is any mesh file with triangles. They must enclose one or several volumes; shared faces separate
+materials, which get the tet references 1, 2 ... The triangles are kept, and sizes grow from theirs into
+the volume, faster than --growth where the triangles' sizes do. Repaired with a note: coincident points,
+degenerate and duplicate triangles, orientations. Refused: open and self-intersecting surfaces.)";
 
 constexpr const char* kBoxFooter = R"(Example:
   weft mesh box -o cube.meshb --cells 8 8 8
 
-References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The box's 12
-edges are ridges, its 8 corners corners.)";
+References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The 12 edges of the
+box are ridges, its 8 vertices corners.)";
 
 struct BoxCommand {
   std::string output;
   std::array<std::uint32_t, 3> cells = {8, 8, 8};
   std::array<double, 3> min = {0, 0, 0}, max = {1, 1, 1};
+  Verbosity verbosity;
 };
 
 int run_box(const BoxCommand& command) {
   const auto point = [](const std::array<double, 3>& x) { return Point{x[0], x[1], x[2]}; };
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(command.min[axis] < command.max[axis]))
-      throw CLI::ValidationError("--max", "must lie above --min in every direction");
+      throw CLI::ValidationError("--max", "must be above --min in every direction");
   check_writable(command.output);
   const Mesh mesh = box({command.cells, point(command.min), point(command.max)});
   write_mesh(command.output, mesh);
-  fmt::print("{}: {} vertices, {} tets\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
-             grouped(std::uint64_t{mesh.tets.size()}));
+  command.verbosity.print("{}: {} vertices, {} tets\n", command.output,
+                          grouped(std::uint64_t{mesh.points.size()}),
+                          grouped(std::uint64_t{mesh.tets.size()}));
   return kDone;
 }
 
@@ -67,14 +69,14 @@ int run_surface(const SurfaceCommand& command) {
   if (command.volume.output.empty())
     throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
   if (command.volume.background.empty() != command.volume.metric.empty())
-    throw CLI::ValidationError("--background", "belongs together with --metric");
+    throw CLI::ValidationError("--background", "requires --metric and the reverse");
   RefNames names;
   const Mesh surface = read_mesh(command.input, &names);
   return make_volume(command.input, surface, names, command.volume);
 }
 
 CLI::Option* add_growth(CLI::App& sub, double& growth) {
-  return sub.add_option("--growth", growth, "from edge to edge, away from the surface; default 1.3")
+  return sub.add_option("--growth", growth, "growth ratio of edges away from the surface; default 1.3")
       ->type_name("G")
       ->check(CLI::Range(1.0, 100.0).description(""));
 }
@@ -85,23 +87,24 @@ void add_sizes(CLI::App& sub, VolumeRequest& volume) {
       ->type_name("H")
       ->check(positive_number())
       ->group("Sizes");
-  sub.add_option("--background", volume.background, "a mesh of tets around or beside the surface")
+  sub.add_option("--background", volume.background, "a tet mesh that carries the sizes of --metric")
       ->type_name("FILE")
       ->group("Sizes");
-  sub.add_option("--metric", volume.metric, "wanted sizes at its vertices, instead of the surface's")
+  sub.add_option("--metric", volume.metric, "sizes at the vertices of --background, instead of the surface's")
       ->type_name("FILE")
       ->group("Sizes");
 }
 
 void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
-  sub.add_flag("--materials", volume.fill.materials, "a shell inside a volume bounds a material, not a hole")
+  sub.add_flag("--materials", volume.fill.materials,
+               "a closed surface inside a volume bounds a material, not a hole")
       ->group("Surface");
   sub.add_option("--merge", volume.fill.merge,
-                 "points nearer than this share of the diagonal are one; default 1e-9")
+                 "merge points closer than this share of the diagonal; default 1e-9")
       ->type_name("T")
       ->check(CLI::Range(0.0, 0.01).description(""))
       ->group("Surface");
-  sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "let the surface be adapted, within --hausd")
+  sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "adapt the surface too, within --hausd")
       ->group("Surface");
   sub.add_option("--hausd", volume.fill.geometry.hausd,
                  "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
@@ -109,7 +112,7 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
       ->check(positive_number())
       ->group("Surface");
   sub.add_option("--ridge-angle", volume.fill.geometry.ridge_angle,
-                 "keep boundary edges sharper than this; default 45 (also -ar)")
+                 "keep boundary edges with a sharper angle; default 45 (also -ar)")
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Surface");
@@ -132,6 +135,7 @@ void add_box(CLI::App& mesh, Action& action) {
   box->add_option("--max", command->max, "upper corner; default 1 1 1")
       ->type_name("X Y Z")
       ->check(finite_number());
+  add_verbosity(*box, command->verbosity);
   box->callback([command, &action] { action = [command] { return run_box(*command); }; });
 }
 
@@ -195,8 +199,7 @@ void add_bodies(CLI::App& mesh, Action& action) {
   add_body<Wing>(
       mesh, action, "delta-wing", "UGAWG's delta wing in its far-field box",
       [](CLI::App& sub, Wing& o) {
-        add_length(sub, "--size", o.surface.size,
-                   "of the edges on the wing; default: as coarse as it can be");
+        add_length(sub, "--size", o.surface.size, "of the edges on the wing; default: as coarse as possible");
         add_length(sub, "--far-size", o.far_size, "largest size; default: none");
         add_growth(sub, o.growth);
       },
@@ -211,7 +214,7 @@ void add_bodies(CLI::App& mesh, Action& action) {
 }  // namespace
 
 void add_mesh_command(CLI::App& app, Action& action) {
-  CLI::App* sub = app.add_subcommand("mesh", "make a start mesh of a surface or of a simple body");
+  CLI::App* sub = app.add_subcommand("mesh", "make an initial mesh of a surface or of a simple body");
   sub->footer(kFooter);
   auto command = std::make_shared<SurfaceCommand>();
   sub->add_option("SURFACE", command->input, "closed triangles, in any format")->type_name("FILE");

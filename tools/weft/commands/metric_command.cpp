@@ -8,6 +8,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -19,14 +20,15 @@ constexpr const char* kFooter = R"(Examples:
   weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
   weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
 
-Whatever is given is intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
-the complexity is right in the end: with the boundary's demands (--curvature, --sagitta, --wall), which are
-not scaled, and within the limits, gradation among them.)";
+All metrics given are intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
+the result has the --complexity after intersection with the boundary sizes (--curvature, --sagitta, --wall),
+which are not scaled, and after limits and gradation.)";
 
 struct MetricCommand {
   std::string mesh, output;
   MetricOptions metric;
   int threads = 1;
+  Verbosity verbosity;
 };
 
 int run_metric(const MetricCommand& command) {
@@ -35,12 +37,17 @@ int run_metric(const MetricCommand& command) {
         "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
         CLI::ExitCodes::RequiredError);
   check_writable(command.output);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);
+  progress.phase("metric");
   const auto [metric, warnings] = make_metric(mesh, command.metric, command.mesh, command.threads);
+  progress.phase("writing");
   write_fields(command.output, metric.fields());
-  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("{}: metric at {} vertices, complexity {}\n", command.output,
-             grouped(std::uint64_t{metric.size()}), grouped(complexity(mesh, metric)));
+  progress.finish();
+  for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
+  command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output,
+                          grouped(std::uint64_t{metric.size()}), grouped(complexity(mesh, metric)));
   return kDone;
 }
 
@@ -60,6 +67,7 @@ void add_metric_command(CLI::App& app, Action& action) {
   add_metric_construction(*sub, command->metric);
   add_metric_processing(*sub, command->metric);
   add_threads(*sub, command->threads);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });
 }
 

@@ -13,6 +13,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -26,13 +27,15 @@ constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --plot wing.pdf
 
 Without a metric: counts, shapes of the tets, bounding box, volumes and areas by reference. With one:
-mean ratios of the tets and lengths of the edges in it, as `weft adapt` reports them.)";
+mean ratios of the tets and lengths of the edges in the metric, as `weft adapt` reports them.
+--quiet prints nothing; the exit code is 0 if everything could be read.)";
 
 struct StatCommand {
   std::string mesh;
   MetricOptions metric;
   std::string plot;
   bool json = false, histogram = false;
+  Verbosity verbosity;
 };
 
 Json json_of(const std::map<std::int32_t, double>& by_ref) {
@@ -114,7 +117,7 @@ HistogramText plot_text(const StatCommand& command, const Measures& m) {
 }
 
 void plot(const StatCommand& command, const Measures& measures) {
-  if (measures.num_tets == 0) throw InputError(command.mesh, "", "has no tets to plot");
+  if (measures.num_tets == 0) throw InputError(command.mesh, "", "contains no tets to plot");
   draw_histograms(command.plot, measures, plot_text(command, measures));
 }
 
@@ -124,7 +127,10 @@ int run_stat(const StatCommand& command) {
   if (!command.plot.empty() && !command.metric.given())
     throw CLI::RequiresError("--plot", "--metric or --metric-fn");
   if (!command.plot.empty()) check_writable(command.plot);
+  Progress progress(command.verbosity.style());
+  progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);
+  progress.phase("measuring");
   const Geometry geometry = measure_geometry(mesh);
   Json json = json_of(mesh, geometry);
   std::string text = geometry_text(mesh, geometry);
@@ -135,7 +141,8 @@ int run_stat(const StatCommand& command) {
     if (command.histogram) text += "\n" + histograms_text(measures);
     if (!command.plot.empty()) plot(command, measures);
   }
-  fmt::print("{}", command.json ? json.dump(1) + "\n" : text);
+  progress.finish();
+  command.verbosity.print("{}", command.json ? json.dump(1) + "\n" : text);
   return kDone;
 }
 
@@ -148,11 +155,12 @@ void add_stat_command(CLI::App& app, Action& action) {
   auto command = std::make_shared<StatCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   add_metric_source(*sub, command->metric);
-  sub->add_flag("--json", command->json, "everything as JSON, histograms included");
-  sub->add_flag("--histogram", command->histogram, "histograms of quality and edge length too");
-  sub->add_option("--plot", command->plot, "these histograms as a figure: .png, .svg or .pdf")
+  sub->add_flag("--json", command->json, "print everything as JSON, including histograms");
+  sub->add_flag("--histogram", command->histogram, "also print histograms of quality and edge length");
+  sub->add_option("--plot", command->plot, "draw the histograms: .png, .svg or .pdf")
       ->type_name("FILE")
       ->check(picture_name());
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_stat(*command); }; });
 }
 

@@ -12,6 +12,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/option_checks.h"
+#include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "weft/weft.h"
 
@@ -25,18 +26,17 @@ constexpr const char* kFooter = R"(Examples:
   weft view wing.meshb --only 1,2,3 --clip y=0 --from iso -o wing.svg
   weft view flow.vtu --color-by field:mach --clip z=0.1 --slice --from z -o mach.png
 
-Shows the surface. --clip cuts away what lies on the eye's side of a plane like x=0.5, or on the side to
-which the normal N points from P, and leaves whole tets, or with --slice a plane section. Azimuths
-count from x towards y, elevations from there up to z, in degrees. --color-by takes
-  none           the surface in one colour, what a cut lays bare in another (default)
+Shows the surface. --clip removes what lies on the viewer's side of a plane like x=0.5, or on the side of P
+to which the normal N points, and shows whole tets, or with --slice a plane section. Azimuths are measured
+from x towards y, elevations from there towards z, in degrees. --color-by takes
+  none           the surface in one colour, cut tets in another (default)
   ref            references of the triangles
-  subdomain      references of the tets; of a .pvtu, its pieces: those of a run in subdomains
+  subdomain      references of the tets; of a .pvtu, its pieces (subdomains)
   quality        mean ratio of the tets, in the metric where one is given
-  length         length of the edges in the metric: each colours the third of a face beside it
+  length         length of the edges in the metric: each colours the adjacent third of a face
   nonconforming  in red the tets with an edge outside [1/√2, √2] in the metric
-  field[:NAME]   a scalar of --field or of MESH itself, or the length of a vector
-The picture is .png, or .pdf or .svg with sharp text around an image. Where edges lie closer than
-pixels their lines fade.)";
+  field[:NAME]   a scalar of --field or of MESH, or the length of a vector
+The picture is a .png, or a .pdf or .svg with vector text around an image. Edges closer than a pixel fade.)";
 
 struct ViewCommand {
   std::string mesh, output;
@@ -45,6 +45,7 @@ struct ViewCommand {
   std::string color_by = "none";
   bool no_edges = false, no_legend = false, no_axes = false;
   PictureOptions picture;
+  Verbosity verbosity;
 };
 
 /// The word before the colon, if there is one.
@@ -116,6 +117,8 @@ int run_view(ViewCommand& command) {
   const PictureSize size = check_picture(picture);
   check_writable(command.output);
   RefNames names;
+  Progress progress(command.verbosity.style());
+  progress.phase("drawing");
   const Mesh mesh = mesh_to_show(command, names);
   Metric metric;
   if (command.metric.given()) metric = make_metric(mesh, command.metric, command.mesh).metric;
@@ -124,20 +127,22 @@ int run_view(ViewCommand& command) {
   const PictureSource source{mesh, command.metric.given() ? &metric : nullptr, field.first, field.second,
                              &names};
   naming(command.mesh, [&] { draw(command.output, source, picture); });
-  fmt::print("{}: {} x {} pixels\n", command.output, size.width, size.height);
+  progress.finish();
+  command.verbosity.print("{}: {} x {} pixels\n", command.output, size.width, size.height);
   return kDone;
 }
 
 void add_camera_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Camera";
   sub.add_option("--from", command.picture.from,
-                 "where the eye is: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
+                 "viewpoint: x, -x, y, -y, z, -z, iso (default), AZIMUTH,ELEVATION")
       ->type_name("VIEW")
       ->group(kGroup);
-  sub.add_option("--up", command.picture.up, "what is up in the picture, named likewise; default z")
+  sub.add_option("--up", command.picture.up,
+                 "direction that points up in the picture, named likewise; default z")
       ->type_name("VIEW")
       ->group(kGroup);
-  auto* zoom = sub.add_option("--zoom", command.picture.zoom, "enlarge by this factor; default 1")
+  auto* zoom = sub.add_option("--zoom", command.picture.zoom, "magnification; default 1")
                    ->type_name("F")
                    ->check(positive_number())
                    ->group(kGroup);
@@ -150,14 +155,14 @@ void add_camera_options(CLI::App& sub, ViewCommand& command) {
 void add_cut_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Cut";
   auto* clip = sub.add_option("--clip", command.picture.clip,
-                              "cut away one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
+                              "remove one side of x=P, y=P, z=P or PX,PY,PZ,NX,NY,NZ; see below")
                    ->type_name("PLANE")
                    ->group(kGroup);
-  sub.add_flag("--flip", command.picture.flip, "cut away the other side")->needs(clip)->group(kGroup);
+  sub.add_flag("--flip", command.picture.flip, "remove the other side")->needs(clip)->group(kGroup);
   sub.add_flag("--slice", command.picture.slice, "a plane section instead of whole tets")
       ->needs(clip)
       ->group(kGroup);
-  sub.add_option("--only", command.picture.only, "of the surface, only triangles of these references")
+  sub.add_option("--only", command.picture.only, "show only surface triangles of these references")
       ->type_name("REF,...")
       ->delimiter(',')
       ->expected(1)
@@ -177,19 +182,21 @@ void add_colour_options(CLI::App& sub, ViewCommand& command) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->group(kGroup);
-  sub.add_option("--range", command.picture.range, "the ends of the colour bar: LO,HI")
+  sub.add_option("--range", command.picture.range, "limits of the colour bar: LO,HI")
       ->type_name("RANGE")
       ->group(kGroup);
-  sub.add_flag("--dark", command.picture.dark, "on a dark ground")->group(kGroup);
+  sub.add_flag("--dark", command.picture.dark, "dark background")->group(kGroup);
 }
 
 void add_sheet_options(CLI::App& sub, ViewCommand& command) {
-  constexpr const char* kGroup = "Sheet";
+  constexpr const char* kGroup = "Layout";
   sub.add_option("--size", command.picture.size, "WIDTHxHEIGHT in pixels; default 1600x1200")
       ->type_name("SIZE")
       ->group(kGroup);
-  sub.add_option("--title", command.picture.title, "above the picture")->type_name("TEXT")->group(kGroup);
-  sub.add_option("--line-width", command.picture.line_width, "of edges; default 1")
+  sub.add_option("--title", command.picture.title, "title above the picture")
+      ->type_name("TEXT")
+      ->group(kGroup);
+  sub.add_option("--line-width", command.picture.line_width, "line width of edges; default 1")
       ->type_name("W")
       ->check(positive_number())
       ->group(kGroup);
@@ -214,6 +221,7 @@ void add_view_command(CLI::App& app, Action& action) {
   add_camera_options(*sub, *command);
   add_sheet_options(*sub, *command);
   add_metric_source(*sub, command->metric);
+  add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_view(*command); }; });
 }
 

@@ -55,19 +55,19 @@ struct CycleFiles {
 
 class Loop {
  public:
-  explicit Loop(const LoopConfig& config) : config_(config) {}
+  Loop(const LoopConfig& config, const Verbosity& verbosity) : config_(config), verbosity_(verbosity) {}
 
   int run() {
     fs::create_directories(config_.folder);
     const FolderLock lock(config_.folder);
     const std::size_t first = count_finished();
-    if (first > 0) fmt::print("cycles 0 to {} are done already\n", first - 1);
+    if (first > 0) verbosity_.print("cycles 0 to {} are done already\n", first - 1);
     forget_from(first);
     remove_half_written(config_.folder);
     for (std::size_t cycle = first; cycle < cycles(); ++cycle)
       if (!do_cycle(cycle)) return interrupted(cycle);
     write_table();
-    fmt::print("{}: {} cycles done\n", config_.folder.string(), cycles());
+    verbosity_.print("{}: {} cycles done\n", config_.folder.string(), cycles());
     return finished_.back().at("goal_met") == true ? kDone : kGoalNotMet;
   }
 
@@ -161,6 +161,11 @@ class Loop {
     options.metric.complexity = config_.complexities[cycle - 1];
     const InterruptGuard interrupt;
     options.run.cancel = interrupt.flag();
+    Progress progress(verbosity_.style());
+    options.run.progress = [&progress](const weft::Progress& state) {
+      progress.show(state);
+      return true;
+    };
     const FilesResult run = adapt_files(files, options);
     if (run.cancelled) return false;
     marker["goal_met"] = run.missed.empty();
@@ -216,7 +221,7 @@ class Loop {
           grouped(marker.at("tets").get<std::uint64_t>()), percent(marker.at("unit_edges").get<double>()),
           marker.at("goal_met") == true ? "" : " (GOAL NOT MET)",
           seconds_text(marker.at("adapt_seconds").get<double>()));
-    fmt::print("{}solved in {}\n", text, seconds_text(marker.at("solver_seconds").get<double>()));
+    verbosity_.print("{}solved in {}\n", text, seconds_text(marker.at("solver_seconds").get<double>()));
     std::fflush(stdout);  // a loop can take days: its lines must not wait in a buffer
   }
 
@@ -233,16 +238,17 @@ class Loop {
   }
 
   int interrupted(std::size_t cycle) const {
-    fmt::print("interrupted in cycle {}: run the same command again to go on there\n", cycle);
+    verbosity_.print("interrupted in cycle {}: run the same command again to go on there\n", cycle);
     return kGoalNotMet;
   }
 
   const LoopConfig& config_;
+  const Verbosity& verbosity_;
   std::vector<Json> finished_;  ///< the markers
 };
 
 }  // namespace
 
-int run_loop(const LoopConfig& config) { return Loop(config).run(); }
+int run_loop(const LoopConfig& config, const Verbosity& verbosity) { return Loop(config, verbosity).run(); }
 
 }  // namespace weft::tools

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tools/weft/options/loop_config.h"
+#include "tools/weft/options/verbosity.h"
 
 namespace weft::tools {
 
@@ -16,9 +17,9 @@ namespace weft::tools {
 ///
 /// cycles.csv beside the folders has a line a finished cycle. A cycle whose marker is there and whose
 /// settings are still the same is kept, all from the first other one on are done again. Prints a line a
-/// cycle. Returns kDone, or kGoalNotMet when interrupted or when the last adaptation missed its goal. Throws
-/// InputError when a cycle fails, when a kept cycle was made with other settings, and when another loop, or a
-/// solver that one left behind, still runs in the folder.
-int run_loop(const LoopConfig& config);
+/// cycle, and the progress of each adaptation. Returns kDone, or kGoalNotMet when interrupted or when the
+/// last adaptation missed its goal. Throws InputError when a cycle fails, when a kept cycle was made with
+/// other settings, and when another loop, or a solver that one left behind, still runs in the folder.
+int run_loop(const LoopConfig& config, const Verbosity& verbosity);
 
 }  // namespace weft::tools

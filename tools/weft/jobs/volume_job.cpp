@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <map>
 
 #include "tools/common/measures_text.h"
 #include "tools/common/naming.h"
@@ -16,30 +15,27 @@
 namespace weft::tools {
 namespace {
 
-void print_summary(const std::string& output, const FillResult& result) {
+void print_summary(const VolumeRequest& request, const FillResult& result) {
+  const Verbosity& verbosity = request.verbosity;
   const Mesh& mesh = result.mesh;
-  for (const std::string& w : result.warnings) fmt::print("note: {}\n", w);
-  fmt::print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", output,
-             grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
-             grouped(std::uint64_t{mesh.triangles.size()}), result.regions, result.regions == 1 ? "" : "s");
-  fmt::print("{}\n", shape_text(measure_shape(mesh)));
-  fmt::print("surface and initial grid {}, filling {}\n", seconds_text(result.grid_seconds),
-             seconds_text(result.fill_seconds));
+  for (const std::string& w : result.warnings) verbosity.print("note: {}\n", w);
+  verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request.output,
+                  grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
+                  grouped(std::uint64_t{mesh.triangles.size()}), result.regions,
+                  result.regions == 1 ? "" : "s");
+  verbosity.print("{}\n", shape_text(measure_shape(mesh)));
+  verbosity.print("surface and initial grid {}, filling {}\n", seconds_text(result.grid_seconds),
+                  seconds_text(result.fill_seconds));
 }
 
 }  // namespace
 
 void add_volume_output(CLI::App& command, VolumeRequest& request) {
-  static const std::map<std::string, ProgressStyle> styles = {
-      {"auto", ProgressStyle::automatic}, {"plain", ProgressStyle::plain}, {"none", ProgressStyle::none}};
   command.add_option("-o,-x,--out", request.output, "the mesh (also -out)")
       ->type_name("FILE")
       ->check(volume_output_name());
   add_threads(command, request.fill.run.threads);
-  command.add_option("--progress", request.progress, "auto (a bar on a terminal, else lines), plain or none")
-      ->transform(CLI::CheckedTransformer(styles).description(""))
-      ->type_name("STYLE");
-  command.add_flag("--quiet", request.quiet, "print nothing but errors");
+  add_verbosity(command, request.verbosity);
 }
 
 int make_volume(const std::string& name, const Mesh& surface, const RefNames& names,
@@ -47,7 +43,7 @@ int make_volume(const std::string& name, const Mesh& surface, const RefNames& na
   const ResultFiles files = result_files(request.output);
   check_writable(files.mesh);
   check_writable(files.metric);
-  Progress progress(request.quiet ? ProgressStyle::none : request.progress);
+  Progress progress(request.verbosity.style());
   const InterruptGuard interrupt;
   FillOptions options = request.fill;
   options.run.cancel = interrupt.flag();
@@ -67,7 +63,7 @@ int make_volume(const std::string& name, const Mesh& surface, const RefNames& na
   progress.update("writing", 1, result.mesh.tets.size());
   write_result(request.output, result.mesh, result.metric, {}, names);
   progress.finish();
-  if (!request.quiet) print_summary(request.output, result);
+  print_summary(request, result);
   return result.cancelled ? kGoalNotMet : kDone;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/weft/terminal/progress.h"
+#include "tools/weft/options/verbosity.h"
 #include "weft/weft.h"
 
 namespace CLI {
@@ -17,8 +17,7 @@ struct VolumeRequest {
   std::string output;
   std::string background, metric;  ///< files of sizes to use instead of the surface's
   FillOptions fill;
-  ProgressStyle progress = ProgressStyle::automatic;
-  bool quiet = false;
+  Verbosity verbosity;
 };
 
 /// Declares --out, --threads, --progress and --quiet.

@@ -11,14 +11,14 @@ CLI::Option* add_field_options(CLI::App& command, FieldChoice& choice, const std
       {"linear", TransferMethod::linear}, {"conservative", TransferMethod::conservative}};
   CLI::Option* fields = command
                             .add_option("--field", choice.files,
-                                        "fields at the vertices of " + owner + " to carry over; repeatable")
+                                        "fields at the vertices of " + owner + " to transfer; repeatable")
                             ->type_name("FILE")
                             ->expected(1)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                             ->group(group);
   command
       .add_option("--transfer", choice.method,
-                  "linear (default) or conservative (keeps integrals, and tensors definite)")
+                  "linear (default) or conservative (preserves integrals and definite tensors)")
       ->transform(CLI::CheckedTransformer(methods).description(""))
       ->type_name("HOW")
       ->needs(fields)

@@ -36,12 +36,13 @@ Progress::~Progress() { finish(); }
 double Progress::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
 void Progress::update(const std::string& stage, double done, std::uint64_t tets) {
+  done = done_ = std::clamp(done, done_, 1.0);
   if (form_ == Form::bar) draw_bar(stage, done, tets);
   if (form_ == Form::lines) print_line(stage, done, tets);
 }
 
 void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tets) {
-  const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * kBarWidth);
+  const int filled = static_cast<int>(done * kBarWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
   const std::string count = tets > 0 ? grouped(tets) + " tets" : "";
@@ -53,7 +54,8 @@ void Progress::draw_bar(const std::string& stage, double done, std::uint64_t tet
 
 bool Progress::line_is_due() {
   if (seconds() < next_line_) return false;
-  next_line_ = seconds() + kSecondsBetweenLines;
+  constexpr double kShareOfTime = 0.02;  // a run of days must not fill its log
+  next_line_ = seconds() + std::max(kSecondsBetweenLines, kShareOfTime * seconds());
   return true;
 }
 
@@ -61,7 +63,18 @@ void Progress::print_line(const std::string& stage, double done, std::uint64_t t
   if (line_is_due()) say(stage, done, tets);
 }
 
+void Progress::phase(const std::string& name) {
+  if (form_ == Form::bar) {
+    fmt::print(stderr, "\r{} ...\033[K", name);
+    std::fflush(stderr);
+    bar_drawn_ = true;
+  }
+  if (form_ == Form::lines && seconds() >= kSecondsBetweenLines && line_is_due())
+    fmt::print(stderr, "weft: {}, {}\n", name, seconds_text(seconds()));
+}
+
 void Progress::say(const std::string& stage, double done, std::uint64_t tets) {
+  done = done_ = std::clamp(done, done_, 1.0);
   finish();
   const std::string count = tets > 0 ? ", " + grouped(tets) + " tets" : "";
   fmt::print(stderr, "weft: {} {:.0f} %{}, {}\n", stage, 100 * done, count, seconds_text(seconds()));

@@ -18,12 +18,16 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Share done in [0, 1], tets now (0: not known). Prints at most one plain line in two seconds.
+  /// Share of the time that is over, in [0, 1] (never shown to descend), and tets now (0: not known). Prints
+  /// at most one plain line in two seconds.
   void update(const std::string& stage, double done, std::uint64_t tets);
   /// A sentence instead.
   void sentence(const std::string& text);
   /// Whichever the library tells.
   void show(const weft::Progress& progress);
+  /// A phase has begun of a command without percentages: told on a terminal at once, else only after two
+  /// seconds.
+  void phase(const std::string& name);
   /// A line at once, whatever the style.
   void say(const std::string& stage, double done, std::uint64_t tets);
   /// Takes the bar off the terminal, so that the summary starts on a clean line.
@@ -40,6 +44,7 @@ class Progress {
 
   Form form_;
   Clock::time_point start_ = Clock::now();
+  double done_ = 0;       ///< the largest share so far
   double next_line_ = 0;  ///< seconds from the start before which no further line is printed
   bool bar_drawn_ = false;
 };

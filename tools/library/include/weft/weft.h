@@ -38,6 +38,9 @@ struct RunSummary;
 
 /// The library's version, such as "0.1.0".
 WEFT_API const char* version();
+/// `weft X.Y.Z`, then a line for the compiler, each library, the processor and the assertions; no line end
+/// after the last.
+WEFT_API std::string version_details();
 
 /// An option that makes no sense, or contradicts another. what() reads "--hmin: is larger than --hmax".
 class WEFT_API OptionError : public std::invalid_argument {
@@ -122,7 +125,7 @@ struct MetricOptions {
   GradationSpace hgrad_space = GradationSpace::metric;
 
   /// Whether any source or demand is given.
-  bool given() const;
+  WEFT_API bool given() const;
 };
 
 /// How far a run is.
@@ -225,6 +228,7 @@ struct DistributedStats {
   int ranks = 1;
   std::string partitioner;
   int layers = 0;
+  std::uint32_t checks = 0;  ///< of all invariants; 0: not asked for
   double decomposition_seconds = 0, adaptation_seconds = 0;
   std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
   std::vector<ShiftStats> shifts;

@@ -1,0 +1,245 @@
+// The library as programs see it: this file includes nothing of weft but its public header.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <weft/weft.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace weft {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+Mesh box_of(std::uint32_t cells) {
+  BoxOptions options;
+  options.cells = {cells, cells, cells};
+  return box(options);
+}
+
+Metric sizes(const Mesh& mesh, double h) {
+  return Metric::from_sizes(std::vector<double>(mesh.points.size(), h));
+}
+
+Options one_thread() {
+  Options options;
+  options.run.threads = 1;
+  return options;
+}
+
+bool equal(const Mesh& a, const Mesh& b) {
+  return a.points == b.points && a.tets == b.tets && a.triangles == b.triangles && a.tet_refs == b.tet_refs &&
+         a.triangle_refs == b.triangle_refs && a.edges == b.edges;
+}
+
+/// What a call throws, as text; empty for nothing.
+template <class Error>
+std::string error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Door, AdaptsOneMeshToAMetric) {
+  const Mesh start = box_of(4);
+  const Result fine = adapt(start, sizes(start, 0.15), one_thread());
+  EXPECT_TRUE(verify(fine.mesh).ok());
+  EXPECT_EQ(fine.metric.size(), fine.mesh.points.size());
+  EXPECT_GT(fine.after.edges_unit, 0.9);
+  EXPECT_TRUE(fine.goal_met());
+  EXPECT_NEAR(measure_geometry(fine.mesh).volume_by_ref.at(1), 1, 1e-12);
+}
+
+TEST(Door, AcceptsMeshesWithoutReferences) {
+  Mesh bare = box_of(3);
+  bare.point_refs.clear();
+  bare.tet_refs.clear();
+  bare.triangles.clear();
+  bare.triangle_refs.clear();
+  bare.edges.clear();
+  bare.edge_refs.clear();
+  bare.ridges.clear();
+  bare.corners.clear();
+  const Result fine = adapt(bare, sizes(bare, 0.2), one_thread());
+  EXPECT_TRUE(verify(fine.mesh).ok());
+  ASSERT_FALSE(fine.warnings.empty());  // triangles have been made
+}
+
+TEST(Door, ScalesToTheComplexityThatOptionsAskFor) {
+  const Mesh start = box_of(4);
+  Options options = one_thread();
+  options.metric.complexity = 500;
+  const Result fine = adapt(start, sizes(start, 1), options);
+  EXPECT_NEAR(fine.after.complexity, 500, 50);
+  EXPECT_TRUE(fine.complexity_asked);
+}
+
+TEST(Door, GivesTheSameMeshInSubdomainsFromMemoryAsFromFiles) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "weft-door";
+  std::filesystem::create_directories(folder);
+  const Mesh start = box_of(4);
+  write_mesh((folder / "start.meshb").string(), start);
+  Options options = one_thread();
+  options.metric.function = "uniform:0.2";
+  options.metric.complexity = 800;
+  options.distributed.subdomains = 4;
+  Files files;
+  files.input = (folder / "start.meshb").string();
+  files.output = (folder / "fine.meshb").string();
+  const FilesResult by_files = adapt_files(files, options);
+  EXPECT_TRUE(by_files.goal_met());
+  const Result in_memory = adapt(start, options);
+  EXPECT_TRUE(equal(read_mesh(files.output), in_memory.mesh));
+  EXPECT_NE(summary(by_files), "");
+}
+
+TEST(Door, CarriesFieldsAlong) {
+  const Mesh start = box_of(4);
+  Field field{Field::Kind::scalar, {}, "linear"};
+  for (const Point& p : start.points) field.values.push_back(1 + 2 * p.x - p.y + 3 * p.z);
+  Options options = one_thread();
+  options.transfer = TransferMethod::conservative;
+  const Result fine = adapt(start, sizes(start, 0.2), options, {start.points.size(), {field}});
+  ASSERT_EQ(fine.fields.fields.size(), 1u);
+  for (std::size_t v = 0; v < fine.mesh.points.size(); ++v) {
+    const Point& p = fine.mesh.points[v];
+    EXPECT_NEAR(fine.fields.fields[0].values[v], 1 + 2 * p.x - p.y + 3 * p.z, 1e-9);
+  }
+}
+
+TEST(Door, RefusesOptionsNamingThem) {
+  const auto wrong = [](const std::function<void(Options&)>& change) {
+    Options options;
+    change(options);
+    return error_of<OptionError>([&] { validate(options); });
+  };
+  EXPECT_THAT(wrong([](Options& o) { o.metric.hmin = 2, o.metric.hmax = 1; }), StartsWith("--hmin: "));
+  EXPECT_THAT(wrong([](Options& o) { o.metric.aspect = 0.5; }), StartsWith("--aspect: "));
+  EXPECT_THAT(wrong([](Options& o) { o.metric.complexity = -1; }), StartsWith("--complexity: "));
+  EXPECT_THAT(wrong([](Options& o) { o.metric.complexity = NAN; }), StartsWith("--complexity: "));
+  EXPECT_THAT(wrong([](Options& o) { o.metric.function = "cubes"; }), StartsWith("--metric-fn: "));
+  EXPECT_THAT(wrong([](Options& o) { o.metric.wall.refs = {1}; }), StartsWith("--wall-height: "));
+  EXPECT_THAT(wrong([](Options& o) { o.geometry.ridge_angle = 181; }), StartsWith("--ridge-angle: "));
+  EXPECT_THAT(wrong([](Options& o) { o.run.threads = -1; }), StartsWith("--threads: "));
+  EXPECT_THAT(wrong([](Options& o) { o.distributed.partitioner = "slices"; }), StartsWith("--partitioner: "));
+  EXPECT_THAT(wrong([](Options& o) { o.distributed.balancer = "best"; }), StartsWith("--balancer: "));
+  EXPECT_THAT(wrong([](Options& o) { o.distributed.layers = -1; }), StartsWith("--layers: "));
+  EXPECT_EQ(wrong([](Options&) {}), "");
+}
+
+TEST(Door, RefusesDataNamingTheEntity) {
+  const Mesh start = box_of(2);
+  const Metric short_metric = Metric::from_sizes(std::vector<double>(5, 0.2));
+  EXPECT_THAT(error_of<InputError>([&] { adapt(start, short_metric); }), HasSubstr("metric of another mesh"));
+  Mesh wrong = start;
+  wrong.tets[3][1] = 1000;
+  EXPECT_THAT(error_of<InputError>([&] { adapt(wrong, sizes(start, 0.2)); }), HasSubstr("tet 4"));
+  wrong = start;
+  wrong.points[2].y = NAN;
+  EXPECT_THAT(error_of<InputError>([&] { adapt(wrong, sizes(start, 0.2)); }), HasSubstr("vertex 3"));
+  const std::vector<double> negative = {1, -1, 1};
+  EXPECT_THAT(error_of<InputError>([&] { Metric::from_sizes(negative); }), HasSubstr("vertex 2"));
+  EXPECT_THAT(error_of<InputError>([&] { adapt(start, Options{}); }), HasSubstr("no metric"));
+  EXPECT_THAT(error_of<InputError>([] { read_mesh("nowhere.meshb"); }), HasSubstr("nowhere.meshb"));
+}
+
+TEST(Door, CancelsByTheProgressFunctionWithAValidMesh) {
+  const Mesh start = box_of(6);
+  for (const std::uint32_t subdomains : {0u, 4u}) {
+    Options options = one_thread();
+    options.distributed.subdomains = subdomains;
+    options.run.progress = [](const Progress& now) { return now.tets == 0 || now.stage == "reading"; };
+    const Result result = adapt(start, sizes(start, 0.03), options);
+    EXPECT_TRUE(result.cancelled);
+    EXPECT_FALSE(result.goal_met());
+    EXPECT_TRUE(verify(result.mesh).ok());
+  }
+}
+
+TEST(Door, CancelsByAFlagOfAnotherThread) {
+  const Mesh start = box_of(6);
+  std::atomic<bool> cancel = false;
+  Options options = one_thread();
+  options.run.cancel = &cancel;
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    cancel = true;
+  });
+  const Result result = adapt(start, sizes(start, 0.02), options);
+  other.join();
+  EXPECT_TRUE(result.cancelled);
+  EXPECT_TRUE(verify(result.mesh).ok());
+}
+
+TEST(Door, AdaptsTwoMeshesAtOnceAsItDoesEachAlone) {
+  const Mesh a = box_of(5), b = box_of(6);
+  Options for_a = one_thread(), for_b = one_thread();
+  for_a.metric.function = "polar-1";
+  for_a.metric.complexity = 1500;
+  for_b.metric.function = "linear";
+  for_b.metric.complexity = 1500;
+  for_b.distributed.subdomains = 4;
+  const Result alone_a = adapt(a, for_a), alone_b = adapt(b, for_b);
+  Result beside_a, beside_b;
+  std::thread first([&] { beside_a = adapt(a, for_a); });
+  std::thread second([&] { beside_b = adapt(b, for_b); });
+  first.join();
+  second.join();
+  EXPECT_TRUE(equal(alone_a.mesh, beside_a.mesh));
+  EXPECT_TRUE(equal(alone_b.mesh, beside_b.mesh));
+}
+
+TEST(Door, ReadsAMetricFromAnotherMesh) {
+  const Mesh start = box_of(3), background = box_of(5);
+  std::vector<double> h;
+  for (const Point& p : background.points) h.push_back(0.1 + 0.2 * p.x);
+  const Result fine = adapt(start, background, Metric::from_sizes(h), one_thread());
+  EXPECT_TRUE(verify(fine.mesh).ok());
+  EXPECT_GT(fine.after.edges_unit, 0.85);
+  EXPECT_FALSE(fine.before);
+}
+
+TEST(Door, MakesMetricsOfSolutionsInMemory) {
+  const Mesh mesh = box_of(8);
+  Field u{Field::Kind::scalar, {}, "u"};
+  for (const Point& p : mesh.points) u.values.push_back(std::tanh(10 * (p.x - 0.5)));
+  MetricOptions options;
+  options.solutions = {{mesh.points.size(), {u}}};
+  options.complexity = 400;
+  options.hgrad = 1.5;
+  const MadeMetric made = make_metric(mesh, options);
+  EXPECT_NEAR(complexity(mesh, made.metric), 400, 4);
+}
+
+TEST(Door, FillsAClosedSurface) {
+  BallOptions ball;
+  ball.size = 0.4;
+  FillOptions options;
+  options.run.threads = 1;
+  const FillResult filled = fill(ball_surface(ball), options);
+  EXPECT_TRUE(verify(filled.mesh).ok());
+  EXPECT_EQ(filled.regions, 1u);
+}
+
+TEST(Door, TensorsGoInAndComeOutAgain) {
+  const std::vector<Tensor> tensors = {{100, 0, 4, 0, 0, 1}, {2, 0.5, 3, 0.1, 0.2, 4}};
+  const Metric metric = Metric::from_tensors(tensors);
+  for (std::size_t i = 0; i < tensors.size(); ++i) {
+    EXPECT_NEAR(metric.tensor(i).xx, tensors[i].xx, 1e-12 * tensors[i].xx);
+    EXPECT_NEAR(metric.tensor(i).yz, tensors[i].yz, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace weft

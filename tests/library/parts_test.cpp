@@ -1,0 +1,322 @@
+// A mesh that a program holds in parts, on communicators of its own. Under mpirun, with any number of ranks.
+#include <gtest/gtest.h>
+#include <weft/weft.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace weft {
+namespace {
+
+int world_rank() {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return rank;
+}
+
+/// The ranks of the world in the opposite order.
+class Split {
+ public:
+  Split() {
+    MPI_Comm_split(MPI_COMM_WORLD, 0, -world_rank(), &communicator);
+    MPI_Comm_rank(communicator, &rank);
+    MPI_Comm_size(communicator, &ranks);
+  }
+  ~Split() { MPI_Comm_free(&communicator); }
+  MPI_Comm communicator = MPI_COMM_NULL;
+  int rank = 0, ranks = 1;
+};
+
+Mesh whole_box() {
+  BoxOptions options;
+  options.cells = {5, 5, 5};
+  return box(options);
+}
+
+/// Which rank a tet is on.
+using Rule = std::function<int(std::size_t tet)>;
+
+/// Ids that are neither small nor dense.
+std::uint64_t id_of(std::uint32_t vertex) { return 1000 + 3 * std::uint64_t{vertex}; }
+
+double linear(const Point& p) { return 1 + 2 * p.x - p.y + 0.5 * p.z; }
+
+Part part_of(const Mesh& whole, int rank, const Rule& rule, bool triangles = true) {
+  Part part;
+  std::map<std::uint32_t, std::uint32_t> local;
+  const auto local_of = [&](std::uint32_t v) {
+    const auto [at, added] = local.try_emplace(v, static_cast<std::uint32_t>(part.ids.size()));
+    if (added) {
+      part.ids.push_back(id_of(v));
+      part.mesh.points.push_back(whole.points[v]);
+      part.mesh.point_refs.push_back(whole.point_refs[v]);
+    }
+    return at->second;
+  };
+  std::set<std::array<std::uint32_t, 3>> faces;
+  for (std::size_t t = 0; t < whole.tets.size(); ++t) {
+    if (rule(t) != rank) continue;
+    std::array<std::uint32_t, 4> tet{};
+    for (std::size_t i = 0; i < 4; ++i) tet[i] = local_of(whole.tets[t][i]);
+    part.mesh.tets.push_back(tet);
+    part.mesh.tet_refs.push_back(whole.tet_refs[t]);
+    part.tet_ids.push_back(t);
+  }
+  const auto has = [&](std::uint32_t v) { return local.contains(v); };
+  for (std::size_t t = 0; triangles && t < whole.triangles.size(); ++t) {
+    const auto& [a, b, c] = whole.triangles[t];
+    if (!has(a) || !has(b) || !has(c)) continue;
+    part.mesh.triangles.push_back({local[a], local[b], local[c]});
+    part.mesh.triangle_refs.push_back(whole.triangle_refs[t]);
+  }
+  for (std::size_t e = 0; triangles && e < whole.edges.size(); ++e) {
+    const auto& [a, b] = whole.edges[e];
+    if (!has(a) || !has(b)) continue;
+    part.mesh.ridges.push_back(static_cast<std::uint32_t>(part.mesh.edges.size()));
+    part.mesh.edges.push_back({local[a], local[b]});
+    part.mesh.edge_refs.push_back(whole.edge_refs[e]);
+  }
+  for (const std::uint32_t v : whole.corners)
+    if (triangles && has(v)) part.mesh.corners.push_back(local[v]);
+  Field field{Field::Kind::scalar, {}, "linear"};
+  for (const Point& p : part.mesh.points) field.values.push_back(linear(p));
+  part.fields = {part.ids.size(), {field}};
+  return part;
+}
+
+Metric metric_of(const Part& part) {
+  std::vector<double> h;
+  for (const Point& p : part.mesh.points) h.push_back(0.08 + 0.1 * p.x);
+  return Metric::from_sizes(h);
+}
+
+Options options_of(std::uint32_t subdomains = 6) {
+  Options options;
+  options.run.threads = 1;
+  options.distributed.subdomains = subdomains;
+  return options;
+}
+
+/// All own tets by the coordinates of their points, in ascending order, on all ranks: meshes that are equal
+/// but for numbers and ranks give the same.
+std::vector<double> shape_of(const PartResult& result, MPI_Comm communicator) {
+  std::vector<std::array<double, 12>> tets;
+  for (std::size_t t = 0; t < result.part.num_own_tets; ++t) {
+    std::array<std::array<double, 3>, 4> points{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Point& p = result.part.mesh.points[result.part.mesh.tets[t][i]];
+      points[i] = {p.x, p.y, p.z};
+    }
+    std::sort(points.begin(), points.end());
+    std::array<double, 12> flat{};
+    for (std::size_t i = 0; i < 12; ++i) flat[i] = points[i / 3][i % 3];
+    tets.push_back(flat);
+  }
+  int ranks = 1, count = static_cast<int>(12 * tets.size());
+  MPI_Comm_size(communicator, &ranks);
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(static_cast<std::size_t>(ranks));
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, communicator);
+  std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
+  std::vector<double> all(static_cast<std::size_t>(starts.back() + counts.back()));
+  MPI_Allgatherv(tets.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE,
+                 communicator);
+  auto* first = reinterpret_cast<std::array<double, 12>*>(all.data());
+  std::sort(first, first + all.size() / 12);
+  return all;
+}
+
+/// The rules that the tests spread the box by; the last rank of several is empty in the second.
+Rule blocks(const Mesh& whole, int ranks) {
+  return [n = whole.tets.size(), ranks](std::size_t t) {
+    return static_cast<int>(t * static_cast<std::size_t>(ranks) / n);
+  };
+}
+Rule dealt(int ranks) {
+  return [ranks](std::size_t t) {
+    return static_cast<int>(t % static_cast<std::size_t>(std::max(ranks - 1, 1)));
+  };
+}
+
+TEST(Parts, GiveTheSameMeshHoweverTheyAreSpreadAndAsOneMeshInSubdomainsDoes) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part one = part_of(whole, split.rank, blocks(whole, split.ranks));
+  const Part other = part_of(whole, split.rank, dealt(split.ranks));
+  const auto expected =
+      shape_of(adapt(split.communicator, one, metric_of(one), options_of()), split.communicator);
+  const auto spread =
+      shape_of(adapt(split.communicator, other, metric_of(other), options_of()), split.communicator);
+  EXPECT_EQ(expected, spread);
+  const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
+  Part same;
+  same.mesh = whole;
+  const Result in_memory = adapt(whole, metric_of(same), options_of());
+  EXPECT_EQ(12 * in_memory.mesh.tets.size(), expected.size());
+  const PartResult alone = adapt(MPI_COMM_SELF, all, metric_of(all), options_of());
+  EXPECT_EQ(shape_of(alone, MPI_COMM_SELF), expected);
+}
+
+TEST(Parts, ComeBackBalancedNumberedAndOwned) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, dealt(split.ranks));
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options_of(24));
+  const Part& p = fine.part;
+  EXPECT_EQ(p.owners.size(), p.ids.size());
+  EXPECT_EQ(p.mesh.points.size(), p.ids.size());
+  EXPECT_EQ(p.num_own_tets, p.mesh.tets.size());
+  const double mean = static_cast<double>(fine.after.num_tets) / split.ranks;
+  EXPECT_LT(static_cast<double>(p.num_own_tets), 1.4 * mean);
+  EXPECT_GT(static_cast<double>(p.num_own_tets), 0.6 * mean);
+  std::uint64_t owned = 0, all = 0;
+  for (const int owner : p.owners) owned += owner == split.rank;
+  MPI_Allreduce(&owned, &all, 1, MPI_UINT64_T, MPI_SUM, split.communicator);
+  EXPECT_EQ(all, fine.after.num_vertices);
+  for (const std::uint64_t id : p.ids) EXPECT_LT(id, all);
+}
+
+TEST(Parts, CarryFieldsAlong) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, dealt(split.ranks));
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options_of());
+  ASSERT_EQ(fine.part.fields.fields.size(), 1u);
+  for (std::size_t v = 0; v < fine.part.ids.size(); ++v)
+    EXPECT_NEAR(fine.part.fields.fields[0].values[v], linear(fine.part.mesh.points[v]), 1e-9);
+}
+
+TEST(Parts, HaveGhostsOnRequest) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  Options options = options_of(8);
+  options.distributed.ghosts = true;
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options);
+  const Part& p = fine.part;
+  EXPECT_EQ(p.ghost_owners.size(), p.mesh.tets.size() - p.num_own_tets);
+  EXPECT_EQ(p.ghost_owners.empty(), split.ranks == 1);
+  for (const int owner : p.ghost_owners) EXPECT_NE(owner, split.rank);
+  // Around a vertex that lies inside the domain the tets, ghosts included, leave no solid angle open: every
+  // face at an own vertex that one tet alone has is one of the boundary's triangles.
+  std::map<std::array<std::uint32_t, 3>, int> faces;
+  for (const auto& tet : p.mesh.tets)
+    for (std::size_t f = 0; f < 4; ++f) {
+      std::array<std::uint32_t, 3> face{};
+      for (std::size_t i = 0, k = 0; i < 4; ++i)
+        if (i != f) face[k++] = tet[i];
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  std::set<std::uint32_t> own;
+  for (std::size_t t = 0; t < p.num_own_tets; ++t) own.insert(p.mesh.tets[t].begin(), p.mesh.tets[t].end());
+  const auto on_box = [&](std::uint32_t v) {
+    const Point& x = p.mesh.points[v];
+    return std::array<bool, 6>{x.x == 0, x.x == 1, x.y == 0, x.y == 1, x.z == 0, x.z == 1};
+  };
+  for (const auto& [face, count] : faces) {
+    if (count != 1 || !(own.contains(face[0]) || own.contains(face[1]) || own.contains(face[2]))) continue;
+    bool together = false;
+    for (std::size_t side = 0; side < 6; ++side)
+      together |= on_box(face[0])[side] && on_box(face[1])[side] && on_box(face[2])[side];
+    EXPECT_TRUE(together);
+  }
+}
+
+TEST(Parts, WithoutTrianglesGetThose) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks), false);
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options_of());
+  EXPECT_FALSE(fine.warnings.empty());
+  EXPECT_NEAR(fine.after.volume, 1, 1e-12);
+}
+
+TEST(Parts, MetricsThatAreGradedAreMadeOfTheWholeMesh) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  Options options = options_of();
+  options.metric.hgrad = 1.3;
+  options.metric.complexity = 800;
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options);
+  EXPECT_NEAR(fine.after.complexity, 800, 120);
+}
+
+/// What all ranks throw, which must be the same.
+std::string common_error(const Split& split, const std::function<void()>& call) {
+  std::string text;
+  try {
+    call();
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  std::array<char, 512> first{};
+  std::snprintf(first.data(), first.size(), "%s", text.c_str());
+  MPI_Bcast(first.data(), static_cast<int>(first.size()), MPI_CHAR, 0, split.communicator);
+  EXPECT_EQ(text, first.data());
+  return text;
+}
+
+TEST(Parts, WrongOnesAreRefusedOnAllRanksNamingRankAndEntity) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const int last = split.ranks - 1;
+  const auto refused = [&](const std::function<void(Part&, Metric&)>& spoil, bool triangles = true) {
+    Part part = part_of(whole, split.rank, blocks(whole, split.ranks), triangles);
+    Metric metric = metric_of(part);
+    if (split.rank == last) spoil(part, metric);
+    return common_error(split, [&] { adapt(split.communicator, part, metric, options_of()); });
+  };
+  const std::string rank = "rank " + std::to_string(last) + ": ";
+  const auto says = [&](const std::string& text, const std::string& what) {
+    EXPECT_NE(text.find(what), std::string::npos) << text;
+  };
+  says(refused([](Part&, Metric& m) { m = Metric::from_sizes(std::vector<double>(3, 1.0)); }),
+       rank + "metric of another mesh");
+  says(refused([](Part& p, Metric&) { p.ids[1] = p.ids[0]; }), rank + "vertex id");
+  says(refused([](Part& p, Metric&) { p.ids.pop_back(); }), rank + "list of ids");
+  says(refused([](Part& p, Metric&) { p.mesh.tets[2][0] = 99999; }), rank);
+  if (split.ranks > 1) {  // one rank may call its vertices what it likes
+    says(refused([](Part& p, Metric&) { p.ids[0] = 77777777; }), "a hole between");
+    says(refused([](Part& p, Metric&) { p.ids[0] = 77777777; }, false), "a hole between");
+    says(refused([](Part& p, Metric&) { p.tet_ids[0] = 0; }), "is on rank");
+    says(refused([&](Part& p, Metric&) {
+           for (std::size_t v = 0; v < p.ids.size(); ++v) p.mesh.points[v].x += 1e-3;
+         }),
+         "is another point than on rank");
+  }
+}
+
+TEST(Parts, CancelEndsWithAValidMesh) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  std::atomic<bool> cancel = true;
+  Options options = options_of();
+  options.run.cancel = &cancel;
+  const PartResult result = adapt(split.communicator, part, metric_of(part), options);
+  EXPECT_TRUE(result.cancelled);
+  EXPECT_NEAR(result.after.volume, 1, 1e-12);
+}
+
+}  // namespace
+}  // namespace weft
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  MPI_Init(&argc, &argv);  // plain, as many programs do
+  const int mine = RUN_ALL_TESTS();
+  int finalized = 0, worst = 0;
+  MPI_Finalized(&finalized);
+  if (finalized) return 3;  // it is the program's own
+  MPI_Allreduce(&mine, &worst, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Finalize();
+  return worst;
+}

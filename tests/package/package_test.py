@@ -1,0 +1,88 @@
+"""weft installed, its prefix moved, and programs built against it by CMake and by pkg-config."""
+
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+SOURCES = pathlib.Path(__file__).resolve().parent
+BUILD = os.environ["WEFT_BUILD"]
+CXX = os.environ["WEFT_CXX"]
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+MPICC = os.environ["WEFT_MPICC"]
+SECONDS = 250
+
+
+def run(*words, **more):
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, timeout=SECONDS, **more)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, words))}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        run("cmake", "--install", BUILD, "--prefix", cls.folder / "first", "--strip")
+        cls.prefix = cls.folder / "somewhere else" / "moved"
+        cls.prefix.parent.mkdir()
+        shutil.move(cls.folder / "first", cls.prefix)
+        cls.programs = cls.folder / "programs"
+        run("cmake", "-S", SOURCES, "-B", cls.programs, f"-DCMAKE_PREFIX_PATH={cls.prefix}",
+            f"-DCMAKE_CXX_COMPILER={CXX}", "-DCMAKE_BUILD_TYPE=Release")
+        run("cmake", "--build", cls.programs, "--parallel", "2")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def test_the_moved_command_runs(self):
+        self.assertIn("weft", run(self.prefix / "bin" / "weft", "--version"))
+
+    def test_one_public_header_is_installed(self):
+        headers = {p.relative_to(self.prefix / "include").as_posix() for p in (self.prefix / "include").rglob("*.h")}
+        self.assertEqual(headers, {"weft/weft.h", "weft/data.h"})
+
+    def test_only_the_interface_is_exported(self):
+        library = next((self.prefix).rglob("libweft.so"))
+        symbols = run("nm", "-D", "--defined-only", "-C", library)
+        strange = [line for line in symbols.splitlines()
+                   if re.search(r" [TWVuB] ", line) and "weft::" not in line and " std::" not in line
+                   and not line.split(" ", 2)[2].startswith(("typeinfo", "vtable", "__", "_init", "_fini"))]
+        self.assertEqual(strange, [])
+        self.assertNotIn("weft::meshing::Kernel", symbols)
+        self.assertNotIn("MPI_", symbols)
+
+    def test_one_mesh(self):
+        told = run(self.programs / "one_mesh", cwd=self.folder)
+        self.assertRegex(told, r"weft [0-9.]+: \d+ tets")
+        run(self.prefix / "bin" / "weft", "verify", "layer.meshb", cwd=self.folder)
+
+    def test_a_solver_loop(self):
+        self.assertIn("complexity 2000", run(self.programs / "solver_loop", cwd=self.folder))
+
+    def test_parts_on_mpi_give_the_same_mesh_for_any_number_of_ranks(self):
+        told = {ranks: run(*MPIRUN, "-n", ranks, self.programs / "parts_on_mpi") for ranks in (1, 2, 4)}
+        summaries = {re.search(r"all: .*", text).group() for text in told.values()}
+        self.assertEqual(len(summaries), 1, told)
+        self.assertRegex(summaries.pop(), r"volume (1|0\.99999999\d+|1\.00000000\d+)$")
+        for ranks, text in told.items():
+            self.assertEqual(len(re.findall(r"rank \d: [1-9]\d* tets", text)), ranks)
+
+    def test_by_pkg_config(self):
+        pc = next(self.prefix.rglob("weft.pc")).parent
+        known = dict(os.environ, PKG_CONFIG_PATH=str(pc))
+        flags = shlex.split(run("pkg-config", "--cflags", "--libs", "weft", env=known))
+        library = next(self.prefix.rglob("libweft.so")).parent
+        run(CXX, "-std=c++20", SOURCES / "one_mesh.cpp", "-o", self.folder / "by-pc", *flags, f"-Wl,-rpath,{library}")
+        run(self.folder / "by-pc", cwd=self.folder)
+
+
+if __name__ == "__main__":
+    unittest.main()
