@@ -104,10 +104,10 @@ class Death(unittest.TestCase):
         time.sleep(seconds)
         for process in ids:
             os.kill(process, signal.SIGCONT)
-        time.sleep(1.5)  # whoever counts the pause as silence says so now
+        time.sleep(4)  # whoever counts the pause as silence says so now
 
     def goes_on_after(self, run, ids, paused):
-        self.pause(paused, 4)
+        self.pause(paused, 8)
         self.assertIsNone(run.poll())
         os.kill(ids[0], signal.SIGTERM)
         errors, _ = self.end_of(run)
@@ -127,7 +127,7 @@ class Death(unittest.TestCase):
     def test_a_rank_that_is_stopped_on_another_node_counts_as_dead(self):
         run = start(3, "apart", "last")
         ids = processes_of(run, 3)
-        time.sleep(1.5)  # it has been heard of
+        time.sleep(4)  # it has been heard of
         os.kill(ids[1], signal.SIGSTOP)
         self.addCleanup(lambda: os.path.exists(f"/proc/{ids[1]}") and os.kill(ids[1], signal.SIGKILL))
         errors, _ = self.end_of(run)

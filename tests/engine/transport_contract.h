@@ -371,7 +371,7 @@ inline void idles_cheaply(Player& me) {
     me.transport().wait(100ms);
   }
   const double used = thread_seconds() - before;
-  EXPECT_LT(used, 0.05) << "of a core";
+  EXPECT_LT(used, 0.15) << "of a core, where polling would take all of it and waking every 0.5 ms some 0.05";
   if (me.rank() == Rank(0)) std::printf("idle: %.3f %% of a core\n", 100 * used);
   EXPECT_LE(mails, me.size() * 2);  // others' arrival at the meeting
   me.meet();

@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
         .method<&Victim::flood>("flood")
         .method<&Victim::take>("take");
     Runtime runtime(transport, registry,
-                    {.silence = std::chrono::seconds(1), .grace = std::chrono::seconds(2)});
+                    {.silence = std::chrono::seconds(3), .grace = std::chrono::seconds(2)});
     runtime_to_stop = &runtime;
     std::signal(SIGTERM, stop_runtime);
     const ShowStateOnSignal show(runtime);

@@ -1,4 +1,4 @@
-// Adapts a box to a thin layer, checks the result and writes it: the library with one mesh.
+// Adapts a box to smaller tets, checks the result and writes it: the library with one mesh.
 #include <weft/weft.h>
 
 #include <cstdio>
@@ -9,8 +9,7 @@ int main() {
   const weft::Mesh start = weft::box(cells);
 
   weft::Options options;
-  options.metric.function = "polar-1";
-  options.metric.complexity = 2000;
+  options.metric.function = "uniform:0.1";
   options.run.threads = 1;
   options.run.progress = [](const weft::Progress& now) {
     std::printf("%s: %.0f %%\n", now.stage.c_str(), 100 * now.done);
@@ -19,7 +18,7 @@ int main() {
 
   const weft::Result fine = weft::adapt(start, options);
   if (!weft::verify(fine.mesh).ok()) return 1;
-  weft::write_result("layer.meshb", fine.mesh, fine.metric);
+  weft::write_result("fine.meshb", fine.mesh, fine.metric);
   std::printf("weft %s: %zu tets, %.1f %% of the edges are unit\n", weft::version(), fine.mesh.tets.size(),
               100 * fine.after.edges_unit);
   return fine.goal_met() ? 0 : 1;

@@ -53,8 +53,8 @@ class Package(unittest.TestCase):
         library = next((self.prefix).rglob("libweft.so"))
         symbols = run("nm", "-D", "--defined-only", "-C", library)
         strange = [line for line in symbols.splitlines()
-                   if re.search(r" [TWVuB] ", line) and "weft::" not in line and " std::" not in line
-                   and not line.split(" ", 2)[2].startswith(("typeinfo", "vtable", "__", "_init", "_fini"))]
+                   if re.search(r" [TWVuB] ", line) and "weft::" not in line
+                   and " WEFT_0" not in line]
         self.assertEqual(strange, [])
         self.assertNotIn("weft::meshing::Kernel", symbols)
         self.assertNotIn("MPI_", symbols)
@@ -62,7 +62,7 @@ class Package(unittest.TestCase):
     def test_one_mesh(self):
         told = run(self.programs / "one_mesh", cwd=self.folder)
         self.assertRegex(told, r"weft [0-9.]+: \d+ tets")
-        run(self.prefix / "bin" / "weft", "verify", "layer.meshb", cwd=self.folder)
+        run(self.prefix / "bin" / "weft", "verify", "fine.meshb", cwd=self.folder)
 
     def test_a_solver_loop(self):
         self.assertIn("complexity 2000", run(self.programs / "solver_loop", cwd=self.folder))
