@@ -236,13 +236,13 @@ class Adaptation {
       begin_pass(work::kCollapseAgain);
       collapse_pass(crew_);
       end_pass();
-      renumber_if_grown();
+      renumber_if_grown(kGrown);
     }
   }
 
   void reconnect_and_smooth() {
     constexpr std::size_t kRoundsWithLengths = 4;
-    renumber_if_grown();
+    renumber_if_grown(kGrownALittle);
     for (std::size_t round = 0; round < work::kReconnect.size() && !crew_.interrupted(); ++round) {
       end_pass();
       const PredictedWork last = predict_work(tets(), tets());
@@ -398,9 +398,9 @@ class Adaptation {
     const bool poor = mesh_.quality(t) < fair;
     bool long_edge = on_curved_boundary(v);
     for (const auto& e : kTetEdges) {
-      const double length = length_between(mesh_, v[e[0]], v[e[1]]);
-      long_edge |= length > kernel_.limits.long_edge;
-      if (length >= kernel_.limits.short_edge) continue;
+      const MetricLength length = edge_between(mesh_, v[e[0]], v[e[1]]);
+      long_edge |= length.above(kernel_.limits.long_edge);
+      if (!length.below(kernel_.limits.short_edge)) continue;
       mesh_.mark(v[e[0]], kCheckShort);
       mesh_.mark(v[e[1]], kCheckShort);
     }
@@ -433,9 +433,11 @@ class Adaptation {
     return std::exp2(std::clamp(std::floor(std::log2(longest / kernel_.limits.long_edge)), 0.0, 60.0));
   }
 
-  /// New entities stand at the end of the arrays: once they are the greater part, order is restored.
-  void renumber_if_grown() {
-    if (mesh_.tet_slots() < 2 * renumbered_at_) return;
+  /// New entities stand at the end of the arrays: once they are many, order is restored, before the rounds of
+  /// reconnection once they are some.
+  static constexpr double kGrown = 1.4, kGrownALittle = 1.1;
+  void renumber_if_grown(double factor) {
+    if (mesh_.tet_slots() < factor * renumbered_at_) return;
     crew_.run([&] { renumber(); });
     renumbered_at_ = mesh_.tet_slots();
   }
