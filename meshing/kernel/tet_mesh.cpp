@@ -133,7 +133,7 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   tbb::parallel_for(0u, vertex_slots(), [&](std::uint32_t i) {
     if (std::uint32_t& t = vertices_[i].tet; t != 0) t = new_tet[t - 1].value + 1;
   });
-  // In two halves: the copy of this array would be the peak of the whole run's memory.
+  // Large elements by their members: a copy of the whole array would be the peak of the whole run's memory.
   permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
   permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
   tets_.release_from(num_tets);
@@ -141,7 +141,10 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   permute(tet_refs_, new_tet, num_tets);
   permute(quality_, new_tet, num_tets);
   permute(marks_, new_tet, num_tets);
-  permute(vertices_, new_vertex, num_vertices);
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> VertexHead& { return v; });
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> Metric& { return v.metric; });
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> LogMetric& { return v.log_metric; });
+  vertices_.release_from(num_vertices);
   permute(vertex_marks_, new_vertex, num_vertices);
   permute(vertex_refs_, new_vertex, num_vertices);
   permute(labels_, new_vertex, num_vertices);

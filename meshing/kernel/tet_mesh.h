@@ -211,12 +211,14 @@ class TetMesh {
   struct Tet {
     std::array<std::uint32_t, 4> v, n;
   };
-  /// What operators read of a vertex, in two neighbouring cache lines; the first has what most of them need.
-  struct alignas(128) Vertex {
+  struct VertexHead {
     Point x;
     std::uint32_t tet;  // of the vertex + 1, 0 for a dead vertex
     VertexKind kind;
     std::uint8_t flags;
+  };
+  /// What operators read of a vertex, in two neighbouring cache lines; the first has what most of them need.
+  struct alignas(128) Vertex : VertexHead {
     Metric metric;
     LogMetric log_metric;
   };
