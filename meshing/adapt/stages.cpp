@@ -396,6 +396,7 @@ class Adaptation {
   void mark_if_wrong(TetId t, double fair) {
     const TetVertices v = mesh_.vertices(t);
     const bool poor = mesh_.quality(t) < fair;
+    for (const VertexId x : v) mesh_.take_marks(x, kStuck);
     bool long_edge = on_curved_boundary(v);
     for (const auto& e : kTetEdges) {
       const MetricLength length = edge_between(mesh_, v[e[0]], v[e[1]]);

@@ -45,8 +45,9 @@ enum TetMark : std::uint8_t {
   kFresh = 16
 };
 /// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it
-/// changes.
-enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
+/// changes. kStuck: neither a better place nor a collapse improves the worst tet of its ball, until something
+/// there changes.
+enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4, kStuck = 8 };
 
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
 /// the output. kCaller...: not the kernel's; it carries them along and gives them to no vertex that it
@@ -164,7 +165,11 @@ class TetMesh {
   std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
   void mark(VertexId v, std::uint8_t m) { set_bits(vertex_marks_[v.value], m); }
   /// The ball of v has changed.
-  void touch(VertexId v) { mark(v, marks(v) & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace); }
+  void touch(VertexId v) {
+    const std::uint8_t seen = marks(v);
+    mark(v, seen & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace);
+    if (seen & kStuck) take_marks(v, kStuck);
+  }
   std::uint8_t take_marks(VertexId v, std::uint8_t m) { return take_bits(vertex_marks_[v.value], m); }
   void kill(VertexId v) {
     store(vertices_[v.value].tet, 0u);

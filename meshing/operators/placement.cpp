@@ -94,7 +94,9 @@ void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::spa
     mesh.set_quality(ball.tets[i].tet, qualities[i]);
     mesh.mark(ball.tets[i].tet, kCheckSwap | kCheckPoor);
   }
+  mesh.take_marks(v, kStuck);
   for (const auto& [u, first] : ball.link) {
+    mesh.take_marks(u, kStuck);
     if (far) mesh.mark(u, kCheckPlace);
     const MetricLength length = edge_between(mesh, u, v);
     if (length.above(limits.long_edge)) mesh.mark(ball.tets[first].tet, kCheckLong);
