@@ -32,6 +32,8 @@ enum class FrameKind : std::uint8_t {
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< this rank lives
   bulletin,   ///< to rank 0: how far this rank is
+  notice,     ///< RuntimeOptions::notice has been set
+  snapshot,   ///< of RuntimeOptions::snapshots
   clock,      ///< what time is it at rank 0
   report,     ///< summaries and timelines, after the loop
 };

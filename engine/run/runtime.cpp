@@ -12,6 +12,7 @@
 #include "engine/base/text.h"
 #include "engine/mpi/mpi_calls.h"
 #include "engine/run/awake_clock.h"
+#include "engine/run/snapshots.h"
 #include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
 
@@ -69,8 +70,14 @@ class Runtime::Implementation final : private BalanceActions {
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished(), options_.name_of},
-                   registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
+                    balancer_->wants_finished(), options_.name_of, options_.snapshots},
+                   registry, exchange_, trace_, [&transport] { transport.wake(); }) {
+    if (options_.snapshots == nullptr) return;
+    snapshots_.emplace(*options_.snapshots, scheduler_, transport.rank(), transport.size(),
+                       [this](Rank to, const SnapshotMessage& message) {
+                         exchange_.post(to, FrameKind::snapshot, packed(message));
+                       });
+  }
 
   ~Implementation() override {
     scheduler_.stop();
@@ -82,6 +89,7 @@ class Runtime::Implementation final : private BalanceActions {
     stop_reason_ = reason;
     transport_.wake();
   }
+  Scheduler& scheduler() { return scheduler_; }
   void request_state() noexcept {
     state_requested_ = true;
     transport_.wake();
@@ -123,6 +131,7 @@ class Runtime::Implementation final : private BalanceActions {
   void watch_peers(TimePoint time);
   void tell_bulletin(TimePoint time);
   void show_state(TimePoint time);
+  void spread_notice();
   void notice_failures();
   void fail_here(const std::string& what);
   void network_failed(const std::string& what);
@@ -151,6 +160,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::unique_ptr<Balancer> balancer_;
   Scheduler scheduler_;
   std::optional<Termination> termination_;
+  std::optional<Snapshots> snapshots_;
   std::atomic<const char*> stop_reason_{nullptr};
   std::atomic<bool> state_requested_{false};
 
@@ -161,6 +171,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::optional<Verdict> failure_;
   bool reported_ = false;  ///< the rank that reports the failure has done so
   bool told_waits_ = false;
+  bool notice_told_ = false;
   int waits_missing_ = 0;
   std::vector<std::string> waits_;
   TimePoint next_heartbeat_ = 0;
@@ -189,6 +200,7 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
   const auto calls_before = transport_.calls();
   const TimePoint begin_time = now();
   begin();
+  if (snapshots_) snapshots_->begin_run();
   scheduler_.start(std::move(root));
   loop();
   transport_.end_phase();
@@ -212,7 +224,7 @@ void Runtime::Implementation::begin() {
   termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
     exchange_.post(to, FrameKind::wave, packed(message));
   });
-  ended_ = told_waits_ = false;
+  ended_ = told_waits_ = notice_told_ = false;
   failed_here_.reset();
   waits_.clear();
   waits_missing_ = 0;
@@ -248,10 +260,12 @@ bool Runtime::Implementation::turn(TimePoint time) {
   watch_peers(time);
   tell_bulletin(time);
   show_state(time);
+  spread_notice();
   if (failed_here_) {  // unless the run had ended when a signal came
     ended_ = termination_->ended() && termination_->ended()->waiting == 0;
     return busy;
   }
+  if (snapshots_) snapshots_->step();
   balance(time);
   busy |= scheduler_.send_leavers();
   detect_end();
@@ -295,6 +309,13 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       return;
     case FrameKind::bulletin:
       if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
+      return;
+    case FrameKind::snapshot:
+      if (!snapshots_) throw std::runtime_error("a rank takes snapshots, and this one does not");
+      return snapshots_->receive(from, unpacked<SnapshotMessage>(std::move(payload)));
+    case FrameKind::notice:
+      if (options_.notice) options_.notice->store(true);
+      if (rank().value > 0) notice_told_ = true;  // rank 0 passes it on
       return;
     case FrameKind::clock: {
       auto reading = unpacked<ClockReading>(std::move(payload));
@@ -349,6 +370,14 @@ void Runtime::Implementation::show_state(TimePoint time) {
     lines += text(", ", bytes, " sent to rank ", peer.value, " and not confirmed");
   for (const std::string& line : scheduler_.state()) lines += "\n  " + line;
   options_.on_state(lines + "\n");
+}
+
+/// Told anew in each run: what was told at the end of one may have been dropped.
+void Runtime::Implementation::spread_notice() {
+  if (notice_told_ || !options_.notice || !options_.notice->load()) return;
+  notice_told_ = true;
+  if (rank().value > 0) return exchange_.post(Rank(0), FrameKind::notice, {});
+  for (int r = 1; r < ranks(); ++r) exchange_.post(Rank(r), FrameKind::notice, {});
 }
 
 // --- The end
@@ -528,6 +557,7 @@ RankSummary Runtime::Implementation::summary() const {
   facts.counters["packets_sent"] = static_cast<double>(exchange_.packets_sent());
   facts.counters["objects_in"] = static_cast<double>(scheduler_.moved_in());
   facts.counters["objects_out"] = static_cast<double>(scheduler_.moved_out());
+  facts.counters["snapshot_seconds"] = static_cast<double>(scheduler_.copying()) * 1e-9;
   facts.counters["handlers"] = static_cast<double>(scheduler_.handled());
   return summarize(trace_, facts);
 }
@@ -596,6 +626,11 @@ int Runtime::ranks() const { return implementation_->ranks(); }
 void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
 void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
 void Runtime::request_state() noexcept { implementation_->request_state(); }
+void Runtime::restore_location(ObjectId id, Rank at) {
+  implementation_->scheduler().restore_location(id, at);
+}
+void Runtime::restore_object(Payload copy) { implementation_->scheduler().restore_object(std::move(copy)); }
+void Runtime::restore_message(Payload copy) { implementation_->scheduler().restore_message(std::move(copy)); }
 RankSummary Runtime::summary() const { return implementation_->summary(); }
 RankTimeline Runtime::timeline() const { return implementation_->timeline(); }
 

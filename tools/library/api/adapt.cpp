@@ -15,6 +15,7 @@
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/metric_source.h"
 #include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/repaired_input.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
@@ -70,10 +71,32 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
   return result;
 }
 
+/// Of a copy that is mended first; what is at its vertices follows.
+Result adapt_mended(const Mesh& mesh, const Metric* metric, Options options, Fields fields) {
+  Mesh mended = mesh;
+  options.run.repair = false;
+  if (metric) check_length(mesh, metric->size(), "metric");
+  check_fields(mesh, fields);
+  const meshing::MeshRepair repair = meshing::repair_mesh(mended);
+  if (!fields.fields.empty()) fields = tools::fields_at(fields, repair.points);
+  for (Fields& solution : options.metric.solutions) solution = tools::fields_at(solution, repair.points);
+  Result result;
+  if (metric) {
+    std::vector<Tensor> logarithms;
+    for (const std::uint32_t p : repair.points) logarithms.push_back(metric->logarithms()[p]);
+    result = adapt(mended, Metric::from_logarithms(std::move(logarithms)), options, fields);
+  } else {
+    result = adapt(mended, options, fields);
+  }
+  result.mends = tools::mends_of(repair.mends);
+  return result;
+}
+
 }  // namespace
 
 Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, const Fields& fields) {
   validate(options);
+  if (options.run.repair) return adapt_mended(mesh, &metric, options, fields);
   const WholeMesh whole(mesh);
   check_length(mesh, metric.size(), "metric");
   check_fields(mesh, fields);
@@ -82,6 +105,7 @@ Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, con
 
 Result adapt(const Mesh& mesh, const Options& options, const Fields& fields) {
   validate(options);
+  if (options.run.repair) return adapt_mended(mesh, nullptr, options, fields);
   const WholeMesh whole(mesh);
   check_fields(mesh, fields);
   return adapt_input({*whole, "", nullptr, "", nullptr, fields}, options);
@@ -110,6 +134,8 @@ FilesResult adapt_files(const Files& files, const Options& options) {
         "polar-2)");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
   if (options.run.check) throw OptionError("--check", "needs --subdomains");
+  if (!options.checkpoint.folder.empty()) throw OptionError("--checkpoint", "needs --subdomains");
+  if (!options.checkpoint.resume.empty()) throw OptionError("--resume", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
   if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
   return tools::adapt_files_as_one(files, options);

@@ -105,6 +105,7 @@ std::string summary_text(const Report& run) {
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   if (!run.distributed)
     text += fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
+  text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   return text;
 }
