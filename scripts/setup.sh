@@ -10,6 +10,8 @@ packages=(
   libjs-chart.js libjs-three graphviz
   openmpi-bin libopenmpi-dev mpich libmpich-dev libmetis-dev
   libgtest-dev libgmock-dev chromium python3-jsonschema
+  pybind11-dev python3-dev python3-numpy python3-mpi4py python3-meshio python3-matplotlib
+  python3-pytest python3-venv python3-wheel python3-setuptools gfortran abigail-tools
 )
 
 if ! command -v dpkg-query >/dev/null; then
