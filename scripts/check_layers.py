@@ -68,6 +68,7 @@ ALLOWED = {
     "tools/weft": ["tools/common"],
     # Bindings translate: they know the public headers alone, which need no rule.
     "tools/bindings/c": [],
+    "tools/bindings/petsc": [],
     "tools/bindings/python": [],
     "tools/bindings/fortran": [],
     "tests": ["meshing", "engine", "partition", "graph", "tools"],
@@ -87,6 +88,7 @@ LIBRARIES = {
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_xml.", "tools/report/encode/gzip."]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
+    "PETSc": (re.compile(r"petsc"), ["tools/bindings/petsc/", "tests/bindings/petsc/"]),
     "METIS": (re.compile(r"metis\.h$"), ["partition/decompose/graph_partition.cpp"]),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
@@ -196,6 +198,7 @@ FORBIDDEN = [
     ("tools/bindings/c/a.cpp", '"meshing/base/error.h"'),
     ("tools/bindings/python/a.cpp", '"tools/bindings/c/objects.h"'),
     ("tools/bindings/c/a.cpp", "<mpi.h>"),
+    ("tools/library/jobs/a.cpp", "<petscdmplex.h>"),
 ]
 PERMITTED = [
     ("engine/mpi/mpi_transport.cpp", "<mpi.h>"),
