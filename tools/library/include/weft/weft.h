@@ -211,6 +211,21 @@ struct Options {
 /// Throws OptionError for the first option that makes no sense. All functions call it themselves.
 WEFT_API void validate(const Options& options);
 
+/// An option by its name, for languages that have no use for the members above.
+struct NamedOption {
+  std::string name;  ///< as the command has it, without dashes: "hgrad-space"
+  std::string type;  ///< number, whole number, yes or no, text, texts, whole numbers, or the words it may be
+  std::string text;  ///< what it is
+  bool of_command;   ///< `weft adapt` has it too
+};
+/// All of them.
+WEFT_API const std::vector<NamedOption>& named_options();
+/// Sets an option by its name ('_' stands for '-') to the value that `text` means: as on the command line;
+/// several values with commas between them; yes, no, true, false, 1 or 0. A file of --sol is added to those
+/// before. Throws OptionError for a name that none has and a text that means no value; which values make
+/// sense is what validate() says.
+WEFT_API void set_option(Options& options, const std::string& name, const std::string& text);
+
 // ---------------------------------------------------------------------------------------------------------------
 // What is known of a run
 
@@ -374,6 +389,15 @@ struct PartResult : Report {
 /// mean different points, holes between parts, wrong lengths, and whatever adapt() refuses.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
+
+/// For programs that check data of their own before a call that all ranks make together. All ranks of the
+/// communicator call it: the complaint of the lowest rank whose complaint is not empty, on all ranks, and
+/// that rank (-1: none complains).
+struct Complaint {
+  int rank = -1;
+  std::string text;
+};
+WEFT_API Complaint first_complaint(MPI_Comm communicator, const std::string& complaint);
 
 // ---------------------------------------------------------------------------------------------------------------
 // From files to files
