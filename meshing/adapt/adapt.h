@@ -38,6 +38,7 @@ struct AdaptReport {
   std::vector<StageReport> stages;
   OperationCounts counts;  ///< of all stages
   bool interrupted = false;
+  double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
       0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
   double seconds = 0;

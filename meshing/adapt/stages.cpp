@@ -32,7 +32,6 @@ constexpr double kSwapBelowAtFrozen = 0.6;
 constexpr double kSwapBelowWhileCreating = 0.5;
 // A mesh with this mean quality is left alone where nothing is wrong; below, everything is worth smoothing.
 constexpr double kGoodMean = 0.85;
-constexpr double kFair = 0.6;
 // A mesh is coarse when this share of its tets has edges to be split.
 constexpr double kCoarse = 0.7;
 
@@ -353,11 +352,21 @@ class Adaptation {
     else
       mark_wherever_wrong();
     first_level_ = first_level();
-    std::uint64_t with_long = 0;
-    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+    std::uint64_t with_long = 0, wrong = 0;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
       with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
-    share_long_ =
-        static_cast<double>(with_long) / static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+      wrong += is_marked_wrong(TetId(i));
+    }
+    const auto all = static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+    share_long_ = static_cast<double>(with_long) / all;
+    report_.share_wrong = static_cast<double>(wrong) / all;
+  }
+
+  /// Not only because it lies on a curved boundary, which is looked at in any case.
+  bool is_marked_wrong(TetId t) const {
+    const std::uint8_t marks = mesh_.marks(t);
+    return marks & (kCheckSwap | kCheckPoor) ||
+           (marks & kCheckLong && !on_curved_boundary(mesh_.vertices(t)));
   }
 
   void mark_wherever_wrong() {

@@ -157,6 +157,19 @@ class Results(Subdomains):
             self.assertEqual(shift["shift"], number)
         self.assertGreater(shifts[0]["tets_moved"], 0)
 
+    def test_a_mesh_that_conforms_keeps_its_interface_where_nothing_is_wrong(self):
+        words = ("--metric-fn", "uniform:0.07", "--subdomains", 6, "--threads", 1, "--report", "r")
+
+        def moved():
+            report = json.loads((self.folder / "r" / "report.json").read_text())["subdomains"]
+            return sum(shift["tets_moved"] for shift in report["shifts"])
+
+        self.run_on(2, self.box(6), *words, "-o", "first.meshb")
+        first = moved()
+        self.run_on(2, "first.meshb", *words, "-o", "second.meshb")
+        self.assertLess(moved(), 0.2 * first)
+        self.weft("verify", "second.meshb", "--against", "box.meshb")
+
 
 class LookingOn(Subdomains):
     """What a run tells while it works."""
