@@ -13,6 +13,7 @@
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
+#include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/metric_source.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/repaired_input.h"
@@ -68,6 +69,7 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
                                             [&] { return adapt_in_subdomains(input, options); })
                       : tools::adapt_one(input, options, monitor);
   result.times.total = watch.lap();
+  result.peak_memory = tools::peak_memory_bytes();
   return result;
 }
 
