@@ -254,7 +254,8 @@ contains
     type(c_ptr), intent(inout) :: mesh
     integer(c_int) :: status
     integer(c_int64_t), allocatable :: from_0(:, :)
-    from_0 = tets - 1
+    allocate (from_0, source=tets)
+    from_0 = from_0 - 1
     status = c_mesh_create(size(points, 2, c_int64_t), points, size(tets, 2, c_int64_t), from_0, mesh)
   end function weft_mesh_create
 
