@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/base/text.h"
+#include "graph/adaptation/word_packing.h"
 #include "meshing/base/error.h"
 
 namespace weft::graph::adaptation {
@@ -147,23 +147,21 @@ std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed)
 
 // --- Records
 
-void CheckpointFile::write(const void* data, std::size_t size) {
-  file_.write(data, size);
-  hash_ = hash_bytes(data, size, hash_);
+std::vector<std::byte> CheckpointFile::pack(const engine::Payload& payload) {
+  std::vector<std::uint64_t> sizes = {payload.segments.size(), payload.bytes.size()};
+  for (const engine::Blob& segment : payload.segments) sizes.push_back(segment.size());
+  std::vector<std::byte> packed(sizes.size() * sizeof sizes[0]);
+  std::memcpy(packed.data(), sizes.data(), packed.size());
+  pack_words(payload.bytes, packed);
+  for (const engine::Blob& segment : payload.segments) pack_words(segment.bytes(), packed);
+  return packed;
 }
 
 void CheckpointFile::add(CheckpointRecord::Kind kind, engine::ObjectId object,
-                         const engine::Payload& payload) {
-  CheckpointRecord record{kind, object, file_.position(), 0, 0};
-  hash_ = 0;
-  std::vector<std::uint64_t> sizes = {payload.segments.size(), payload.bytes.size()};
-  for (const engine::Blob& segment : payload.segments) sizes.push_back(segment.size());
-  write(sizes.data(), sizes.size() * sizeof sizes[0]);
-  write(payload.bytes.data(), payload.bytes.size());
-  for (const engine::Blob& segment : payload.segments) write(segment.data(), segment.size());
-  record.size = file_.position() - record.begin;
-  record.hash = hash_;
-  index_.push_back(record);
+                         std::span<const std::byte> packed) {
+  index_.push_back(
+      {kind, object, file_.position(), packed.size(), hash_bytes(packed.data(), packed.size(), 0)});
+  file_.write(packed.data(), packed.size());
 }
 
 void CheckpointFile::commit() {
@@ -217,31 +215,28 @@ void CheckpointReader::read_at(std::uint64_t begin, void* to, std::size_t size) 
 }
 
 engine::Payload CheckpointReader::read(const CheckpointRecord& record) const {
-  std::uint64_t at = record.begin, left = record.size, hash = 0;
-  const auto take = [&](void* to, std::uint64_t size) {
-    if (size > left) refuse("a record is damaged");
-    read_at(at, to, size);
-    hash = hash_bytes(to, size, hash);
-    at += size;
-    left -= size;
-  };
-  // The sizes are hashed as they were written: in one piece.
+  struct stat info {};
+  if (::fstat(descriptor_, &info) != 0 || record.size > static_cast<std::uint64_t>(info.st_size))
+    refuse("a record is damaged");
+  std::vector<std::byte> packed(record.size);
+  read_at(record.begin, packed.data(), packed.size());
+  if (hash_bytes(packed.data(), packed.size(), 0) != record.hash) refuse("a record is damaged");
   std::uint64_t segments = 0;
-  if (left < 2 * sizeof segments) refuse("a record is damaged");
-  read_at(at, &segments, sizeof segments);
-  if (segments > left / sizeof segments) refuse("a record is damaged");
+  if (packed.size() < 2 * sizeof segments) refuse("a record is damaged");
+  std::memcpy(&segments, packed.data(), sizeof segments);
+  if (segments > packed.size() / sizeof segments - 2) refuse("a record is damaged");
   std::vector<std::uint64_t> sizes(segments + 2);
-  take(sizes.data(), sizes.size() * sizeof sizes[0]);
+  std::memcpy(sizes.data(), packed.data(), sizes.size() * sizeof sizes[0]);
+  std::span<const std::byte> rest = std::span(packed).subspan(sizes.size() * sizeof sizes[0]);
   engine::Payload payload;
-  if (sizes[1] > left) refuse("a record is damaged");
   payload.bytes.resize(sizes[1]);
-  take(payload.bytes.data(), sizes[1]);
+  rest = unpack_words(rest, payload.bytes);
   for (std::size_t s = 2; s < sizes.size(); ++s) {
-    if (sizes[s] > left) refuse("a record is damaged");
     payload.segments.push_back(engine::Blob::allocate(sizes[s]));
-    take(payload.segments.back().data(), sizes[s]);
+    engine::Blob& segment = payload.segments.back();
+    rest = unpack_words(rest, {segment.data(), segment.size()});
   }
-  if (left != 0 || hash != record.hash) refuse("a record is damaged");
+  if (!rest.empty()) refuse("a record is damaged");
   return payload;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,7 @@ std::string rank_file(int rank);
 inline constexpr const char* kManifestName = "complete";
 
 struct CheckpointRecord {
-  enum class Kind : std::uint32_t { object, message };
+  enum class Kind : std::uint64_t { object, message };  ///< as wide as the rest: nothing is padded
   Kind kind = Kind::object;
   engine::ObjectId object;  ///< it, or that the message is for
   std::uint64_t begin = 0, size = 0, hash = 0;
@@ -62,16 +63,15 @@ struct CheckpointRecord {
 class CheckpointFile {
  public:
   explicit CheckpointFile(const std::filesystem::path& path) : file_(path) {}
-  void add(CheckpointRecord::Kind kind, engine::ObjectId object, const engine::Payload& payload);
+  /// A payload as it is written: packed. To be made outside of locks.
+  static std::vector<std::byte> pack(const engine::Payload& payload);
+  void add(CheckpointRecord::Kind kind, engine::ObjectId object, std::span<const std::byte> packed);
   /// Makes it appear, on the disk.
   void commit();
 
  private:
-  void write(const void* data, std::size_t size);
-
   meshing::AtomicFile file_;
   std::vector<CheckpointRecord> index_;
-  std::uint64_t hash_ = 0;  ///< of the record that is being written
 };
 
 /// Reads it. Throws meshing::InputError, which names the file, for one that is damaged.

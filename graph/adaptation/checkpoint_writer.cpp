@@ -64,6 +64,8 @@ void CheckpointWriter::message(std::uint64_t epoch, engine::Payload copy) {
 
 /// A rank that has nothing writes a file too: the manifest names all.
 void CheckpointWriter::add(std::uint64_t epoch, CheckpointRecord::Kind kind, const engine::Payload& copy) {
+  const std::vector<std::byte> packed =
+      copy.size() > 0 ? CheckpointFile::pack(copy) : std::vector<std::byte>{};
   const std::lock_guard lock(mutex_);
   try {
     if (epoch != epoch_) {
@@ -74,7 +76,7 @@ void CheckpointWriter::add(std::uint64_t epoch, CheckpointRecord::Kind kind, con
       fs::create_directories(folder);
       file_ = std::make_unique<CheckpointFile>(folder / rank_file(rank_));
     }
-    if (file_ && copy.size() > 0) file_->add(kind, id_of(copy), copy);
+    if (file_ && copy.size() > 0) file_->add(kind, id_of(copy), packed);
   } catch (const std::exception& error) {
     file_.reset();
     failure_ = error.what();

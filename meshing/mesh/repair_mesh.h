@@ -32,7 +32,8 @@ struct MeshRepair {
 /// that are no vertices of triangles or of the boundary; removes tets that are flat and lie at the boundary;
 /// removes triangles that are no faces, or are there twice (the first one's reference counts), edges and
 /// marks of what is no more, and unused vertices; and lists the triangles that are missing, with the
-/// references of those they replace. Throws InputError (no file name) for what is left.
+/// references of those they replace, or of those beside them in their plane. Throws InputError (no file
+/// name) for what is left.
 MeshRepair repair_mesh(MeshData& mesh);
 
 }  // namespace weft::meshing

@@ -76,6 +76,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
   validate(options);
+  if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
   if (options.transfer != TransferMethod::linear && !part.fields.fields.empty())
     throw OptionError("--transfer", "conservative is not possible for a mesh in parts");
   PartResult result;

@@ -29,7 +29,8 @@ Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the t
 --metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
 --background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
 the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
-and 12 tets per unit of complexity. Ctrl-C, SIGTERM and SIGALRM end the run with a valid intermediate mesh, exit code 1.
+and 12 tets per unit of complexity. Ctrl-C, SIGTERM and SIGALRM end the run with a valid intermediate mesh
+and exit code 1.
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand {
@@ -169,7 +170,7 @@ void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
   CheckpointOptions& checkpoint = command.options.checkpoint;
   constexpr const char* kGroup = "Subdomains";
   sub.add_option("--checkpoint", checkpoint.folder,
-                 "folder for states to go on from, written while the run goes on; SIGUSR2: one now")
+                 "keep states to go on from in DIR while the run goes on; SIGUSR2: one now")
       ->type_name("DIR")
       ->group(kGroup);
   sub.add_option("--checkpoint-every", checkpoint.every, "default 600; 0: only at SIGUSR2")
@@ -178,7 +179,7 @@ void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
       ->needs("--checkpoint")
       ->group(kGroup);
   sub.add_option("--resume", checkpoint.resume,
-                 "go on from the latest checkpoint in DIR, if there is one, on any number of ranks")
+                 "go on from the latest checkpoint in DIR, if any, on any number of ranks")
       ->type_name("DIR")
       ->group(kGroup);
 }
