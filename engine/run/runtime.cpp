@@ -35,9 +35,16 @@ constexpr int kClockReadings = 5;
 
 /// While it waits or workers have its core the communication thread takes none.
 TimePoint processor_time_of_this_thread() {
+  if (const VirtualTime* simulated = VirtualTime::of_thread()) return simulated->communicated();
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return kSecond * time.tv_sec + time.tv_nsec;
+}
+
+/// A millisecond.
+void pause() {
+  if (VirtualTime* simulated = VirtualTime::of_thread()) return simulated->spend(kSecond / 1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 /// What a rank answers when rank 0 is asked for the time.
@@ -69,7 +76,7 @@ class Runtime::Implementation final : private BalanceActions {
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished(), options_.name_of},
+                    balancer_->wants_finished(), options_.name_of, transport.virtual_time()},
                    registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
 
   ~Implementation() override {
@@ -101,6 +108,7 @@ class Runtime::Implementation final : private BalanceActions {
   Load load() const override { return scheduler_.load(); }
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
+  Rank most_loaded() const override { return exchange_.most_loaded(); }
   std::optional<double> move_seconds() const override {
     constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
     const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
@@ -254,6 +262,7 @@ bool Runtime::Implementation::turn(TimePoint time) {
   }
   balance(time);
   busy |= scheduler_.send_leavers();
+  busy |= scheduler_.work_virtually();
   detect_end();
   return busy;
 }
@@ -263,7 +272,8 @@ void Runtime::Implementation::sleep() {
   const TimePoint time = now();
   TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
   if (options_.bulletins.period.count() > 0) until = std::min(until, next_bulletin_);
-  for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
+  for (const auto& next :
+       {termination_->next_step(), balancer_->next_step(), scheduler_.next_virtual_step()}) {
     if (next && *next > turn_) until = std::min(until, *next);
   }
   trace_.communication_lane().span({awake_since_, time, {}, Span::kNoName, Activity::communicate, 0});
@@ -423,7 +433,7 @@ void Runtime::Implementation::let_go() {
   } catch (const TransportError& error) {
     network_failed(error.what());
     failure_->broken = true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it may fail at once, every time
+    pause();                               // it may fail at once, every time
   } catch (const std::exception& error) {  // something cannot be read; of interest only if all was well
     if (!failure_) network_failed(error.what());
   }
