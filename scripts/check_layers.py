@@ -36,6 +36,7 @@ ENGINE = {
     "engine/schedule": ["base", "trace", "network", "objects"],
     "engine/balance": ["base", "trace", "objects", "schedule"],
     "engine/run": ["base", "trace", "network", "mpi", "objects", "schedule", "balance"],
+    "engine/simulate": ["base", "trace", "network", "run"],
 }
 PARTITION = {
     "partition/subdomain": [],
@@ -61,6 +62,7 @@ ALLOWED = {
     **within("partition", PARTITION, MESHING_FOLDERS),
     "graph/dataflow": ENGINE_FOLDERS,
     "graph/dataflow/dump": ["graph/dataflow", *ENGINE_FOLDERS],
+    "graph/replay": ["graph/dataflow", "graph/dataflow/dump", *ENGINE_FOLDERS],
     "graph/adaptation": ["graph/dataflow", *ENGINE_FOLDERS, *PARTITION_FOLDERS, *MESHING_FOLDERS],
     "tools": ["meshing", "engine", "partition", "graph"],
     "tools/common": [],

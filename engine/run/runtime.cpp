@@ -36,9 +36,16 @@ constexpr int kClockReadings = 5;
 
 /// While it waits or workers have its core the communication thread takes none.
 TimePoint processor_time_of_this_thread() {
+  if (const VirtualTime* simulated = VirtualTime::of_thread()) return simulated->communicated();
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return kSecond * time.tv_sec + time.tv_nsec;
+}
+
+/// A millisecond.
+void pause() {
+  if (VirtualTime* simulated = VirtualTime::of_thread()) return simulated->spend(kSecond / 1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 /// What a rank answers when rank 0 is asked for the time.
@@ -70,7 +77,7 @@ class Runtime::Implementation final : private BalanceActions {
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
         scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished(), options_.name_of, options_.snapshots},
+                    balancer_->wants_finished(), options_.name_of, options_.snapshots, transport.virtual_time()},
                    registry, exchange_, trace_, [&transport] { transport.wake(); }) {
     if (options_.snapshots == nullptr) return;
     snapshots_.emplace(*options_.snapshots, scheduler_, transport.rank(), transport.size(),
@@ -109,6 +116,7 @@ class Runtime::Implementation final : private BalanceActions {
   Load load() const override { return scheduler_.load(); }
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
+  Rank most_loaded() const override { return exchange_.most_loaded(); }
   std::optional<double> move_seconds() const override {
     constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
     const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
@@ -268,6 +276,7 @@ bool Runtime::Implementation::turn(TimePoint time) {
   if (snapshots_) snapshots_->step();
   balance(time);
   busy |= scheduler_.send_leavers();
+  busy |= scheduler_.work_virtually();
   detect_end();
   return busy;
 }
@@ -277,7 +286,8 @@ void Runtime::Implementation::sleep() {
   const TimePoint time = now();
   TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
   if (options_.bulletins.period.count() > 0) until = std::min(until, next_bulletin_);
-  for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
+  for (const auto& next :
+       {termination_->next_step(), balancer_->next_step(), scheduler_.next_virtual_step()}) {
     if (next && *next > turn_) until = std::min(until, *next);
   }
   trace_.communication_lane().span({awake_since_, time, {}, Span::kNoName, Activity::communicate, 0});
@@ -452,7 +462,7 @@ void Runtime::Implementation::let_go() {
   } catch (const TransportError& error) {
     network_failed(error.what());
     failure_->broken = true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it may fail at once, every time
+    pause();                               // it may fail at once, every time
   } catch (const std::exception& error) {  // something cannot be read; of interest only if all was well
     if (!failure_) network_failed(error.what());
   }

@@ -44,10 +44,14 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       exchange_(exchange),
       trace_(trace),
       wake_(std::move(wake)),
-      arena_(std::make_unique<Arena>(options.threads)),
+      arena_(options.virtual_time ? nullptr : std::make_unique<Arena>(options.threads)),
       directory_(options.rank),
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
+  if (options_.virtual_time) {
+    virtual_runs_ = std::vector<VirtualRun>(static_cast<std::size_t>(options_.threads));
+    return;
+  }
   try {
     for (int worker = 0; worker < options_.threads; ++worker) {
       workers_.emplace_back([this, worker] { work(trace_.worker_lane(worker)); });
@@ -119,17 +123,26 @@ void Scheduler::send(Cell& from, Request request, ObjectId target, std::uint32_t
     task.envelope.sequence = from.outbound[target]++;
     task.envelope.id = static_cast<std::uint64_t>(options_.rank.value) << 40 | ++messages_;
     if (trace_.keeps_spans()) trace_.communication_lane().departure({now(), task.envelope.id, from.lane});
-    if (Cell* cell = find(target)) return accept(*cell, std::move(task));
-    if (directory_.is_gone(target, created_)) {
-      throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
-    }
-    if (directory_.is_to_come(target, created_)) {
-      parked_[target].push_back(std::move(task));
+    if (sender_ != nullptr) {
+      sender_->sends.emplace_back(now(), std::move(task));
       return;
     }
-    forward(std::move(task), directory_.best_guess(target));
+    dispatch(std::move(task));
   }
-  exchange_.wait_for_room();
+  if (options_.virtual_time == nullptr) exchange_.wait_for_room();
+}
+
+void Scheduler::dispatch(Task task) {
+  const ObjectId target = task.envelope.target;
+  if (Cell* cell = find(target)) return accept(*cell, std::move(task));
+  if (directory_.is_gone(target, created_)) {
+    throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
+  }
+  if (directory_.is_to_come(target, created_)) {
+    parked_[target].push_back(std::move(task));
+    return;
+  }
+  forward(std::move(task), directory_.best_guess(target));
 }
 
 void Scheduler::declare_event(Cell& self, std::uint32_t method, std::uint64_t round,
@@ -342,6 +355,7 @@ void Scheduler::send_object(std::unique_ptr<Cell> cell) {
   Packer packer(true);
   packer(packed);
   Payload payload = packer.take();
+  if (options_.virtual_time) options_.virtual_time->copied(payload.size());
   {
     const Lock lock(mutex_);
     Lane& lane = trace_.communication_lane();
@@ -539,6 +553,7 @@ bool Scheduler::unpack_object(Cell& cell, const Task& task) {
   return guard(cell, task, [&] {
     Payload packed = std::move(*cell.packed);
     cell.packed.reset();
+    if (options_.virtual_time) options_.virtual_time->copied(packed.size());
     cell.object = cell.type->unpack(std::move(packed));
   });
 }
@@ -658,6 +673,7 @@ std::optional<WaveCount> Scheduler::passive_count() const {
 
 void Scheduler::stop() {
   stopping_ = true;
+  drop_virtual_runs();
   exchange_.release_waiters();
 }
 

@@ -40,6 +40,7 @@ class Scheduler {
     bool report_finished = false;  ///< keep the objects whose handlers ran for take_finished()
     std::function<std::string(ObjectId)> name_of = {};  ///< RuntimeOptions::name_of
     SnapshotSink* snapshots = nullptr;                  ///< null: there are none
+    VirtualTime* virtual_time = nullptr;  ///< of a simulated rank: there are no threads, see work_virtually()
   };
 
   /// `wake` rouses the communication thread.
@@ -73,6 +74,12 @@ class Scheduler {
 
   /// Asks an object to move as soon as no worker has it. Nothing happens when it is not here, or cannot move.
   void move(ObjectId id, Rank to);
+
+  /// Of a simulated rank, whose handlers run when this is called: each at once, though it ends, and its
+  /// messages leave, when their time has come. True when anything happened.
+  bool work_virtually();
+  /// When it has to be called next though nothing happens.
+  std::optional<TimePoint> next_virtual_step() const;
 
   Load load() const;
   std::vector<ReadyObject> ready_objects() const;
@@ -146,6 +153,20 @@ class Scheduler {
   static Task copy_of(const Task& task);
   void place(PackedCell packed);
   Rank home_of(ObjectId id) const { return Rank(id.home.value % options_.ranks); }
+  void dispatch(Task task);
+
+  /// A handler of a simulated rank that has run, and is over at `end`.
+  struct VirtualRun {
+    Cell* cell = nullptr;  ///< null: the worker is free
+    Task task;
+    TimePoint begin = 0;
+    TimePoint end = 0;
+    std::deque<std::pair<TimePoint, Task>> sends;  ///< in the order of their times
+  };
+  bool advance(VirtualRun& run, Lane& lane, TimePoint time);
+  void begin(VirtualRun& run, Lane& lane);
+  void run_virtually(VirtualRun& run, Lane& lane);
+  void drop_virtual_runs();
 
   void dequeued(double seconds, std::size_t messages);
   void check_names(const Envelope& envelope) const;
@@ -215,7 +236,9 @@ class Scheduler {
   bool wake_when_ready_ = false;
   std::atomic<bool> stopping_{false};
   std::optional<std::string> failure_;
-  std::vector<std::thread> workers_;  ///< last: they use all of the above
+  std::vector<VirtualRun> virtual_runs_;  ///< by worker; never resized
+  VirtualRun* sender_ = nullptr;          ///< of a simulated rank: whose handler runs now
+  std::vector<std::thread> workers_;      ///< last: they use all of the above
 };
 
 }  // namespace weft::engine
