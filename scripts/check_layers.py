@@ -14,6 +14,7 @@ MESHING = {
     "meshing/base": [],
     "meshing/mesh": ["base"],
     "meshing/geometry": ["base", "mesh"],
+    "meshing/cad": ["base", "mesh", "geometry"],
     "meshing/metric": ["base", "mesh", "geometry"],
     "meshing/fields": ["base", "mesh", "metric"],
     "meshing/io/files": ["base", "mesh"],
@@ -91,6 +92,9 @@ LIBRARIES = {
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
     "PETSc": (re.compile(r"petsc"), ["tools/bindings/petsc/", "tests/bindings/petsc/"]),
+    "OpenCASCADE": (re.compile(r"(Adaptor|BRep|GCPnts|Geom|IFSelect|IGES|Interface_|Message|Poly_|STEP|Shape|Standard|TCol|TKernel|"
+                               r"Top|gp_?).*\.hxx$"),
+                    ["meshing/cad/occ_", "tests/meshing/cad/"]),
     "METIS": (re.compile(r"metis\.h$"), ["partition/decompose/graph_partition.cpp"]),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')

@@ -5,6 +5,7 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build ccache python3
+  libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev libocct-data-exchange-dev
   libtbb-dev libcgal-dev libceres-dev libeigen3-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libpugixml-dev zlib1g-dev libcgns-dev libhdf5-dev
   pkg-config libcairo2-dev

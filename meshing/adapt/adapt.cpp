@@ -12,6 +12,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/kernel/import_mesh.h"
+#include "meshing/kernel/on_model.h"
 #include "meshing/metric/measures.h"
 #include "meshing/operators/surface_fit.h"
 
@@ -68,9 +69,9 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
   return arena.execute([&] {
     AdaptResult result;
     const double expected = complexity(*given.mesh, *given.log_metrics);
-    ImportedMesh imported = import_mesh(input, options.ridge_angle_degrees,
-                                        capacity(kVerticesPerComplexity * expected, input.points.size()),
-                                        capacity(kTetsPerComplexity * expected, input.tets.size()));
+    ImportedMesh imported = import_mesh(
+        input, options.ridge_angle_degrees, capacity(kVerticesPerComplexity * expected, input.points.size()),
+        capacity(kTetsPerComplexity * expected, input.tets.size()), options.model);
     result.report.warnings = std::move(imported.warnings);
     {
       const bool same = given.mesh == &input;
@@ -83,8 +84,13 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
           options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
       adapt_in_place(kernel, options, Extent::everything, result.report);
       result.report.surface_deviation = largest_surface_deviation(kernel);
+      if (options.model)
+        result.report.model =
+            std::make_shared<const ModelAccount>(account_on_model(*imported.mesh, *imported.surface));
     }
     export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result.mesh, result.log_metrics);
+    result.mesh.association.model = input.association.model;
+    result.mesh.association.model_in_words = input.association.model_in_words;
     result.report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   });

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,7 +24,8 @@ struct AdaptOptions {
   double ridge_angle_degrees = 45;
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
                      ///< 0: 0.1 % of the bounding box diagonal
-  bool tets_at_frozen_stay = false;  ///< as in the paper; else only frozen vertices themselves stay
+  std::shared_ptr<const Model> model;  ///< that the boundary lies on; null: the surface is reconstructed
+  bool tets_at_frozen_stay = false;    ///< as in the paper; else only frozen vertices themselves stay
   bool coarsen = true;           ///< a mesh that is far from its metric is made coarse before it is made fine
   bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
@@ -41,6 +43,7 @@ struct AdaptReport {
   double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
       0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
+  std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the model; null without one
   double seconds = 0;
   std::vector<std::string> warnings;  ///< e.g. boundary triangles that were missing and have been created
 };

@@ -6,6 +6,7 @@
 #include "meshing/operators/collapse_edge.h"
 #include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
+#include "meshing/operators/snap_vertex.h"
 #include "meshing/operators/split_edge.h"
 #include "meshing/operators/surface_fit.h"
 #include "meshing/operators/swap_edge.h"
@@ -245,6 +246,43 @@ Verdict improve(Worker& w, TetId t, double quality) {
 }
 
 }  // namespace
+
+namespace {
+
+/// The neighbours of a vertex that is in its tets' way make room, those inside first.
+void make_room(Worker& w, VertexId v) {
+  if (gather_ball(w.mesh, w.claims, v, w.ball) != Verdict::accepted) return w.claims.release();
+  std::vector<VertexId> inside;
+  for (const auto& [t, local] : w.ball.tets)
+    for (const VertexId u : w.mesh.vertices(t))
+      if (u != v && w.mesh.kind(u) == VertexKind::interior) inside.push_back(u);
+  w.claims.release();
+  std::sort(inside.begin(), inside.end());
+  inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
+  for (const VertexId u : inside) {
+    if (done(w, Operator::smooth, smooth_vertex(w, u)) == Verdict::accepted) continue;
+    done(w, Operator::relocate, relocate_vertex(w, u));
+  }
+}
+
+}  // namespace
+
+std::uint64_t snap_pass(WorkerPool& pool) {
+  std::atomic<std::uint64_t> off{0};
+  pool.sweep_all_vertices([&](Worker& w, VertexId v) {
+    if (w.mesh.kind(v) == VertexKind::interior) return Verdict::not_needed;
+    constexpr int kTries = 3;
+    Verdict r = Verdict::inverts;
+    for (int i = 0; i < kTries && r == Verdict::inverts; ++i) {
+      if (i > 0) make_room(w, v);
+      r = snap_vertex(w, v);
+      w.claims.release();
+    }
+    if (r == Verdict::inverts) ++off;
+    return r;
+  });
+  return off;
+}
 
 std::uint64_t resolve_curved_pass(WorkerPool& pool) {
   return pool.sweep_tets(kCheckLong, [](Worker& w, TetId t) {

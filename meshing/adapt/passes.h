@@ -7,6 +7,8 @@
 
 namespace weft::meshing {
 
+/// Moves boundary vertices onto the CAD model; returns how many could not be.
+std::uint64_t snap_pass(WorkerPool& pool);
 /// Splits the longest edge of every marked tet that has one longer than limits.long_edge; boundary edges that
 /// curve too much first.
 std::uint64_t split_pass(WorkerPool& pool);

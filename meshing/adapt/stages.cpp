@@ -51,10 +51,12 @@ class Adaptation {
   void run() {
     kernel_.policy.frozen = frozen_policy();
     if (options_.progress) predict();
+    if (kernel_.surface.model()) stage("snap to model", [&] { snap_to_model(); });
     stage("collapse", [&] { start(); });
     stage("create points", [&] { create_points(); });
     stage("reconnect and smooth", [&] { reconnect_and_smooth(); });
     stage("improve", [&] { improve_quality(); });
+    if (kernel_.surface.model()) snap_to_model();
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     kernel_.policy.frozen = FrozenPolicy::claimable;
     if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
@@ -150,6 +152,14 @@ class Adaptation {
     collapse_pass(crew_);
     const PredictedWork left = predict_work(tets(), std::max(expected_tets_, tets()));
     meter_.expect(left.create + left.reconnect + left.improve + left.output);
+  }
+
+  /// Vertices of the input may be off the model; those in the way of which a tet is at first come later.
+  void snap_to_model() {
+    constexpr int kMostRounds = 4;
+    judge_by(kernel_.policy.mean);
+    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round)
+      if (snap_pass(crew_) == 0) return;
   }
 
   /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric

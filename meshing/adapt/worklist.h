@@ -51,6 +51,14 @@ class WorkerPool {
     });
   }
 
+  /// The same for every live vertex, once; conflicts are not tried again.
+  template <class Operation>
+  std::uint64_t sweep_all_vertices(Operation operation) {
+    return sweep(kernel_.mesh.vertex_slots(), [&](Worker& w, std::uint32_t i) {
+      return kernel_.mesh.alive(VertexId(i)) && operation(w, VertexId(i)) == Verdict::accepted;
+    });
+  }
+
   /// During sweeps the calling thread tells `watcher` now and then which share of the sweep is done.
   void watch(std::function<void(double share)> watcher) { watcher_ = std::move(watcher); }
 

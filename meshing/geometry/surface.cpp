@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "meshing/geometry/closest_tree.h"
@@ -28,10 +29,58 @@ struct Place {
   TrianglePoint point{{}, kInfinity};
 };
 
+/// References that also tell the face or edge of the model: each pair gets a number, 0 for (0, none).
+class JointRefs {
+ public:
+  std::int32_t number(std::int32_t ref, std::uint32_t entity) {
+    const auto [at, fresh] =
+        numbers_.emplace(std::pair{ref, entity}, static_cast<std::int32_t>(pairs_.size()));
+    if (fresh) pairs_.push_back(at->first);
+    return at->second;
+  }
+  std::int32_t ref(std::int32_t number) const { return pairs_[static_cast<std::size_t>(number)].first; }
+  std::uint32_t entity(std::int32_t number) const { return pairs_[static_cast<std::size_t>(number)].second; }
+  std::vector<bool> on_model() const {
+    std::vector<bool> result;
+    for (const auto& [ref, entity] : pairs_) result.push_back(entity != kNoEntity);
+    return result;
+  }
+
+ private:
+  std::map<std::pair<std::int32_t, std::uint32_t>, std::int32_t> numbers_{{{0, kNoEntity}, 0}};
+  std::vector<std::pair<std::int32_t, std::uint32_t>> pairs_{{0, kNoEntity}};
+};
+
+/// What the surface keeps of a classification, by its own patches and curves.
+struct OnModel {
+  ModelClassification classification;
+  JointRefs triangle_refs, edge_refs;
+  std::vector<std::vector<std::uint32_t>> patch_faces;
+  std::vector<std::uint32_t> curve_edge;
+  std::vector<std::array<double, 2>> feature_t;  ///< feature edge -> parameters at its lower and upper vertex
+  std::vector<std::uint32_t> curve_patch;        ///< of a curve amid one patch's faces: a patch; else kNone
+  std::vector<bool> turned;                      ///< triangles whose order is not the input's
+  const Model& model() const { return *classification.model; }
+};
+
+Vec unit(const Vec& v) {
+  const double length = norm(v);
+  return length > 0 ? (1 / length) * v : Vec{};
+}
+
+/// Components lost in rounding are exactly zero, so that axis-aligned planes and lines are exact.
+Vec snapped(const Vec& v) {
+  Vec u = v;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(u[i]) < 1e-12) u[i] = 0;
+  return unit(u);
+}
+
 }  // namespace
 
 struct Surface::Impl {
   Impl(const MeshData& mesh, const Options& options);
+  Impl(const MeshData& mesh, const Options& options, ModelClassification&& classification);
 
   // Points of the input; only those of triangles are read.
   std::vector<Point> points;
@@ -43,6 +92,20 @@ struct Surface::Impl {
 
   void build_triangle_forest();
   void build_edge_forest();
+
+  std::unique_ptr<OnModel> on;  // null: all is reconstructed
+  MeshData with_joint_refs(const MeshData& mesh);
+  void take_patches_of_model();
+  void take_curves_of_model();
+  void take_plane(std::uint32_t patch);
+  void take_line(std::uint32_t curve);
+  bool is_on_model(PatchId patch) const { return on && !on->patch_faces[patch.value].empty(); }
+  OnModelFace closest_on_faces(PatchId patch, const Point& p, VertexKind kind, std::uint32_t& hint) const;
+  OnSurface project_to_model(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
+  OnEdge closest_on_model_edge(CurveId curve, const Point& p, VertexKind kind, std::uint32_t& hint) const;
+  OnCurve project_to_model_edge(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
+  OnCurve project_to_curve_in_face(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
+  std::uint32_t walk_chain(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
 
   OnSurface project_to_plane(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
   OnSurface project_to_curved(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
@@ -73,6 +136,131 @@ Surface::Impl::Impl(const MeshData& mesh, const Options& options)
   }
   build_triangle_forest();
   build_edge_forest();
+}
+
+Surface::Impl::Impl(const MeshData& mesh, const Options& options, ModelClassification&& classification)
+    : points(mesh.points), on(std::make_unique<OnModel>()) {
+  on->classification = std::move(classification);
+  const MeshData joint = with_joint_refs(mesh);
+  topology = build_surface_topology(joint, options.ridge_angle_degrees,
+                                    {on->triangle_refs.on_model(), on->edge_refs.on_model()});
+  shape = build_surface_shape(points, topology);
+  patch_triangle.assign(shape.patches.size(), kNone);
+  for (std::uint32_t t = 0; t < topology.triangles.size(); ++t) {
+    std::uint32_t& first = patch_triangle[topology.triangle_patch[t].value];
+    first = std::min(first, t);
+  }
+  for (std::size_t t = 0; t < topology.triangles.size(); ++t)
+    on->turned.push_back(topology.triangles[t] != mesh.triangles[t]);
+  take_patches_of_model();
+  take_curves_of_model();
+  build_triangle_forest();
+  build_edge_forest();
+}
+
+/// The mesh as the topology is to see it: references tell faces and edges of the model apart, edges on the
+/// model's edges are listed, and so are vertices on its nodes.
+MeshData Surface::Impl::with_joint_refs(const MeshData& mesh) {
+  const ModelClassification& c = on->classification;
+  MeshData joint = mesh;
+  for (std::size_t i = 0; i < joint.triangles.size(); ++i) {
+    const std::uint32_t face = c.triangle_face[i];
+    joint.triangle_refs[i] =
+        on->triangle_refs.number(mesh.triangle_refs[i], face == kNoEntity ? kNoEntity : c.face_group[face]);
+  }
+  std::vector<std::array<std::uint32_t, 2>> listed;
+  for (std::size_t i = 0; i < joint.edges.size(); ++i) {
+    const auto [a, b] = mesh.edges[i];
+    listed.push_back({std::min(a, b), std::max(a, b)});
+    const auto at =
+        std::ranges::lower_bound(c.edges, listed.back(), {}, &ModelClassification::Edge::vertices);
+    const bool found = at != c.edges.end() && at->vertices == listed.back();
+    joint.edge_refs[i] = on->edge_refs.number(mesh.edge_refs[i], found ? at->edge : kNoEntity);
+  }
+  std::sort(listed.begin(), listed.end());
+  for (const ModelClassification::Edge& e : c.edges) {
+    if (std::binary_search(listed.begin(), listed.end(), e.vertices)) continue;
+    joint.edges.push_back(e.vertices);
+    joint.edge_refs.push_back(on->edge_refs.number(0, e.edge));
+  }
+  for (const auto& [vertex, node] : c.nodes) joint.corners.push_back(vertex);
+  return joint;
+}
+
+/// The plane of the model in the place of one through the points.
+void Surface::Impl::take_plane(std::uint32_t patch) {
+  Patch& p = shape.patches[patch];
+  Plane& plane = shape.planes[patch];
+  const std::vector<std::uint32_t>& faces = on->patch_faces[patch];
+  const std::optional<Frame>* frame = faces.size() == 1 ? &on->model().plane(faces[0]) : nullptr;
+  p.planar = frame && *frame;
+  if (!p.planar) {
+    p.normal = {};
+    return;
+  }
+  const double side = dot((*frame)->z, plane.normal) < 0 ? -1 : 1;
+  plane.point = (*frame)->origin;
+  p.normal = plane.normal = snapped(side * (*frame)->z);
+}
+
+void Surface::Impl::take_patches_of_model() {
+  const ModelClassification& c = on->classification;
+  on->patch_faces.resize(shape.patches.size());
+  for (std::uint32_t t = 0; t < topology.triangles.size(); ++t) {
+    auto& faces = on->patch_faces[topology.triangle_patch[t].value];
+    const std::uint32_t face = c.triangle_face[t];
+    if (face != kNoEntity && std::ranges::find(faces, face) == faces.end()) faces.push_back(face);
+  }
+  for (std::uint32_t p = 0; p < shape.patches.size(); ++p) {
+    shape.patches[p].ref = on->triangle_refs.ref(shape.patches[p].ref);
+    std::ranges::sort(on->patch_faces[p]);
+    if (!on->patch_faces[p].empty()) take_plane(p);
+  }
+}
+
+void Surface::Impl::take_line(std::uint32_t curve) {
+  const std::optional<Frame>& frame = on->model().line(on->curve_edge[curve]);
+  topology.curves[curve].straight = frame.has_value();
+  if (!frame) return;
+  Line& line = shape.lines[curve];
+  const auto vertices = topology.vertices_along(CurveId(curve));
+  const Vec chord = points[vertices.back()] - points[vertices.front()];
+  line.point = frame->origin;
+  line.direction = snapped((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
+  double length = 0;
+  for (std::size_t i = 1; i < vertices.size(); ++i)
+    length += norm(points[vertices[i]] - points[vertices[i - 1]]);
+  line.rounding = 1e-12 * length;
+}
+
+void Surface::Impl::take_curves_of_model() {
+  const ModelClassification& c = on->classification;
+  on->curve_edge.resize(topology.curves.size());
+  on->curve_patch.assign(topology.curves.size(), kNone);
+  on->feature_t.resize(topology.features.size());
+  for (std::uint32_t f = 0; f < topology.features.size(); ++f) {
+    const auto at = std::ranges::lower_bound(c.edges, topology.features[f].vertices, {},
+                                             &ModelClassification::Edge::vertices);
+    if (at != c.edges.end() && at->vertices == topology.features[f].vertices) on->feature_t[f] = at->t;
+  }
+  for (std::uint32_t i = 0; i < topology.curves.size(); ++i) {
+    const std::int32_t number = topology.curves[i].ref;
+    topology.curves[i].ref = on->edge_refs.ref(number);
+    on->curve_edge[i] = on->edge_refs.entity(number);
+    if (on->curve_edge[i] != kNoEntity) {
+      take_line(i);
+      continue;
+    }
+    // A curve that the user has drawn on a face: its vertices stay on the face.
+    const auto at = topology.triangles_at(topology.chain(CurveId(i)).front());
+    const PatchId patch = topology.triangle_patch[at[0]];
+    const bool amid = std::ranges::all_of(at, [&](std::uint32_t t) {
+      return on->patch_faces[topology.triangle_patch[t].value] == on->patch_faces[patch.value];
+    });
+    if (!amid || !is_on_model(patch) || shape.patches[patch.value].planar) continue;
+    on->curve_patch[i] = patch.value;
+    topology.curves[i].straight = false;
+  }
 }
 
 void Surface::Impl::build_triangle_forest() {
@@ -241,6 +429,118 @@ Surface::OnSurface Surface::Impl::project_to_curved(PatchId patch, const Point& 
   return {x, normal == Vec{} ? lent_normal(place.triangle) : normal, place.triangle};
 }
 
+// ---- patches on faces of the model
+
+/// `hint` becomes that of the next query.
+Surface::OnModelFace Surface::Impl::closest_on_faces(PatchId patch, const Point& p, VertexKind kind,
+                                                     std::uint32_t& hint) const {
+  const Model& model = on->model();
+  const std::vector<std::uint32_t>& faces = on->patch_faces[patch.value];
+  if (faces.size() == 1 && model.has_formula(faces[0])) {
+    const bool in_patch = kind == VertexKind::surface && hint < topology.triangles.size() &&
+                          topology.triangle_patch[hint] == patch;
+    if (!in_patch) hint = patch_triangle[patch.value];
+    return {faces[0], model.closest_on_face(faces[0], p)};
+  }
+  if (faces.size() > 1) {
+    OnModelFace best;
+    best.at.distance = kInfinity;
+    for (const std::uint32_t f : faces)
+      if (const OnFace q = model.closest_within(f, p); q.distance < best.at.distance) best = {f, q};
+    return best;
+  }
+  // The input's triangles tell where to begin.
+  const auto flat = [&](std::uint32_t t, const Barycentric&) { return closest_flat(t, p); };
+  Place place;
+  place.triangle = start_triangle(patch, p, kind, hint);
+  place.point = closest_flat(place.triangle, p);
+  place = descend(place, 0, flat);
+  hint = place.triangle;
+  const auto& corners = on->classification.parameters[place.triangle];
+  // Triangles may have been turned since they were classified; parameters stand in the input's order.
+  Parameters guess{};
+  const auto& b = place.point.at;
+  for (int i = 0; i < 3; ++i) {
+    const auto turned = static_cast<std::size_t>(on->turned[place.triangle] && i > 0 ? 3 - i : i);
+    const Parameters& q = corners[turned];
+    guess[0] += b[i] * q[0];
+    guess[1] += b[i] * q[1];
+  }
+  return {faces[0], model.closest_on_face(faces[0], p, guess)};
+}
+
+Surface::OnSurface Surface::Impl::project_to_model(PatchId patch, const Point& p, VertexKind kind,
+                                                   std::uint32_t hint) const {
+  const OnModelFace q = closest_on_faces(patch, p, kind, hint);
+  Vec normal = q.at.normal;
+  if (normal == Vec{})
+    normal = lent_normal(hint < topology.triangles.size() ? hint : patch_triangle[patch.value]);
+  return {q.at.x, normal, hint};
+}
+
+// ---- curves on edges of the model
+
+/// The edge of the chain that is closest, going from the hint.
+std::uint32_t Surface::Impl::walk_chain(CurveId curve, const Point& p, VertexKind kind,
+                                        std::uint32_t hint) const {
+  const std::uint32_t begin = topology.chain_begin[curve.value], end = topology.chain_begin[curve.value + 1];
+  const bool closed = topology.closed(curve);
+  std::uint32_t place = start_place(curve, p, kind, hint);
+  double distance2 = edge_distance2(topology.chain_features[place], p);
+  for (const bool forward : {true, false})
+    for (std::uint32_t step = begin; step < end; ++step) {
+      std::uint32_t next = forward ? place + 1 : place - 1;
+      if (forward && place + 1 == end) next = closed ? begin : kNone;
+      if (!forward && place == begin) next = closed ? end - 1 : kNone;
+      if (next == kNone) break;
+      const double d2 = edge_distance2(topology.chain_features[next], p);
+      if (!(d2 < distance2)) break;
+      place = next;
+      distance2 = d2;
+    }
+  return topology.chain_features[place];
+}
+
+OnEdge Surface::Impl::closest_on_model_edge(CurveId curve, const Point& p, VertexKind kind,
+                                            std::uint32_t& hint) const {
+  const std::uint32_t e = on->curve_edge[curve.value];
+  if (on->model().edge_has_formula(e)) {
+    const bool on_curve = kind == VertexKind::ridge && hint < topology.features.size() &&
+                          topology.features[hint].curve == curve;
+    if (!on_curve) hint = topology.chain(curve).front();
+    return on->model().closest_on_edge(e, p);
+  }
+  hint = walk_chain(curve, p, kind, hint);
+  const auto& v = topology.features[hint].vertices;
+  const Vec d = points[v[1]] - points[v[0]];
+  const double length2 = norm2(d);
+  const double s = length2 > 0 ? std::clamp(dot(p - points[v[0]], d) / length2, 0.0, 1.0) : 0;
+  const auto [t0, t1] = on->feature_t[hint];
+  return on->model().closest_on_edge(e, p, t0 + s * (t1 - t0));
+}
+
+Surface::OnCurve Surface::Impl::project_to_model_edge(CurveId curve, const Point& p, VertexKind kind,
+                                                      std::uint32_t hint) const {
+  const OnEdge q = closest_on_model_edge(curve, p, kind, hint);
+  Vec tangent = q.tangent;
+  if (tangent == Vec{}) {
+    const auto& v = topology.features[hint].vertices;
+    tangent = unit(points[v[1]] - points[v[0]]);
+  }
+  return {q.x, tangent, hint};
+}
+
+/// A curve without an edge amid a face: along the chords, and upon the face.
+Surface::OnCurve Surface::Impl::project_to_curve_in_face(CurveId curve, const Point& p, VertexKind kind,
+                                                         std::uint32_t hint) const {
+  hint = walk_chain(curve, p, kind, hint);
+  const auto& v = topology.features[hint].vertices;
+  std::uint32_t start = patch_triangle[on->curve_patch[curve.value]];
+  const OnSurface q = project_to_model(PatchId(on->curve_patch[curve.value]), p, VertexKind::interior, start);
+  const Vec chord = points[v[1]] - points[v[0]];
+  return {q.x, unit(chord - dot(chord, q.normal) * q.normal), hint};
+}
+
 // ---- curves
 
 double Surface::Impl::edge_distance2(std::uint32_t feature, const Point& p) const {
@@ -303,6 +603,9 @@ CubicArc Surface::Impl::arc_at(CurveId curve, std::uint32_t place) const {
 
 Surface::Surface(const MeshData& mesh, const Options& options)
     : impl_(std::make_unique<Impl>(mesh, options)) {}
+Surface::Surface(const MeshData& mesh, const Options& options, ModelClassification classification)
+    : impl_(classification.model ? std::make_unique<Impl>(mesh, options, std::move(classification))
+                                 : std::make_unique<Impl>(mesh, options)) {}
 Surface::~Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
 Surface& Surface::operator=(Surface&&) noexcept = default;
@@ -318,14 +621,48 @@ std::uint32_t Surface::vertex_hint(std::uint32_t vertex) const { return impl_->t
 
 Surface::OnSurface Surface::project_to_patch(PatchId patch, const Point& p, VertexKind kind,
                                              std::uint32_t hint) const {
-  return impl_->shape.patches[patch.value].planar ? impl_->project_to_plane(patch, p, kind, hint)
-                                                  : impl_->project_to_curved(patch, p, kind, hint);
+  if (impl_->shape.patches[patch.value].planar) return impl_->project_to_plane(patch, p, kind, hint);
+  return impl_->is_on_model(patch) ? impl_->project_to_model(patch, p, kind, hint)
+                                   : impl_->project_to_curved(patch, p, kind, hint);
+}
+
+const Model* Surface::model() const { return impl_->on ? &impl_->on->model() : nullptr; }
+
+std::span<const std::uint32_t> Surface::faces(PatchId patch) const {
+  if (!impl_->on) return {};
+  return impl_->on->patch_faces[patch.value];
+}
+
+std::uint32_t Surface::edge(CurveId curve) const {
+  return impl_->on ? impl_->on->curve_edge[curve.value] : kNoEntity;
+}
+
+std::uint32_t Surface::node(std::uint32_t corner_hint) const {
+  if (!impl_->on) return kNoEntity;
+  const auto& nodes = impl_->on->classification.nodes;
+  const auto at = std::lower_bound(nodes.begin(), nodes.end(), std::pair{corner_hint, 0u});
+  return at != nodes.end() && at->first == corner_hint ? at->second : kNoEntity;
+}
+
+Surface::OnModelFace Surface::closest_on_model(PatchId patch, const Point& p, VertexKind kind,
+                                               std::uint32_t hint) const {
+  return impl_->closest_on_faces(patch, p, kind, hint);
+}
+
+OnEdge Surface::closest_on_model(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const {
+  return impl_->closest_on_model_edge(curve, p, kind, hint);
 }
 
 Surface::OnCurve Surface::project_to_curve(CurveId curve, const Point& p, VertexKind kind,
                                            std::uint32_t hint) const {
   const SurfaceTopology& topology = impl_->topology;
   if (topology.curves[curve.value].straight) return impl_->project_to_line(curve, p, kind, hint);
+  if (impl_->on) {
+    if (impl_->on->curve_edge[curve.value] != kNoEntity)
+      return impl_->project_to_model_edge(curve, p, kind, hint);
+    if (impl_->on->curve_patch[curve.value] != kNone)
+      return impl_->project_to_curve_in_face(curve, p, kind, hint);
+  }
   const std::uint32_t begin = topology.chain_begin[curve.value], end = topology.chain_begin[curve.value + 1];
   const bool closed = topology.closed(curve);
   std::uint32_t place = impl_->start_place(curve, p, kind, hint);

@@ -1,5 +1,7 @@
-// The reference geometry: the input's boundary triangulation, cut into patches and feature curves,
-// and read as a curved surface where it is not planar. Immutable; safe to read from many threads.
+// The reference geometry: the input's boundary triangulation, cut into patches and feature curves. What a
+// patch or a curve is in between is told by a face or an edge of a CAD model, where the triangles have been
+// classified on one; else it is read from the triangles, as a curved surface where they are not planar.
+// Immutable; safe to read from many threads.
 #pragma once
 
 #include <array>
@@ -10,6 +12,7 @@
 
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
+#include "meshing/geometry/model_classification.h"
 #include "meshing/geometry/vertex_kind.h"
 #include "meshing/mesh/mesh_data.h"
 
@@ -63,6 +66,10 @@ class Surface {
   /// where a chain of them turns by more than the ridge angle or changes reference, patches or being
   /// required; points where the surface only touches itself; tips of cones.
   Surface(const MeshData& mesh, const Options& options);
+  /// On the model that the triangles have been classified on. Feature edges are also those between triangles
+  /// of different groups of faces and those on edges of the model, corners the vertices on its nodes; within
+  /// a face and along an edge of the model angles mean nothing.
+  Surface(const MeshData& mesh, const Options& options, ModelClassification classification);
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;
@@ -86,6 +93,25 @@ class Surface {
   /// Closest point of the curve near `p`. Straight: the line, `p` itself where it lies there to rounding, not
   /// clamped to the curve's ends. Else cubic Hermite arcs through the input's feature vertices.
   OnCurve project_to_curve(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
+
+  // --- the CAD model ---
+  /// Null where there is none.
+  const Model* model() const;
+  /// The faces that a patch lies on; none where it is reconstructed, several where the mesh does not keep
+  /// them apart.
+  std::span<const std::uint32_t> faces(PatchId patch) const;
+  /// The edge that a curve lies on; kNoEntity where it lies on none.
+  std::uint32_t edge(CurveId curve) const;
+  /// The node of a corner, which has this hint; kNoEntity where it lies on none.
+  std::uint32_t node(std::uint32_t corner_hint) const;
+  struct OnModelFace {
+    std::uint32_t face = kNoEntity;
+    OnFace at;
+  };
+  /// The closest point of the faces of a patch that lies on some; arguments as of project_to_patch().
+  OnModelFace closest_on_model(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
+  /// The same of the edge of a curve that lies on one.
+  OnEdge closest_on_model(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
 
  private:
   struct Impl;

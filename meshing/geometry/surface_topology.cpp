@@ -59,8 +59,9 @@ Vec triangle_normal(const Point& a, const Point& b, const Point& c) {
 
 class Builder {
  public:
-  Builder(const MeshData& mesh, double ridge_angle_degrees)
+  Builder(const MeshData& mesh, double ridge_angle_degrees, const KnownShapes& known)
       : mesh_(mesh),
+        known_(known),
         ridge_angle_(ridge_angle_degrees * std::numbers::pi / 180),
         cos_ridge_(std::cos(ridge_angle_) - 1e-9) {}  // an angle of just the limit is no ridge
 
@@ -116,7 +117,12 @@ class Builder {
     return edge_begin_[edge + 1] - edge_begin_[edge];
   }
 
+  bool is_known(const std::vector<bool>& refs, std::int32_t ref) const {
+    return static_cast<std::size_t>(ref) < refs.size() && refs[static_cast<std::size_t>(ref)];
+  }
+
   const MeshData& mesh_;
+  const KnownShapes& known_;
   double ridge_angle_, cos_ridge_;
   SurfaceTopology s_;
   std::vector<HalfEdge> halves_;           // sorted by edge
@@ -215,7 +221,9 @@ bool Builder::is_ridge(std::uint32_t edge) const {
   if (count_triangles(edge) != 2) return true;
   const HalfEdge& a = halves_[edge_begin_[edge]];
   const HalfEdge& b = halves_[edge_begin_[edge] + 1];
-  if (ref_at(mesh_.triangle_refs, a.triangle) != ref_at(mesh_.triangle_refs, b.triangle)) return true;
+  const std::int32_t ref = ref_at(mesh_.triangle_refs, a.triangle);
+  if (ref != ref_at(mesh_.triangle_refs, b.triangle)) return true;
+  if (is_known(known_.triangle_refs, ref)) return false;
   const Vec &na = normals_[a.triangle], &nb = normals_[b.triangle];
   if (na == Vec{} || nb == Vec{}) return false;
   return (same_direction(a, b) ? -1 : 1) * dot(na, nb) < cos_ridge_;
@@ -376,6 +384,8 @@ void Builder::find_peaks() {
     }
   }
   for (std::size_t f = 0; f < s_.fans.size(); ++f) {
+    const std::int32_t ref = s_.patch_refs[s_.triangle_patch[s_.fans[f].first].value];
+    if (is_known(known_.triangle_refs, ref)) continue;
     s_.fans[f].peaked = off[f] > ridge_angle_ || (off[f] > 0.5 * ridge_angle_ && off[f] > 2 * step[f]);
   }
 }
@@ -415,6 +425,7 @@ bool Builder::chain_breaks(std::uint32_t vertex, std::uint32_t a, std::uint32_t 
     return true;
   // Each triangle at the one edge must start a fan that ends at the other; else the surface is pinched here.
   if (count_triangles(ea) != fan_count_[vertex] || !same_patches(a, b)) return true;
+  if (is_known(known_.edge_refs, edge_ref_[ea])) return false;
   const auto other = [&](std::uint32_t f) {
     const auto& e = s_.features[f].vertices;
     return mesh_.points[e[0] == vertex ? e[1] : e[0]];
@@ -485,9 +496,10 @@ void Builder::classify_vertices() {
 
 }  // namespace
 
-SurfaceTopology build_surface_topology(const MeshData& mesh, double ridge_angle_degrees) {
+SurfaceTopology build_surface_topology(const MeshData& mesh, double ridge_angle_degrees,
+                                       const KnownShapes& known) {
   check_indices(mesh);
-  return Builder(mesh, ridge_angle_degrees).build();
+  return Builder(mesh, ridge_angle_degrees, known).build();
 }
 
 }  // namespace weft::meshing

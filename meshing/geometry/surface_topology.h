@@ -81,8 +81,16 @@ inline int corner_of(const std::array<std::uint32_t, 3>& triangle, std::uint32_t
   return triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
 }
 
+/// What is known of references beside their equality: by triangle reference and by edge reference, whether a
+/// model tells the shape there. Then angles between triangles, or along a chain, are those of a coarse mesh
+/// and make no feature.
+struct KnownShapes {
+  std::vector<bool> triangle_refs, edge_refs;
+};
+
 /// Builds all of it in O(n log n). Throws InputError where an index is out of range or a triangle has a
 /// vertex twice.
-SurfaceTopology build_surface_topology(const MeshData& mesh, double ridge_angle_degrees);
+SurfaceTopology build_surface_topology(const MeshData& mesh, double ridge_angle_degrees,
+                                       const KnownShapes& known = {});
 
 }  // namespace weft::meshing

@@ -38,6 +38,7 @@ enum Keeps : unsigned {
   kScalars = 1u << 8,
   kVectors = 1u << 9,  ///< and tensors
   kFields = kScalars | kVectors,
+  kAssociation = 1u << 10,  ///< with a CAD model
 };
 
 struct Format {
@@ -56,7 +57,8 @@ MeshContents read_gmf(const fs::path& path) {
 void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   write_gmf_mesh(path, contents.mesh);
 }
-constexpr unsigned kGmf = kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs;
+constexpr unsigned kGmf =
+    kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs | kAssociation;
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 constexpr std::array kFormats = {
     Format{".meshb", kGmf, read_gmf, write_gmf},
@@ -171,6 +173,12 @@ std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, con
     lost.drop("marks of required vertices", mesh.required_points.size());
     lost.drop("marks of required edges", mesh.required_edges.size());
     lost.drop("marks of required triangles", mesh.required_triangles.size());
+  }
+  if (!(keeps & kAssociation)) {
+    const Association& on_model = mesh.association;
+    lost.drop("records of vertices on a CAD model",
+              on_model.nodes.size() + on_model.edges.size() + on_model.faces.size());
+    lost.drop("carried CAD models", on_model.model.empty() ? 0 : 1);
   }
   if (!(keeps & kPointRefs)) lost.drop("vertex references", count_nonzero(mesh.point_refs));
   if (!(keeps & kNames)) lost.drop("names of references", contents.names.all().size());

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "meshing/base/error.h"
+#include "meshing/kernel/on_model.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/predicates.h"
@@ -143,6 +144,17 @@ void keep_touching_edges(const Adjacency& adjacency, Boundary& b, std::vector<st
     warnings.push_back(touching_edges_warning(count));
 }
 
+std::unique_ptr<Surface> make_surface(const MeshData& m, MeshData& boundary, double ridge_angle_degrees,
+                                      std::shared_ptr<const Model> model,
+                                      std::vector<std::string>& warnings) {
+  const Surface::Options options{ridge_angle_degrees};
+  if (!model) return std::make_unique<Surface>(boundary, options);
+  boundary.association = m.association;
+  ModelClassification classification = classify_on_model(boundary, std::move(model));
+  warnings.insert(warnings.end(), classification.warnings.begin(), classification.warnings.end());
+  return std::make_unique<Surface>(boundary, options, std::move(classification));
+}
+
 void fill_tets(const MeshData& m, const Adjacency& adjacency, TetMesh& mesh) {
   mesh.take_vertex_slots(static_cast<std::uint32_t>(m.points.size()));
   mesh.take_tet_slots(static_cast<std::uint32_t>(m.tets.size()));
@@ -211,7 +223,7 @@ void check_arrays(const MeshData& m) {
 }
 
 ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::size_t vertex_capacity,
-                         std::size_t tet_capacity) {
+                         std::size_t tet_capacity, std::shared_ptr<const Model> model) {
   check_arrays(m);
   check_tets(m);
   ImportedMesh r;
@@ -229,7 +241,7 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   keep_touching_edges(r.adjacency, b, r.warnings);
   r.mesh = reserve_tet_mesh({vertex_capacity, tet_capacity}, {2 * m.points.size(), 2 * m.tets.size()});
   fill_tets(m, r.adjacency, *r.mesh);
-  r.surface = std::make_unique<Surface>(b.data, Surface::Options{ridge_angle_degrees});
+  r.surface = make_surface(m, b.data, ridge_angle_degrees, std::move(model), r.warnings);
   classify_boundary(b, m, *r.surface, *r.mesh);
   r.patch_required.assign(r.surface->patches().size(), false);
   for (const std::uint32_t t : b.data.required_triangles)
@@ -290,6 +302,7 @@ void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<
       d.triangle_refs.push_back(surface.patches()[p.value].ref);
     }
   }
+  d.association = associate(mesh, surface);
   for (const TetMesh::FeatureEdge& e : mesh.feature_edges()) {
     const auto index = static_cast<std::uint32_t>(d.edges.size());
     const Curve& curve = surface.curves()[e.curve.value];

@@ -32,9 +32,9 @@ void check_arrays(const MeshData& mesh);
 /// InputError (no file name) naming the entity, 1-based: index out of range, inverted or duplicate tet, faces
 /// of three tets, triangle that is no face. Boundary or interface triangles that are missing are created,
 /// with a warning; edges at which the mesh touches itself become required. Metrics and qualities are not set
-/// yet.
+/// yet. With a model the boundary is classified on it (classify_on_model).
 ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std::size_t vertex_capacity,
-                         std::size_t tet_capacity);
+                         std::size_t tet_capacity, std::shared_ptr<const Model> model = nullptr);
 
 /// Reads the metric of every vertex from the background (directly where the background is the input mesh).
 /// Vertex ids must still be those of the input.

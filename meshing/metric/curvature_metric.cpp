@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "meshing/base/parallel.h"
@@ -85,6 +87,11 @@ class CurvatureSizes {
 
   double largest() const { return largest_; }
 
+  Metric metric(const SurfaceCurvature& c) const {
+    const double h1 = size(c.largest), h2 = size(c.least), hn = std::min(h1, h2);
+    return from_eigen({{1 / (h1 * h1), 1 / (h2 * h2), 1 / (hn * hn)}, {c.direction, c.across, c.normal}});
+  }
+
   Metric metric(const ShapeOperator& s, const Frame& frame) const {
     const double middle = 0.5 * (s.a + s.c), half = 0.5 * (s.a - s.c), radius = std::hypot(half, s.b);
     const double angle = 0.5 * std::atan2(s.b, half);
@@ -108,6 +115,22 @@ class CurvatureSizes {
   double largest_;
 };
 
+/// The model's curvature at a vertex of a patch; none where the patch is reconstructed or the model has none
+/// there.
+std::optional<SurfaceCurvature> model_curvature(const Surface& surface, PatchId patch, const Point& p,
+                                                std::uint32_t vertex) {
+  constexpr double kTolerances = 100;
+  if (surface.faces(patch).empty()) return std::nullopt;
+  const auto q = surface.closest_on_model(patch, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex));
+  std::optional<SurfaceCurvature> c = surface.model()->curvature(q.face, q.at.at);
+  if (!c) return c;
+  const double most =
+      1 / std::max(kTolerances * surface.model()->face_tolerance(q.face), std::numeric_limits<double>::min());
+  c->largest = std::clamp(c->largest, -most, most);
+  c->least = std::clamp(c->least, -most, most);
+  return c;
+}
+
 /// What the edges of one vertex, of one or more patches, ask for.
 Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes& sizes,
               std::span<const PatchEdge> edges) {
@@ -117,6 +140,11 @@ Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes
   for (auto begin = edges.begin(); begin != edges.end();) {
     const std::uint32_t patch = begin->patch;
     const auto end = std::find_if(begin, edges.end(), [&](const PatchEdge& e) { return e.patch != patch; });
+    if (const auto known = model_curvature(surface, PatchId{patch}, p, vertex)) {
+      metric = intersect(metric, sizes.metric(*known));
+      begin = end;
+      continue;
+    }
     const Frame frame = frame_of(
         surface.project_to_patch(PatchId{patch}, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex))
             .normal);
@@ -129,8 +157,10 @@ Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes
 
 }  // namespace
 
-LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options) {
-  const Surface surface(mesh, {options.ridge_angle_degrees});
+LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
+                                std::shared_ptr<const Model> model) {
+  const Surface surface(mesh, {options.ridge_angle_degrees},
+                        model ? classify_on_model(mesh, model) : ModelClassification{});
   const std::vector<PatchEdge> edges = curved_patch_edges(mesh, surface);
   std::vector<std::size_t> begins;  // of each vertex's edges
   for (std::size_t i = 0; i < edges.size(); ++i)

@@ -1,6 +1,9 @@
 // The metric that the curvature of the boundary asks for.
 #pragma once
 
+#include <memory>
+
+#include "meshing/geometry/model.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "weft/data.h"
@@ -15,6 +18,9 @@ namespace weft::meshing {
 /// cylinders to the second order of the edge length. Triangles must be all of the boundary, as surface.h
 /// says. Multithreaded; does not depend on the number of threads. Throws InputError for an index out of
 /// range.
-LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options);
+/// With a model the curvature is the model's, where the boundary lies on it; radii below 100 tolerances of a
+/// face are not believed.
+LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
+                                std::shared_ptr<const Model> model = nullptr);
 
 }  // namespace weft::meshing

@@ -7,6 +7,16 @@
 namespace weft::meshing {
 namespace {
 
+/// On a model a face that moves may not turn away from it: on the side where it was it stays.
+bool turns(const Worker& w, const std::array<Point, 3>& moved, TetId t, int face, const Vec& normal) {
+  const auto at = [&](int i) { return w.mesh.point(w.mesh.vertex(t, kTetFaces[face][i])); };
+  const Vec old = cross(at(1) - at(0), at(2) - at(0));
+  const Vec now = cross(moved[1] - moved[0], moved[2] - moved[0]);
+  const double before = dot(old, normal), after = dot(now, normal);
+  return before > 0 ? after < 0.2 * norm(now) && after * norm(old) < before * norm(now)
+                    : after > -0.2 * norm(now) && after * norm(old) > before * norm(now);
+}
+
 /// Distance of the boundary faces around the moved vertex from the reference surface, at their centroids.
 bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
   const TetMesh& mesh = w.mesh;
@@ -25,6 +35,7 @@ bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
       const auto q =
           w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
       if (norm(centroid - q.x) > w.kernel.limits.hausd) return false;
+      if (w.kernel.surface.model() && turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
     }
   return true;
 }

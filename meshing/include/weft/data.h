@@ -49,6 +49,38 @@ struct SymTensor {
   friend bool operator==(const SymTensor&, const SymTensor&) = default;
 };
 
+/// Where vertices lie on a CAD model, as refine and EGADS record it in GMF files (keywords 40, 41, 42), and
+/// the model that a file carries (126). A vertex may have several records: a corner lies on edges and faces
+/// too. Ids count from 1. `last` is what the format has at the end of a row; refine repeats the id there.
+struct Association {
+  struct OnNode {
+    std::uint32_t vertex = 0;
+    std::int32_t id = 0;
+    friend bool operator==(const OnNode&, const OnNode&) = default;
+  };
+  struct OnEdge {
+    std::uint32_t vertex = 0;
+    std::int32_t id = 0;
+    double t = 0, last = 0;
+    friend bool operator==(const OnEdge&, const OnEdge&) = default;
+  };
+  struct OnFace {
+    std::uint32_t vertex = 0;
+    std::int32_t id = 0;
+    double u = 0, v = 0, last = 0;
+    friend bool operator==(const OnFace&, const OnFace&) = default;
+  };
+  std::vector<OnNode> nodes;
+  std::vector<OnEdge> edges;
+  std::vector<OnFace> faces;
+  std::vector<std::uint8_t> model;  ///< bytes of a model file, such as .egads
+  bool model_in_words = false;  ///< written as libMeshb does (length, then 4-byte words), not as refine does
+
+  /// Whether no vertex is recorded.
+  bool empty() const { return nodes.empty() && edges.empty() && faces.empty(); }
+  friend bool operator==(const Association&, const Association&) = default;
+};
+
 /// A tetrahedral mesh as read from or written to a file. Every `*_refs` array has the length of its
 /// entity array. Indices are 0-based into `points`.
 struct MeshData {
@@ -65,6 +97,34 @@ struct MeshData {
   std::vector<std::uint32_t> ridges;              ///< indices of edges
   std::vector<std::uint32_t> required_edges;      ///< indices of edges
   std::vector<std::uint32_t> required_triangles;  ///< indices of triangles
+  Association association = {};                   ///< with a CAD model; mostly empty
+};
+
+/// How well a mesh lies on one face, edge or node of a CAD model.
+struct ModelEntityAccount {
+  enum class Kind : std::uint8_t { node, edge, face };
+  Kind kind = Kind::face;
+  std::int32_t id = 0;           ///< from 1, as EGADS counts
+  std::uint64_t vertices = 0;    ///< that lie on it, those of its border too
+  double tolerance = 0;          ///< that the model claims
+  double largest = 0, mean = 0;  ///< distance of these vertices from it
+  double deviation = 0;          ///< largest distance from it of a triangle's centroid or an edge's middle
+  double least_normal = 1;       ///< of a face: least product of unit normals of triangle and face
+};
+
+/// How well the boundary of a mesh lies on a CAD model.
+struct ModelAccount {
+  std::string model, unit;                        ///< name and unit of length; empty where not known
+  double scale = 1;                               ///< lengths of the model have been multiplied by this
+  double size = 0;                                ///< diagonal of the model's box
+  std::uint64_t nodes = 0, edges = 0, faces = 0;  ///< of the model
+  std::uint64_t vertices = 0, triangles = 0;      ///< of the boundary, on the model
+  std::uint64_t unclassified_triangles = 0;       ///< on the reconstructed surface instead
+  std::uint64_t off = 0;                          ///< vertices off the model
+  std::vector<std::uint32_t> listed;              ///< some of these, 0-based, farthest first
+  double largest = 0, mean = 0, deviation = 0, least_normal = 1;  ///< over all entities
+  double tolerance = 0;                      ///< a vertex is off the model beyond this or its entity's
+  std::vector<ModelEntityAccount> entities;  ///< nodes, edges, faces, those without vertices left out
 };
 
 /// One field of a solution file: `values` holds components(kind) doubles per vertex, row after row.
@@ -342,9 +402,12 @@ using meshing::InputError;
 
 using meshing::Point;
 using Tensor = meshing::SymTensor;
+using meshing::Association;
 using Mesh = meshing::MeshData;
 using meshing::components;
 using meshing::Field;
+using meshing::ModelAccount;
+using meshing::ModelEntityAccount;
 using Fields = meshing::SolutionData;
 using meshing::Dropped;
 using meshing::RefNames;

@@ -14,6 +14,7 @@
 
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/single_precision.h"
+#include "meshing/io/gmf/gmf_association.h"
 #include "meshing/io/gmf/gmf_binary_file.h"
 #include "meshing/io/gmf/gmf_rows.h"
 #include "meshing/io/gmf/gmf_text_file.h"
@@ -32,6 +33,7 @@ MeshData read_mesh_of(const File& file) {
   read_vertices(file, vertices, all_rows(vertices), mesh.points, mesh.point_refs);
   read_all_elements(file, kTetrahedra, mesh.tets, mesh.tet_refs);
   read_boundary(file, mesh);
+  read_association(file, mesh.association);
   return mesh;
 }
 
@@ -52,6 +54,7 @@ class TextWriter {
   }
   void real(double value) { number(value); }
   void index(std::int64_t value) { number(value); }
+  void bytes(std::span<const std::uint8_t>) { throw std::logic_error("a text file holds words"); }
   void end_row() {
     out_.write("\n");
     row_begins_ = true;
@@ -81,7 +84,7 @@ void check_lengths(const MeshData& mesh) {
 }
 
 template <class Writer>
-void write_section_rows(Writer& out, const MeshData& mesh, Keyword code) {
+void write_section_rows(Writer& out, const MeshData& mesh, Keyword code, bool model_in_words) {
   switch (code) {
     case kVertices:
       return write_vertices(out, mesh.points, mesh.point_refs);
@@ -101,6 +104,14 @@ void write_section_rows(Writer& out, const MeshData& mesh, Keyword code) {
       return write_indices(out, mesh.required_edges);
     case kRequiredTriangles:
       return write_indices(out, mesh.required_triangles);
+    case kVerticesOnNodes:
+      return write_nodes(out, mesh.association);
+    case kVerticesOnEdges:
+      return write_edges(out, mesh.association);
+    case kVerticesOnFaces:
+      return write_faces(out, mesh.association);
+    case kByteFlow:
+      return write_model(out, mesh.association, model_in_words);
     default:
       throw std::logic_error("write_gmf_mesh: a section without rows");
   }
@@ -170,19 +181,21 @@ SolutionData read_gmf_solution(const std::filesystem::path& path) {
 void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int version) {
   check_lengths(mesh);
   if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
-  write_file(path, version, mesh_shapes(counts_of(mesh)),
-             [&](auto& out, Keyword code) { write_section_rows(out, mesh, code); });
+  const MeshCounts counts = counts_of(mesh, is_text(path));
+  write_file(path, version, mesh_shapes(counts),
+             [&](auto& out, Keyword code) { write_section_rows(out, mesh, code, counts.model_in_words); });
 }
 
 void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
                     std::span<const GmfCommunicator> communicators, int version) {
   check_lengths(mesh);
   if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
-  std::vector<SectionShape> shapes = mesh_shapes(counts_of(mesh));
+  const MeshCounts counts = counts_of(mesh, is_text(path));
+  std::vector<SectionShape> shapes = mesh_shapes(counts);
   add_communicator_shapes(communicators, shapes);
   write_file(path, version, shapes, [&](auto& out, Keyword code) {
     const bool of_mesh = code != kParallelVertexCommunicators && code != kParallelCommunicatorVertices;
-    if (of_mesh) return write_section_rows(out, mesh, code);
+    if (of_mesh) return write_section_rows(out, mesh, code, counts.model_in_words);
     write_communicators(out, communicators, code);
   });
 }

@@ -59,6 +59,12 @@ BinaryFile::BinaryFile(const std::filesystem::path& path, const GmfLayout& layou
   check_size(name(), layout, file_.size());
 }
 
+std::vector<std::uint8_t> BinaryFile::bytes(const Section& section) const {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(section.end - section.begin));
+  file_.read_at(section.begin, bytes.data(), bytes.size());
+  return bytes;
+}
+
 std::vector<std::int64_t> BinaryFile::take_solution_types(Section& section) const {
   const std::int64_t count = section.end - section.begin < 4 ? -1 : int_at(section.begin, 4);
   if (count < 0 || static_cast<std::uint64_t>(count) > (section.end - section.begin - 4) / 4) {

@@ -87,6 +87,9 @@ class BinaryFile {
     return BinaryRows(file_, layout_.encoding, section, reals, indices, range);
   }
 
+  /// All bytes of a section behind its count.
+  std::vector<std::uint8_t> bytes(const Section& section) const;
+
   /// The types of the fields in a solution section; moves the section's begin to its first row.
   std::vector<std::int64_t> take_solution_types(Section& section) const;
 

@@ -24,6 +24,10 @@ constexpr KeywordInfo kKeywords[] = {
     {kRequiredVertices, "RequiredVertices", 0, 1},
     {kRequiredEdges, "RequiredEdges", 0, 1},
     {kRequiredTriangles, "RequiredTriangles", 0, 1},
+    {kVerticesOnNodes, "VerticesOnGeometricVertices", 0, 2},
+    {kVerticesOnEdges, "VerticesOnGeometricEdges", 2, 2},
+    {kVerticesOnFaces, "VerticesOnGeometricTriangles", 3, 2},
+    {kByteFlow, "ByteFlow"},
     {kSolAtVertices, "SolAtVertices"},
     {9, "Prisms", 0, 0, true},
     {10, "Hexahedra", 0, 0, true},
@@ -56,6 +60,11 @@ std::uint64_t written_size(const Encoding& encoding, const std::vector<SectionSh
   std::uint64_t size = header_size(encoding) + 4 + encoding.position_size();  // with the keyword End
   for (const SectionShape& shape : shapes) size += section_size(encoding, shape);
   return size;
+}
+
+/// libMeshb's layout has the length in front of its words.
+std::uint64_t model_rows(std::uint64_t bytes, bool in_words) {
+  return !in_words || bytes == 0 ? bytes : 1 + (bytes + 3) / 4;
 }
 
 bool version_holds(int version, const std::vector<SectionShape>& shapes) {
@@ -97,12 +106,14 @@ std::uint64_t section_head_size(const Encoding& encoding, const SectionShape& sh
 }
 
 std::uint64_t section_size(const Encoding& encoding, const SectionShape& shape) {
-  return section_head_size(encoding, shape) + shape.count * encoding.row_size(shape.reals, shape.indices);
+  return section_head_size(encoding, shape) +
+         shape.count * (shape.bytes + encoding.row_size(shape.reals, shape.indices));
 }
 
 std::uint64_t header_size(const Encoding& encoding) { return 8 + 4 + encoding.position_size() + 4; }
 
-MeshCounts counts_of(const MeshData& mesh) {
+MeshCounts counts_of(const MeshData& mesh, bool text) {
+  const bool in_words = text || mesh.association.model_in_words;
   return {mesh.points.size(),
           mesh.edges.size(),
           mesh.triangles.size(),
@@ -111,7 +122,12 @@ MeshCounts counts_of(const MeshData& mesh) {
           mesh.ridges.size(),
           mesh.required_points.size(),
           mesh.required_edges.size(),
-          mesh.required_triangles.size()};
+          mesh.required_triangles.size(),
+          mesh.association.nodes.size(),
+          mesh.association.edges.size(),
+          mesh.association.faces.size(),
+          model_rows(mesh.association.model.size(), in_words),
+          in_words};
 }
 
 std::vector<SectionShape> mesh_shapes(const MeshCounts& counts) {
@@ -123,13 +139,24 @@ std::vector<SectionShape> mesh_shapes(const MeshCounts& counts) {
                                                         {kRidges, counts.ridges},
                                                         {kRequiredVertices, counts.required_points},
                                                         {kRequiredEdges, counts.required_edges},
-                                                        {kRequiredTriangles, counts.required_triangles}};
+                                                        {kRequiredTriangles, counts.required_triangles},
+                                                        {kVerticesOnNodes, counts.on_nodes},
+                                                        {kVerticesOnEdges, counts.on_edges},
+                                                        {kVerticesOnFaces, counts.on_faces}};
   std::vector<SectionShape> shapes;
   for (const auto& [code, count] : sections) {
     if (count == 0 && code != kVertices) continue;
     const KeywordInfo* keyword = find_keyword(code);
     shapes.push_back({code, count, keyword->reals, keyword->indices});
   }
+  if (counts.model_rows > 0)
+    shapes.push_back({kByteFlow,
+                      counts.model_rows,
+                      0,
+                      counts.model_in_words ? 1u : 0u,
+                      {},
+                      true,
+                      counts.model_in_words ? 0u : 1u});
   return shapes;
 }
 

@@ -29,10 +29,14 @@ enum Keyword : std::int32_t {
   kRequiredVertices = 15,
   kRequiredEdges = 16,
   kRequiredTriangles = 17,
+  kVerticesOnNodes = 40,  ///< VerticesOnGeometricVertices, ...Edges, ...Triangles
+  kVerticesOnEdges = 41,
+  kVerticesOnFaces = 42,
   kEnd = 54,
   kSolAtVertices = 62,
   kParallelVertexCommunicators = 71,  ///< ParMmg's; written, not read
   kParallelCommunicatorVertices = 73,
+  kByteFlow = 126,  ///< a CAD model; refine and libMeshb lay it out differently, see gmf_association.h
   kFloatingPointPrecision = 155,
 };
 
@@ -123,6 +127,7 @@ struct SectionShape {
   std::size_t reals, indices;                  ///< a row
   std::vector<std::int32_t> field_types = {};  ///< of a solution
   bool counted = true;                         ///< the rows follow their count
+  std::size_t bytes = 0;                       ///< a row, where it is neither reals nor indices
 };
 
 /// Bytes from a section's keyword to its first row, and to the next keyword.
@@ -135,8 +140,12 @@ std::uint64_t header_size(const Encoding& encoding);
 struct MeshCounts {
   std::uint64_t points = 0, edges = 0, triangles = 0, tets = 0, corners = 0, ridges = 0, required_points = 0,
                 required_edges = 0, required_triangles = 0;
+  std::uint64_t on_nodes = 0, on_edges = 0, on_faces = 0;  ///< records of Association
+  std::uint64_t model_rows = 0;                            ///< of ByteFlow: bytes, or words
+  bool model_in_words = false;
 };
-MeshCounts counts_of(const MeshData& mesh);
+/// A text file holds a model in words only.
+MeshCounts counts_of(const MeshData& mesh, bool text = false);
 /// The sections a mesh needs, in the order of the file. Empty ones are left out, except the vertices without
 /// which nothing reads it.
 std::vector<SectionShape> mesh_shapes(const MeshCounts& counts);

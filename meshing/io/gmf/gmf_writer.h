@@ -51,6 +51,9 @@ class BinaryWriter {
     if (encoding_.index_size() == 8) return out_.write_value(value);
     out_.write_value(static_cast<std::int32_t>(value));
   }
+  void bytes(std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) out_.write_value(byte);
+  }
   void end_row() {}
   void end() { begin_keyword(kEnd, 0); }
 

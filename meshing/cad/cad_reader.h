@@ -1,0 +1,34 @@
+// What the part of weft that knows OpenCASCADE offers to the rest, which loads it when a model is asked for.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "meshing/geometry/geometry_model.h"
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+struct CadTessellation {
+  double sagitta = 0;         ///< largest distance of an edge from the model
+  double angle_degrees = 20;  ///< that the normal turns along an edge
+};
+
+class CadReader {
+ public:
+  virtual ~CadReader() = default;
+  /// Reads STEP, IGES or BREP by the file's extension. Throws InputError naming file, entity and reason.
+  virtual std::shared_ptr<const GeometryModel> read(const std::string& path) const = 0;
+  /// Triangles on a model that read() has given: conforming across edges, references are the ids of faces and
+  /// edges, corners the nodes; associated with the model. Throws InputError naming the entity where they
+  /// would not be closed.
+  virtual MeshData tessellate(const GeometryModel& model, const CadTessellation& options) const = 0;
+};
+
+/// The one function of the loaded part; `interface` is kCadInterface of the caller, null is returned for
+/// another.
+using CadEntry = const CadReader* (*)(int interface);
+inline constexpr const char* kCadEntryName = "weft_cad_reader";
+inline constexpr int kCadInterface = 1;
+
+}  // namespace weft::meshing

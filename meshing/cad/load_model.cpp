@@ -1,0 +1,143 @@
+// Finds and loads the part that knows OpenCASCADE: a library of its own, so that a run without a model loads
+// none of OpenCASCADE's libraries.
+#include "meshing/cad/load_model.h"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "meshing/base/error.h"
+
+namespace weft::meshing {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 7> kExtensions = {".step", ".stp", ".iges", ".igs",
+                                                         ".brep", ".brp", ".egads"};
+constexpr const char* kPartName = "libweft_cad.so";
+
+/// The folder of the library or program that holds this code.
+fs::path own_folder() {
+  Dl_info info;
+  if (dladdr(reinterpret_cast<void*>(&own_folder), &info) == 0 || !info.dli_fname) return {};
+  std::error_code ignored;
+  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+}
+
+/// Beside this code, where an installation has its libraries, and where a build has them.
+std::vector<fs::path> places() {
+  const fs::path own = own_folder();
+  std::vector<fs::path> all = {own / kPartName, own / "weft" / kPartName, own / "../lib" / kPartName,
+                               own / "../lib/weft" / kPartName};
+#ifdef WEFT_CAD_BUILD_FOLDER
+  all.push_back(fs::path(WEFT_CAD_BUILD_FOLDER) / kPartName);
+#endif
+  return all;
+}
+
+struct Part {
+  const CadReader* reader = nullptr;
+  std::string reason;  ///< why there is none
+};
+
+Part load_part() {
+  Part part;
+  std::error_code ignored;
+  for (const fs::path& place : places()) {
+    if (!fs::exists(place, ignored)) continue;
+    void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+      part.reason = dlerror();
+      continue;
+    }
+    const auto entry = reinterpret_cast<CadEntry>(dlsym(library, kCadEntryName));
+    part.reader = entry ? entry(kCadInterface) : nullptr;
+    if (part.reader) return part;
+    part.reason = place.string() + " is of another version of weft";
+  }
+  return part;
+}
+
+const CadReader& reader(const std::string& path) {
+  static const Part part = load_part();
+  if (part.reader) return *part.reader;
+  throw InputError(path, "",
+                   part.reason.empty()
+                       ? "reading CAD models needs OpenCASCADE, and this weft was built without: install "
+                         "libocct-data-exchange-dev (Debian, Ubuntu) and build weft again"
+                       : "OpenCASCADE cannot be loaded (" + part.reason +
+                             "): install libocct-data-exchange-7.6 (Debian, Ubuntu)");
+}
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+/// A file that vanishes at the end of its life.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::vector<std::uint8_t>& bytes) {
+    std::string name = (fs::temp_directory_path() / "weft-XXXXXX.egads").string();
+    const int descriptor = mkstemps(name.data(), 6);
+    if (descriptor < 0) throw InputError(name, "", "cannot be created");
+    close(descriptor);
+    path_ = name;
+    std::ofstream(path_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+bool is_model_name(const std::string& path) {
+  return std::ranges::find(kExtensions, lower_extension(path)) != kExtensions.end();
+}
+
+std::string model_extensions() { return ".step, .stp, .iges, .igs, .brep, .brp and .egads"; }
+
+std::shared_ptr<const GeometryModel> load_model(const std::string& path) {
+  if (!is_model_name(path))
+    throw InputError(path, "", "is no CAD model by its extension, known here are " + model_extensions());
+  if (!fs::is_regular_file(path)) throw InputError(path, "", "there is no such file");
+  return reader(path).read(path);
+}
+
+std::shared_ptr<const GeometryModel> load_carried_model(const Association& association,
+                                                        const std::string& mesh_name) {
+  if (association.model.empty())
+    throw InputError(mesh_name, "ByteFlow", "the mesh carries no CAD model: name one with --geometry");
+  const TemporaryFile file(association.model);
+  try {
+    return reader(mesh_name).read(file.path());
+  } catch (const InputError&) {
+    throw InputError(mesh_name, "ByteFlow", "the CAD model that the mesh carries cannot be read");
+  }
+}
+
+MeshData tessellate_model(const std::string& path, const GeometryModel& model,
+                          const CadTessellation& options) {
+  return reader(path).tessellate(model, options);
+}
+
+}  // namespace weft::meshing

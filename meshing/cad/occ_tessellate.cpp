@@ -1,0 +1,197 @@
+// Joins the triangulations that OpenCASCADE makes of faces at the points of their common edges.
+#include "meshing/cad/occ_tessellate.h"
+
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Poly_PolygonOnTriangulation.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "meshing/base/error.h"
+
+namespace weft::meshing {
+namespace {
+
+class Joiner {
+ public:
+  explicit Joiner(const OccModel& model) : model_(model) {}
+
+  MeshData run() {
+    for (std::uint32_t n = 0; n < model_.nodes().size(); ++n) {
+      const std::uint32_t v = add_point(model_.nodes()[n].x);
+      mesh_.corners.push_back(v);
+      mesh_.association.nodes.push_back({v, static_cast<std::int32_t>(n + 1)});
+    }
+    edge_points_.resize(model_.edges().size());
+    for (int f = 1; f <= model_.face_map().Extent(); ++f) add_face(f);
+    list_edges();
+    drop_unused_points();
+    refuse_open();
+    mesh_.point_refs.assign(mesh_.points.size(), 0);
+    return std::move(mesh_);
+  }
+
+ private:
+  std::uint32_t add_point(const Point& p) {
+    mesh_.points.push_back(p);
+    return static_cast<std::uint32_t>(mesh_.points.size() - 1);
+  }
+
+  /// The points of an edge between its nodes, which the first face that comes by makes.
+  const std::vector<std::uint32_t>& points_of(std::uint32_t e,
+                                              const Handle(Poly_PolygonOnTriangulation) & line,
+                                              const std::string& face) {
+    std::vector<std::uint32_t>& points = edge_points_[e];
+    const ModelEdge& edge = model_.edges()[e];
+    const int n = line->NbNodes();
+    if (points.empty() && !edge.degenerate) {
+      points.push_back(edge.nodes[0]);
+      for (int i = 2; i < n; ++i) {
+        const double t = line->Parameter(i);
+        points.push_back(add_point(model_.curve(e, t).x));
+        mesh_.association.edges.push_back(
+            {points.back(), static_cast<std::int32_t>(e + 1), t, static_cast<double>(e + 1)});
+      }
+      points.push_back(edge.nodes[1]);
+    }
+    if (!edge.degenerate && points.size() != static_cast<std::size_t>(n))
+      throw InputError(model_.name(), face + ", edge " + std::to_string(e + 1),
+                       "is divided otherwise than on the face beside it: not watertight");
+    return points;
+  }
+
+  void place_edge(const TopoDS_Edge& edge, const TopLoc_Location& place,
+                  const Handle(Poly_Triangulation) & triangles, const std::string& face,
+                  std::vector<std::uint32_t>& number) {
+    const Handle(Poly_PolygonOnTriangulation) line =
+        BRep_Tool::PolygonOnTriangulation(edge, triangles, place);
+    const auto e = static_cast<std::uint32_t>(model_.edge_map().FindIndex(edge) - 1);
+    if (line.IsNull())
+      throw InputError(model_.name(), face + ", edge " + std::to_string(e + 1), "could not be divided");
+    const std::vector<std::uint32_t>& points = points_of(e, line, face);
+    for (int i = 1; i <= line->NbNodes(); ++i) {
+      const auto local = static_cast<std::size_t>(line->Node(i) - 1);
+      number[local] =
+          model_.edges()[e].degenerate ? model_.edges()[e].nodes[0] : points[static_cast<std::size_t>(i - 1)];
+    }
+  }
+
+  void add_face(int id) {
+    const TopoDS_Face& face = TopoDS::Face(model_.face_map()(id));
+    const std::string name = "face " + std::to_string(id);
+    TopLoc_Location place;
+    const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, place);
+    if (triangles.IsNull() || triangles->NbTriangles() == 0)
+      throw InputError(model_.name(), name, "could not be tessellated");
+    std::vector<std::uint32_t> number(static_cast<std::size_t>(triangles->NbNodes()), kNoEntity);
+    for (TopExp_Explorer at(face, TopAbs_EDGE); at.More(); at.Next())
+      place_edge(TopoDS::Edge(at.Current()), place, triangles, name, number);
+    for (int i = 1; i <= triangles->NbNodes(); ++i) {
+      std::uint32_t& v = number[static_cast<std::size_t>(i - 1)];
+      if (v != kNoEntity) continue;
+      const gp_Pnt2d uv = triangles->UVNode(i);
+      v = add_point(model_.surface(static_cast<std::uint32_t>(id - 1), {uv.X(), uv.Y()}).x);
+      mesh_.association.faces.push_back({v, id, uv.X(), uv.Y(), static_cast<double>(id)});
+    }
+    const bool turned = face.Orientation() == TopAbs_REVERSED;
+    for (int i = 1; i <= triangles->NbTriangles(); ++i) {
+      int a, b, c;
+      triangles->Triangle(i).Get(a, b, c);
+      if (turned) std::swap(b, c);
+      const auto of = [&](int k) { return number[static_cast<std::size_t>(k - 1)]; };
+      if (of(a) == of(b) || of(b) == of(c) || of(c) == of(a)) continue;  // upon a pole
+      mesh_.triangles.push_back({of(a), of(b), of(c)});
+      mesh_.triangle_refs.push_back(id);
+    }
+  }
+
+  void list_edges() {
+    for (std::uint32_t e = 0; e < edge_points_.size(); ++e)
+      for (std::size_t i = 0; i + 1 < edge_points_[e].size(); ++i) {
+        mesh_.ridges.push_back(static_cast<std::uint32_t>(mesh_.edges.size()));
+        mesh_.edges.push_back({edge_points_[e][i], edge_points_[e][i + 1]});
+        mesh_.edge_refs.push_back(static_cast<std::int32_t>(e + 1));
+      }
+  }
+
+  /// Nodes of wires beside the body.
+  void drop_unused_points() {
+    std::vector<std::uint32_t> number(mesh_.points.size(), kNoEntity);
+    for (const auto& t : mesh_.triangles)
+      for (const std::uint32_t v : t) number[v] = 0;
+    std::vector<Point> points;
+    for (std::uint32_t v = 0; v < number.size(); ++v)
+      if (number[v] == 0) {
+        number[v] = static_cast<std::uint32_t>(points.size());
+        points.push_back(mesh_.points[v]);
+      }
+    if (points.size() == mesh_.points.size()) return;
+    const auto gone = [&](std::uint32_t v) { return number[v] == kNoEntity; };
+    std::erase_if(mesh_.corners, gone);
+    std::erase_if(mesh_.association.nodes, [&](const auto& r) { return gone(r.vertex); });
+    for (std::uint32_t& v : mesh_.corners) v = number[v];
+    for (auto& r : mesh_.association.nodes) r.vertex = number[r.vertex];
+    for (auto& r : mesh_.association.edges) r.vertex = number[r.vertex];
+    for (auto& r : mesh_.association.faces) r.vertex = number[r.vertex];
+    for (auto& t : mesh_.triangles)
+      for (std::uint32_t& v : t) v = number[v];
+    MeshData kept;
+    for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
+      const auto [a, b] = mesh_.edges[i];
+      if (gone(a) || gone(b)) continue;
+      kept.ridges.push_back(static_cast<std::uint32_t>(kept.edges.size()));
+      kept.edges.push_back({number[a], number[b]});
+      kept.edge_refs.push_back(mesh_.edge_refs[i]);
+    }
+    mesh_.edges = std::move(kept.edges);
+    mesh_.edge_refs = std::move(kept.edge_refs);
+    mesh_.ridges = std::move(kept.ridges);
+    mesh_.points = std::move(points);
+  }
+
+  /// Every edge of a closed surface has two triangles, or four where bodies touch.
+  void refuse_open() const {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, std::int32_t>> seen;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = mesh_.triangles[t][i], b = mesh_.triangles[t][(i + 1) % 3];
+        auto& [count, ref] = seen[std::minmax(a, b)];
+        ++count;
+        ref = mesh_.triangle_refs[t];
+      }
+    for (const auto& [edge, count] : seen) {
+      if (count.first > 1) continue;
+      const auto on = std::ranges::find_if(mesh_.edges, [&](const auto& e) {
+        return std::minmax(e[0], e[1]) == std::minmax(edge.first, edge.second);
+      });
+      std::string where = "face " + std::to_string(count.second);
+      if (on != mesh_.edges.end())
+        where +=
+            ", edge " + std::to_string(mesh_.edge_refs[static_cast<std::size_t>(on - mesh_.edges.begin())]);
+      throw InputError(model_.name(), where, "the surface is open here: a face is missing or not joined");
+    }
+  }
+
+  const OccModel& model_;
+  MeshData mesh_;
+  std::vector<std::vector<std::uint32_t>> edge_points_;
+};
+
+}  // namespace
+
+MeshData tessellate_occ(const OccModel& model, const CadTessellation& options) {
+  BRepTools::Clean(model.shape());
+  BRepMesh_IncrementalMesh mesher(model.shape(), options.sagitta, Standard_False,
+                                  options.angle_degrees * std::numbers::pi / 180, Standard_False);
+  return Joiner(model).run();
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,252 @@
+// Boundary faces tell the faces of the model, feature edges the edges, corners the nodes.
+#include "meshing/kernel/on_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace weft::meshing {
+namespace {
+
+using Kind = ModelEntityAccount::Kind;
+constexpr double kOn = 1e-8;
+constexpr std::size_t kMostListed = 100;
+
+/// A face of a tet on a patch of the model, once.
+struct BoundaryFace {
+  std::array<VertexId, 3> v;
+  PatchId patch;
+};
+
+std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
+  std::vector<BoundaryFace> faces;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    for (int f = 0; f < 4; ++f) {
+      const PatchId p = mesh.patch(t, f);
+      if (!p.valid() || (mesh.neighbour(t, f).valid() && mesh.neighbour(t, f).tet() < t)) continue;
+      const auto at = [&](int k) { return mesh.vertex(t, kTetFaces[f][k]); };
+      faces.push_back({{at(0), at(2), at(1)}, p});
+    }
+  }
+  return faces;
+}
+
+/// A vertex on an entity of the model.
+struct Place {
+  VertexId vertex;
+  Kind kind;
+  std::uint32_t entity;
+  double distance;
+  Parameters at;
+};
+
+std::vector<Place> places_on_faces(const TetMesh& mesh, const Surface& surface,
+                                   const std::vector<BoundaryFace>& faces) {
+  std::vector<std::pair<VertexId, PatchId>> pairs;
+  for (const BoundaryFace& f : faces)
+    if (!surface.faces(f.patch).empty())
+      for (const VertexId v : f.v) pairs.emplace_back(v, f.patch);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Place> places;
+  for (const auto& [v, patch] : pairs) {
+    const auto q = surface.closest_on_model(patch, mesh.point(v), mesh.kind(v), mesh.surface_hint(v));
+    places.push_back({v, Kind::face, q.face, q.at.distance, surface.model()->wrapped(q.face, q.at.at)});
+  }
+  // A vertex between two patches on one face.
+  const auto key = [](const Place& p) { return std::tuple(p.vertex, p.entity); };
+  std::stable_sort(places.begin(), places.end(),
+                   [&](const Place& a, const Place& b) { return key(a) < key(b); });
+  places.erase(std::unique(places.begin(), places.end(),
+                           [&](const Place& a, const Place& b) { return key(a) == key(b); }),
+               places.end());
+  return places;
+}
+
+std::vector<Place> places_on_edges(const TetMesh& mesh, const Surface& surface) {
+  std::vector<std::pair<VertexId, CurveId>> pairs;
+  for (const TetMesh::FeatureEdge& e : mesh.feature_edges())
+    if (surface.edge(e.curve) != kNoEntity)
+      for (const VertexId v : {e.a, e.b}) pairs.emplace_back(v, e.curve);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Place> places;
+  for (const auto& [v, curve] : pairs) {
+    const OnEdge q = surface.closest_on_model(curve, mesh.point(v), mesh.kind(v), mesh.surface_hint(v));
+    const std::uint32_t e = surface.edge(curve);
+    if (!places.empty() && places.back().vertex == v && places.back().entity == e) continue;
+    places.push_back({v, Kind::edge, e, q.distance, {q.t, 0}});
+  }
+  return places;
+}
+
+std::vector<Place> places_on_nodes(const TetMesh& mesh, const Surface& surface) {
+  std::vector<Place> places;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i) {
+    const VertexId v(i);
+    if (!mesh.alive(v) || mesh.kind(v) != VertexKind::corner) continue;
+    const std::uint32_t n = surface.node(mesh.surface_hint(v));
+    if (n != kNoEntity)
+      places.push_back({v, Kind::node, n, norm(mesh.point(v) - surface.model()->node(n)), {}});
+  }
+  return places;
+}
+
+/// Entities by kind and id, each with what is known of it.
+class Accounts {
+ public:
+  explicit Accounts(const Model& model) : model_(model) {
+    add(Kind::node, model.num_nodes());
+    add(Kind::edge, model.num_edges());
+    add(Kind::face, model.num_faces());
+  }
+  ModelEntityAccount& of(Kind kind, std::uint32_t entity) {
+    return all_[begin_[static_cast<std::size_t>(kind)] + entity];
+  }
+  void add(const Place& p) {
+    ModelEntityAccount& a = of(p.kind, p.entity);
+    ++a.vertices;
+    a.mean += p.distance;
+    a.largest = std::max(a.largest, p.distance);
+  }
+  std::vector<ModelEntityAccount> take() {
+    std::erase_if(all_, [](const ModelEntityAccount& a) { return a.vertices == 0; });
+    for (ModelEntityAccount& a : all_) a.mean /= static_cast<double>(a.vertices);
+    return std::move(all_);
+  }
+
+ private:
+  void add(Kind kind, std::size_t count) {
+    begin_[static_cast<std::size_t>(kind)] = all_.size();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      ModelEntityAccount a;
+      a.kind = kind;
+      a.id = static_cast<std::int32_t>(i + 1);
+      a.tolerance = kind == Kind::node   ? model_.node_tolerance(i)
+                    : kind == Kind::edge ? model_.edge_tolerance(i)
+                                         : model_.face_tolerance(i);
+      all_.push_back(a);
+    }
+  }
+  const Model& model_;
+  std::vector<ModelEntityAccount> all_;
+  std::array<std::size_t, 3> begin_{};
+};
+
+/// Deviation and normals of boundary faces.
+void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<BoundaryFace>& faces,
+                 Accounts& accounts, ModelAccount& total, std::vector<double>* deviations) {
+  struct Turn {
+    std::uint32_t face;
+    double cosine;
+  };
+  std::vector<Turn> turns;
+  std::vector<double> sides(surface.model()->num_faces(), 0);
+  for (const BoundaryFace& f : faces) {
+    if (deviations) deviations->push_back(0);
+    if (surface.faces(f.patch).empty()) {
+      ++total.unclassified_triangles;
+      continue;
+    }
+    ++total.triangles;
+    const Point &a = mesh.point(f.v[0]), &b = mesh.point(f.v[1]), &c = mesh.point(f.v[2]);
+    const auto q = surface.closest_on_model(f.patch, (1.0 / 3) * (a + b + c), mesh.kind(f.v[0]),
+                                            mesh.surface_hint(f.v[0]));
+    if (deviations) deviations->back() = q.at.distance;
+    ModelEntityAccount& account = accounts.of(Kind::face, q.face);
+    account.deviation = std::max(account.deviation, q.at.distance);
+    const Vec n = cross(b - a, c - a);
+    if (norm(n) == 0 || norm(q.at.normal) == 0) continue;
+    turns.push_back({q.face, dot(n, q.at.normal) / norm(n)});
+    sides[q.face] += dot(n, q.at.normal);
+  }
+  // Which way a face looks is what most of its triangles say: interfaces have two sides.
+  for (const Turn& t : turns) {
+    double& least = accounts.of(Kind::face, t.face).least_normal;
+    least = std::min(least, sides[t.face] < 0 ? -t.cosine : t.cosine);
+  }
+}
+
+void judge_edges(const TetMesh& mesh, const Surface& surface, Accounts& accounts) {
+  for (const TetMesh::FeatureEdge& e : mesh.feature_edges()) {
+    if (surface.edge(e.curve) == kNoEntity) continue;
+    const OnEdge q = surface.closest_on_model(e.curve, midpoint(mesh.point(e.a), mesh.point(e.b)),
+                                              mesh.kind(e.a), mesh.surface_hint(e.a));
+    ModelEntityAccount& account = accounts.of(Kind::edge, surface.edge(e.curve));
+    account.deviation = std::max(account.deviation, q.distance);
+  }
+}
+
+/// The totals over vertices, each with its own entity: a node, else an edge, else a face.
+void judge_vertices(std::vector<Place> places, const Model& model, ModelAccount& total) {
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return std::tuple(a.vertex, a.kind, a.distance) < std::tuple(b.vertex, b.kind, b.distance);
+  });
+  std::vector<std::pair<double, std::uint32_t>> off;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Place& p = places[i];
+    if (i > 0 && places[i - 1].vertex == p.vertex) continue;
+    ++total.vertices;
+    total.mean += p.distance;
+    total.largest = std::max(total.largest, p.distance);
+    const double tolerance = p.kind == Kind::node   ? model.node_tolerance(p.entity)
+                             : p.kind == Kind::edge ? model.edge_tolerance(p.entity)
+                                                    : model.face_tolerance(p.entity);
+    if (p.distance > std::max(total.tolerance, tolerance)) off.emplace_back(p.distance, p.vertex.value);
+  }
+  if (total.vertices > 0) total.mean /= static_cast<double>(total.vertices);
+  std::sort(off.begin(), off.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  total.off = off.size();
+  for (std::size_t i = 0; i < std::min(off.size(), kMostListed); ++i) total.listed.push_back(off[i].second);
+}
+
+}  // namespace
+
+ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface, std::vector<double>* deviations) {
+  const Model& model = *surface.model();
+  ModelAccount total;
+  total.model = model.geometry().name();
+  total.unit = model.geometry().unit();
+  total.scale = model.scale();
+  total.size = model.size();
+  total.nodes = model.num_nodes();
+  total.edges = model.num_edges();
+  total.faces = model.num_faces();
+  total.tolerance = kOn * model.size();
+  const std::vector<BoundaryFace> faces = boundary_faces(mesh);
+  Accounts accounts(model);
+  std::vector<Place> all;
+  for (const auto& places : {places_on_nodes(mesh, surface), places_on_edges(mesh, surface),
+                             places_on_faces(mesh, surface, faces)})
+    for (const Place& p : places) {
+      accounts.add(p);
+      all.push_back(p);
+    }
+  judge_faces(mesh, surface, faces, accounts, total, deviations);
+  judge_edges(mesh, surface, accounts);
+  judge_vertices(std::move(all), model, total);
+  total.entities = accounts.take();
+  for (const ModelEntityAccount& a : total.entities) {
+    total.deviation = std::max(total.deviation, a.deviation);
+    total.least_normal = std::min(total.least_normal, a.least_normal);
+  }
+  return total;
+}
+
+Association associate(const TetMesh& mesh, const Surface& surface) {
+  Association result;
+  if (!surface.model()) return result;
+  const auto id = [](const Place& p) { return static_cast<std::int32_t>(p.entity + 1); };
+  for (const Place& p : places_on_nodes(mesh, surface)) result.nodes.push_back({p.vertex.value, id(p)});
+  for (const Place& p : places_on_edges(mesh, surface))
+    result.edges.push_back({p.vertex.value, id(p), p.at[0], static_cast<double>(id(p))});
+  for (const Place& p : places_on_faces(mesh, surface, boundary_faces(mesh)))
+    result.faces.push_back({p.vertex.value, id(p), p.at[0], p.at[1], static_cast<double>(id(p))});
+  return result;
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,13 @@
+// A boundary vertex that is off the CAD model goes there.
+#pragma once
+
+#include "meshing/kernel/kernel.h"
+
+namespace weft::meshing {
+
+/// Moves boundary vertex `v` to the closest point of its face or edge of the model, a corner to its node.
+/// Where a tet would not stay positive it goes part of the way. Accepted: it is on the model now; not_needed:
+/// it was, or lies on no entity of the model; inverts: it is off still.
+Verdict snap_vertex(Worker& w, VertexId v);
+
+}  // namespace weft::meshing

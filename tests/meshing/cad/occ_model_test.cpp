@@ -1,0 +1,268 @@
+// Models through OpenCASCADE: files of all formats, ids, units, parameters, damaged files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <IGESControl_Writer.hxx>
+#include <Interface_Static.hxx>
+#include <STEPControl_Writer.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Shell.hxx>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "meshing/base/error.h"
+#include "meshing/cad/load_model.h"
+#include "meshing/geometry/model.h"
+#include "meshing/io/gmf/gmf.h"
+
+namespace weft::meshing {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A cube of side 1 with a hole of radius 0.3 through it along z.
+TopoDS_Shape pierced_cube() {
+  const TopoDS_Shape cube = BRepPrimAPI_MakeBox(1, 1, 1).Shape();
+  const gp_Ax2 axis(gp_Pnt(0.5, 0.5, -1), gp_Dir(0, 0, 1));
+  return BRepAlgoAPI_Cut(cube, BRepPrimAPI_MakeCylinder(axis, 0.3, 3).Shape()).Shape();
+}
+
+class OccModels : public testing::Test {
+ protected:
+  OccModels()
+      : folder_(fs::temp_directory_path() / ("weft_occ_" + std::to_string(getpid()) + "_" +
+                                             testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::create_directories(folder_);
+  }
+  ~OccModels() override { fs::remove_all(folder_); }
+
+  std::string brep(const TopoDS_Shape& shape) {
+    const std::string path = (folder_ / "model.brep").string();
+    BRepTools::Write(shape, path.c_str());
+    return path;
+  }
+  std::string step(const TopoDS_Shape& shape, const char* unit) {
+    const std::string path = (folder_ / "model.step").string();
+    STEPControl_Writer writer;
+    Interface_Static::SetCVal("write.step.unit", unit);
+    writer.Transfer(shape, STEPControl_AsIs);
+    writer.Write(path.c_str());
+    return path;
+  }
+
+  fs::path folder_;
+};
+
+void expect_pierced_cube(const Model& model) {
+  EXPECT_EQ(model.num_faces(), 7u);
+  EXPECT_NEAR(model.size(), std::sqrt(3.0), 1e-6);
+  int tubes = 0;
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f) {
+    if (model.face(f).form.kind != SurfaceForm::Kind::cylinder) continue;
+    ++tubes;
+    EXPECT_NEAR(model.closest_within(f, {0.5, 0.5, 0.5}).distance, 0.3, 1e-12);
+  }
+  EXPECT_EQ(tubes, 1);
+}
+
+TEST_F(OccModels, AreReadFromBrep) { expect_pierced_cube(Model(load_model(brep(pierced_cube())))); }
+
+TEST_F(OccModels, OfStepKeepTheNumbersOfTheirUnitAndNameIt) {
+  // OpenCASCADE takes the shape's numbers as millimetres.
+  const auto millimetres = load_model(step(pierced_cube(), "MM"));
+  EXPECT_EQ(millimetres->unit(), "millimetre");
+  expect_pierced_cube(Model(millimetres));
+  const std::string path = step(pierced_cube(), "MM");
+  std::ifstream in(path);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::size_t unit = text.find("SI_UNIT(.MILLI.,.METRE.)");
+  ASSERT_NE(unit, std::string::npos);
+  std::ofstream(path) << text.replace(unit, 24, "SI_UNIT($,.METRE.)");
+  const auto metres = load_model(path);
+  EXPECT_EQ(metres->unit(), "metre");
+  expect_pierced_cube(Model(metres));
+}
+
+TEST_F(OccModels, AreReadFromIges) {
+  const std::string path = (folder_ / "model.igs").string();
+  IGESControl_Writer writer("MM", 1);
+  writer.AddShape(pierced_cube());
+  writer.ComputeModel();
+  writer.Write(path.c_str());
+  const Model model(load_model(path));
+  EXPECT_EQ(model.geometry().unit(), "millimetre");
+  EXPECT_NEAR(model.size(), std::sqrt(3.0), 1e-5);
+  EXPECT_GE(model.num_faces(), 7u);
+}
+
+TEST_F(OccModels, OfEgadsAreBrepWithAHeader) {
+  const std::string path = brep(pierced_cube());
+  std::ofstream(path, std::ios::app)
+      << "##EGADS HEADER FILE-REV 1 ##\n0\n  1  1  7  7  15  10  0\n    0 0 0\n";
+  const std::string egads = (folder_ / "model.egads").string();
+  fs::rename(path, egads);
+  expect_pierced_cube(Model(load_model(egads)));
+}
+
+TEST_F(OccModels, ThatAreDamagedAreRefusedByName) {
+  const std::string path = step(pierced_cube(), "MM");
+  std::ifstream in(path);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::ofstream(path) << text.substr(0, text.size() / 6);
+  try {
+    load_model(path);
+    FAIL() << "a truncated file was read";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("model.step"));
+    EXPECT_THAT(error.what(), HasSubstr("truncated"));
+  }
+  const std::string other = brep(pierced_cube());
+  std::ifstream brep_in(other);
+  std::string brep_text((std::istreambuf_iterator<char>(brep_in)), {});
+  std::ofstream(other) << brep_text.substr(0, brep_text.size() / 2);
+  EXPECT_THROW(load_model(other), InputError);
+  EXPECT_THROW(load_model((folder_ / "none.step").string()), InputError);
+  EXPECT_THROW(load_model((folder_ / "none.txt").string()), InputError);
+}
+
+/// Evaluation along borders: of a face's surface at an edge's place on it is the edge's curve.
+void expect_borders_to_fit(const Model& model, double tolerance) {
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f)
+    for (const EdgeUse& use : model.face(f).border) {
+      const ModelEdge& e = model.edge(use.edge);
+      for (int i = 0; i <= 10; ++i) {
+        const double t = e.begin + (e.end - e.begin) * i / 10;
+        const Point on_face = model.surface(f, model.geometry().on_face(f, use, t)).x;
+        const Point on_edge = e.degenerate ? model.node(e.nodes[0]) : model.curve(use.edge, t).x;
+        EXPECT_NEAR(norm(on_face - on_edge), 0, tolerance) << "face " << f + 1 << " edge " << use.edge + 1;
+      }
+      if (e.degenerate) continue;
+      EXPECT_NEAR(norm(model.curve(use.edge, e.begin).x - model.node(e.nodes[0])), 0, tolerance);
+      EXPECT_NEAR(norm(model.curve(use.edge, e.end).x - model.node(e.nodes[1])), 0, tolerance);
+    }
+}
+
+TEST_F(OccModels, HaveBordersWhereTheirEdgesAre) {
+  for (const TopoDS_Shape& shape :
+       {pierced_cube(), BRepPrimAPI_MakeSphere(2).Shape(), BRepPrimAPI_MakeCone(1, 0, 2).Shape(),
+        BRepPrimAPI_MakeTorus(2, 0.5).Shape(), BRepBuilderAPI_NurbsConvert(pierced_cube()).Shape(),
+        BRepBuilderAPI_NurbsConvert(BRepPrimAPI_MakeSphere(2).Shape()).Shape()})
+    expect_borders_to_fit(Model(load_model(brep(shape))), 1e-6);
+}
+
+TEST_F(OccModels, OfSplinesFindTheClosestPointsOfTheFormulas) {
+  const Model exact(load_model(brep(BRepPrimAPI_MakeSphere(2).Shape())));
+  const Model spline(
+      load_model(brep(BRepBuilderAPI_NurbsConvert(BRepPrimAPI_MakeSphere(2).Shape()).Shape())));
+  EXPECT_TRUE(exact.has_formula(0));
+  EXPECT_FALSE(spline.has_formula(0));
+  for (int i = 0; i < 200; ++i) {
+    const Point p{std::sin(1.0 * i), std::cos(2.7 * i), 3 * std::sin(0.3 * i)};
+    EXPECT_NEAR(spline.closest_on_face(0, p).distance, exact.closest_on_face(0, p).distance, 1e-9);
+  }
+  for (const Point& pole : {Point{0, 0, 2}, Point{0, 0, -2.5}, Point{1e-8, 1e-8, 2.1}})
+    EXPECT_NEAR(spline.closest_on_face(0, pole).distance, std::abs(norm(pole) - 2), 1e-9);
+}
+
+/// Each edge of two triangles, and the Euler number.
+void expect_closed(const MeshData& mesh, int euler) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) ++sides[std::minmax(t[i], t[(i + 1) % 3])];
+  for (const auto& [edge, count] : sides) EXPECT_EQ(count, 2);
+  EXPECT_EQ(static_cast<int>(mesh.points.size() + mesh.triangles.size()) - static_cast<int>(sides.size()),
+            euler);
+}
+
+TEST_F(OccModels, AreTessellatedWithoutGaps) {
+  const std::map<std::string, std::pair<TopoDS_Shape, int>> bodies = {
+      {"cube", {pierced_cube(), 0}},
+      {"sphere", {BRepPrimAPI_MakeSphere(2).Shape(), 2}},
+      {"cone", {BRepPrimAPI_MakeCone(1, 0, 2).Shape(), 2}},
+      {"torus", {BRepPrimAPI_MakeTorus(2, 0.5).Shape(), 0}}};
+  for (const auto& [name, body] : bodies) {
+    SCOPED_TRACE(name);
+    const std::string path = brep(body.first);
+    const auto geometry = load_model(path);
+    const MeshData mesh = tessellate_model(path, *geometry, {0.01, 20});
+    expect_closed(mesh, body.second);
+    const Model model(geometry);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+      for (const std::uint32_t v : mesh.triangles[i])
+        EXPECT_NEAR(
+            model.closest_within(static_cast<std::uint32_t>(mesh.triangle_refs[i] - 1), mesh.points[v])
+                .distance,
+            0, 1e-9);
+  }
+}
+
+TEST_F(OccModels, ThatAreOpenAreTessellatedWithAnErrorThatNamesTheEdge) {
+  TopoDS_Shell shell;
+  BRep_Builder builder;
+  builder.MakeShell(shell);
+  int faces = 0;
+  for (TopExp_Explorer at(BRepPrimAPI_MakeBox(1, 1, 1).Shape(), TopAbs_FACE); at.More(); at.Next())
+    if (++faces != 3) builder.Add(shell, at.Current());
+  const std::string path = brep(shell);
+  try {
+    tessellate_model(path, *load_model(path), {0.01, 20});
+    FAIL() << "an open shell was tessellated";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("edge "));
+    EXPECT_THAT(error.what(), HasSubstr("open"));
+  }
+}
+
+/// All that refine's meshes record, evaluated, gives back the vertices: to 1e-8 of the model's size, and
+/// where a file's vertices are themselves off the model (cube-sphere's by 4e-6 of it) to three times that
+/// distance.
+TEST_F(OccModels, OfCasesGiveBackTheRecordedVertices) {
+  const fs::path cases = fs::path(WEFT_CASES) / "cad";
+  if (!fs::exists(cases)) GTEST_SKIP() << "there is no " << cases;
+  const std::map<std::string, std::string> pairs = {
+      {"cube-sphere/cube-sphere.meshb", "cube-sphere/cube-sphere.egads"},
+      {"hemisphere-cylinder/hsc01.meshb", "hemisphere-cylinder/hemisph-cyl.egads"},
+      {"revolve-cylinder/cylinder01.meshb", "revolve-cylinder/cylinder.egads"},
+      {"revolve-pencil/pencil.meshb", "revolve-pencil/pencil.egads"},
+      {"../ugawg/cone-cone.meshb", "cone-cone/cone-cone.egads"},
+      {"../ugawg/cube-cylinder.meshb", "cube-cylinder.egads"}};
+  for (const auto& [mesh_name, model_name] : pairs) {
+    SCOPED_TRACE(mesh_name);
+    const MeshData mesh = read_gmf_mesh(cases / mesh_name);
+    const Model model(load_model((cases / model_name).string()));
+    double nodes = 0, edges = 0, faces = 0;
+    const auto excess = [](double error, double off) { return std::max(0.0, error - 3 * off); };
+    for (const auto& r : mesh.association.nodes)
+      nodes = std::max(nodes, norm(model.node(static_cast<std::uint32_t>(r.id - 1)) - mesh.points[r.vertex]));
+    for (const auto& r : mesh.association.edges) {
+      const auto e = static_cast<std::uint32_t>(r.id - 1);
+      const Point x = model.edge(e).degenerate ? model.node(model.edge(e).nodes[0]) : model.curve(e, r.t).x;
+      const double off = model.closest_on_edge(e, mesh.points[r.vertex]).distance;
+      edges = std::max(edges, excess(norm(x - mesh.points[r.vertex]), off));
+    }
+    for (const auto& r : mesh.association.faces)
+      faces = std::max(
+          faces,
+          excess(
+              norm(model.surface(static_cast<std::uint32_t>(r.id - 1), {r.u, r.v}).x - mesh.points[r.vertex]),
+              model.closest_on_face(static_cast<std::uint32_t>(r.id - 1), mesh.points[r.vertex]).distance));
+    for (const double largest : {nodes, edges, faces}) EXPECT_LE(largest, 1e-8 * model.size());
+    EXPECT_GT(mesh.association.faces.size(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace weft::meshing
