@@ -169,8 +169,8 @@ struct RunOptions {
 /// while they work on. A folder keeps the two latest; one that is not complete is never taken for one that
 /// is.
 struct CheckpointOptions {
-  std::string folder;       ///< on a file system that all ranks see; empty: no checkpoints
-  double every = 600;       ///< seconds between the end of one and the next; 0: only when asked for
+  std::string folder;  ///< on a file system that all ranks see; empty: no checkpoints
+  double every = 600;  ///< seconds between the end of one and the next; 0: only when asked for
   /// A folder of checkpoints: the run goes on from the latest, on as many ranks and threads as there are now.
   /// Input and options must be those of the run that wrote it. A folder without one: it starts anew.
   std::string resume;
@@ -240,21 +240,21 @@ struct RankStats {
 
 /// What has been written to go on from, and what it cost.
 struct CheckpointStats {
-  std::uint32_t written = 0;     ///< complete
-  double bytes = 0;              ///< of the latest
-  double seconds = 0;            ///< of all workers, spent on copying states
-  std::string resumed;           ///< the checkpoint that the run went on from; empty: it began anew
-  std::string failure;           ///< why the latest could not be written; empty: it could
+  std::uint32_t written = 0;  ///< complete
+  double bytes = 0;           ///< of the latest
+  double seconds = 0;         ///< of all workers, spent on copying states
+  std::string resumed;        ///< the checkpoint that the run went on from; empty: it began anew
+  std::string failure;        ///< why the latest could not be written; empty: it could
 };
 
 /// One kind of mend of an input, and what it was done to.
 struct Mend {
-  std::string what;              ///< "duplicate vertices merged"
-  std::string entity;            ///< "vertex": what `examples` number
-  std::uint64_t count = 0;       ///< how many
+  std::string what;                     ///< "duplicate vertices merged"
+  std::string entity;                   ///< "vertex": what `examples` number
+  std::uint64_t count = 0;              ///< how many
   std::vector<std::uint64_t> examples;  ///< the first of them, 1-based in the input
-  double amount = 0;             ///< the largest change, by what `unit` says
-  std::string unit;              ///< "distance moved", "volume removed"; empty: there is no amount
+  double amount = 0;                    ///< the largest change, by what `unit` says
+  std::string unit;                     ///< "distance moved", "volume removed"; empty: there is no amount
 };
 
 /// One round of shifts over all subdomains.
@@ -282,7 +282,7 @@ struct DistributedStats {
   std::uint64_t messages = 0, bytes = 0, collective_calls = 0;  ///< within the loop
   std::string verdict;                                          ///< on the balance of the load
   CheckpointStats checkpoints;
-  std::shared_ptr<const engine::RunSummary> engine;             ///< for the library's own reports
+  std::shared_ptr<const engine::RunSummary> engine;  ///< for the library's own reports
 };
 
 /// Everything that is known after an adaptation; the summary and the report are made from it. On several
@@ -295,7 +295,7 @@ struct Report {
   bool complexity_asked = false;
   SizePrediction predicted;
   bool cancelled = false;
-  std::string ended_by;  ///< of a cancelled run: "interrupted", "time limit" or "memory limit"
+  std::string ended_by;               ///< of a cancelled run: "interrupted", "time limit" or "memory limit"
   std::vector<Mend> mends;            ///< of the input (RunOptions::repair)
   std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
   std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
