@@ -44,6 +44,7 @@ void Snapshots::begin_if_wanted() {
   if (!wished_ || not_ready_ > 0 || stage_ != Stage::none || objects_ == 0) return;
   wished_ = closing_ = false;
   counts_.assign(static_cast<std::size_t>(ranks_), {});
+  serials_.resize(static_cast<std::size_t>(ranks_), 0);
   tell_all({.kind = Kind::begin, .epoch = epoch_ + 1});
 }
 
@@ -51,7 +52,7 @@ void Snapshots::tell_counts() {
   const SnapshotCounts counts = scheduler_.snapshot_counts();
   if (told_ == counts) return;
   told_ = counts;
-  tell(Rank(0), {.kind = Kind::count, .epoch = epoch_, .counts = counts});
+  tell(Rank(0), {.kind = Kind::count, .epoch = epoch_, .serial = ++last_serial_, .counts = counts});
 }
 
 void Snapshots::tell_stored() {
@@ -89,7 +90,8 @@ void Snapshots::receive(Rank from, const SnapshotMessage& message) {
 /// When all objects have been copied, nobody sends anything more that belongs to the snapshot, and the sums
 /// of what was sent are final; once as much has been received, all of it is there.
 void Snapshots::note_counts(Rank from, const SnapshotMessage& message) {
-  if (message.epoch != epoch_ || closing_) return;
+  if (message.epoch != epoch_ || closing_ || message.serial <= serials_[from.index()]) return;
+  serials_[from.index()] = message.serial;
   counts_[from.index()] = message.counts;
   SnapshotCounts sums;
   for (const SnapshotCounts& counts : counts_) {

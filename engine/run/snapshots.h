@@ -25,6 +25,7 @@ struct SnapshotMessage {
   bool good = true;
   std::uint64_t epoch = 0;
   std::uint64_t objects = 0;
+  std::uint64_t serial = 0;  ///< of a rank's counts: packets may overtake each other
   SnapshotCounts counts = {};
 };
 
@@ -61,6 +62,7 @@ class Snapshots {
   std::uint64_t epoch_ = 0;
   bool told_ready_ = false;
   std::optional<SnapshotCounts> told_;
+  std::uint64_t last_serial_ = 0;
 
   // On rank 0.
   bool wished_ = false;
@@ -68,6 +70,7 @@ class Snapshots {
   int not_ready_ = 0;
   std::uint64_t objects_ = 0;
   std::vector<SnapshotCounts> counts_;
+  std::vector<std::uint64_t> serials_;  ///< of these
   int not_stored_ = 0;
   bool all_good_ = true;
 };

@@ -376,6 +376,7 @@ void Scheduler::receive_object(Rank from, Payload payload, std::size_t wire_byte
   ++received_;
   ++moved_in_;
   trace_.communication_lane().received(Traffic::migrate, Span::kNoName, from, size);
+  begin_epoch(packed.epoch);  // what it sends is of that one
   directory_.arrived(packed.id);
   const Rank home = home_of(packed.id);
   if (home != options_.rank) tell_location(home, packed.id, {options_.rank, packed.age});

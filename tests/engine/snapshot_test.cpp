@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 using weft::testing::delayed;
 using weft::testing::on_ranks;
 
-constexpr int kAccounts = 12, kChains = 30, kHops = 150 / weft::testing::kSlowness + 20;
+constexpr int kAccounts = 12, kChains = 30, kHops = 600 / weft::testing::kSlowness + 20;
 constexpr long kMoney = 1000;
 
 /// Passes on what it gets, and some of its own, until the chain has made its hops.
