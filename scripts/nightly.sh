@@ -12,5 +12,7 @@ scripts/sanitize.sh asan tsan
 # A hang that comes once in a hundred runs is a hang.
 ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100
 build/bin/weft_engine_tests --gtest_filter='Ranks/*' --gtest_repeat=100 --gtest_brief=1
+# Several hosts over TCP, links that are slow or cut; skips loudly where network namespaces are not permitted.
+scripts/several_hosts.py --hosts 4
 scripts/bench.sh
 scripts/bench.sh engine
