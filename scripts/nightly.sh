@@ -19,5 +19,7 @@ WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^comma
 # Changed files and options.
 timeout 3600 build/bin/weft_fuzz_readers 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
 timeout 3600 build/bin/weft_fuzz_options 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
+# Several hosts over TCP, links that are slow or cut; skips loudly where network namespaces are not permitted.
+scripts/several_hosts.py --hosts 4
 scripts/bench.sh
 scripts/bench.sh engine

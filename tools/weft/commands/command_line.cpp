@@ -99,6 +99,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_interpolate_command(app, action);
   add_view_command(app, action);
   add_graph_command(app, action);
+  add_replay_command(app, action);
   add_report_command(app, action);
   add_loop_command(app, action);
   if (arguments.empty()) {
