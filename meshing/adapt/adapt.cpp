@@ -89,8 +89,10 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
             std::make_shared<const ModelAccount>(account_on_model(*imported.mesh, *imported.surface));
     }
     export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result.mesh, result.log_metrics);
-    result.mesh.association.model = input.association.model;
-    result.mesh.association.model_in_words = input.association.model_in_words;
+    if (options.model) {
+      result.mesh.association.model = input.association.model;
+      result.mesh.association.model_in_words = input.association.model_in_words;
+    }
     result.report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     return result;
   });

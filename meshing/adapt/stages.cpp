@@ -51,7 +51,11 @@ class Adaptation {
   void run() {
     kernel_.policy.frozen = frozen_policy();
     if (options_.progress) predict();
-    if (kernel_.surface.model()) stage("snap to model", [&] { snap_to_model(); });
+    if (kernel_.surface.model() && extent_ == Extent::everything)
+      stage("snap to model", [&] {
+        judge_by(kernel_.policy.mean);
+        snap_to_model();
+      });
     stage("collapse", [&] { start(); });
     stage("create points", [&] { create_points(); });
     stage("reconnect and smooth", [&] { reconnect_and_smooth(); });
@@ -157,7 +161,6 @@ class Adaptation {
   /// Vertices of the input may be off the model; those in the way of which a tet is at first come later.
   void snap_to_model() {
     constexpr int kMostRounds = 4;
-    judge_by(kernel_.policy.mean);
     for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round)
       if (snap_pass(crew_) == 0) return;
   }

@@ -353,6 +353,7 @@ std::uint32_t Surface::Impl::start_triangle(PatchId patch, const Point& p, Verte
     }
   }
   if (best != kNone) return best;
+  if (patch_root[patch.value] == kNone) return patch_triangle[patch.value];  // a flat face without a formula
   return triangle_forest.closest(patch_root[patch.value], p,
                                  [&](std::uint32_t t) { return closest_flat(t, p).distance2; });
 }

@@ -64,7 +64,7 @@ TEST(AdaptOnModel, KeepsEveryVertexOfABallOnTheSphere) {
   for (const auto& t : result.mesh.triangles)
     for (const std::uint32_t v : t) EXPECT_NEAR(norm(result.mesh.points[v]), 1, 1e-14);
   // The volume errs by the sagitta of the triangles.
-  EXPECT_NEAR(check_mesh(result.mesh, 1).volume, 4 * kPi / 3, 0.05);
+  EXPECT_NEAR(check_mesh(result.mesh, 1).volume, 4 * kPi / 3, 0.1);
 }
 
 TEST(AdaptOnModel, KeepsACylindersSideAndItsEndsApart) {
