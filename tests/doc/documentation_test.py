@@ -49,7 +49,8 @@ class Site(unittest.TestCase):
         if not os.environ["WEFT_DOXYGEN"]:
             raise unittest.SkipTest("SKIPPED: no Doxygen: scripts/setup.sh --all")
         cls.told = run("cmake", "--build", BUILD, "--target", "doc")
-        cls.pages = {path.name: Page(path) for path in SITE.glob("*.html")}
+        cls.pages = {path.relative_to(SITE).as_posix(): Page(path) for path in SITE.rglob("*.html")
+                     if path.parent.name != "search"}
 
     def test_it_is_built_without_warnings(self):
         self.assertNotRegex(self.told, r"(?i)warning|error")
@@ -61,7 +62,8 @@ class Site(unittest.TestCase):
                 target = urllib.parse.urlsplit(link)
                 if target.scheme or link.startswith(("javascript:", "$relpath")):
                     continue
-                file, place = target.path or name, urllib.parse.unquote(target.fragment)
+                file = os.path.normpath(os.path.join(os.path.dirname(name), target.path)) if target.path else name
+                place = urllib.parse.unquote(target.fragment)
                 self.assertTrue((SITE / file).exists(), f"{name}: {link}")
                 if place and file in self.pages:
                     self.assertIn(place, self.pages[file].anchors, f"{name}: {link}")
@@ -79,6 +81,8 @@ class Site(unittest.TestCase):
         self.assertIn("weft-adapt", self.pages["command.html"].anchors)
         self.assertIn("--hgrad-space", (SITE / "command.html").read_text())
         self.assertTrue(any("weft-c_8h" in link for link in links))
+        python = next(link for link in links if link.startswith("python/"))
+        self.assertIn("progress, cancel", (SITE / python).read_text())
 
 
 class Guide(unittest.TestCase):

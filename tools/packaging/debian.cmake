@@ -60,7 +60,13 @@ if(TARGET weft_petsc)
     "${about}\n.\nThis package makes it a mesh adaptor of PETSc (-dm_adaptor weft)."
     "libweft${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1)")
 endif()
+if(TARGET weft_fortran)
+  weft_package(fortran libweft-fortran-dev libdevel "anisotropic tetrahedral mesh adaptation: Fortran module"
+    "${about}\n.\nThis package has the module for Fortran, a static library over libweft."
+    "libweft-dev (= ${PROJECT_VERSION}-1)")
+endif()
 if(TARGET weft_python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-mpi4py, python3-meshio")
   weft_package(python python3-weft python "anisotropic tetrahedral mesh adaptation: Python module"
     "${about}\n.\nThis package has the module for Python 3, on NumPy arrays."
     "libweft${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1), python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
