@@ -76,9 +76,10 @@ class Runtime::Implementation final : private BalanceActions {
         exchange_(transport, options_.exchange, registry.fingerprint()),
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
-        scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished(), options_.name_of, options_.snapshots, transport.virtual_time()},
-                   registry, exchange_, trace_, [&transport] { transport.wake(); }) {
+        scheduler_(
+            {transport.rank(), transport.size(), options_.threads, options_.local,
+             balancer_->wants_finished(), options_.name_of, options_.snapshots, transport.virtual_time()},
+            registry, exchange_, trace_, [&transport] { transport.wake(); }) {
     if (options_.snapshots == nullptr) return;
     snapshots_.emplace(*options_.snapshots, scheduler_, transport.rank(), transport.size(),
                        [this](Rank to, const SnapshotMessage& message) {

@@ -117,7 +117,8 @@ Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, con
              const Fields& fields) {
   validate(options);
   if (options.distributed.asked()) throw OptionError("--background", "is not possible in subdomains");
-  if (options.run.repair) throw OptionError("--repair", "call repair() for a mesh with a background of its own");
+  if (options.run.repair)
+    throw OptionError("--repair", "call repair() for a mesh with a background of its own");
   const WholeMesh whole(mesh), whole_background(background);
   check_length(background, metric.size(), "metric");
   check_fields(mesh, fields);

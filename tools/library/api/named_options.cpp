@@ -192,6 +192,23 @@ void add_run(std::vector<Row>& rows) {
       "force", "run even if the memory seems insufficient",
       [](Options & o) -> auto& { return o.run.force; }));
   rows.push_back(flag(
+      "repair", "mend an input that would be refused", [](Options & o) -> auto& { return o.run.repair; }));
+  rows.push_back(number(
+      "time-limit", "seconds after which the run has ended with the valid mesh that there is; 0: none",
+      [](Options & o) -> auto& { return o.run.time_limit; }));
+  rows.push_back(number(
+      "max-memory", "bytes that this process or rank may take; 0: what is free",
+      [](Options & o) -> auto& { return o.run.max_memory; }));
+  rows.push_back(word(
+      "checkpoint", "folder for states to go on from",
+      [](Options & o) -> auto& { return o.checkpoint.folder; }));
+  rows.push_back(number(
+      "checkpoint-every", "seconds between checkpoints; 0: only when asked for",
+      [](Options & o) -> auto& { return o.checkpoint.every; }));
+  rows.push_back(word(
+      "resume", "folder of checkpoints to go on from",
+      [](Options & o) -> auto& { return o.checkpoint.resume; }));
+  rows.push_back(flag(
       "check", "check all subdomains after every round; slow",
       [](Options & o) -> auto& { return o.run.check; }));
   rows.push_back(flag(

@@ -17,10 +17,12 @@ constexpr const char* kFooter = R"(Examples:
   weft replay run/graph.json --ranks 512 --network 50us,1GB/s,tree:16 --balancer diffusion
   weft replay run/graph.json --ranks 16 --report on-16 --trace on-16.json
 
-FILE is the graph.json or profile.json of `weft adapt --report DIR`. The engine runs on simulated ranks: its
-directory, balancing and end of run are real, tasks take the times that were recorded, messages those of the
-network. Only the loop of the adaptation is replayed: reading, decomposition and writing are not in the graph.
---copies N makes a graph of N times the subdomains, with times drawn from the recorded ones, for weak scaling.)";
+FILE is the graph.json or profile.json of `weft adapt --report DIR`. The engine runs on simulated
+ranks: its directory, balancing and end of run are real, tasks take the times that were recorded,
+messages those of the network. Only the loop of the adaptation is replayed: reading, decomposition
+and writing are not in the graph.
+--copies N makes a graph of N times the subdomains, with times drawn from the recorded ones, for
+weak scaling.)";
 
 struct ReplayCommand {
   std::string file;
@@ -42,7 +44,7 @@ void add_machine(CLI::App& sub, ReplayOptions& options) {
   sub.add_option("--ranks", options.ranks, "ranks (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--threads", options.threads, "threads a rank (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--network", options.network,
-                 "latency, bandwidth and topology (flat, or tree:N for N ranks a switch); default 2us,10GB/s")
+                 "latency, bandwidth, topology (flat, or tree:N: N ranks a switch); 2us,10GB/s")
       ->type_name("L,B[,T]")
       ->group(kGroup);
   sub.add_option("--balancer", options.balancer, "none, stealing (default) or diffusion")
