@@ -15,6 +15,7 @@ void Snapshots::begin_run() {
   if (stage_ != Stage::none) sink_.give_up();
   stage_ = Stage::none;
   told_ready_ = wished_ = closing_ = false;
+  not_stored_ = 0;
   not_ready_ = ranks_;
   objects_ = 0;
 }
@@ -41,7 +42,7 @@ void Snapshots::step() {
 }
 
 void Snapshots::begin_if_wanted() {
-  if (!wished_ || not_ready_ > 0 || stage_ != Stage::none || objects_ == 0) return;
+  if (!wished_ || not_ready_ > 0 || stage_ != Stage::none || not_stored_ > 0 || objects_ == 0) return;
   wished_ = closing_ = false;
   counts_.assign(static_cast<std::size_t>(ranks_), {});
   serials_.resize(static_cast<std::size_t>(ranks_), 0);
