@@ -21,7 +21,8 @@ void Snapshots::begin_run() {
   objects_ = 0;
 }
 
-/// A snapshot that began when nothing was left to do would have objects copied while the program looks at them.
+/// A snapshot that began when nothing was left to do would have objects copied while the program looks at
+/// them.
 void Snapshots::end_run() {
   over_ = true;
   scheduler_.end_snapshot();
@@ -62,11 +63,8 @@ bool Snapshots::tell_counts() {
   const SnapshotCounts counts = scheduler_.snapshot_counts();
   if (told_ == counts) return false;
   told_ = counts;
-  tell(Rank(0), {.kind = Kind::count,
-                 .good = settled_,
-                 .epoch = epoch_,
-                 .serial = ++last_serial_,
-                 .counts = counts});
+  tell(Rank(0),
+       {.kind = Kind::count, .good = settled_, .epoch = epoch_, .serial = ++last_serial_, .counts = counts});
   return true;
 }
 
