@@ -11,7 +11,7 @@ std::vector<partition::Bytes> EnginePeers::all_to_all(std::vector<partition::Byt
   const auto mine = static_cast<std::size_t>(rank());
   std::vector<engine::Payload> payloads(to_each.size());
   for (std::size_t to = 0; to < to_each.size(); ++to) {
-    if (to == mine) continue;
+    if (to == mine || to_each[to].empty()) continue;
     engine::Packer packer(true);
     packer(to_each[to]);
     payloads[to] = packer.take();
@@ -19,7 +19,7 @@ std::vector<partition::Bytes> EnginePeers::all_to_all(std::vector<partition::Byt
   payloads = exchange_.exchange(std::move(payloads));
   std::vector<partition::Bytes> received(payloads.size());
   for (std::size_t from = 0; from < received.size(); ++from) {
-    if (from == mine) continue;
+    if (from == mine || payloads[from].size() == 0) continue;
     engine::Unpacker unpacker(std::move(payloads[from]));
     unpacker(received[from]);
     unpacker.finish();
