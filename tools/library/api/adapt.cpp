@@ -14,6 +14,7 @@
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/slice_source.h"
@@ -33,7 +34,9 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   result.input_counts = tools::count(input.mesh);
   MetricOptions metric = options.metric;
   const double target = tools::scaled_alone(metric) ? std::exchange(metric.complexity, 0) : 0;
-  tools::LogMetricMade made = tools::make_log_metric(metric, input.mesh, input.name, input.metric);
+  tools::LogMetricMade made =
+      tools::make_log_metric(metric, input.mesh, input.name, input.metric,
+                             tools::model_of(options.geometry, input.mesh, input.name));
   result.warnings = std::move(made.warnings);
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);

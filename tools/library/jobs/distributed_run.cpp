@@ -12,6 +12,7 @@
 #include "partition/output/measure_pieces.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/report/run_progress_text.h"
 
@@ -87,6 +88,8 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
       partition::parse_partitioner(partitioner_of(asked), method.decomposition.num_subdomains);
   method.decomposition.equal_tets = asked.equal == DistributedOptions::Equal::tets;
   method.decomposition.ridge_angle_degrees = options_.geometry.ridge_angle;
+  // Every rank reads the model for itself: each has the whole boundary too.
+  method.decomposition.model = model_of(options_.geometry, {}, "the mesh");
   method.decomposition.target_complexity = target_complexity;
   method.shift = {asked.layers, asked.layers_by == DistributedOptions::LayersBy::faces};
   if (asked.shifts) method.most_shifts = *asked.shifts;

@@ -10,6 +10,7 @@
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
 #include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/model_source.h"
 
 namespace weft::tools {
 namespace {
@@ -116,7 +117,8 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
       throw InputError(files.background, "", "a background of its own is not possible in subdomains");
     input.whole = meshing::read_mesh(files.input);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
-    LogMetricMade made = make_log_metric(metric, *input.whole, files.input);
+    LogMetricMade made = make_log_metric(metric, *input.whole, files.input, nullptr,
+                                         model_of(options.geometry, *input.whole, files.input));
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });
