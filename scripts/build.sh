@@ -14,6 +14,7 @@ done
 
 if command -v ccache >/dev/null; then
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # without it nothing with precompiled headers is kept
 fi
 # Compiling CGAL or Ceres takes up to 2 GB: fewer jobs than cores where memory is short.
 memory_gb=$(awk '/^MemAvailable/ { print int($2 / 1048576) }' /proc/meminfo)

@@ -37,6 +37,7 @@ ENGINE = {
     "engine/schedule": ["base", "trace", "network", "objects"],
     "engine/balance": ["base", "trace", "objects", "schedule"],
     "engine/run": ["base", "trace", "network", "mpi", "objects", "schedule", "balance"],
+    "engine/simulate": ["base", "trace", "network", "run"],
 }
 PARTITION = {
     "partition/subdomain": [],
@@ -62,11 +63,17 @@ ALLOWED = {
     **within("partition", PARTITION, MESHING_FOLDERS),
     "graph/dataflow": ENGINE_FOLDERS,
     "graph/dataflow/dump": ["graph/dataflow", *ENGINE_FOLDERS],
+    "graph/replay": ["graph/dataflow", "graph/dataflow/dump", *ENGINE_FOLDERS],
     "graph/adaptation": ["graph/dataflow", *ENGINE_FOLDERS, *PARTITION_FOLDERS, *MESHING_FOLDERS],
     "tools": ["meshing", "engine", "partition", "graph"],
     "tools/common": [],
     "tools/library": ["tools/common", "tools/report", "tools/picture", "meshing", "engine", "partition", "graph"],
     "tools/weft": ["tools/common"],
+    # Bindings translate: they know the public headers alone, which need no rule.
+    "tools/bindings/c": [],
+    "tools/bindings/petsc": [],
+    "tools/bindings/python": [],
+    "tools/bindings/fortran": [],
     "tests": ["meshing", "engine", "partition", "graph", "tools"],
 }
 # Parts whose rules hold for whole trees, not folder by folder.
@@ -75,13 +82,16 @@ WHOLE_TREES = ("tools", "tests")
 LIBRARIES = {
     "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"),
             ["engine/mpi/mpi_transport.cpp", "engine/mpi/mpi_version.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
-             "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/library/"]),
+             "tools/bindings/c/include/weft/weft-c.h",
+             "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/library/",
+             "tests/bindings/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_xml.", "tools/report/encode/gzip."]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
+    "PETSc": (re.compile(r"petsc"), ["tools/bindings/petsc/", "tests/bindings/petsc/"]),
     "OpenCASCADE": (re.compile(r"(Adaptor|BRep|GCPnts|Geom|IFSelect|IGES|Interface_|Message|Poly_|STEP|Shape|Standard|TCol|TKernel|"
                                r"Top|gp_?).*\.hxx$"),
                     ["meshing/cad/occ_", "tests/meshing/cad/"]),
@@ -190,6 +200,11 @@ FORBIDDEN = [
     ("tools/weft/commands/a.cpp", '"meshing/io/mesh_file.h"'),
     ("tools/weft/commands/a.cpp", '"tools/library/jobs/monitor.h"'),
     ("tools/library/jobs/a.cpp", '"tools/weft/terminal/progress.h"'),
+    ("tools/bindings/python/a.cpp", '"tools/library/jobs/monitor.h"'),
+    ("tools/bindings/c/a.cpp", '"meshing/base/error.h"'),
+    ("tools/bindings/python/a.cpp", '"tools/bindings/c/objects.h"'),
+    ("tools/bindings/c/a.cpp", "<mpi.h>"),
+    ("tools/library/jobs/a.cpp", "<petscdmplex.h>"),
 ]
 PERMITTED = [
     ("engine/mpi/mpi_transport.cpp", "<mpi.h>"),
@@ -205,6 +220,8 @@ PERMITTED = [
     ("graph/adaptation/a.h", '"partition/decompose/decomposition.h"'),
     ("tools/library/a.cpp", '"graph/adaptation/progress.h"'),
     ("tools/weft/commands/a.cpp", '"weft/weft.h"'),
+    ("tools/bindings/c/a.cpp", '"weft/weft.h"'),
+    ("tools/bindings/c/a.cpp", '"tools/bindings/c/objects.h"'),
     ("tools/weft/commands/a.cpp", '"tools/common/text.h"'),
     ("tests/tools/a.cpp", '"tools/weft/text.h"'),
     ("tools/picture/canvas.cpp", "<cairo.h>"),

@@ -12,5 +12,14 @@ scripts/sanitize.sh asan tsan
 # A hang that comes once in a hundred runs is a hang.
 ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100
 build/bin/weft_engine_tests --gtest_filter='Ranks/*' --gtest_repeat=100 --gtest_brief=1
+# Runs killed at random moments go on to the same bytes.
+WEFT_KILLS=200 WEFT_SEED=$RANDOM ctest --test-dir build --output-on-failure --tests-regex '^command\.checkpoint$' --timeout 7200
+# Calls that fail, by number.
+WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^command\.fault$' --timeout 14400
+# Changed files and options.
+timeout 3600 build/bin/weft_fuzz_readers 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
+timeout 3600 build/bin/weft_fuzz_options 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
+# Several hosts over TCP, links that are slow or cut; skips loudly where network namespaces are not permitted.
+scripts/several_hosts.py --hosts 4
 scripts/bench.sh
 scripts/bench.sh engine

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what weft needs on Debian 12; does nothing, offline, when it is all there.
+# Installs what weft needs on Debian 12; does nothing, offline, when it is all there. --all: also what optional parts need
+# (PETSc, dolfinx, Debian packages, documentation); without it these parts are left out, and their tests skip.
 set -euo pipefail
 
 packages=(
@@ -11,7 +12,17 @@ packages=(
   libjs-chart.js libjs-three graphviz
   openmpi-bin libopenmpi-dev mpich libmpich-dev libmetis-dev
   libgtest-dev libgmock-dev chromium python3-jsonschema
+  pybind11-dev python3-dev python3-numpy python3-mpi4py python3-meshio python3-matplotlib
+  python3-pytest python3-venv python3-wheel python3-setuptools gfortran abigail-tools
 )
+
+if [[ ${1:-} == --all ]]; then
+  packages+=(
+    petsc-dev python3-petsc4py python3-dolfinx
+    lintian debootstrap man-db groff zsh fish
+    doxygen
+  )
+fi
 
 if ! command -v dpkg-query >/dev/null; then
   echo "setup: this is no Debian; install the like of: ${packages[*]}" >&2

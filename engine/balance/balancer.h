@@ -37,6 +37,15 @@ class BalanceActions {
 
   /// The load that another rank had when it last sent a packet here; -1: none yet.
   virtual double load_of(Rank rank) const = 0;
+  /// Of the others the one with the greatest of these loads, if any is above 0.
+  virtual Rank most_loaded() const {
+    Rank most;
+    for (int r = 0; r < ranks(); ++r) {
+      const double load = Rank(r) == rank() ? 0 : load_of(Rank(r));
+      if (load > 0 && (!most.valid() || load > load_of(most))) most = Rank(r);
+    }
+    return most;
+  }
 
   /// Objects that wait for a worker; others only from finished(). An object that is moved where nothing waits
   /// for it may come after the run has ended, and be lost.

@@ -64,12 +64,7 @@ class WorkStealing final : public Balancer {
 
   Rank victim(const BalanceActions& actions) {
     if (tried_ == 0) {
-      Rank most;
-      for (int r = 0; r < ranks_; ++r) {
-        const double load = Rank(r) == rank_ ? 0 : actions.load_of(Rank(r));
-        if (load > 0 && (!most.valid() || load > actions.load_of(most))) most = Rank(r);
-      }
-      if (most.valid()) return most;
+      if (const Rank most = actions.most_loaded(); most.valid()) return most;
     }
     if (tried_ >= lifelines()) {
       const Rank neighbour(rank_.value ^ 1 << (tried_ - lifelines()));

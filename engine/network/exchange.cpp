@@ -57,8 +57,30 @@ Exchange::Exchange(Transport& transport, ExchangeOptions options, std::uint64_t 
       options_{std::max(options.window_bytes, kLeastWindow), options.backlog_bytes},
       program_(program ^ (sizeof(PacketHeader) << 8 | sizeof(FrameHeader))),
       peers_(static_cast<std::size_t>(transport.size())),
-      is_pending_(peers_.size(), false),
-      credits_(std::make_unique<std::atomic<std::uint64_t>[]>(peers_.size())) {}
+      credits_(peers_.size()) {}
+
+Exchange::Peer& Exchange::peer_of(Rank rank) {
+  std::unique_ptr<Peer>& peer = peers_[rank.index()];
+  if (!peer) peer = std::make_unique<Peer>();
+  return *peer;
+}
+
+double Exchange::load_of(Rank rank) const {
+  const std::unique_ptr<Peer>* peer = peers_.find(rank.index());
+  return peer != nullptr && *peer ? (*peer)->load : -1;
+}
+
+Rank Exchange::most_loaded() const {
+  Rank most;
+  double greatest = 0;
+  peers_.each([&](std::size_t r, const std::unique_ptr<Peer>& peer) {
+    const Rank rank(static_cast<int>(r));
+    if (!peer || peer->load <= greatest || rank == transport_.rank()) return;
+    greatest = peer->load;
+    most = rank;
+  });
+  return most;
+}
 
 void Exchange::post(Rank to, FrameKind kind, Payload payload) {
   if (!to.valid() || to.index() >= peers_.size())
@@ -90,7 +112,7 @@ void Exchange::release_waiters() {
 
 void Exchange::consumed(Rank from, std::size_t wire_bytes) {
   inbox_ -= static_cast<std::int64_t>(wire_bytes);
-  const std::uint64_t before = credits_[from.index()].fetch_add(wire_bytes);
+  const std::uint64_t before = credits_.add(from.index(), wire_bytes);
   const std::uint64_t due = options_.window_bytes / 4;
   // One message to the sender for a quarter of a window: it never runs dry, and small messages cost no reply
   // each.
@@ -108,22 +130,16 @@ void Exchange::begin_phase() {
   released_ = false;
 }
 
-bool Exchange::all_sent() const {
-  for (int r = 0; r < transport_.size(); ++r) {
-    if (transport_.unsent(Rank(r)) > 0) return false;
-  }
-  return true;
-}
-
 bool Exchange::idle() {
   take_posted();
-  return pending_peers_.empty() && all_sent();
+  return pending_peers_.empty() && transport_.all_sent();
 }
 
 bool Exchange::urgent_idle() {
   take_posted();
-  return all_sent() &&
-         std::all_of(peers_.begin(), peers_.end(), [](const Peer& peer) { return peer.urgent.empty(); });
+  // Whoever has frames is pending.
+  return transport_.all_sent() && std::all_of(pending_peers_.begin(), pending_peers_.end(),
+                                              [this](Rank rank) { return peer_of(rank).urgent.empty(); });
 }
 
 bool Exchange::progress(const Receive& receive) {
@@ -136,18 +152,18 @@ bool Exchange::progress(const Receive& receive) {
   }
   busy |= take_posted();
   if (credits_due_.exchange(false)) {
-    for (std::size_t r = 0; r < peers_.size(); ++r) {
-      if (credits_[r] < options_.window_bytes / 4) continue;
-      send_packet(Rank(static_cast<int>(r)), peers_[r], credits_[r].exchange(0));
+    credits_.each_from(options_.window_bytes / 4, [&](std::size_t r) {
+      const Rank to(static_cast<int>(r));
+      send_packet(to, peer_of(to), credits_.take(r));
       busy = true;
-    }
+    });
   }
   std::size_t kept = 0;
   for (const Rank to : pending_peers_) {
-    Peer& peer = peers_[to.index()];
+    Peer& peer = peer_of(to);
     busy |= flush(to, peer);
-    is_pending_[to.index()] = !peer.urgent.empty() || !peer.waiting.empty();
-    if (is_pending_[to.index()]) pending_peers_[kept++] = to;
+    peer.pending = !peer.urgent.empty() || !peer.waiting.empty();
+    if (peer.pending) pending_peers_[kept++] = to;
   }
   pending_peers_.resize(kept);
   busy |= transport_.poll([&](Rank from, std::span<const std::byte> head, std::vector<Blob> segments) {
@@ -163,10 +179,9 @@ bool Exchange::take_posted() {
   }
   const bool any = !taken_.empty();
   for (Posted& posted : taken_) {
-    Peer& peer = peers_[posted.to.index()];
+    Peer& peer = peer_of(posted.to);
     (is_counted(posted.frame.kind) ? peer.waiting : peer.urgent).push_back(std::move(posted.frame));
-    if (!is_pending_[posted.to.index()]) pending_peers_.push_back(posted.to);
-    is_pending_[posted.to.index()] = true;
+    if (!std::exchange(peer.pending, true)) pending_peers_.push_back(posted.to);
   }
   taken_.clear();
   return any;
@@ -174,10 +189,10 @@ bool Exchange::take_posted() {
 
 Exchange::Traffic Exchange::traffic() const {
   Traffic traffic{backlog_, static_cast<std::uint64_t>(std::max<std::int64_t>(inbox_, 0)), {}};
-  for (std::size_t r = 0; r < peers_.size(); ++r) {
-    if (peers_[r].under_way > 0)
-      traffic.unconfirmed.emplace_back(Rank(static_cast<int>(r)), peers_[r].under_way);
-  }
+  peers_.each([&](std::size_t r, const std::unique_ptr<Peer>& peer) {
+    if (peer && peer->under_way > 0)
+      traffic.unconfirmed.emplace_back(Rank(static_cast<int>(r)), peer->under_way);
+  });
   return traffic;
 }
 
@@ -193,7 +208,7 @@ bool Exchange::may_send(const Peer& peer) const {
 bool Exchange::flush(Rank to, Peer& peer) {
   bool any = false;
   while (may_send(peer) && (!peer.urgent.empty() || transport_.unsent(to) < kPacketsUnderWay)) {
-    send_packet(to, peer, credits_[to.index()].exchange(0));
+    send_packet(to, peer, credits_.take(to.index()));
     any = true;
   }
   return any;
@@ -251,7 +266,7 @@ void Exchange::unpack(Rank from, std::span<const std::byte> head, std::vector<Bl
   if (header.phase > phase_) {
     return transport_.keep({from, {whole.begin(), whole.end()}, std::move(segments)});
   }
-  Peer& peer = peers_[from.index()];
+  Peer& peer = peer_of(from);
   peer.load = header.load;
   if (header.credit > peer.under_way) throw TransportError("a rank confirms more than was sent to it");
   peer.under_way -= header.credit;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/paged_table.h"
 #include "engine/base/rank.h"
 #include "engine/base/serialize.h"
 #include "engine/network/transport.h"
@@ -32,6 +33,8 @@ enum class FrameKind : std::uint8_t {
   waits,      ///< to rank 0: who waits here for whom
   heartbeat,  ///< this rank lives
   bulletin,   ///< to rank 0: how far this rank is
+  notice,     ///< RuntimeOptions::notice has been set
+  snapshot,   ///< of RuntimeOptions::snapshots
   clock,      ///< what time is it at rank 0
   report,     ///< summaries and timelines, after the loop
 };
@@ -85,7 +88,9 @@ class Exchange {
   /// This rank's load, told to every rank that gets a packet anyway; and what was heard from others so (-1:
   /// nothing yet).
   void set_load(double seconds) { load_ = seconds; }
-  double load_of(Rank rank) const { return peers_[rank.index()].load; }
+  double load_of(Rank rank) const;
+  /// Of the other ranks heard from the one with the greatest load above 0, the first of equal ones.
+  Rank most_loaded() const;
 
   std::uint64_t packets_sent() const { return packets_sent_; }
 
@@ -108,7 +113,9 @@ class Exchange {
     Rank to;
     Frame frame;
   };
+  /// Made when the first packet to or from the rank comes: most ranks talk to few others.
   struct Peer {
+    bool pending = false;         ///< in pending_peers_
     std::deque<Frame> urgent;     ///< uncounted frames: they pass what is held back
     std::deque<Frame> waiting;    ///< counted frames
     std::uint64_t under_way = 0;  ///< counted bytes sent and not yet consumed
@@ -116,7 +123,6 @@ class Exchange {
   };
 
   bool take_posted();
-  bool all_sent() const;
   bool flush(Rank to, Peer& peer);
   bool may_send(const Peer& peer) const;
   void send_packet(Rank to, Peer& peer, std::uint64_t credit);
@@ -127,10 +133,10 @@ class Exchange {
   Transport& transport_;
   ExchangeOptions options_;
   std::uint64_t program_;
-  std::vector<Peer> peers_;
+  Peer& peer_of(Rank rank);
+  PagedTable<std::unique_ptr<Peer>> peers_;
   std::vector<Rank> pending_peers_;  ///< those with frames, each once
-  std::vector<bool> is_pending_;
-  std::unique_ptr<std::atomic<std::uint64_t>[]> credits_;  ///< by rank: consumed and not yet told
+  PagedCounters credits_;            ///< by rank: consumed and not yet told
   std::atomic<bool> credits_due_{false};
 
   std::mutex mutex_;

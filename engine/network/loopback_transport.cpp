@@ -61,6 +61,7 @@ class LoopbackNetwork::Node final : public Transport {
   }
 
   std::size_t unsent(Rank) const override { return 0; }
+  bool all_sent() const override { return true; }
 
   void wait(std::chrono::nanoseconds at_most) override {
     bell_.wait(heard_, at_most);

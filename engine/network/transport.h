@@ -14,6 +14,7 @@
 
 #include "engine/base/blob.h"
 #include "engine/base/rank.h"
+#include "engine/base/virtual_time.h"
 
 namespace weft::engine {
 
@@ -81,6 +82,16 @@ class Transport {
   /// Packets to `to` that the network has not taken over yet. The layer above lets small ones pile up behind
   /// them and sends them as one.
   virtual std::size_t unsent(Rank to) const = 0;
+  /// Whether there are none to any rank.
+  virtual bool all_sent() const {
+    for (int r = 0; r < size(); ++r)
+      if (unsent(Rank(r)) > 0) return false;
+    return true;
+  }
+
+  /// The clock of a simulated rank, whose handlers run when this is asked for time; null: the rank is real,
+  /// and has workers.
+  virtual VirtualTime* virtual_time() { return nullptr; }
 
   /// Sleeps until a packet may have arrived, wake() is called (also just before: it is remembered), or
   /// `at_most` is over. Uses no processor time to speak of. May return early for no reason.

@@ -39,7 +39,8 @@ struct Cell {
   const TypeInfo* type = nullptr;  ///< null: the rank's root
   void* object = nullptr;
   std::optional<Payload> packed;
-  std::uint32_t age = 0;  ///< number of moves
+  std::uint32_t age = 0;    ///< number of moves
+  std::uint64_t epoch = 0;  ///< of the last snapshot that has its copy
   State state = State::idle;
   Rank leaves_for;  ///< set: moves there as soon as no worker has it
   bool destroyed = false;
@@ -67,6 +68,7 @@ struct PackedCell {
   ObjectId id;
   std::uint32_t type = 0;
   std::uint32_t age = 0;
+  std::uint64_t epoch = 0;
   Payload object;
   std::vector<Task> mailbox;
   std::unordered_map<ObjectId, Cell::Inbound> inbound;
@@ -75,7 +77,7 @@ struct PackedCell {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, type, age, object, mailbox, inbound, outbound, events);
+    archive(id, type, age, epoch, object, mailbox, inbound, outbound, events);
   }
 };
 

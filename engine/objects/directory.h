@@ -55,7 +55,7 @@ class Directory {
 
   /// Whether it is one that this rank has not created yet: ids may be told ahead, their messages wait.
   bool is_to_come(ObjectId id, std::uint32_t created) const {
-    return id.home == here_ && id.number > created;
+    return id.home == here_ && id.number > created && !known_.contains(id);
   }
 
  private:

@@ -61,7 +61,8 @@ struct TypeInfo {
   std::string name;
   std::uint32_t id = 0;  ///< hash of the name: what travels
   bool movable = false;
-  Payload (*pack)(void* object) = nullptr;
+  Payload (*pack)(void* object) = nullptr;  ///< which leaves an empty shell
+  Payload (*copy)(void* object) = nullptr;
   void* (*unpack)(Payload payload) = nullptr;
   void (*destroy)(void* object) = nullptr;
   ObjectState (*describe)(const void* object) = nullptr;  ///< null: it has nothing to say
@@ -187,6 +188,11 @@ class Registry {
       info.movable = true;
       info.pack = [](void* object) {
         Packer packer(true);
+        static_cast<T*>(object)->serialize(packer);
+        return packer.take();
+      };
+      info.copy = [](void* object) {
+        Packer packer;
         static_cast<T*>(object)->serialize(packer);
         return packer.take();
       };

@@ -12,6 +12,7 @@
 #include "engine/base/text.h"
 #include "engine/mpi/mpi_calls.h"
 #include "engine/run/awake_clock.h"
+#include "engine/run/snapshots.h"
 #include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
 
@@ -35,9 +36,16 @@ constexpr int kClockReadings = 5;
 
 /// While it waits or workers have its core the communication thread takes none.
 TimePoint processor_time_of_this_thread() {
+  if (const VirtualTime* simulated = VirtualTime::of_thread()) return simulated->communicated();
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return kSecond * time.tv_sec + time.tv_nsec;
+}
+
+/// A millisecond.
+void pause() {
+  if (VirtualTime* simulated = VirtualTime::of_thread()) return simulated->spend(kSecond / 1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 /// What a rank answers when rank 0 is asked for the time.
@@ -68,9 +76,16 @@ class Runtime::Implementation final : private BalanceActions {
         exchange_(transport, options_.exchange, registry.fingerprint()),
         trace_(transport.rank(), transport.size(), options_.threads, options_.trace),
         balancer_(options_.balancer(transport.rank(), transport.size())),
-        scheduler_({transport.rank(), transport.size(), options_.threads, options_.local,
-                    balancer_->wants_finished(), options_.name_of},
-                   registry, exchange_, trace_, [&transport] { transport.wake(); }) {}
+        scheduler_(
+            {transport.rank(), transport.size(), options_.threads, options_.local,
+             balancer_->wants_finished(), options_.name_of, options_.snapshots, transport.virtual_time()},
+            registry, exchange_, trace_, [&transport] { transport.wake(); }) {
+    if (options_.snapshots == nullptr) return;
+    snapshots_.emplace(*options_.snapshots, scheduler_, transport.rank(), transport.size(),
+                       [this](Rank to, const SnapshotMessage& message) {
+                         exchange_.post(to, FrameKind::snapshot, packed(message));
+                       });
+  }
 
   ~Implementation() override {
     scheduler_.stop();
@@ -82,6 +97,7 @@ class Runtime::Implementation final : private BalanceActions {
     stop_reason_ = reason;
     transport_.wake();
   }
+  Scheduler& scheduler() { return scheduler_; }
   void request_state() noexcept {
     state_requested_ = true;
     transport_.wake();
@@ -101,6 +117,7 @@ class Runtime::Implementation final : private BalanceActions {
   Load load() const override { return scheduler_.load(); }
   std::vector<ReadyObject> ready_objects() const override { return scheduler_.ready_objects(); }
   double load_of(Rank rank) const override { return exchange_.load_of(rank); }
+  Rank most_loaded() const override { return exchange_.most_loaded(); }
   std::optional<double> move_seconds() const override {
     constexpr double kOfPacking = 3e-9;  // it is packed, sent and unpacked
     const TimeCount& packing = trace_.communication_lane().time(Activity::pack);
@@ -123,6 +140,7 @@ class Runtime::Implementation final : private BalanceActions {
   void watch_peers(TimePoint time);
   void tell_bulletin(TimePoint time);
   void show_state(TimePoint time);
+  void spread_notice();
   void notice_failures();
   void fail_here(const std::string& what);
   void network_failed(const std::string& what);
@@ -151,6 +169,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::unique_ptr<Balancer> balancer_;
   Scheduler scheduler_;
   std::optional<Termination> termination_;
+  std::optional<Snapshots> snapshots_;
   std::atomic<const char*> stop_reason_{nullptr};
   std::atomic<bool> state_requested_{false};
 
@@ -161,6 +180,7 @@ class Runtime::Implementation final : private BalanceActions {
   std::optional<Verdict> failure_;
   bool reported_ = false;  ///< the rank that reports the failure has done so
   bool told_waits_ = false;
+  bool notice_told_ = false;
   int waits_missing_ = 0;
   std::vector<std::string> waits_;
   TimePoint next_heartbeat_ = 0;
@@ -189,6 +209,7 @@ void Runtime::Implementation::run(std::function<void(Context&)> root) {
   const auto calls_before = transport_.calls();
   const TimePoint begin_time = now();
   begin();
+  if (snapshots_) snapshots_->begin_run();
   scheduler_.start(std::move(root));
   loop();
   transport_.end_phase();
@@ -212,7 +233,7 @@ void Runtime::Implementation::begin() {
   termination_.emplace(rank(), ranks(), [this](Rank to, const WaveMessage& message) {
     exchange_.post(to, FrameKind::wave, packed(message));
   });
-  ended_ = told_waits_ = false;
+  ended_ = told_waits_ = notice_told_ = false;
   failed_here_.reset();
   waits_.clear();
   waits_missing_ = 0;
@@ -248,12 +269,15 @@ bool Runtime::Implementation::turn(TimePoint time) {
   watch_peers(time);
   tell_bulletin(time);
   show_state(time);
+  spread_notice();
   if (failed_here_) {  // unless the run had ended when a signal came
     ended_ = termination_->ended() && termination_->ended()->waiting == 0;
     return busy;
   }
+  if (snapshots_) snapshots_->step();
   balance(time);
   busy |= scheduler_.send_leavers();
+  busy |= scheduler_.work_virtually();
   detect_end();
   return busy;
 }
@@ -263,7 +287,8 @@ void Runtime::Implementation::sleep() {
   const TimePoint time = now();
   TimePoint until = ranks() == 1 ? time + kPeerCheckPeriod : std::min(next_heartbeat_, next_peer_check_);
   if (options_.bulletins.period.count() > 0) until = std::min(until, next_bulletin_);
-  for (const auto& next : {termination_->next_step(), balancer_->next_step()}) {
+  for (const auto& next :
+       {termination_->next_step(), balancer_->next_step(), scheduler_.next_virtual_step()}) {
     if (next && *next > turn_) until = std::min(until, *next);
   }
   trace_.communication_lane().span({awake_since_, time, {}, Span::kNoName, Activity::communicate, 0});
@@ -295,6 +320,13 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       return;
     case FrameKind::bulletin:
       if (options_.bulletins.read) options_.bulletins.read(from, std::move(payload));
+      return;
+    case FrameKind::snapshot:
+      if (!snapshots_) throw std::runtime_error("a rank takes snapshots, and this one does not");
+      return snapshots_->receive(from, unpacked<SnapshotMessage>(std::move(payload)));
+    case FrameKind::notice:
+      if (options_.notice) options_.notice->store(true);
+      if (rank().value > 0) notice_told_ = true;  // rank 0 passes it on
       return;
     case FrameKind::clock: {
       auto reading = unpacked<ClockReading>(std::move(payload));
@@ -349,6 +381,14 @@ void Runtime::Implementation::show_state(TimePoint time) {
     lines += text(", ", bytes, " sent to rank ", peer.value, " and not confirmed");
   for (const std::string& line : scheduler_.state()) lines += "\n  " + line;
   options_.on_state(lines + "\n");
+}
+
+/// Told anew in each run: what was told at the end of one may have been dropped.
+void Runtime::Implementation::spread_notice() {
+  if (notice_told_ || !options_.notice || !options_.notice->load()) return;
+  notice_told_ = true;
+  if (rank().value > 0) return exchange_.post(Rank(0), FrameKind::notice, {});
+  for (int r = 1; r < ranks(); ++r) exchange_.post(Rank(r), FrameKind::notice, {});
 }
 
 // --- The end
@@ -423,7 +463,7 @@ void Runtime::Implementation::let_go() {
   } catch (const TransportError& error) {
     network_failed(error.what());
     failure_->broken = true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it may fail at once, every time
+    pause();                               // it may fail at once, every time
   } catch (const std::exception& error) {  // something cannot be read; of interest only if all was well
     if (!failure_) network_failed(error.what());
   }
@@ -528,6 +568,7 @@ RankSummary Runtime::Implementation::summary() const {
   facts.counters["packets_sent"] = static_cast<double>(exchange_.packets_sent());
   facts.counters["objects_in"] = static_cast<double>(scheduler_.moved_in());
   facts.counters["objects_out"] = static_cast<double>(scheduler_.moved_out());
+  facts.counters["snapshot_seconds"] = static_cast<double>(scheduler_.copying()) * 1e-9;
   facts.counters["handlers"] = static_cast<double>(scheduler_.handled());
   return summarize(trace_, facts);
 }
@@ -596,6 +637,11 @@ int Runtime::ranks() const { return implementation_->ranks(); }
 void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
 void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
 void Runtime::request_state() noexcept { implementation_->request_state(); }
+void Runtime::restore_location(ObjectId id, Rank at) {
+  implementation_->scheduler().restore_location(id, at);
+}
+void Runtime::restore_object(Payload copy) { implementation_->scheduler().restore_object(std::move(copy)); }
+void Runtime::restore_message(Payload copy) { implementation_->scheduler().restore_message(std::move(copy)); }
 RankSummary Runtime::summary() const { return implementation_->summary(); }
 RankTimeline Runtime::timeline() const { return implementation_->timeline(); }
 

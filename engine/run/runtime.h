@@ -16,6 +16,7 @@
 #include "engine/network/transport.h"
 #include "engine/objects/registry.h"
 #include "engine/schedule/context.h"
+#include "engine/schedule/snapshot.h"
 #include "engine/trace/chrome_trace.h"
 #include "engine/trace/summary.h"
 #include "engine/trace/trace.h"
@@ -67,6 +68,15 @@ struct RuntimeOptions {
   const void* local = nullptr;
 
   Bulletins bulletins = {};
+
+  /// A flag that spreads: once it is set on one rank (by a signal, say), it is soon set on all, in this run
+  /// or at the beginning of the next. Through rank 0, so by no more messages than there are ranks.
+  std::atomic<bool>* notice = nullptr;
+
+  /// Takes the copies of snapshots (engine/schedule/snapshot.h); null: there are none. On all ranks or none.
+  /// Objects that can move are made by the roots of runs only, and signal no events of the engine. It must
+  /// outlive the runtime.
+  SnapshotSink* snapshots = nullptr;
 
   /// What users call an object, for request_state(); default "object 3.1".
   std::function<std::string(ObjectId)> name_of = {};
@@ -121,6 +131,13 @@ class Runtime {
   void visit(const std::function<void(MobilePtr<T>, T&)>& function) {
     visit(registry_.type<T>(), [&](ObjectId id, void* object) { function({id}, *static_cast<T*>(object)); });
   }
+
+  /// Before the run that goes on from a snapshot, on whatever ranks: every rank is told where each object
+  /// will be, then given the copies of its objects, then the messages for them. Objects keep their ids;
+  /// `home` in these need not be a rank any more.
+  void restore_location(ObjectId id, Rank at);
+  void restore_object(Payload copy);
+  void restore_message(Payload copy);
 
   /// What this rank did in all runs so far.
   RankSummary summary() const;

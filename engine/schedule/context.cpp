@@ -9,6 +9,7 @@ Rank Context::rank() const { return scheduler_.rank(); }
 int Context::ranks() const { return scheduler_.ranks(); }
 ObjectId Context::self() const { return self_.id; }
 bool Context::stop_requested() const { return scheduler_.stopping(); }
+const std::atomic<bool>& Context::stop_flag() const { return scheduler_.stop_flag(); }
 const void* Context::local_data() const { return scheduler_.local(); }
 const Registry& Context::registry() const { return scheduler_.registry(); }
 

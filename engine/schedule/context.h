@@ -1,6 +1,7 @@
 // What a handler can do: the engine as seen from inside a method of a mobile object.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <tuple>
@@ -101,6 +102,8 @@ class Context {
 
   /// The run has failed or was interrupted: a long handler should return soon.
   bool stop_requested() const;
+  /// The same as a flag, for what is to look at it often; it lives as long as the runtime.
+  const std::atomic<bool>& stop_flag() const;
 
  private:
   const void* local_data() const;

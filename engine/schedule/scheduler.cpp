@@ -44,10 +44,14 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       exchange_(exchange),
       trace_(trace),
       wake_(std::move(wake)),
-      arena_(std::make_unique<Arena>(options.threads)),
+      arena_(options.virtual_time ? nullptr : std::make_unique<Arena>(options.threads)),
       directory_(options.rank),
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
+  if (options_.virtual_time) {
+    virtual_runs_ = std::vector<VirtualRun>(static_cast<std::size_t>(options_.threads));
+    return;
+  }
   try {
     for (int worker = 0; worker < options_.threads; ++worker) {
       workers_.emplace_back([this, worker] { work(trace_.worker_lane(worker)); });
@@ -78,6 +82,8 @@ ObjectId Scheduler::add_object(const TypeInfo& type, void* object) {
   cell->object = object;
   const Lock lock(mutex_);
   cell->id = ObjectId{options_.rank, ++created_};
+  cell->epoch = epoch_;
+  movable_made_ += type.movable;
   const ObjectId id = cell->id;
   install(std::move(cell));
   return id;
@@ -90,6 +96,7 @@ void Scheduler::install(std::unique_ptr<Cell> cell) {
   if (auto parked = parked_.extract(installed.id)) {
     for (Task& task : parked.mapped()) accept(installed, std::move(task));
   }
+  if (installed.state == Cell::State::idle && needs_copy(installed)) make_ready(installed);
 }
 
 Cell* Scheduler::find(ObjectId id) const {
@@ -99,32 +106,43 @@ Cell* Scheduler::find(ObjectId id) const {
 
 void Scheduler::send(Cell& from, Request request, ObjectId target, std::uint32_t method, std::uint64_t round,
                      double expected, Payload payload) {
-  if (!target.valid() || target.is_root() || target.home.value >= options_.ranks) {
+  if (!target.valid() || target.is_root() || (target.home.value >= options_.ranks && !foreign_homes_)) {
     throw std::logic_error("a message is sent to no object");
   }
+  if (request == Request::signal && options_.snapshots)
+    throw std::logic_error("objects that snapshots are taken of cannot signal events of the engine");
   if (request == Request::migrate && round >= static_cast<std::uint64_t>(options_.ranks)) {
     throw std::logic_error(text("object ", target, " is to move to rank ", static_cast<std::int64_t>(round),
                                 ", which does not exist"));
   }
   Task task;
-  task.envelope = {target, from.id, 0, round, 0, expected, method, 0, options_.rank, 0, request};
+  task.envelope = {target, from.id, 0, round, 0, from.epoch, expected, method, 0, options_.rank, 0, request};
   task.payload = std::move(payload);
   {
     const Lock lock(mutex_);
     task.envelope.sequence = from.outbound[target]++;
     task.envelope.id = static_cast<std::uint64_t>(options_.rank.value) << 40 | ++messages_;
     if (trace_.keeps_spans()) trace_.communication_lane().departure({now(), task.envelope.id, from.lane});
-    if (Cell* cell = find(target)) return accept(*cell, std::move(task));
-    if (directory_.is_gone(target, created_)) {
-      throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
-    }
-    if (directory_.is_to_come(target, created_)) {
-      parked_[target].push_back(std::move(task));
+    if (sender_ != nullptr) {
+      sender_->sends.emplace_back(now(), std::move(task));
       return;
     }
-    forward(std::move(task), directory_.best_guess(target));
+    dispatch(std::move(task));
   }
-  exchange_.wait_for_room();
+  if (options_.virtual_time == nullptr) exchange_.wait_for_room();
+}
+
+void Scheduler::dispatch(Task task) {
+  const ObjectId target = task.envelope.target;
+  if (Cell* cell = find(target)) return accept(*cell, std::move(task));
+  if (directory_.is_gone(target, created_)) {
+    throw std::logic_error(text("a message is sent to object ", target, ", which was destroyed"));
+  }
+  if (directory_.is_to_come(target, created_)) {
+    parked_[target].push_back(std::move(task));
+    return;
+  }
+  forward(std::move(task), directory_.best_guess(target));
 }
 
 void Scheduler::declare_event(Cell& self, std::uint32_t method, std::uint64_t round,
@@ -140,6 +158,7 @@ void Scheduler::declare_event(Cell& self, std::uint32_t method, std::uint64_t ro
 
 /// A message has reached its object; it is taken when its turn has come.
 void Scheduler::accept(Cell& cell, Task task) {
+  keep_if_between(cell, task);
   Cell::Inbound& inbound = cell.inbound[task.envelope.sender];
   if (task.envelope.sequence != inbound.next) {
     consume(task);  // it may wait for one that the window holds back
@@ -226,6 +245,7 @@ void Scheduler::forward(Task task, const Location& location) {
   trace_.communication_lane().sent(task.envelope.hops > 0 ? Traffic::forward : traffic_of(task.envelope),
                                    method ? method->index : Span::kNoName, location.rank, wire.size());
   ++sent_;
+  count_sent(task.envelope);
   exchange_.post(location.rank, FrameKind::task, std::move(wire));
 }
 
@@ -237,6 +257,7 @@ void Scheduler::receive_task(Rank from, Payload payload, std::size_t wire_bytes)
   task.wire_bytes = wire_bytes;
   const Lock lock(mutex_);
   ++received_;
+  count_received(task.envelope);
   const MethodInfo* method = registry_.find_method(task.envelope.method);
   trace_.communication_lane().received(task.envelope.hops > 0 ? Traffic::forward : traffic_of(task.envelope),
                                        method ? method->index : Span::kNoName, from, size);
@@ -246,7 +267,8 @@ void Scheduler::receive_task(Rank from, Payload payload, std::size_t wire_bytes)
 /// Of what has come over the network: anything else would be written beyond the end of a table.
 void Scheduler::check_names(const Envelope& envelope) const {
   const auto exists = [this](Rank rank) { return rank.valid() && rank.value < options_.ranks; };
-  if (exists(envelope.target.home) && exists(envelope.sender.home) && exists(envelope.origin)) return;
+  // Objects that were restored may have homes of a run on more ranks.
+  if (envelope.target.valid() && envelope.sender.valid() && exists(envelope.origin)) return;
   throw UnpackError(text("a message names a rank that does not exist: from object ", envelope.sender,
                          " on rank ", envelope.origin.value, " to object ", envelope.target));
 }
@@ -324,6 +346,7 @@ void Scheduler::send_object(std::unique_ptr<Cell> cell) {
   packed.id = cell->id;
   packed.type = cell->type->id;
   packed.age = cell->age + 1;
+  packed.epoch = cell->epoch;
   packed.object = cell->packed ? std::move(*cell->packed) : cell->type->pack(cell->object);
   for (Task& task : cell->mailbox) packed.mailbox.push_back(std::move(task));
   packed.inbound = std::move(cell->inbound);
@@ -332,6 +355,7 @@ void Scheduler::send_object(std::unique_ptr<Cell> cell) {
   Packer packer(true);
   packer(packed);
   Payload payload = packer.take();
+  if (options_.virtual_time) options_.virtual_time->copied(payload.size());
   {
     const Lock lock(mutex_);
     Lane& lane = trace_.communication_lane();
@@ -348,22 +372,29 @@ void Scheduler::receive_object(Rank from, Payload payload, std::size_t wire_byte
   unpacker(packed);
   unpacker.finish();
   exchange_.consumed(from, wire_bytes);
+  const Lock lock(mutex_);
+  ++received_;
+  ++moved_in_;
+  trace_.communication_lane().received(Traffic::migrate, Span::kNoName, from, size);
+  begin_epoch(packed.epoch);  // what it sends is of that one
+  directory_.arrived(packed.id);
+  const Rank home = home_of(packed.id);
+  if (home != options_.rank) tell_location(home, packed.id, {options_.rank, packed.age});
+  place(std::move(packed));
+}
+
+/// Makes a cell of what has come; under the lock.
+void Scheduler::place(PackedCell packed) {
   auto cell = std::make_unique<Cell>();
   cell->id = packed.id;
   cell->type = registry_.find_type(packed.type);
   if (cell->type == nullptr) throw std::runtime_error(text("object ", packed.id, " has a type unknown here"));
   cell->age = packed.age;
+  cell->epoch = packed.epoch;
   cell->packed = std::move(packed.object);
   cell->inbound = std::move(packed.inbound);
   cell->outbound = std::move(packed.outbound);
   cell->events = std::move(packed.events);
-
-  const Lock lock(mutex_);
-  ++received_;
-  ++moved_in_;
-  trace_.communication_lane().received(Traffic::migrate, Span::kNoName, from, size);
-  directory_.arrived(cell->id);
-  if (cell->id.home != options_.rank) tell_location(cell->id.home, cell->id, {options_.rank, cell->age});
   for (Task& task : packed.mailbox) push(*cell, std::move(task));
   for (const auto& [sender, inbound] : cell->inbound) cell->held += inbound.held.size();
   note_waits(*cell);
@@ -400,6 +431,7 @@ void Scheduler::start(std::function<void(Context&)> root) {
   failure_.reset();
   root_function_ = std::move(root);
   if (root_function_) make_ready(root_);
+  if (!ready_.empty()) work_there_.notify_all();  // objects that were restored
 }
 
 /// A worker's life.
@@ -452,6 +484,19 @@ void Scheduler::handle_ready(Lane& lane, bool& busy) {
     Cell& cell = *ready_.front();
     ready_.pop_front();
     cell.state = Cell::State::running;
+    if (needs_copy(cell)) {
+      ++busy_;
+      busy = true;
+      copy_cell(cell, lane, lock);
+      --busy_;
+      busy = false;
+      rest(cell);
+      continue;
+    }
+    if (cell.type != nullptr && cell.mailbox.empty()) {  // it was to be copied, and the snapshot is over
+      rest(cell);
+      continue;
+    }
     Task task;
     if (cell.type != nullptr) {
       task = std::move(cell.mailbox.front());
@@ -488,8 +533,7 @@ void Scheduler::handle_ready(Lane& lane, bool& busy) {
 }
 
 /// Runs `step` of a handler; whatever it throws fails the run.
-template <class Step>
-bool Scheduler::guard(const Cell& cell, const Task& task, const Step& step) {
+bool Scheduler::guard(const Cell& cell, const Task& task, const std::function<void()>& step) {
   std::string what;
   try {
     step();
@@ -510,6 +554,7 @@ bool Scheduler::unpack_object(Cell& cell, const Task& task) {
   return guard(cell, task, [&] {
     Payload packed = std::move(*cell.packed);
     cell.packed.reset();
+    if (options_.virtual_time) options_.virtual_time->copied(packed.size());
     cell.object = cell.type->unpack(std::move(packed));
   });
 }
@@ -558,20 +603,25 @@ std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint 
   ++handled_;
   if (method) costs_.measured(name, cell.id, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
   if (cell.destroyed) return destroy(cell);
-  if (cell.leaves_for.valid()) {
-    cell.state = Cell::State::leaving;
-    migrating_.push_back(cell.id);
-    wake_();
-  } else if (cell.mailbox.empty()) {
-    cell.state = Cell::State::idle;
-  } else {
-    make_ready(cell);
-  }
+  rest(cell);
   if (options_.report_finished) {
     finished_.push_back(cell.id);
     wake_();
   }
   return nullptr;
+}
+
+/// A worker is through with it.
+void Scheduler::rest(Cell& cell) {
+  if (cell.leaves_for.valid()) {
+    cell.state = Cell::State::leaving;
+    migrating_.push_back(cell.id);
+    wake_();
+  } else if (cell.mailbox.empty() && !needs_copy(cell)) {
+    cell.state = Cell::State::idle;
+  } else {
+    make_ready(cell);
+  }
 }
 
 std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
@@ -583,7 +633,7 @@ std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
   dequeued(cell.queued_seconds, cell.mailbox.size());
   costs_.forget(cell.id);
   directory_.destroyed(cell.id);
-  if (cell.id.home != options_.rank) tell_location(cell.id.home, cell.id, {Rank(), cell.age});
+  if (home_of(cell.id) != options_.rank) tell_location(home_of(cell.id), cell.id, {Rank(), cell.age});
   return std::move(cells_.extract(cell.id).mapped());
 }
 
@@ -624,6 +674,7 @@ std::optional<WaveCount> Scheduler::passive_count() const {
 
 void Scheduler::stop() {
   stopping_ = true;
+  drop_virtual_runs();
   exchange_.release_waiters();
 }
 

@@ -20,6 +20,7 @@
 #include "engine/objects/registry.h"
 #include "engine/schedule/cost_model.h"
 #include "engine/schedule/load.h"
+#include "engine/schedule/snapshot.h"
 #include "engine/schedule/termination.h"
 #include "engine/trace/trace.h"
 
@@ -38,6 +39,8 @@ class Scheduler {
     const void* local = nullptr;   ///< Context::local()
     bool report_finished = false;  ///< keep the objects whose handlers ran for take_finished()
     std::function<std::string(ObjectId)> name_of = {};  ///< RuntimeOptions::name_of
+    SnapshotSink* snapshots = nullptr;                  ///< null: there are none
+    VirtualTime* virtual_time = nullptr;  ///< of a simulated rank: there are no threads, see work_virtually()
   };
 
   /// `wake` rouses the communication thread.
@@ -51,6 +54,7 @@ class Scheduler {
   const Registry& registry() const { return registry_; }
   const void* local() const { return options_.local; }
   bool stopping() const { return stopping_.load(std::memory_order_relaxed); }
+  const std::atomic<bool>& stop_flag() const { return stopping_; }
   ObjectId add_object(const TypeInfo& type, void* object);
   void send(Cell& from, Request request, ObjectId target, std::uint32_t method, std::uint64_t round,
             double expected, Payload payload);
@@ -70,6 +74,12 @@ class Scheduler {
 
   /// Asks an object to move as soon as no worker has it. Nothing happens when it is not here, or cannot move.
   void move(ObjectId id, Rank to);
+
+  /// Of a simulated rank, whose handlers run when this is called: each at once, though it ends, and its
+  /// messages leave, when their time has come. True when anything happened.
+  bool work_virtually();
+  /// When it has to be called next though nothing happens.
+  std::optional<TimePoint> next_virtual_step() const;
 
   Load load() const;
   std::vector<ReadyObject> ready_objects() const;
@@ -93,7 +103,22 @@ class Scheduler {
   /// The rank's load, its objects and what each does or waits for, one a line; also while handlers run.
   std::vector<std::string> state() const;
 
+  // --- Snapshots (scheduler_snapshot.cpp), for the communication thread.
+  bool root_is_through() const;
+  /// Of the objects that can move, those that have been made, or restored, on this rank.
+  std::uint64_t movable_objects_made() const;
+  void begin_snapshot(std::uint64_t epoch);
+  void end_snapshot();
+  SnapshotCounts snapshot_counts() const;
+  /// Of all workers, in all snapshots.
+  TimePoint copying() const { return copying_; }
+
   // --- Between runs.
+  /// Runtime::restore_object(), restore_message(), restore_location().
+  void restore_object(Payload copy);
+  void restore_message(Payload copy);
+  void restore_location(ObjectId id, Rank at);
+
   /// Calls `visit` with each object of a type that is here, in the order of their ids.
   void visit(const TypeInfo& type, const std::function<void(ObjectId, void*)>& visit);
 
@@ -116,6 +141,33 @@ class Scheduler {
   void consume(Task& task);
   void make_ready(Cell& cell);
 
+  struct CellCopy;
+  bool needs_copy(const Cell& cell) const;
+  void begin_epoch(std::uint64_t epoch);
+  void count_sent(const Envelope& envelope);
+  void count_received(const Envelope& envelope);
+  void keep_if_between(const Cell& cell, Task& task);
+  CellCopy begin_copy(Cell& cell);
+  void end_copy(Cell& cell, CellCopy copy);
+  void copy_cell(Cell& cell, Lane& lane, Lock& lock);
+  static Task copy_of(const Task& task);
+  void place(PackedCell packed);
+  Rank home_of(ObjectId id) const { return Rank(id.home.value % options_.ranks); }
+  void dispatch(Task task);
+
+  /// A handler of a simulated rank that has run, and is over at `end`.
+  struct VirtualRun {
+    Cell* cell = nullptr;  ///< null: the worker is free
+    Task task;
+    TimePoint begin = 0;
+    TimePoint end = 0;
+    std::deque<std::pair<TimePoint, Task>> sends;  ///< in the order of their times
+  };
+  bool advance(VirtualRun& run, Lane& lane, TimePoint time);
+  void begin(VirtualRun& run, Lane& lane);
+  void run_virtually(VirtualRun& run, Lane& lane);
+  void drop_virtual_runs();
+
   void dequeued(double seconds, std::size_t messages);
   void check_names(const Envelope& envelope) const;
 
@@ -124,12 +176,12 @@ class Scheduler {
   void handle_ready(Lane& lane, bool& busy);
   void worker_failed(const char* what) noexcept;
   void quit() noexcept;
-  template <class Step>
-  bool guard(const Cell& cell, const Task& task, const Step& step);
+  bool guard(const Cell& cell, const Task& task, const std::function<void()>& step);
   bool unpack_object(Cell& cell, const Task& task);
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
   std::unique_ptr<Cell> finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end, Lane& lane);
+  void rest(Cell& cell);
   std::unique_ptr<Cell> destroy(Cell& cell);
   std::unique_ptr<Cell> take_out(ObjectId id);
   void send_object(std::unique_ptr<Cell> cell);
@@ -167,6 +219,14 @@ class Scheduler {
   std::uint64_t moved_out_ = 0;
   std::uint64_t handled_ = 0;
   std::uint64_t waiting_ = 0;  ///< objects that wait for an event or hold messages
+  std::uint64_t epoch_ = 0;    ///< of the latest snapshot that this rank has heard of
+  bool collecting_ = false;    ///< it goes on
+  std::uint64_t copied_ = 0;   ///< objects, in this epoch
+  std::uint64_t movable_made_ = 0;
+  bool foreign_homes_ = false;  ///< objects were restored that were made on ranks which do not exist here
+  std::uint64_t tasks_sent_ = 0, tasks_received_ = 0;            ///< to and from other ranks
+  std::uint64_t sent_after_copy_ = 0, received_after_copy_ = 0;  ///< of these, by objects of this epoch
+  std::atomic<TimePoint> copying_{0};
   std::condition_variable work_there_;
   int asleep_ = 0;  ///< workers that wait for work
   int busy_ = 0;    ///< workers in a handler
@@ -176,7 +236,9 @@ class Scheduler {
   bool wake_when_ready_ = false;
   std::atomic<bool> stopping_{false};
   std::optional<std::string> failure_;
-  std::vector<std::thread> workers_;  ///< last: they use all of the above
+  std::vector<VirtualRun> virtual_runs_;  ///< by worker; never resized
+  VirtualRun* sender_ = nullptr;          ///< of a simulated rank: whose handler runs now
+  std::vector<std::thread> workers_;      ///< last: they use all of the above
 };
 
 }  // namespace weft::engine

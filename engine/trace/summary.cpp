@@ -87,12 +87,14 @@ std::vector<MethodSummary> methods_of(const Trace& trace, const std::vector<std:
 }
 
 std::vector<PeerSummary> peers_of(const Trace& trace) {
-  std::vector<PeerSummary> peers;
-  for (int i = 0; i < trace.ranks(); ++i) {
-    PeerSummary peer{Rank(i), {}};
-    for (const Lane& lane : trace.lanes()) peer.volume += lane.volume(peer.rank);
-    if (!is_empty(peer.volume)) peers.push_back(peer);
+  std::map<Rank, Volume> volumes;
+  for (const Lane& lane : trace.lanes()) {
+    lane.volumes_by_peer().each([&](std::size_t rank, const Volume& volume) {
+      if (!is_empty(volume)) volumes[Rank(static_cast<int>(rank))] += volume;
+    });
   }
+  std::vector<PeerSummary> peers;
+  for (const auto& [rank, volume] : volumes) peers.push_back({rank, volume});
   return peers;
 }
 

@@ -34,8 +34,8 @@ const char* name_of(Traffic traffic) {
 }
 
 Lane::Lane(int ranks, TraceOptions options)
-    : ranks_(static_cast<std::size_t>(ranks)),
-      keeps_spans_(options.spans),
+    : keeps_spans_(options.spans),
+      volume_by_peer_(static_cast<std::size_t>(ranks)),
       spans_(options.max_spans_per_lane),
       departures_(options.max_spans_per_lane) {}
 
@@ -62,14 +62,16 @@ void Lane::count_message(MessageCount Volume::*direction, Traffic traffic, std::
                          std::uint64_t bytes) {
   (volume_[static_cast<std::size_t>(traffic)].*direction).add(bytes);
   (grown(volume_by_method_, place_of(name)).*direction).add(bytes);
-  if (volume_by_peer_.empty()) volume_by_peer_.resize(ranks_);
-  if (peer.index() < ranks_)
+  if (peer.valid() && peer.index() < volume_by_peer_.size())
     (volume_by_peer_[peer.index()].*direction).add(bytes);  // no rank: in the totals only
 }
 
 TimeCount Lane::compute_time(std::uint32_t name) const { return entry(compute_by_method_, place_of(name)); }
 Volume Lane::volume(std::uint32_t name) const { return entry(volume_by_method_, place_of(name)); }
-Volume Lane::volume(Rank peer) const { return entry(volume_by_peer_, peer.index()); }
+Volume Lane::volume(Rank peer) const {
+  const Volume* volume = peer.valid() ? volume_by_peer_.find(peer.index()) : nullptr;
+  return volume == nullptr ? Volume{} : *volume;
+}
 
 std::uint32_t Lane::num_methods() const {
   const std::size_t places = std::max(compute_by_method_.size(), volume_by_method_.size());

@@ -12,13 +12,16 @@
 #include <span>
 #include <vector>
 
+#include "engine/base/paged_table.h"
 #include "engine/base/rank.h"
+#include "engine/base/virtual_time.h"
 
 namespace weft::engine {
 
-/// Nanoseconds on the monotonic clock.
+/// Nanoseconds on the monotonic clock; of a simulated rank on its virtual one.
 using TimePoint = std::int64_t;
 inline TimePoint now() {
+  if (const VirtualTime* simulated = VirtualTime::of_thread()) return simulated->now();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
@@ -154,6 +157,8 @@ class alignas(64) Lane {
   const Volume& volume(Traffic traffic) const { return volume_[static_cast<std::size_t>(traffic)]; }
   Volume volume(std::uint32_t name) const;
   Volume volume(Rank peer) const;
+  /// All that have messages, by rank.
+  const PagedTable<Volume>& volumes_by_peer() const { return volume_by_peer_; }
   /// One more than the largest method index seen.
   std::uint32_t num_methods() const;
   const BoundedLog<Span>& spans() const { return spans_; }
@@ -165,14 +170,13 @@ class alignas(64) Lane {
   void count_message(MessageCount Volume::*direction, Traffic traffic, std::uint32_t name, Rank peer,
                      std::uint64_t bytes);
 
-  std::size_t ranks_;
   bool keeps_spans_;
   std::array<TimeCount, kActivities> time_{};
   std::array<Volume, kTraffics> volume_{};
   // By method, grown when one is seen first: place 0 is for what has no name, i + 1 for method i.
   Table<TimeCount> compute_by_method_;
   Table<Volume> volume_by_method_;
-  Table<Volume> volume_by_peer_;  // by rank, empty until the first message: workers exchange none
+  PagedTable<Volume> volume_by_peer_;  // by rank; workers exchange none, and a rank few with most others
   BoundedLog<Span> spans_;
   BoundedLog<Departure> departures_;
 };

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "graph/adaptation/resume.h"
+#include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
 #include "partition/verify/check_subdomains.h"
@@ -192,6 +194,31 @@ void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, Adap
     plan.phases.push_back({plan.phases.size() * kCoarseShifts, coarseness});
 }
 
+/// Folders are numbered on from those that are there: rank 0 looks.
+void begin_checkpoints(EnginePeers& peers, const AdaptationPlan& plan, std::uint64_t hash,
+                       CheckpointWriter& writer) {
+  std::uint64_t last = peers.rank() == 0 ? last_number(writer.folder()) : 0;
+  last = partition::max(peers, last);
+  writer.begin({hash, plan.subdomains, plan.home_ranks, last, {}});
+}
+
+/// The same on all ranks.
+void check_same_run(const CheckpointPlace& place, const AdaptationPlan& plan, std::uint64_t hash) {
+  if (place.manifest.run == hash && place.manifest.subdomains == plan.subdomains) return;
+  throw meshing::InputError(place.folder.string(), "",
+                            "is a checkpoint of another run: the input, the metric or an option is not the "
+                            "same, or the program is another");
+}
+
+std::vector<Neighbours> neighbours_here(engine::Runtime& runtime) {
+  std::vector<Neighbours> all;
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    const auto others = task.subdomain().interface.neighbours();
+    all.push_back({task.subdomain().id, {others.begin(), others.end()}});
+  });
+  return all;
+}
+
 }  // namespace
 
 void register_adaptation(engine::Registry& registry) {
@@ -221,20 +248,34 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));
   plan.threads_of_subdomain = std::max(1, options.threads / here);
   plan.pauses = options.check;
+  plan.home_ranks = options.resume ? options.resume->manifest.home_ranks : peers.ranks();
   rank.geometry = d.geometry;
   rank.interrupt = options.interrupt;
   rank.news = options.news;
 
+  if (options.on_plan) options.on_plan();
   if (options.on_start) options.on_start();
   const auto middle = Clock::now();
-  Made made;
-  runtime.run([&](engine::Context& context) {
-    made =
-        make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
-    if (!plan.pauses) start_tasks(context, made);
-  });
-  if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
-  result.planned = std::move(made.neighbours);
+  const bool keeps_state = options.checkpoints || options.resume;
+  const std::uint64_t hash = keeps_state ? hash_of_run(peers, d.starts, plan, options.program) : 0;
+  if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);
+  if (options.resume) {
+    check_same_run(*options.resume, plan, hash);
+    d.starts.clear();
+    restore_subdomains(runtime, peers, plan, *options.resume);
+    result.planned = neighbours_here(runtime);
+    runtime.run();
+  } else {
+    Made made;
+    runtime.run([&](engine::Context& context) {
+      made =
+          make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
+      if (!plan.pauses) start_tasks(context, made);
+    });
+    if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
+    result.planned = std::move(made.neighbours);
+  }
+  if (options.checkpoints) options.checkpoints->end();
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);

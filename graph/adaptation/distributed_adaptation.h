@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/run/runtime.h"
+#include "graph/adaptation/checkpoint_writer.h"
 #include "graph/adaptation/engine_peers.h"
 #include "graph/adaptation/subdomain_task.h"
 #include "graph/dataflow/execution_log.h"
@@ -24,8 +25,10 @@ struct DistributedOptions {
   double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
   int threads = 1;                   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
-  ProgressBoard* news = nullptr;        ///< of this rank
-  std::function<void()> on_start = {};  ///< called when the decomposition is done
+  ProgressBoard* news = nullptr;  ///< of this rank
+  /// Called when the decomposition is done and the plan made; may throw on all ranks alike.
+  std::function<void()> on_plan = {};
+  std::function<void()> on_start = {};  ///< called after that
   /// Checks the invariants of all subdomains (partition/verify/check_subdomains.h) after the decomposition,
   /// the adaptation of the interiors, and every shift, for which all ranks wait for each other. The result is
   /// the same.
@@ -34,6 +37,12 @@ struct DistributedOptions {
   /// damage is found.
   std::function<void(partition::Subdomain&)> on_check = {};
   const std::atomic<bool>* interrupt = nullptr;
+  /// Of the runtime (RuntimeOptions::snapshots); null: no checkpoints. Not with `check`.
+  CheckpointWriter* checkpoints = nullptr;
+  /// To go on from, the same on all ranks; null: from the beginning.
+  const CheckpointPlace* resume = nullptr;
+  /// Whatever else must be the same when a run goes on from a checkpoint: a hash of it.
+  std::uint64_t program = 0;
 };
 
 /// A subdomain and those that share its interface.

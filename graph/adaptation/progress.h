@@ -16,12 +16,12 @@ namespace weft::graph::adaptation {
 /// Report of one subdomain. Plain data.
 struct SubdomainProgress {
   partition::SubdomainId subdomain;
-  std::uint32_t number = 0;     ///< of this report: the highest is the latest, whichever rank it comes from
-  std::uint32_t step = 0;       ///< 0: adapts its interior; r + 1: in round r of the shifts
-  bool rests = false;           ///< nothing left to do, unless a neighbour wakes it
-  float done = 0;               ///< share of the step, 0 to 1
-  double predicted_tets = 0;    ///< of the adapted subdomain: its weight
-  meshing::Nonconforming left;  ///< after its last adaptation; no tets: it has not been adapted yet
+  std::uint32_t number = 0;   ///< of this report: the highest is the latest, whichever rank it comes from
+  std::uint32_t step = 0;     ///< 0: adapts its interior; r + 1: in round r of the shifts
+  bool rests = false;         ///< nothing left to do, unless a neighbour wakes it
+  float done = 0;             ///< share of the step, 0 to 1
+  double predicted_tets = 0;  ///< of the adapted subdomain: its weight
+  meshing::Nonconforming left = {};  ///< after its last adaptation; no tets: it has not been adapted yet
 };
 
 /// Latest reports of the subdomains of one rank; thread-safe.

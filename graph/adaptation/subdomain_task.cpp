@@ -48,12 +48,14 @@ const Phase& AdaptationPlan::phase_of(std::uint64_t round) const {
 }
 
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
+  if (plan.home_ranks > 0) ranks = plan.home_ranks;
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
   return {engine::ObjectId{engine::Rank(home),
                            plan.first_object + (subdomain.value - first_of(plan, ranks, home))}};
 }
 
 std::optional<SubdomainId> subdomain_of(const AdaptationPlan& plan, int ranks, engine::ObjectId object) {
+  if (plan.home_ranks > 0) ranks = plan.home_ranks;
   if (plan.first_object == 0 || object.number < plan.first_object) return {};  // 0: there is no plan yet
   const std::uint32_t subdomain =
       first_of(plan, ranks, object.home.value) + object.number - plan.first_object;
@@ -202,6 +204,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   options.repair_at_frozen =
       !coarse && next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
+  options.abandon = &context.stop_flag();
   std::optional<partition::InterfaceSnapshot> interface;
   if (rank.plan.pauses) interface.emplace(subdomain_);
   options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };

@@ -44,6 +44,9 @@ struct Phase {
 struct AdaptationPlan {
   std::uint32_t subdomains = 1;
   std::uint32_t first_object = 0;  ///< number of the first subdomain's object on every rank
+  /// Ranks of the run that the subdomains were made in: their objects keep their names when it goes on from a
+  /// checkpoint. 0: those of this run.
+  int home_ranks = 0;
   std::uint32_t most_shifts = 12;
   partition::ShiftOptions shift;
   std::vector<Phase> phases{{0, 1}};

@@ -46,6 +46,7 @@ class Instance {
 
   State& state() { return state_; }
   const InstanceCore& core() const { return core_; }
+  InstanceCore& core() { return core_; }
 
   // The engine's methods; registered by register_blueprint().
 
@@ -93,6 +94,12 @@ template <class State>
 void visit(engine::Runtime& runtime, const std::function<void(Ref<State>, State&)>& function) {
   runtime.visit<Instance<State>>(
       [&](Ref<State> ref, Instance<State>& instance) { function(ref, instance.state()); });
+}
+
+/// Instances that were restored begin their logs anew; not during a run.
+template <class State>
+void forget_logs(engine::Runtime& runtime) {
+  runtime.visit<Instance<State>>([](Ref<State>, Instance<State>& instance) { instance.core().forget_log(); });
 }
 
 /// The logs of the instances that are here now; not during a run.

@@ -54,6 +54,8 @@ class InstanceCore {
 
   NodeIndex node_of(const void* body) const { return structure_.node_of(body); }
   const ExecutionLog& log() const { return log_; }
+  /// What ran before a checkpoint has times and ranks of another run.
+  void forget_log() { log_ = {}; }
   /// The events that wait, or for which values have come before they were declared.
   std::vector<engine::NamedWait> waits() const;
   /// One line for each event that is declared and lacks arrivals: "gather in round 4 waits for 0.2 1.1".

@@ -1,6 +1,7 @@
 // What a node's body can do: its instance and the network as seen from inside.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string_view>
 #include <utility>
@@ -67,6 +68,8 @@ class NodeContext {
 
   /// The run has failed or was interrupted: a long body should return soon.
   bool stop_requested() const { return engine_.stop_requested(); }
+  /// The same as a flag, for what is to look at it often.
+  const std::atomic<bool>& stop_flag() const { return engine_.stop_flag(); }
 
   /// To create and call mobile objects of other types.
   engine::Context& engine() { return engine_; }

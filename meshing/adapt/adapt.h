@@ -30,6 +30,8 @@ struct AdaptOptions {
   bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
   const std::atomic<bool>* interrupt = nullptr;
+  /// The same, of somebody who has no use for the mesh any more.
+  const std::atomic<bool>* abandon = nullptr;
   /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.
   std::function<void(const std::string& stage, double done, std::uint64_t tets)> progress;
 };
@@ -38,6 +40,7 @@ struct AdaptReport {
   std::vector<StageReport> stages;
   OperationCounts counts;  ///< of all stages
   bool interrupted = false;
+  double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
       0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
   std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the model; null without one

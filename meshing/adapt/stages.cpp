@@ -32,7 +32,6 @@ constexpr double kSwapBelowAtFrozen = 0.6;
 constexpr double kSwapBelowWhileCreating = 0.5;
 // A mesh with this mean quality is left alone where nothing is wrong; below, everything is worth smoothing.
 constexpr double kGoodMean = 0.85;
-constexpr double kFair = 0.6;
 // A mesh is coarse when this share of its tets has edges to be split.
 constexpr double kCoarse = 0.7;
 
@@ -43,7 +42,7 @@ class Adaptation {
              const BeforeLevel& before_level)
       : kernel_(kernel),
         mesh_(kernel.mesh),
-        crew_(kernel, std::max(1, options.threads), options.interrupt),
+        crew_(kernel, std::max(1, options.threads), options.interrupt, options.abandon),
         options_(options),
         extent_(extent),
         report_(report),
@@ -249,13 +248,13 @@ class Adaptation {
       begin_pass(work::kCollapseAgain);
       collapse_pass(crew_);
       end_pass();
-      renumber_if_grown();
+      renumber_if_grown(kGrown);
     }
   }
 
   void reconnect_and_smooth() {
     constexpr std::size_t kRoundsWithLengths = 4;
-    renumber_if_grown();
+    renumber_if_grown(kGrownALittle);
     for (std::size_t round = 0; round < work::kReconnect.size() && !crew_.interrupted(); ++round) {
       end_pass();
       const PredictedWork last = predict_work(tets(), tets());
@@ -366,11 +365,21 @@ class Adaptation {
     else
       mark_wherever_wrong();
     first_level_ = first_level();
-    std::uint64_t with_long = 0;
-    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
+    std::uint64_t with_long = 0, wrong = 0;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
       with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
-    share_long_ =
-        static_cast<double>(with_long) / static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+      wrong += is_marked_wrong(TetId(i));
+    }
+    const auto all = static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+    share_long_ = static_cast<double>(with_long) / all;
+    report_.share_wrong = static_cast<double>(wrong) / all;
+  }
+
+  /// Not only because it lies on a curved boundary, which is looked at in any case.
+  bool is_marked_wrong(TetId t) const {
+    const std::uint8_t marks = mesh_.marks(t);
+    return marks & (kCheckSwap | kCheckPoor) ||
+           (marks & kCheckLong && !on_curved_boundary(mesh_.vertices(t)));
   }
 
   void mark_wherever_wrong() {
@@ -409,11 +418,12 @@ class Adaptation {
   void mark_if_wrong(TetId t, double fair) {
     const TetVertices v = mesh_.vertices(t);
     const bool poor = mesh_.quality(t) < fair;
+    for (const VertexId x : v) mesh_.take_marks(x, kStuck);
     bool long_edge = on_curved_boundary(v);
     for (const auto& e : kTetEdges) {
-      const double length = length_between(mesh_, v[e[0]], v[e[1]]);
-      long_edge |= length > kernel_.limits.long_edge;
-      if (length >= kernel_.limits.short_edge) continue;
+      const MetricLength length = edge_between(mesh_, v[e[0]], v[e[1]]);
+      long_edge |= length.above(kernel_.limits.long_edge);
+      if (!length.below(kernel_.limits.short_edge)) continue;
       mesh_.mark(v[e[0]], kCheckShort);
       mesh_.mark(v[e[1]], kCheckShort);
     }
@@ -446,9 +456,11 @@ class Adaptation {
     return std::exp2(std::clamp(std::floor(std::log2(longest / kernel_.limits.long_edge)), 0.0, 60.0));
   }
 
-  /// New entities stand at the end of the arrays: once they are the greater part, order is restored.
-  void renumber_if_grown() {
-    if (mesh_.tet_slots() < 2 * renumbered_at_) return;
+  /// New entities stand at the end of the arrays: once they are many, order is restored, before the rounds of
+  /// reconnection once they are some.
+  static constexpr double kGrown = 1.4, kGrownALittle = 1.1;
+  void renumber_if_grown(double factor) {
+    if (mesh_.tet_slots() < factor * renumbered_at_) return;
     crew_.run([&] { renumber(); });
     renumbered_at_ = mesh_.tet_slots();
   }

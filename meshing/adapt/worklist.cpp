@@ -3,8 +3,9 @@
 
 namespace weft::meshing {
 
-WorkerPool::WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt)
-    : kernel_(kernel), arena_(threads), interrupt_(interrupt) {
+WorkerPool::WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt,
+                       const std::atomic<bool>* abandon)
+    : kernel_(kernel), arena_(threads), interrupt_(interrupt), abandon_(abandon) {
   for (int i = 0; i < threads; ++i)
     workers_.push_back(std::make_unique<Worker>(kernel, static_cast<std::uint32_t>(i) + 1, threads == 1));
   const TetMesh& mesh = kernel.mesh;

@@ -20,7 +20,9 @@ namespace weft::meshing {
 /// The threads of one adaptation, with a Worker each.
 class WorkerPool {
  public:
-  WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt);
+  /// The pool is interrupted when either flag, unless null, is set.
+  WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt,
+             const std::atomic<bool>* abandon = nullptr);
 
   /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were
   /// accepted.
@@ -74,10 +76,12 @@ class WorkerPool {
   OperationCounts take_counts();
   /// Free slots are forgotten: renumbering has closed the holes.
   void forget_free_slots();
-  bool interrupted() const { return interrupt_ && interrupt_->load(std::memory_order_relaxed); }
+  bool interrupted() const { return is_set(interrupt_) || is_set(abandon_); }
 
  private:
   static constexpr std::uint32_t kGrain = 2048;
+
+  static bool is_set(const std::atomic<bool>* flag) { return flag && flag->load(std::memory_order_relaxed); }
 
   template <class Visit>
   std::uint64_t sweep(std::uint32_t slots, Visit visit) {
@@ -116,6 +120,7 @@ class WorkerPool {
   tbb::task_arena arena_;
   std::vector<std::unique_ptr<Worker>> workers_;
   const std::atomic<bool>* interrupt_;
+  const std::atomic<bool>* abandon_;
   std::function<void(double)> watcher_;
   std::uint64_t dead_tets_ = 0, dead_vertices_ = 0;  ///< not in any worker's list
 };

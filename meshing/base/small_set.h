@@ -20,10 +20,11 @@ class SmallSet {
   /// True when the key was not there yet.
   bool insert(std::uint32_t key) {
     Slot* s = find(key);
-    if (s->stamp == stamp_) return false;
+    const bool is_new = s->stamp != stamp_;  // no branch on it: it cannot be predicted
     *s = {key, stamp_};
-    if (2 * ++size_ > slots_.size()) grow(bits_ + 1);
-    return true;
+    size_ += is_new;
+    if (2 * size_ > slots_.size()) grow(bits_ + 1);
+    return is_new;
   }
   bool contains(std::uint32_t key) const { return const_cast<SmallSet*>(this)->find(key)->stamp == stamp_; }
 
@@ -35,7 +36,8 @@ class SmallSet {
   /// The slot that holds the key, or the free one where it belongs.
   Slot* find(std::uint32_t key) {
     std::uint32_t i = (key * 2654435761u) >> (32 - bits_);
-    while (slots_[i].stamp == stamp_ && slots_[i].key != key) i = (i + 1) & mask_;
+    // One condition, which rarely holds; whether a slot is free could not be predicted.
+    while ((slots_[i].stamp == stamp_) & (slots_[i].key != key)) i = (i + 1) & mask_;
     return &slots_[i];
   }
 

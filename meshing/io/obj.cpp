@@ -42,7 +42,7 @@ class Reader {
     in_.enter("line");
     while (!in_.at_end()) {
       in_.next_row();
-      read_line(in_.line());
+      read_line(logical_line());
     }
     if (contents_.mesh.points.empty()) {
       in_.enter("");
@@ -52,8 +52,26 @@ class Reader {
   }
 
  private:
+  /// A line with those that continue it: a backslash at its end says so, but for that of a comment, which
+  /// may be the name of a folder.
+  std::string_view logical_line() {
+    std::string_view line = in_.line();
+    if (!continues(line)) return line;
+    joined_.clear();
+    for (;; line = in_.line()) {
+      const bool more = continues(line);
+      joined_ += more ? line.substr(0, line.find_last_of('\\')) : line;
+      if (!more || in_.at_end()) return joined_;
+      joined_ += ' ';
+      in_.next_row();
+    }
+  }
+
+  static bool continues(std::string_view line) {
+    return trimmed(line).ends_with('\\') && line.find('#') == std::string_view::npos;
+  }
+
   void read_line(std::string_view text) {
-    if (text.ends_with('\\')) in_.fail("lines continued with a backslash are not read");
     LineWords words(text);
     const std::string_view key = words.next();
     if (key.empty()) return;
@@ -147,6 +165,7 @@ class Reader {
   Cursor& in_;
   MeshContents& contents_;
   RefNumbering face_refs_, line_refs_;
+  std::string joined_;  ///< the latest line that was continued
   std::string group_;
   bool has_groups_ = false;
   std::vector<std::uint32_t> corners_;

@@ -87,7 +87,6 @@ void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId
       judge_tensor(mean_, mesh, a) + judge_tensor(mean_, mesh, b) + judge_tensor(mean_, mesh, c);
   const double entries[6] = {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz};
   for (int i = 0; i < 6; ++i) row(kTensor + i)[k] = entries[i];
-  row(kWeight)[k] = 1;
 }
 
 void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
@@ -97,12 +96,14 @@ void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
   size_ = static_cast<int>(ball.tets.size());
   stride_ = (size_ + kLanes - 1) / kLanes * kLanes;
   if (data_.size() < static_cast<std::size_t>(kRows * stride_)) data_.resize(kRows * stride_);
-  for (int k = 0; k < stride_; ++k) {
-    const auto [t, local] = ball.tets[std::min(k, size_ - 1)];
+  for (int k = 0; k < size_; ++k) {
+    const auto [t, local] = ball.tets[k];
     const auto& f = kTetFaces[local];
     set(k, mesh, mesh.vertex(t, f[0]), mesh.vertex(t, f[1]), mesh.vertex(t, f[2]));
-    if (k >= size_) row(kWeight)[k] = 0;
   }
+  for (int r = 0; r < kGathered; ++r)
+    for (int k = size_; k < stride_; ++k) row(r)[k] = row(r)[size_ - 1];
+  for (int k = 0; k < stride_; ++k) row(kWeight)[k] = k < size_ ? 1 : 0;
 }
 
 void BallFaces::average(const SymTensor& centre) {

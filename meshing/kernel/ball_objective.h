@@ -48,6 +48,7 @@ class BallFaces {
     kNormal = 9,
     kAbsNormal = 12,
     kTensor = 15,
+    kGathered = 21,  // the rows above are of the faces alone
     kMean = 21,
     kDeterminant = 27,  // of the mean, where it is the log-Euclidean one
     kValue = 28,

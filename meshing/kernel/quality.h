@@ -88,9 +88,49 @@ inline double judge_quality(MetricMean mean, const Corner& a, const Corner& b, c
   return q >= 0 && q < kNoQuality ? q : -1;
 }
 
+/// The same for a judge who only wants to know a quality that is larger than `bound` >= 0: for one that is
+/// not, 0 or -1. The comparison is of cubes, which take no root.
+inline double judge_quality_above(double bound, MetricMean mean, const Corner& a, const Corner& b,
+                                  const Corner& c, const Corner& d) {
+  const Vec e1 = b.x - a.x, e2 = c.x - a.x, e3 = d.x - a.x;
+  if (orientation(a.x, b.x, c.x, d.x) <= 0) return -1;
+  const double volume = dot(cross(e1, e2), e3);
+  if (!(volume > 0)) return 0;
+  const SymTensor sum = a.tensor + b.tensor + c.tensor + d.tensor, m = mean_of_sum(mean, sum);
+  const double det = determinant_of_mean(mean, sum, m);
+  if (!(det > 0)) return -1;
+  const double lengths = sum_squared_lengths(m, e1, e2, e3), cube = volume * volume * det * (1.0 / 36),
+               least = bound * lengths * (1 / kMeanRatioFactor);
+  if (cube <= least * least * least) return 0;
+  const double q = kMeanRatioFactor * fast_cbrt(cube) / lengths;
+  return q >= 0 && q < kNoQuality ? q : -1;
+}
+
 inline double judge_quality(MetricMean mean, const TetMesh& mesh, const TetVertices& v) {
   return judge_quality(mean, corner(mean, mesh, v[0]), corner(mean, mesh, v[1]), corner(mean, mesh, v[2]),
                        corner(mean, mesh, v[3]));
+}
+
+/// The length of an edge, compared with bounds by its squares in the metrics of its ends where these agree:
+/// roots are taken of the few lengths in doubt.
+struct MetricLength {
+  double a, b;  ///< squared, in the metric of either end
+
+  bool above(double bound) const { return compare<true>(bound); }
+  bool below(double bound) const { return compare<false>(bound); }
+  double value() const { return edge_length_of_squares(a, b); }
+
+ private:
+  template <bool kAbove>
+  bool compare(double bound) const {
+    const double square = bound * bound;
+    const bool first = kAbove ? a > square : a < square, second = kAbove ? b > square : b < square;
+    return first == second ? first : kAbove ? value() > bound : value() < bound;
+  }
+};
+inline MetricLength edge_between(const TetMesh& mesh, VertexId a, VertexId b) {
+  const Vec e = mesh.point(b) - mesh.point(a);
+  return {squared_length(mesh.metric(a), e), squared_length(mesh.metric(b), e)};
 }
 
 inline double length_between(const TetMesh& mesh, VertexId a, VertexId b) {

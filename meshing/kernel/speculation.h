@@ -18,8 +18,8 @@ enum class FrozenPolicy : std::uint8_t { claimable, untouchable };
 class Claims {
  public:
   /// `owner` is unique among the threads that work on `mesh`, in 1 .. 0xFFFFFFFE. A `sole` owner works alone:
-  /// plain stores instead of compare-and-swap. `frozen` must outlive the object and may change while it holds
-  /// nothing.
+  /// it may touch all but frozen vertices, and nothing is written down. `frozen` must outlive the object and
+  /// may change while it holds nothing.
   Claims(TetMesh& mesh, std::uint32_t owner, bool sole, const FrozenPolicy& frozen)
       : mesh_(mesh), owner_(owner), sole_(sole), frozen_(frozen) {
     held_.reserve(512);
@@ -27,15 +27,16 @@ class Claims {
 
   /// accepted (held now, or already), conflict, or frozen (FrozenPolicy::untouchable).
   Verdict claim(VertexId v) {
+    if (sole_) return untouchable(v) ? Verdict::frozen : Verdict::accepted;
     const std::uint32_t seen = std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
     if (seen != TetMesh::kFree) return Verdict::conflict;
-    if (frozen_ == FrozenPolicy::untouchable && mesh_.frozen(v)) return Verdict::frozen;
+    if (untouchable(v)) return Verdict::frozen;
     return take(v);
   }
 
   /// Claims a free slot in which a vertex is about to be created.
-  Verdict claim_new(VertexId v) { return take(v); }
+  Verdict claim_new(VertexId v) { return sole_ ? Verdict::accepted : take(v); }
 
   /// Claims the four vertices of a tet; conflict also when the tet changed or died meanwhile.
   Verdict claim_tet(TetId t) {
@@ -46,6 +47,7 @@ class Claims {
     return sole_ || (mesh_.alive(t) && mesh_.vertices(t) == v) ? Verdict::accepted : Verdict::conflict;
   }
 
+  /// Not for a sole owner.
   bool holds(VertexId v) const {
     return std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed) == owner_;
   }
@@ -58,15 +60,13 @@ class Claims {
   }
 
  private:
+  bool untouchable(VertexId v) const { return frozen_ == FrozenPolicy::untouchable && mesh_.frozen(v); }
+
   Verdict take(VertexId v) {
     const std::atomic_ref ref(mesh_.claim_word(v));
     std::uint32_t seen = TetMesh::kFree;
-    if (sole_) {
-      ref.store(owner_, std::memory_order_relaxed);
-    } else if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire,
-                                            std::memory_order_relaxed)) {
+    if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire, std::memory_order_relaxed))
       return Verdict::conflict;
-    }
     held_.push_back(v);
     return Verdict::accepted;
   }

@@ -53,12 +53,7 @@ TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pa
       tet_refs_(tet_capacity, pages),
       quality_(tet_capacity, pages),
       marks_(tet_capacity, pages),
-      points_(vertex_capacity, pages),
-      metrics_(vertex_capacity, pages),
-      log_metrics_(vertex_capacity, pages),
-      vertex_tets_(vertex_capacity, pages),
-      kinds_(vertex_capacity, pages),
-      flags_(vertex_capacity, pages),
+      vertices_(vertex_capacity, pages),
       vertex_marks_(vertex_capacity, pages),
       vertex_refs_(vertex_capacity, pages),
       labels_(vertex_capacity, pages),
@@ -136,9 +131,9 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
       if (n != TetFace().code) n = TetFace(new_tet[n >> 2], static_cast<int>(n & 3)).code;
   });
   tbb::parallel_for(0u, vertex_slots(), [&](std::uint32_t i) {
-    if (vertex_tets_[i] != 0) vertex_tets_[i] = new_tet[vertex_tets_[i] - 1].value + 1;
+    if (std::uint32_t& t = vertices_[i].tet; t != 0) t = new_tet[t - 1].value + 1;
   });
-  // In two halves: the copy of this array would be the peak of the whole run's memory.
+  // Large elements by their members: a copy of the whole array would be the peak of the whole run's memory.
   permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
   permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
   tets_.release_from(num_tets);
@@ -146,12 +141,10 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   permute(tet_refs_, new_tet, num_tets);
   permute(quality_, new_tet, num_tets);
   permute(marks_, new_tet, num_tets);
-  permute(points_, new_vertex, num_vertices);
-  permute(metrics_, new_vertex, num_vertices);
-  permute(log_metrics_, new_vertex, num_vertices);
-  permute(vertex_tets_, new_vertex, num_vertices);
-  permute(kinds_, new_vertex, num_vertices);
-  permute(flags_, new_vertex, num_vertices);
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> VertexHead& { return v; });
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> Metric& { return v.metric; });
+  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> LogMetric& { return v.log_metric; });
+  vertices_.release_from(num_vertices);
   permute(vertex_marks_, new_vertex, num_vertices);
   permute(vertex_refs_, new_vertex, num_vertices);
   permute(labels_, new_vertex, num_vertices);

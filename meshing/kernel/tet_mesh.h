@@ -45,8 +45,9 @@ enum TetMark : std::uint8_t {
   kFresh = 16
 };
 /// kHasShort remembers a short edge that could not be collapsed: it is tried again when something around it
-/// changes.
-enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4 };
+/// changes. kStuck: neither a better place nor a collapse improves the worst tet of its ball, until something
+/// there changes.
+enum VertexMark : std::uint8_t { kCheckShort = 1, kCheckPlace = 2, kHasShort = 4, kStuck = 8 };
 
 /// What else is known of a vertex. kFixed: must stay where it is and as it is. kListed...: to be listed in
 /// the output. kCaller...: not the kernel's; it carries them along and gives them to no vertex that it
@@ -82,7 +83,7 @@ class TetMesh {
   std::uint32_t take_tet_slots(std::uint32_t count);
   /// Whether slots have been asked for in vain.
   bool is_full() const { return is_full_.load(std::memory_order_relaxed); }
-  std::size_t vertex_capacity() const { return points_.capacity(); }
+  std::size_t vertex_capacity() const { return vertices_.capacity(); }
   std::size_t tet_capacity() const { return tets_.capacity(); }
 
   // --- tets ---
@@ -128,21 +129,21 @@ class TetMesh {
   std::uint8_t take_marks(TetId t, std::uint8_t m) { return take_bits(marks_[t.value], m); }
 
   // --- vertices ---
-  bool alive(VertexId v) const { return load(vertex_tets_[v.value]) != 0; }
-  const Point& point(VertexId v) const { return points_[v.value]; }
-  const Metric& metric(VertexId v) const { return metrics_[v.value]; }
-  const LogMetric& log_metric(VertexId v) const { return log_metrics_[v.value]; }
-  void set_point(VertexId v, const Point& p) { points_[v.value] = p; }
+  bool alive(VertexId v) const { return load(vertices_[v.value].tet) != 0; }
+  const Point& point(VertexId v) const { return vertices_[v.value].x; }
+  const Metric& metric(VertexId v) const { return vertices_[v.value].metric; }
+  const LogMetric& log_metric(VertexId v) const { return vertices_[v.value].log_metric; }
+  void set_point(VertexId v, const Point& p) { vertices_[v.value].x = p; }
   void set_metric(VertexId v, const LogMetric& l, const Metric& m) {
-    log_metrics_[v.value] = l;
-    metrics_[v.value] = m;
+    vertices_[v.value].log_metric = l;
+    vertices_[v.value].metric = m;
   }
-  TetId tet_of(VertexId v) const { return TetId(load(vertex_tets_[v.value]) - 1); }
-  void set_tet_of(VertexId v, TetId t) { store(vertex_tets_[v.value], t.value + 1); }
-  VertexKind kind(VertexId v) const { return kinds_[v.value]; }
-  void set_kind(VertexId v, VertexKind k) { kinds_[v.value] = k; }
-  std::uint8_t flags(VertexId v) const { return flags_[v.value]; }
-  void set_flags(VertexId v, int flags) { store(flags_[v.value], static_cast<std::uint8_t>(flags)); }
+  TetId tet_of(VertexId v) const { return TetId(load(vertices_[v.value].tet) - 1); }
+  void set_tet_of(VertexId v, TetId t) { store(vertices_[v.value].tet, t.value + 1); }
+  VertexKind kind(VertexId v) const { return vertices_[v.value].kind; }
+  void set_kind(VertexId v, VertexKind k) { vertices_[v.value].kind = k; }
+  std::uint8_t flags(VertexId v) const { return vertices_[v.value].flags; }
+  void set_flags(VertexId v, int flags) { store(vertices_[v.value].flags, static_cast<std::uint8_t>(flags)); }
   bool fixed(VertexId v) const { return flags(v) & kFixed; }
   /// True when all four lie on curved boundary: such a tet lies flat upon the surface, and when the surface
   /// is retriangulated under it the mesh may come to overlap although all its tets are positive. None is ever
@@ -164,11 +165,25 @@ class TetMesh {
   std::uint8_t marks(VertexId v) const { return load(vertex_marks_[v.value]); }
   void mark(VertexId v, std::uint8_t m) { set_bits(vertex_marks_[v.value], m); }
   /// The ball of v has changed.
-  void touch(VertexId v) { mark(v, marks(v) & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace); }
+  void touch(VertexId v) {
+    const std::uint8_t seen = marks(v);
+    mark(v, seen & kHasShort ? kCheckShort | kCheckPlace : kCheckPlace);
+    if (seen & kStuck) take_marks(v, kStuck);
+  }
   std::uint8_t take_marks(VertexId v, std::uint8_t m) { return take_bits(vertex_marks_[v.value], m); }
   void kill(VertexId v) {
-    store(vertex_tets_[v.value], 0u);
+    store(vertices_[v.value].tet, 0u);
     store(vertex_marks_[v.value], std::uint8_t{0});
+  }
+
+  // --- asked for in advance, as walks wait for memory more than for anything else ---
+  void prefetch(TetId t) const { __builtin_prefetch(&tets_[t.value]); }
+  void prefetch_quality(TetId t) const { __builtin_prefetch(&quality_[t.value]); }
+  /// Place, kind and metric.
+  void prefetch(VertexId v) const {
+    const char* p = reinterpret_cast<const char*>(&vertices_[v.value]);
+    __builtin_prefetch(p);
+    __builtin_prefetch(p + 64);
   }
 
   // --- claims: see speculation.h, the only user ---
@@ -177,10 +192,10 @@ class TetMesh {
   /// A frozen vertex may have tets that are not in this mesh. It is neither moved nor removed, and no face
   /// without neighbour whose three vertices are frozen, nor an edge of one, changes; all else around it may.
   /// Not while operators run.
-  void freeze(VertexId v) { flags_[v.value] |= kFrozen; }
-  void thaw(VertexId v) { flags_[v.value] &= static_cast<std::uint8_t>(~kFrozen); }
+  void freeze(VertexId v) { vertices_[v.value].flags |= kFrozen; }
+  void thaw(VertexId v) { vertices_[v.value].flags &= static_cast<std::uint8_t>(~kFrozen); }
   /// May be asked before v is claimed: no operator freezes, thaws or removes a frozen vertex.
-  bool frozen(VertexId v) const { return load(flags_[v.value]) & kFrozen; }
+  bool frozen(VertexId v) const { return load(vertices_[v.value].flags) & kFrozen; }
 
   // --- feature edges ---
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
@@ -201,6 +216,18 @@ class TetMesh {
   struct Tet {
     std::array<std::uint32_t, 4> v, n;
   };
+  struct VertexHead {
+    Point x;
+    std::uint32_t tet;  // of the vertex + 1, 0 for a dead vertex
+    VertexKind kind;
+    std::uint8_t flags;
+  };
+  /// What operators read of a vertex, in two neighbouring cache lines; the first has what most of them need.
+  struct alignas(128) Vertex : VertexHead {
+    Metric metric;
+    LogMetric log_metric;
+  };
+  static_assert(sizeof(Vertex) == 128);
   template <class T>
   static T load(const T& x) {
     return std::atomic_ref(const_cast<T&>(x)).load(std::memory_order_relaxed);
@@ -227,12 +254,8 @@ class TetMesh {
   StableArray<std::int32_t> tet_refs_;
   StableArray<float> quality_;
   StableArray<std::uint8_t> marks_;
-  StableArray<Point> points_;
-  StableArray<Metric> metrics_;
-  StableArray<LogMetric> log_metrics_;
-  StableArray<std::uint32_t> vertex_tets_;  // tet + 1, 0 for a dead vertex
-  StableArray<VertexKind> kinds_;
-  StableArray<std::uint8_t> flags_, vertex_marks_;
+  StableArray<Vertex> vertices_;
+  StableArray<std::uint8_t> vertex_marks_;
   StableArray<std::int32_t> vertex_refs_;
   StableArray<std::uint64_t> labels_;
   StableArray<std::uint32_t> background_hints_, surface_hints_, claims_;

@@ -14,6 +14,8 @@ inline constexpr double kVerticesPerComplexity = 2;
 
 /// Tets worse than this are counted as not conforming in reports.
 inline constexpr double kPoorQuality = 0.4;
+/// In a mesh that is good as a whole only worse tets are worth looking at.
+inline constexpr double kFair = 0.6;
 /// A poor tet's neighbourhood is worth being moved between subdomains.
 inline constexpr double kShiftBelow = 0.5;
 /// Tets worse than this are repaired one by one at the end, judged by the exact measure. There are so few

@@ -125,13 +125,8 @@ Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
 /// The longest edge at the centre of the gathered ball.
 double longest_spoke(Worker& w) {
   double longest = 0;
-  w.vertices_seen.clear();
-  for (const auto& [t, local] : w.ball.tets)
-    for (int i = 0; i < 4; ++i) {
-      const VertexId v = w.mesh.vertex(t, i);
-      if (i != local && w.vertices_seen.insert(v.value))
-        longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
-    }
+  for (const auto& [v, first] : w.ball.link)
+    longest = std::max(longest, length_between(w.mesh, w.ball.centre, v));
   return longest;
 }
 
@@ -143,19 +138,18 @@ Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const double longest = goal == CollapseGoal::quality
                              ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
                              : w.kernel.limits.collapse_longest;
-  SmallSet& seen = w.vertices_seen;
-  seen.clear();
+  SmallSet& ring = w.vertices_seen;
+  ring.clear();
   w.short_edges.clear();
   for (const auto& [t, local] : w.ball.tets)
     if (mesh.local_index(t, kept) >= 0)
-      for (const VertexId v : mesh.vertices(t)) seen.insert(v.value);
-  for (const auto& [t, local] : w.ball.tets)
-    for (int i = 0; i < 4; ++i)
-      if (i != local && seen.insert(mesh.vertex(t, i).value)) {
-        const double length = length_between(mesh, mesh.vertex(t, i), kept);
-        if (length > longest) return Verdict::too_long;
-        if (length < w.kernel.limits.short_edge) w.short_edges.push_back({mesh.vertex(t, i), length});
-      }
+      for (const VertexId v : mesh.vertices(t)) ring.insert(v.value);
+  for (const auto& [v, first] : w.ball.link) {
+    if (ring.contains(v.value)) continue;
+    const MetricLength length = edge_between(mesh, v, kept);
+    if (length.above(longest)) return Verdict::too_long;
+    if (length.below(w.kernel.limits.short_edge)) w.short_edges.push_back({v, length.value()});
+  }
   plan.short_edges = w.short_edges;
   return Verdict::accepted;
 }
@@ -177,10 +171,10 @@ Verdict judge_qualities(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
       continue;
     }
     const auto& f = kTetFaces[local];
-    const double q = judge_quality(w.mean(), w.corner(mesh.vertex(t, f[0])), w.corner(mesh.vertex(t, f[1])),
-                                   w.corner(mesh.vertex(t, f[2])), k);
+    const double q = judge_quality_above(enough, w.mean(), w.corner(mesh.vertex(t, f[0])),
+                                         w.corner(mesh.vertex(t, f[1])), w.corner(mesh.vertex(t, f[2])), k);
     if (q < 0) return Verdict::inverts;
-    if (q < enough) return Verdict::worsens_quality;
+    if (q <= enough) return Verdict::worsens_quality;
     w.qualities.push_back(static_cast<float>(q));
   }
   plan.qualities = w.qualities;

@@ -101,23 +101,20 @@ void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::spa
   mesh.set_metric(v, moved.log_metric, moved.metric);
   mesh.set_background_hint(v, moved.background_hint);
   mesh.set_surface_hint(v, moved.surface_hint);
-  w.vertices_seen.clear();
   for (std::size_t i = 0; i < ball.tets.size(); ++i) {
-    const auto [t, local] = ball.tets[i];
-    mesh.set_quality(t, qualities[i]);
-    std::uint8_t marks = kCheckSwap | kCheckPoor;
-    for (int k = 0; k < 4; ++k) {
-      const VertexId u = mesh.vertex(t, k);
-      if (k == local || !w.vertices_seen.insert(u.value)) continue;
-      if (far) mesh.mark(u, kCheckPlace);
-      const double length = length_between(mesh, u, v);
-      if (length > limits.long_edge) marks |= kCheckLong;
-      if (length < limits.short_edge) {
-        mesh.mark(u, kCheckShort);
-        mesh.mark(v, kCheckShort);
-      }
+    mesh.set_quality(ball.tets[i].tet, qualities[i]);
+    mesh.mark(ball.tets[i].tet, kCheckSwap | kCheckPoor);
+  }
+  mesh.take_marks(v, kStuck);
+  for (const auto& [u, first] : ball.link) {
+    mesh.take_marks(u, kStuck);
+    if (far) mesh.mark(u, kCheckPlace);
+    const MetricLength length = edge_between(mesh, u, v);
+    if (length.above(limits.long_edge)) mesh.mark(ball.tets[first].tet, kCheckLong);
+    if (length.below(limits.short_edge)) {
+      mesh.mark(u, kCheckShort);
+      mesh.mark(v, kCheckShort);
     }
-    mesh.mark(t, marks);
   }
   if (far) mesh.mark(v, kCheckPlace);
   check_cavity(w, v);

@@ -58,9 +58,10 @@ Verdict judge_lengths(Worker& w, double shortest, SplitPlan& plan) {
   const int ring_size = plan.shell.closed ? plan.shell.size : plan.shell.size + 1;
   for (int i = 0; i < ring_size; ++i) {
     const VertexId r = plan.shell.ring[i];
-    const double length = edge_length_fast(mesh.point(r) - n.x, mesh.metric(r), n.metric);
-    if (length < shortest) return Verdict::too_short;
-    if (length < w.kernel.limits.short_edge) w.short_edges.push_back({r, length});
+    const Vec e = mesh.point(r) - n.x;
+    const MetricLength length{squared_length(mesh.metric(r), e), squared_length(n.metric, e)};
+    if (length.below(shortest)) return Verdict::too_short;
+    if (length.below(w.kernel.limits.short_edge)) w.short_edges.push_back({r, length.value()});
   }
   plan.short_edges = w.short_edges;
   return Verdict::accepted;

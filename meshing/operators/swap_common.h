@@ -21,7 +21,7 @@ inline OuterFace outer_face(const TetMesh& mesh, TetId t, int face) {
 
 /// A new edge may be short.
 inline void mark_if_short(const Worker& w, VertexId a, VertexId b) {
-  if (length_between(w.mesh, a, b) >= w.kernel.limits.short_edge) return;
+  if (!edge_between(w.mesh, a, b).below(w.kernel.limits.short_edge)) return;
   w.mesh.mark(a, kCheckShort);
   w.mesh.mark(b, kCheckShort);
 }

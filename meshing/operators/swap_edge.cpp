@@ -20,9 +20,9 @@ struct RingTriangulation {
 /// Qualities of the tets over ring triangle (i, k, j), i < k < j, with the edge's two ends.
 std::pair<double, double> judge_triangle(MetricMean mean, const Corner& a, const Corner& b,
                                          const Corner* ring, int i, int k, int j, double enough) {
-  const double qb = judge_quality(mean, ring[i], ring[k], ring[j], b);
+  const double qb = judge_quality_above(enough, mean, ring[i], ring[k], ring[j], b);
   if (qb <= enough) return {qb, -1};
-  return {qb, judge_quality(mean, ring[k], ring[i], ring[j], a)};
+  return {qb, judge_quality_above(enough, mean, ring[k], ring[i], ring[j], a)};
 }
 
 /// Would a tet over ring triangle (i, k, j) lie flat upon a curved surface?
@@ -174,13 +174,6 @@ Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   return Verdict::accepted;
 }
 
-TetId worst_of(const TetMesh& mesh, const Shell& shell) {
-  TetId worst = shell.tets[0].tet;
-  for (int i = 1; i < shell.size; ++i)
-    if (mesh.quality(shell.tets[i].tet) < mesh.quality(worst)) worst = shell.tets[i].tet;
-  return worst;
-}
-
 /// The best triangulation of one shell's ring, if all its tets are better than `enough`.
 Verdict judge_ring(const Worker& w, const Shell& shell, double enough, RingTriangulation& r) {
   const int m = shell.closed ? shell.size : shell.size + 1;
@@ -255,14 +248,20 @@ Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double e
 Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = w.mesh;
   const Shell& shell = w.shell;
-  if (const Verdict r = gather_shell(mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
+  // Every tet of a shell would try the same swap: it is left to a worse one that is going to be visited.
+  const float own = mesh.quality(t);
+  float worst = own;
+  const auto is_ours = [&](TetId u) {
+    const float q = mesh.quality(u);
+    worst = std::min(worst, q);
+    return q >= own || !(mesh.marks(u) & kCheckSwap);
+  };
+  if (const Verdict r = gather_shell_while(mesh, w.claims, t, a, b, w.shell, is_ours); r != Verdict::accepted)
+    return r;
   if (incomplete(mesh, shell)) return Verdict::frozen;
-  // Every tet of a shell would try the same swap: it is left to the worst if that one is going to be visited.
-  const TetId worst = worst_of(mesh, shell);
-  if (worst != t && mesh.marks(worst) & kCheckSwap) return Verdict::not_needed;
   const EdgeClass on = classify(mesh, shell);
   if (on.kind == VertexKind::ridge) return Verdict::breaks_classification;
-  const double enough = enough_for_swap(mesh.quality(worst));
+  const double enough = enough_for_swap(worst);
   const Verdict r = on.kind == VertexKind::interior ? swap_inside(w, shell, enough)
                     : shell.closed                  ? swap_on_interface(w, shell, on.patch, enough)
                                                     : swap_on_boundary(w, shell, on.patch, enough);

@@ -20,7 +20,7 @@ Verdict swap_face(Worker& w, TetId t, int face) {
   const Corner cp = w.corner(p), cq = w.corner(q);
   for (int i = 0; i < 3; ++i) {
     if (mesh.all_on_curved_boundary({q, p, f[i], f[(i + 1) % 3]})) return Verdict::breaks_topology;
-    quality[i] = judge_quality(w.mean(), cq, cp, w.corner(f[i]), w.corner(f[(i + 1) % 3]));
+    quality[i] = judge_quality_above(enough, w.mean(), cq, cp, w.corner(f[i]), w.corner(f[(i + 1) % 3]));
     if (quality[i] < 0) return Verdict::inverts;
     if (quality[i] <= enough) return Verdict::worsens_quality;
   }

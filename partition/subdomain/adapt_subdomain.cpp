@@ -3,6 +3,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <vector>
+
+#include "meshing/kernel/quality.h"
+#include "meshing/mesh/tet_tables.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::partition {
 
@@ -29,6 +34,36 @@ void remember_who_was_free(meshing::TetMesh& mesh) {
       mesh.set_flags(VertexId(i), mesh.flags(VertexId(i)) | kHasBeenFree);
 }
 
+/// Marks frozen vertices, by slot, around which something is wrong that only an adaptation with all of them
+/// free can mend: a poor tet at one, an edge of the interface that is too long or far too short. Edges a
+/// little too short are left in any mesh, as their collapse would make others too long.
+std::vector<std::uint8_t> frozen_at_fault(const meshing::TetMesh& mesh, const meshing::Limits& limits) {
+  constexpr double kFarTooShort = 0.7;
+  std::vector<std::uint8_t> at_fault(mesh.vertex_slots(), 0);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const meshing::TetVertices v = mesh.vertices(TetId(i));
+    if (mesh.quality(TetId(i)) < static_cast<float>(meshing::kFair))
+      for (const VertexId x : v) at_fault[x.value] = 1;
+    for (const auto& e : meshing::kTetEdges) {
+      const VertexId a = v[e[0]], b = v[e[1]];
+      if (!mesh.frozen(a) || !mesh.frozen(b)) continue;
+      const meshing::MetricLength length = meshing::edge_between(mesh, a, b);
+      if (length.above(limits.long_edge) || length.below(kFarTooShort * limits.short_edge))
+        at_fault[a.value] = at_fault[b.value] = 1;
+    }
+  }
+  return at_fault;
+}
+
+/// Where nearly all was right before, the rest of the interface is as good as what has been free.
+void excuse_what_is_right(meshing::TetMesh& mesh, const meshing::Limits& limits) {
+  const std::vector<std::uint8_t> at_fault = frozen_at_fault(mesh, limits);
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i)) && mesh.frozen(VertexId(i)) && !at_fault[i])
+      mesh.set_flags(VertexId(i), mesh.flags(VertexId(i)) | kHasBeenFree);
+}
+
 }  // namespace
 
 meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface,
@@ -41,6 +76,9 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   meshing::Kernel kernel{*s.mesh, s.background.background(), surface, limits};
   meshing::adapt_in_place(kernel, options, extent, report, before_level);
   remember_who_was_free(*s.mesh);
+  constexpr double kNearlyRight = 0.1;
+  if (extent == meshing::Extent::everything && report.share_wrong < kNearlyRight)
+    excuse_what_is_right(*s.mesh, limits);
   name_new_vertices(s);
   locate_interface(s);
   return report;

@@ -17,7 +17,7 @@
 namespace weft::partition {
 
 /// A vertex flag (of those that meshing::VertexFlag reserves for callers): some adaptation could change all
-/// around the vertex.
+/// around the vertex, or had no need to.
 inline constexpr std::uint8_t kHasBeenFree = meshing::kCallerThird;
 
 /// Another one: the vertex has been one of the interface.

@@ -65,7 +65,8 @@ void keep_contract(CallersCommunicator communicator, MpiTransportOptions options
   MpiTransport transport(communicator, options);
   contract::Player player(transport);
   contract::keeps_contract([&](const std::function<void(contract::Player&)>& clause) { clause(player); },
-                           kLargest);
+                           kLargest,
+                           options.shared_memory ? contract::kIdleShare : contract::kIdleShareWithoutBells);
   contract::closes_with_packets_in_flight(transport, kLargest);
   EXPECT_THROW(transport.send(transport.rank(), {}), TransportError);
 }

@@ -49,6 +49,29 @@ std::map<Rank, std::vector<int>> bulletins_of_a_run(Transport& transport) {
   return heard;
 }
 
+/// The last rank sets its flag while all work; every rank's handler sees its own set before it ends.
+TEST_P(LookingOn, ANoticeOfOneRankReachesAll) {
+  struct Watcher {
+    void watch(Context& context) {
+      while (!context.local<std::atomic<bool>>().load()) std::this_thread::sleep_for(1ms);
+    }
+  };
+  on_ranks(GetParam(), [&](Transport& transport) {
+    Registry registry;
+    registry.type<Watcher>("Watcher").method<&Watcher::watch>("watch");
+    std::atomic<bool> flag = false;
+    RuntimeOptions options;
+    options.local = &flag;
+    options.notice = &flag;
+    Runtime runtime(transport, registry, options);
+    runtime.run([&](Context& context) {
+      context.invoke<&Watcher::watch>(context.create<Watcher>());
+      if (context.rank().value == context.ranks() - 1) flag = true;
+    });
+    EXPECT_TRUE(flag);
+  });
+}
+
 TEST_P(LookingOn, RankZeroHearsOfAllWhileTheyWork) {
   on_ranks(GetParam(), [&](Transport& transport) {
     const auto heard = bulletins_of_a_run(transport);

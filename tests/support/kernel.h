@@ -37,7 +37,7 @@ inline constexpr double kFaceted = 1;
 /// For claims that may be made at frozen vertices too.
 inline constexpr meshing::FrozenPolicy kClaimable = meshing::FrozenPolicy::claimable;
 
-/// A mesh in the kernel, its input as the background, and one worker that works alone.
+/// A mesh in the kernel, its input as the background, and one worker, which claims as if others worked too.
 class KernelRig {
  public:
   explicit KernelRig(meshing::MeshData data, double size = 1, double ridge_angle = 45)
@@ -50,7 +50,7 @@ class KernelRig {
         mesh(*imported.mesh),
         background(input, log_metrics, meshing::build_adjacency(input.tets, input.points.size())),
         kernel{mesh, background, *imported.surface, {}},
-        worker(kernel, 1, true) {
+        worker(kernel, 1, false) {
     meshing::read_metric(mesh, background, true);
     kernel.limits.hausd = 0.01;
     judge_by(meshing::MetricMean::arithmetic);

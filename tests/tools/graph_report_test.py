@@ -140,6 +140,37 @@ class Graphs(SampleTest):
         self.assert_fails("graph", "graph.json", "-o", "no/folder/g.dot", says="no/folder/g.dot")
 
 
+class Replays(SampleTest):
+    def replay(self, name, *words):
+        self.weft("replay", "graph.json", "--report", name, *words)
+        return json.loads((self.folder / name / "replay.json").read_text())
+
+    def test_more_ranks_take_less_time_for_the_same_work(self):
+        self.sample(subdomains=24, rounds=4)
+        one, six = self.replay("one"), self.replay("six", "--ranks", 6)
+        self.assertEqual(one["work_seconds"], six["work_seconds"])
+        self.assertLess(six["seconds"], one["seconds"])
+        self.assertGreaterEqual(six["seconds"], six["critical_path_seconds"] * 0.999)
+        self.assertEqual(len(six["memory_by_rank"]), 6)
+        self.assertTrue(six["engine"]["consistent"]["pairs"])
+
+    def test_its_graph_is_a_graph_and_can_be_replayed_again(self):
+        recorded = self.sample()["graph"]
+        self.replay("first", "--ranks", 3, "--balancer", "diffusion", "--network", "50us,1GB/s,tree:2")
+        graph = json.loads((self.folder / "first/graph.json").read_text())
+        jsonschema.validate(graph, schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual(sorted(graph["runs"]["duration_ns"]), sorted(recorded["runs"]["duration_ns"]))
+        self.weft("replay", "first/graph.json", "--ranks", 2, "--trace", "again.json")
+        self.assertTrue(json.loads((self.folder / "again.json").read_text())["traceEvents"])
+
+    def test_what_cannot_be_is_named(self):
+        self.sample()
+        for words, says in ((["--network", "2us"], "--network"), (["--balancer", "luck"], "--balancer"), (["--ranks", 0], "--ranks"),
+                            (["--slowdown", 0], "--slowdown"), (["--copies", 0], "--copies")):
+            done = self.weft("replay", "graph.json", *words, expect=(2, 64))
+            self.assertIn(says, done.stderr)
+
+
 class Reports(SampleTest):
     def test_two_runs_are_compared(self):
         self.sample("a", rounds=2), self.sample("b", rounds=5)

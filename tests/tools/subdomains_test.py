@@ -14,7 +14,7 @@ SECONDS = 200  # far above what anything here takes
 
 SUBDOMAIN_KEYS = {
     "subdomains", "partitioner", "ranks", "layers", "checks", "decomposition_seconds", "adaptation_seconds",
-    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine",
+    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine", "checkpoints",
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
@@ -156,6 +156,19 @@ class Results(Subdomains):
             self.assertEqual(set(shift), {"shift", "vertices_wanted", "tets_moved", "receivers", "vertices_freed"})
             self.assertEqual(shift["shift"], number)
         self.assertGreater(shifts[0]["tets_moved"], 0)
+
+    def test_a_mesh_that_conforms_keeps_its_interface_where_nothing_is_wrong(self):
+        words = ("--metric-fn", "uniform:0.07", "--subdomains", 6, "--threads", 1, "--report", "r")
+
+        def moved():
+            report = json.loads((self.folder / "r" / "report.json").read_text())["subdomains"]
+            return sum(shift["tets_moved"] for shift in report["shifts"])
+
+        self.run_on(2, self.box(6), *words, "-o", "first.meshb")
+        first = moved()
+        self.run_on(2, "first.meshb", *words, "-o", "second.meshb")
+        self.assertLess(moved(), 0.2 * first)
+        self.weft("verify", "second.meshb", "--against", "box.meshb")
 
 
 class LookingOn(Subdomains):

@@ -5,7 +5,7 @@ import unittest
 from command import WEFT, CommandTest
 
 SUBCOMMANDS = [["adapt"], ["stat"], ["verify"], ["metric"], ["mesh"], ["mesh", "box"], ["mesh", "ball"], ["mesh", "cylinder"],
-               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"], ["view"], ["graph"], ["report"]]
+               ["mesh", "delta-wing"], ["convert"], ["interpolate"], ["loop"], ["view"], ["graph"], ["replay"], ["report"]]
 
 
 class Usage(CommandTest):
@@ -50,6 +50,7 @@ class Usage(CommandTest):
             ["convert", "fine.meshb", "fine.vtu"],
             ["view", "fine.meshb", "-o", "fine.png", "--size", "64x64"],
             ["graph", "run/graph.json"],
+            ["replay", "run/graph.json", "--ranks", 4],
             ["report", "run/profile.json", "run/profile.json", "-o", "compared.html"],
             ["loop", "loop.json"],
         ]:

@@ -227,7 +227,7 @@ TEST_F(OccModels, ThatAreOpenAreTessellatedWithAnErrorThatNamesTheEdge) {
 }
 
 /// All that refine's meshes record, evaluated, gives back the vertices: to 1e-8 of the model's size, and
-/// where a file's vertices are themselves off the model (cube-sphere's by 4e-6 of it) to three times that
+/// where a file's vertices are themselves off the model (cube-sphere's by 4e-6 of it) to five times that
 /// distance.
 TEST_F(OccModels, OfCasesGiveBackTheRecordedVertices) {
   const fs::path cases = fs::path(WEFT_CASES) / "cad";
@@ -244,7 +244,7 @@ TEST_F(OccModels, OfCasesGiveBackTheRecordedVertices) {
     const MeshData mesh = read_gmf_mesh(cases / mesh_name);
     const Model model(load_model((cases / model_name).string()));
     double nodes = 0, edges = 0, faces = 0;
-    const auto excess = [](double error, double off) { return std::max(0.0, error - 3 * off); };
+    const auto excess = [](double error, double off) { return std::max(0.0, error - 5 * off); };
     for (const auto& r : mesh.association.nodes)
       nodes = std::max(nodes, norm(model.node(static_cast<std::uint32_t>(r.id - 1)) - mesh.points[r.vertex]));
     for (const auto& r : mesh.association.edges) {

@@ -48,6 +48,15 @@ TEST_F(Obj, WritesOnlyThePointsOfAVolumesSurface) {
   EXPECT_EQ(read.mesh.points, (std::vector<Point>{{1, 0, 0}, {0, 1, 0}, {1, 1, 1.5}}));
 }
 
+TEST_F(Obj, LinesContinueBehindABackslash) {
+  const MeshContents c = read_text(
+      "# saved to C:\\models\\\nv 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nv 0 \\\r\n 0 \\\n1\nf 1 2 \\  \n 3\nf 1 2 "
+      "4\\");
+  EXPECT_EQ(c.mesh.points, (std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  EXPECT_EQ(c.mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 1, 3}}));
+  expect_contains(complaint(std::string(kPoints) + "f 1 \\\n 2 x\n"), "line 6");
+}
+
 TEST_F(Obj, AllKindsOfFaces) {
   const MeshContents c =
       read_text(std::string(kPoints) +

@@ -72,6 +72,15 @@ TEST_F(Ply, ForeignProperties) {
   EXPECT_TRUE(dropped(c, "polygons (cut into triangles)", 1));
 }
 
+TEST_F(Ply, FacesWithASecondList) {
+  const MeshContents c = read_text(ascii_file(
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n",
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 0 0 1 0 0 1\n3 0 2 1 0\n"));
+  EXPECT_EQ(c.mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 1}}));
+  EXPECT_TRUE(dropped(c, "values of property texcoord", 2));
+}
+
 TEST_F(Ply, ComplaintsNameTheRow) {
   const auto with_face = [&](const std::string& face) {
     return complaint(ascii_file(std::string(kVertices) + kFaces, kThreePoints + face));

@@ -138,6 +138,42 @@ TEST(Ball, IsEveryTetOfTheVertexAndNoOther) {
   support::expect_sound(rig.mesh);
 }
 
+TEST(Ball, HasItsLinkInTheOrderOfItsTets) {
+  MeshData input = support::unit_cube_of_fives(3);
+  support::shuffle(input);
+  KernelRig rig(input);
+  for (const VertexId v : rig.live_vertices()) {
+    Ball ball;
+    ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, v, ball), Verdict::accepted);
+    std::set<std::uint32_t> seen;
+    std::vector<std::pair<std::uint32_t, std::size_t>> expected, link;
+    for (std::size_t i = 0; i < ball.tets.size(); ++i)
+      for (const VertexId u : rig.mesh.vertices(ball.tets[i].tet))
+        if (u != v && seen.insert(u.value).second) expected.emplace_back(u.value, i);
+    for (const auto& [u, first] : ball.link) link.emplace_back(u.value, first);
+    EXPECT_EQ(link, expected);
+    EXPECT_EQ(link.size(), rig.neighbours_of(v).size());
+    rig.worker.claims.release();
+  }
+}
+
+TEST(Ball, IsTheSameForAWorkerThatWorksAlone) {
+  KernelRig rig(support::unit_cube_of_fives(3));
+  Claims alone(rig.mesh, 2, true, rig.kernel.policy.frozen);
+  for (const VertexId v : rig.live_vertices()) {
+    Ball claimed, unclaimed;
+    ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, v, claimed), Verdict::accepted);
+    rig.worker.claims.release();
+    ASSERT_EQ(gather_ball(rig.mesh, alone, v, unclaimed), Verdict::accepted);
+    ASSERT_EQ(claimed.tets.size(), unclaimed.tets.size());
+    for (std::size_t i = 0; i < claimed.tets.size(); ++i)
+      EXPECT_EQ(claimed.tets[i].tet, unclaimed.tets[i].tet);
+  }
+  rig.mesh.freeze(VertexId(5));
+  rig.kernel.policy.frozen = FrozenPolicy::untouchable;
+  EXPECT_EQ(alone.claim(VertexId(5)), Verdict::frozen);
+}
+
 TEST(Ball, RefusesAFrozenVertexAndOneThatAnotherHolds) {
   KernelRig rig(octahedron());
   Claims other(rig.mesh, 2, false, support::kClaimable);

@@ -318,6 +318,13 @@ TEST(CollapseEdge, UndoesASplit) {
   }
 }
 
+TEST(CollapseEdge, MakesTheVerticesAroundWorthAnotherTry) {
+  KernelRig rig(octahedron(), 2, kFaceted);
+  for (const VertexId v : rig.live_vertices()) rig.mesh.mark(v, kStuck);
+  ASSERT_EQ(collapse(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+  for (const VertexId v : rig.live_vertices()) EXPECT_FALSE(rig.mesh.marks(v) & kStuck);
+}
+
 TEST(CollapseEdge, RefusesToRemoveACorner) {
   KernelRig rig(unit_cube(2), 2);
   for (const VertexId kept : rig.neighbours_of(rig.vertex_at({0, 0, 0})))
@@ -720,6 +727,14 @@ TEST_P(MoveVertex, RelocationRepairsAnInteriorVertex) {
   EXPECT_GT(worst(rig), 0.7);
   EXPECT_EQ(rig.mesh.point(VertexId(0)), rig.mesh.point(rig.vertex_at({0, 0, 0})));
   expect_kept(rig);
+}
+
+TEST_P(MoveVertex, AMoveMakesAllVerticesOfTheBallWorthAnotherTry) {
+  KernelRig rig(octahedron({0.3, -0.2, 0.4}), 1, kFaceted);
+  rig.judge_by(GetParam());
+  for (const VertexId v : rig.live_vertices()) rig.mesh.mark(v, kStuck);
+  ASSERT_EQ(smooth(rig, VertexId(0)), Verdict::accepted);
+  for (const VertexId v : rig.live_vertices()) EXPECT_FALSE(rig.mesh.marks(v) & kStuck);
 }
 
 TEST_P(MoveVertex, AMovedVertexReadsTheMetricWhereItIsNow) {

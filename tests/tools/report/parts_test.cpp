@@ -79,8 +79,9 @@ TEST(Published, CurvesAreDensitiesThatAgreeWithTheFigures) {
       }
       EXPECT_NEAR(all, 1, 2e-3) << curve.program << ' ' << curve.measure;
       for (const PublishedRun& run : published_runs(name)) {
-        if (run.program == curve.program && run.cores == curve.cores && curve.measure == "mean_ratio")
-          EXPECT_NEAR(first_moment, *run.quality_mean, 2e-3) << curve.program << ' ' << curve.cores;
+        if (run.program != curve.program || run.cores != curve.cores || curve.measure != "mean_ratio")
+          continue;
+        EXPECT_NEAR(first_moment, *run.quality_mean, 2e-3) << curve.program << ' ' << curve.cores;
       }
     }
   }

@@ -13,9 +13,11 @@
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
+#include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/metric_source.h"
 #include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/repaired_input.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
@@ -70,6 +72,28 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
                                             [&] { return adapt_in_subdomains(input, options); })
                       : tools::adapt_one(input, options, monitor);
   result.times.total = watch.lap();
+  result.peak_memory = tools::peak_memory_bytes();
+  return result;
+}
+
+/// Of a copy that is mended first; what is at its vertices follows.
+Result adapt_mended(const Mesh& mesh, const Metric* metric, Options options, Fields fields) {
+  Mesh mended = mesh;
+  options.run.repair = false;
+  if (metric) check_length(mesh, metric->size(), "metric");
+  check_fields(mesh, fields);
+  const meshing::MeshRepair repair = meshing::repair_mesh(mended);
+  if (!fields.fields.empty()) fields = tools::fields_at(fields, repair.points);
+  for (Fields& solution : options.metric.solutions) solution = tools::fields_at(solution, repair.points);
+  Result result;
+  if (metric) {
+    std::vector<Tensor> logarithms;
+    for (const std::uint32_t p : repair.points) logarithms.push_back(metric->logarithms()[p]);
+    result = adapt(mended, Metric::from_logarithms(std::move(logarithms)), options, fields);
+  } else {
+    result = adapt(mended, options, fields);
+  }
+  result.mends = tools::mends_of(repair.mends);
   return result;
 }
 
@@ -77,6 +101,7 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
 
 Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, const Fields& fields) {
   validate(options);
+  if (options.run.repair) return adapt_mended(mesh, &metric, options, fields);
   const WholeMesh whole(mesh);
   check_length(mesh, metric.size(), "metric");
   check_fields(mesh, fields);
@@ -85,6 +110,7 @@ Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, con
 
 Result adapt(const Mesh& mesh, const Options& options, const Fields& fields) {
   validate(options);
+  if (options.run.repair) return adapt_mended(mesh, nullptr, options, fields);
   const WholeMesh whole(mesh);
   check_fields(mesh, fields);
   return adapt_input({*whole, "", nullptr, "", nullptr, fields}, options);
@@ -94,6 +120,8 @@ Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, con
              const Fields& fields) {
   validate(options);
   if (options.distributed.asked()) throw OptionError("--background", "is not possible in subdomains");
+  if (options.run.repair)
+    throw OptionError("--repair", "call repair() for a mesh with a background of its own");
   const WholeMesh whole(mesh), whole_background(background);
   check_length(background, metric.size(), "metric");
   check_fields(mesh, fields);
@@ -113,6 +141,8 @@ FilesResult adapt_files(const Files& files, const Options& options) {
         "polar-2)");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
   if (options.run.check) throw OptionError("--check", "needs --subdomains");
+  if (!options.checkpoint.folder.empty()) throw OptionError("--checkpoint", "needs --subdomains");
+  if (!options.checkpoint.resume.empty()) throw OptionError("--resume", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
   if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
   return tools::adapt_files_as_one(files, options);

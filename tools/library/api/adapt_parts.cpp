@@ -1,7 +1,11 @@
 // Adaptation of a mesh in parts, on a caller's communicator.
+#include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/run/runtime.h"
+#include "graph/adaptation/engine_peers.h"
 #include "meshing/base/error.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
@@ -72,6 +76,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
   validate(options);
+  if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
   if (options.transfer != TransferMethod::linear && !part.fields.fields.empty())
     throw OptionError("--transfer", "conservative is not possible for a mesh in parts");
   PartResult result;
@@ -79,6 +84,20 @@ PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, 
     result = adapt_part(transport, part, metric, options);
   });
   return result;
+}
+
+Complaint first_complaint(MPI_Comm communicator, const std::string& complaint) {
+  Complaint first;
+  tools::on_communicator(communicator, [&](engine::Transport& transport) {
+    engine::Registry registry;
+    graph::adaptation::EnginePeers::register_types(registry);
+    engine::Runtime runtime(transport, registry, {});
+    graph::adaptation::EnginePeers peers(runtime);
+    const auto all = partition::allgather(peers, std::vector<char>(complaint.begin(), complaint.end()));
+    const auto found = std::ranges::find_if(all, [](const auto& text) { return !text.empty(); });
+    if (found != all.end()) first = {static_cast<int>(found - all.begin()), {found->begin(), found->end()}};
+  });
+  return first;
 }
 
 }  // namespace weft

@@ -30,7 +30,15 @@ class Filling {
  private:
   void make_grid() {
     monitor_.update("checking the surface", 0, 0);
-    const meshing::ClosedSurface closed = meshing::close_surface(surface_, {options_.merge});
+    Mesh mended;
+    if (options_.run.repair) {
+      mended = surface_;
+      result_.mends = repair_surface(mended);
+      for (const Mend& m : result_.mends)
+        if (m.unit == "distance") result_.deviation = std::max(result_.deviation, m.amount);
+    }
+    const meshing::ClosedSurface closed =
+        meshing::close_surface(options_.run.repair ? mended : surface_, {options_.merge});
     result_.warnings = closed.warnings;
     monitor_.update("initial grid", 0, 0);
     grid_ = meshing::make_initial_grid(closed, {options_.materials});

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "graph/dataflow/dump/graph_drawing.h"
-#include "graph/dataflow/dump/graph_json.h"
 #include "meshing/base/error.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
+#include "tools/library/report/graph_file.h"
 #include "tools/library/report/graph_output.h"
 #include "tools/library/report/json_file.h"
 #include "tools/report/compare.h"
@@ -36,39 +36,17 @@ Collapse collapse_named(const std::string& name) {
   throw OptionError("--collapse", "'" + name + "' is not one of none, rounds and subdomains");
 }
 
-/// call(); what it has against a document is said with the file's name.
-template <class Call>
-auto naming_document(const std::string& file, const Call& call) {
-  try {
-    return call();
-  } catch (const std::invalid_argument& error) {
-    throw InputError(file, "", error.what());
-  } catch (const Json::exception& error) {
-    throw InputError(file, "", error.what());
-  }
-}
-
-GraphDump read_dump(const std::string& path) {
-  Json json = tools::read_json(path);
-  if (json.is_object() && json.value("schema", "") == "weft-profile-1") {
-    Json inner = std::move(json["graph"]);
-    if (inner.is_null()) throw InputError(path, "", "contains no graph: the run recorded none");
-    json = std::move(inner);
-  }
-  return naming_document(path, [&] { return graph::dataflow::dump_from_json(json); });
-}
-
 }  // namespace
 
 std::string graph_text(const std::string& path, const std::string& format, const GraphFilter& filter) {
   const tools::GraphFormat named = format_named(format);
   const Collapse collapse = collapse_named(filter.collapse);
-  const GraphDump all = read_dump(path);
+  const GraphDump all = tools::read_graph(path);
   graph::dataflow::DumpFilter left;
   left.round = filter.round;
   left.instance = filter.subdomain;
   left.critical_path_only = filter.critical_path;
-  const GraphDump dump = naming_document(path, [&] { return filtered(all, left); });
+  const GraphDump dump = tools::naming_document(path, [&] { return filtered(all, left); });
   return tools::naming(path, [&] {
     return filter.plan && named != tools::GraphFormat::json
                ? tools::drawing_text(graph::dataflow::drawing_of(dump.description), named)
@@ -85,13 +63,13 @@ std::string graph_format(const std::string& path) {
 
 void write_report_page(const std::string& profile, const std::string& page) {
   const Json json = tools::read_json(profile);
-  tools::write_text(page, naming_document(profile, [&] { return report::report_page(json); }));
+  tools::write_text(page, tools::naming_document(profile, [&] { return report::report_page(json); }));
 }
 
 std::string compare_reports(const std::string& a, const std::string& b, const std::string& page) {
   const Json first = tools::read_json(a), second = tools::read_json(b);
   const report::Comparison comparison =
-      naming_document(a + " or " + b, [&] { return report::compare(a, first, b, second); });
+      tools::naming_document(a + " or " + b, [&] { return report::compare(a, first, b, second); });
   if (!page.empty()) tools::write_text(page, report::comparison_page(report::comparison_json(comparison)));
   return report::comparison_text(comparison);
 }

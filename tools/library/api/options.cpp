@@ -75,6 +75,8 @@ void validate(const RunOptions& run) {
   constexpr int kMostThreads = 1024;
   require(run.threads >= 0 && run.threads <= kMostThreads, "--threads",
           fmt::format("{} is not between 1 and {}", run.threads, kMostThreads));
+  require_size("--time-limit", run.time_limit);
+  require_size("--max-memory", run.max_memory);
 }
 
 void check_partitioner(const DistributedOptions& distributed) {
@@ -84,6 +86,13 @@ void check_partitioner(const DistributedOptions& distributed) {
   } catch (const std::invalid_argument& error) {
     throw OptionError("--partitioner", error.what());
   }
+}
+
+void validate(const CheckpointOptions& checkpoint, const RunOptions& run) {
+  require(checkpoint.every >= 0 && std::isfinite(checkpoint.every), "--checkpoint-every",
+          fmt::format("{} is not a number of seconds", checkpoint.every));
+  const bool asked = !checkpoint.folder.empty() || !checkpoint.resume.empty();
+  require(!asked || !run.check, "--check", "is not possible with checkpoints");
 }
 
 void validate(const DistributedOptions& distributed) {
@@ -116,6 +125,7 @@ void validate(const Options& options) {
   validate(options.metric);
   validate(options.run);
   validate(options.distributed);
+  validate(options.checkpoint, options.run);
 }
 
 const char* version() { return tools::kVersion; }

@@ -37,8 +37,7 @@ class OneMesh {
   Result run() {
     if (input_.mesh.tets.empty()) throw InputError(input_.name, "", "has no tetrahedra");
     prepare_metric();
-    check_size(input_.name, result_.target_complexity, options_.run.force, result_.input_counts,
-               result_.predicted);
+    check_size(input_.name, result_.target_complexity, options_.run, result_.input_counts, result_.predicted);
     if (options_.run.measure) measure_before();
     adapt();
     if (options_.run.measure) measure_after();
@@ -102,6 +101,7 @@ class OneMesh {
     result_.surface_deviation = report.surface_deviation;
     result_.model = report.model;
     result_.cancelled = report.interrupted;
+    if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
@@ -111,7 +111,7 @@ class OneMesh {
   void measure_after() {
     monitor_.update("measuring", work_->at_adaptation(1), result_.output_counts.tets);
     result_.after = meshing::measure(result_.mesh, result_.metric.logarithms());
-    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.cancelled);
+    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
     result_.times.measure += watch_.lap();
   }
 
@@ -141,19 +141,48 @@ class OneMesh {
 
 }  // namespace
 
-void check_size(const std::string& name, double complexity, bool force, const MeshCounts& input,
+namespace {
+
+std::string size_text(double complexity, const SizePrediction& predicted) {
+  return fmt::format("a complexity of {} means about {} vertices, {} tets and {} of memory",
+                     grouped(complexity), grouped(predicted.vertices), grouped(predicted.tets),
+                     bytes_text(predicted.bytes));
+}
+
+}  // namespace
+
+void check_size(const std::string& name, double complexity, const RunOptions& run, const MeshCounts& input,
                 SizePrediction& predicted) {
   predicted = predict_size(complexity, input.vertices, input.tets);
-  const std::string size =
-      fmt::format("a complexity of {} means about {} vertices, {} tets and {} of memory", grouped(complexity),
-                  grouped(predicted.vertices), grouped(predicted.tets), bytes_text(predicted.bytes));
+  const std::string size = size_text(complexity, predicted);
   if (!(predicted.tets < kMaxTets))
     throw InputError(name, "", size + ", more tets than one mesh can have: lower --complexity");
-  const std::optional<double> room = available_memory();
-  if (force || !room || predicted.bytes <= *room) return;
-  throw InputError(name, "",
-                   size + ", but only " + bytes_text(*room) +
-                       " are free here: lower --complexity, or try all the same with --force");
+  const std::optional<double> room = room_of_rank(1, run.max_memory);
+  if (run.force || !room || predicted.bytes <= *room) return;
+  const bool limited = run.max_memory > 0 && *room >= run.max_memory;
+  throw InputError(
+      name, "",
+      size + ", but only " + bytes_text(*room) +
+          (limited ? " are allowed: lower --complexity, raise --max-memory, or try all the same with --force"
+                   : " are free here: lower --complexity, or try all the same with --force"));
+}
+
+void check_size_of_parts(const std::string& name, double complexity, const RunOptions& run,
+                         const MeshCounts& input, std::uint32_t parts, int ranks, std::optional<double> room,
+                         SizePrediction& predicted) {
+  predicted = predict_size(complexity, input.vertices, input.tets);
+  const std::string size = size_text(complexity, predicted);
+  if (!(predicted.tets / parts < kMaxTets))
+    throw InputError(name, "", size + ", more tets than subdomains can have: more --subdomains");
+  const double of_rank = predicted.bytes / ranks;
+  if (run.force || !room || of_rank <= *room) return;
+  throw InputError(
+      name, "",
+      fmt::format("{}, {} a rank, but only {} {}: lower --complexity, use more ranks, or try all "
+                  "the same with --force",
+                  size, bytes_text(of_rank), bytes_text(*room),
+                  run.max_memory > 0 && *room >= run.max_memory ? "are allowed by --max-memory"
+                                                                : "are free for it on one of them"));
 }
 
 Result adapt_one(const AdaptInput& input, const Options& options, Monitor& monitor) {

@@ -1,6 +1,7 @@
 // Adaptation of one mesh in memory: metric, prediction of memory, kernel, measures, fields.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "meshing/metric/metric_field.h"
@@ -23,7 +24,12 @@ struct AdaptInput {
 Result adapt_one(const AdaptInput& input, const Options& options, Monitor& monitor);
 
 /// Refuses a run that cannot fit, in words that name the complexity: throws InputError.
-void check_size(const std::string& name, double complexity, bool force, const MeshCounts& input,
+void check_size(const std::string& name, double complexity, const RunOptions& run, const MeshCounts& input,
                 SizePrediction& predicted);
+
+/// The same of a run in `parts` on `ranks` of which the one with the least room has `room`.
+void check_size_of_parts(const std::string& name, double complexity, const RunOptions& run,
+                         const MeshCounts& input, std::uint32_t parts, int ranks, std::optional<double> room,
+                         SizePrediction& predicted);
 
 }  // namespace weft::tools

@@ -57,9 +57,12 @@ class DistributedFileJob {
     const double target = input.target_complexity;
     run_.adapt(std::move(input.slice), target, files_.input, account_);
     watch_.lap();
+    // Who interrupts a run may soon kill it: the mesh first.
+    const bool write_first = account_.cancelled && written_by_all();
+    if (write_first) write();
     run_.measure(account_);
     account_.times.measure += watch_.lap();
-    write();
+    if (!write_first) write();
     finish();
     return files_result(account_, report_error_, run_.first());
   }
@@ -69,13 +72,15 @@ class DistributedFileJob {
     run_.monitor().update("reading", 0, 0);
     SliceInput input = read_slice(run_.peers(), files_, options_);
     account_.warnings = input.warnings;
+    account_.mends = input.mends;
     account_.input_counts = {input.slice.num_points, input.slice.num_tets,
                              input.slice.boundary.triangles.size(), input.slice.boundary.edges.size()};
     account_.times.read = watch_.lap();
     if (input.whole && run_.first()) account_.before = meshing::measure(*input.whole, input.whole_metric);
     partition::agree_on(run_.peers(), [&] {
       if (files_.fields.empty() || !run_.first()) return;
-      fields_ = read_all_fields(files_.fields, input.whole->points.size(), files_.input);
+      fields_ = input.fields ? std::move(*input.fields)
+                             : read_all_fields(files_.fields, input.whole->points.size(), files_.input);
       whole_ = std::move(*input.whole);
     });
     input.whole.reset();
@@ -83,16 +88,21 @@ class DistributedFileJob {
     return input;
   }
 
+  bool written_by_all() const {
+    const fs::path mesh = account_.outputs.mesh;
+    return files_.fields.empty() && (mesh.extension() == ".pvtu" || mesh.extension() == ".meshb");
+  }
+
   void write() {
     run_.monitor().update("writing", 1, account_.output_counts.tets);
     const fs::path mesh = account_.outputs.mesh;
-    if (mesh.extension() == ".pvtu" && files_.fields.empty()) {
+    if (!written_by_all()) {
+      write_by_first();
+    } else if (mesh.extension() == ".pvtu") {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh);
       account_.outputs.solution = account_.outputs.mesh;
-    } else if (mesh.extension() == ".meshb" && files_.fields.empty()) {
-      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution);
     } else {
-      write_by_first();
+      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution);
     }
     account_.times.write = watch_.lap();
   }

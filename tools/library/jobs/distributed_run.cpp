@@ -5,16 +5,20 @@
 
 #include <array>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/output/measure_pieces.h"
 #include "tools/common/naming.h"
+#include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/report/run_progress_text.h"
+#include "tools/library/version.h"
 
 namespace weft::tools {
 
@@ -28,7 +32,7 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
     : options_(options),
       keep_(keep),
       threads_(options.run.threads > 0 ? options.run.threads : 1),
-      monitor_(options.run) {
+      monitor_(options.run, transport.size()) {
   graph::adaptation::register_adaptation(registry_);
   engine::RuntimeOptions engine;
   engine.threads = threads_;
@@ -36,16 +40,47 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   engine.local = &rank_;
   engine.trace.spans = keep.record;
   if (monitor_.wanted()) engine.bulletins = bulletins();
+  engine.notice = &monitor_.flag();
   engine.name_of = [this](engine::ObjectId id) { return name_of(id); };
   if (options.run.on_state) engine.on_state = options.run.on_state;
   engine.on_failure = [&options](const std::string& why) {
-    if (options.run.on_failure) options.run.on_failure(why);
+    const std::string& folder = options.checkpoint.folder;
+    if (options.run.on_failure)
+      options.run.on_failure(folder.empty() ? why
+                                            : why + "; the same command with --resume " + folder +
+                                                  " goes on from the last checkpoint there");
   };
+  if (!options.checkpoint.folder.empty()) {
+    checkpoints_.emplace(options.checkpoint.folder, options.checkpoint.every, options.checkpoint.now,
+                         transport.rank().value, transport.size());
+    engine.snapshots = &*checkpoints_;
+  }
   runtime_.emplace(transport, registry_, engine);
   if (options.run.state_on_signal) show_state_.emplace(*runtime_);
   peers_.emplace(*runtime_);
   exchange_.emplace(*runtime_);
   if (keep.record) memory_.emplace(transport.rank().value);
+  if (!options.checkpoint.resume.empty()) find_checkpoint();
+}
+
+/// Rank 0 looks, so that all go on from the same.
+void DistributedRun::find_checkpoint() {
+  std::vector<std::uint8_t> text;
+  if (first()) {
+    const auto places = graph::adaptation::find_checkpoints(options_.checkpoint.resume);
+    const std::string found =
+        places.empty() ? "" : std::to_string(places[0].number) + "\n" + places[0].manifest.text();
+    text.assign(found.begin(), found.end());
+  }
+  const std::vector<std::uint8_t> told = partition::allgather(*peers_, text)[0];
+  const std::string found(told.begin(), told.end());
+  if (found.empty()) return;
+  const std::size_t end = found.find('\n');
+  graph::adaptation::CheckpointPlace place;
+  place.number = std::stoull(found.substr(0, end));
+  place.folder = graph::adaptation::checkpoint_folder(options_.checkpoint.resume, place.number);
+  place.manifest = graph::adaptation::CheckpointManifest::parse(found.substr(end + 1)).value();
+  resume_ = std::move(place);
 }
 
 /// The subdomains' news go to rank 0 twice a second.
@@ -73,6 +108,7 @@ std::string DistributedRun::name_of(engine::ObjectId id) const {
 
 std::uint32_t DistributedRun::number_of_subdomains() const {
   constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
+  if (resume_) return resume_->manifest.subdomains;
   if (options_.distributed.subdomains > 0) return options_.distributed.subdomains;
   const std::array<std::uint32_t, 3> slabs =
       partition::parse_partitioner(partitioner_of(options_.distributed)).slabs;
@@ -99,6 +135,10 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.check = options_.run.check;
   method.threads = threads_;
   method.interrupt = &monitor_.flag();
+  if (checkpoints_) method.checkpoints = &*checkpoints_;
+  if (resume_) method.resume = &*resume_;
+  const std::string program = kVersion;
+  method.program = graph::adaptation::hash_bytes(program.data(), program.size(), registry_.fingerprint());
   if (monitor_.wanted()) method.news = &news_;
   method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
     if (first()) table_.emplace(subdomains, shifts, engine::now());
@@ -106,12 +146,26 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   return method;
 }
 
+/// All ranks come to the same conclusion.
+void DistributedRun::check_room(const std::string& name, Report& report) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  const std::vector<double> mine = {
+      room_of_rank(runtime_->ranks(), options_.run.max_memory).value_or(kUnknown)};
+  double least = kUnknown;
+  for (const auto& room : partition::allgather(*peers_, mine)) least = std::min(least, room[0]);
+  check_size_of_parts(name, rank_.plan.expected_complexity, options_.run, report.input_counts,
+                      rank_.plan.subdomains, runtime_->ranks(),
+                      least < kUnknown ? std::optional(least) : std::nullopt, report.predicted);
+}
+
 void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name,
                            Report& report) {
   report.threads = threads_;
   monitor_.update("decomposition", 0, report.input_counts.tets);
   result_ = naming(name, [&] {
-    return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method_options(target_complexity));
+    graph::adaptation::DistributedOptions method = method_options(target_complexity);
+    method.on_plan = [&] { check_room("", report); };
+    return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
   });
   table_.reset();
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
@@ -120,7 +174,11 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
       report.complexity_asked ? options_.metric.complexity : rank_.plan.expected_complexity;
   report.times.metric = result_.decomposition_seconds;
   report.times.adapt = result_.adaptation_seconds;
-  report.cancelled = monitor_.cancelled();
+  // One rank's reason ends them all.
+  const auto reason =
+      static_cast<EndReason>(partition::max(*peers_, static_cast<std::uint8_t>(monitor_.reason())));
+  report.cancelled = reason != EndReason::none;
+  report.ended_by = text_of(reason);
   gather_statistics(report);
 }
 
@@ -131,6 +189,7 @@ void DistributedRun::gather_statistics(Report& report) {
   std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
   if (keep_.record) gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
   if (keep_.plan) gather_plan(*exchange_, std::move(result_.planned), rank_.plan, record_);
+  std::vector<engine::RankSummary> of_ranks = summaries;
   std::vector<ShiftRecord> mine;
   for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
   std::vector<ShiftRecord> all;
@@ -148,7 +207,25 @@ void DistributedRun::gather_statistics(Report& report) {
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
   stats_->decomposition_seconds = result_.decomposition_seconds;
   stats_->adaptation_seconds = result_.adaptation_seconds;
+  account_for_checkpoints(of_ranks, report);
   report.distributed = stats_;
+}
+
+void DistributedRun::account_for_checkpoints(const std::vector<engine::RankSummary>& summaries,
+                                             Report& report) {
+  CheckpointStats& stats = stats_->checkpoints;
+  if (resume_) stats.resumed = resume_->folder.string();
+  if (!checkpoints_) return;
+  const graph::adaptation::CheckpointsWritten written = checkpoints_->written();
+  stats.written = written.written;
+  stats.bytes = static_cast<double>(written.bytes);
+  stats.failure = written.failure;
+  for (const engine::RankSummary& summary : summaries) {
+    const auto seconds = summary.counters.find("snapshot_seconds");
+    if (seconds != summary.counters.end()) stats.seconds += seconds->second;
+  }
+  if (first() && !stats.failure.empty())
+    report.warnings.push_back("the latest checkpoint could not be written: " + stats.failure);
 }
 
 void DistributedRun::measure(Report& report) {
@@ -157,7 +234,7 @@ void DistributedRun::measure(Report& report) {
   report.after = partition::measure_pieces(*peers_, result_.pieces);
   stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
   report.output_counts = {report.after.num_vertices, report.after.num_tets, report.after.num_triangles, 0};
-  report.missed = missed_goals(report.after, options_.metric.complexity, report.cancelled);
+  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
 }
 
 void DistributedRun::gather_machines() {

@@ -135,6 +135,11 @@ std::string subdomains_text(const DistributedStats& a) {
         "each "
         "shift\n",
         a.checks);
+  const CheckpointStats& c = a.checkpoints;
+  if (!c.resumed.empty()) text += fmt::format("gone on from checkpoint {}\n", c.resumed);
+  if (c.written > 0)
+    text += fmt::format("checkpoints: {}, the latest of {}; {} s of all workers for copies\n", c.written,
+                        bytes_text(c.bytes), fmt::format("{:.2f}", c.seconds));
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(a.messages),
                       bytes_text(static_cast<double>(a.bytes)), a.collective_calls);
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
@@ -13,6 +14,7 @@
 #include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/repaired_input.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
@@ -48,15 +50,30 @@ class FileJob {
       background_ = meshing::read_mesh(files_.background);
     if (input_.tets.empty()) throw InputError(files_.input, "", "has no tetrahedra");
     fields_ = read_all_fields(files_.fields, input_.points.size(), files_.input);
+    if (options_.run.repair) mend();
     read_seconds_ = watch_.lap();
   }
 
+  /// The metric of a background of its own is not looked at.
+  void mend() {
+    MetricOptions of_background;
+    MetricOptions& metric = background_ ? of_background : options_.metric;
+    RepairedMetric repaired = repair_input(input_, files_.input, metric, fields_);
+    source_ = std::move(repaired.source);
+    mends_ = std::move(repaired.mends);
+  }
+
   void adapt() {
-    const AdaptInput input{input_,  files_.input, background_ ? &*background_ : nullptr, files_.background,
-                           nullptr, fields_};
+    const AdaptInput input{input_,
+                           files_.input,
+                           background_ ? &*background_ : nullptr,
+                           files_.background,
+                           source_ ? &*source_ : nullptr,
+                           fields_};
     Result result = adapt_one(input, options_, monitor_);
     static_cast<Report&>(run_) = std::move(static_cast<Report&>(result));
     run_.times.read = read_seconds_;
+    run_.mends = std::move(mends_);
     mesh_ = std::move(result.mesh);
     metric_ = std::move(result.metric);
     fields_ = std::move(result.fields);
@@ -86,13 +103,15 @@ class FileJob {
   }
 
   const Files& files_;
-  const Options& options_;
+  Options options_;  ///< as asked for; when the input is mended, without the files that have been read
   Monitor monitor_;
   Stopwatch total_, watch_;
   RunResult run_;
   double read_seconds_ = 0;
   std::string report_error_;
   MeshData input_, mesh_;
+  std::optional<meshing::LogMetricField> source_;  ///< the metric that was mended with the input
+  std::vector<Mend> mends_;
   meshing::RefNames names_;             ///< of the input's references, which the result keeps
   std::optional<MeshData> background_;  ///< empty: the input
   Metric metric_;

@@ -40,6 +40,10 @@ void check_outputs(const Files& files, const Options& options, const OutputPaths
   for (const std::string& path : {files.graph, files.trace})
     if (!path.empty()) check_writable(path);
   if (!files.graph.empty()) check_writable(planned_path(files.graph));
+  if (!options.checkpoint.folder.empty()) {
+    make_folder(options.checkpoint.folder);
+    check_writable((fs::path(options.checkpoint.folder) / "probe").string());
+  }
   if (files.report.empty()) return;
   make_folder(files.report);
   check_writable((fs::path(files.report) / "report.json").string());

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -105,6 +106,29 @@ std::optional<double> available_memory() {
   lower(room, control_group_room());
   lower(room, address_space_room());
   return room;
+}
+
+int ranks_on_this_machine(int ranks) {
+  for (const char* name : {"OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"}) {
+    const char* text = std::getenv(name);
+    const int number = text ? std::atoi(text) : 0;
+    if (number > 0) return std::min(number, ranks);
+  }
+  return ranks;
+}
+
+std::optional<double> room_of_rank(int ranks, double limit) {
+  std::optional<double> room = available_memory();
+  if (room) *room /= ranks_on_this_machine(ranks);
+  if (limit > 0) lower(room, limit);
+  return room;
+}
+
+double resident_bytes() {
+  std::istringstream text(file_text("/proc/self/statm"));
+  double size = 0, resident = 0;
+  text >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 double peak_memory_bytes() {

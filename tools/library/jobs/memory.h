@@ -19,10 +19,22 @@ inline constexpr double kMaxTets = 4e9;
 /// ulimit -v allows less. Empty when the system does not tell.
 std::optional<double> available_memory();
 
+/// The same of one of the `ranks` of a run: those on this machine share it. Less where `limit` (0: none)
+/// allows less.
+std::optional<double> room_of_rank(int ranks, double limit);
+/// How many of a run's ranks are on this machine, as the launcher says; all of them where it does not.
+int ranks_on_this_machine(int ranks);
+
 /// "MemAvailable" of the text of /proc/meminfo, in bytes.
 std::optional<double> parse_mem_available(const std::string& meminfo);
 /// The group's path out of the text of /proc/self/cgroup (version 2 line "0::PATH"), or empty.
 std::string parse_cgroup_path(const std::string& text);
+
+/// A run that takes this share of what it may take ends: the result needs some room too.
+inline constexpr double kMemoryInUse = 0.8;
+
+/// The resident memory of this process.
+double resident_bytes();
 
 /// The most resident memory this process has had.
 double peak_memory_bytes();

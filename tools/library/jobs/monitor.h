@@ -1,34 +1,59 @@
-// What a caller sees of a run while it lasts, and how it cancels.
+// What a caller sees of a run while it lasts, and how it ends before it is done.
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <string>
+#include <thread>
 
 #include "weft/weft.h"
 
 namespace weft::tools {
 
+/// Why a run has ended early. The greater counts where ranks have different reasons.
+enum class EndReason : std::uint8_t { none, interrupted, memory_limit, time_limit };
+
+/// "interrupted", "memory limit", "time limit", or empty.
+std::string text_of(EndReason reason);
+
 /// Passes progress to the caller's function, on the calling thread; where that returns false the run is
-/// cancelled.
+/// cancelled. With a time limit or a memory limit a thread of its own watches these, and cancels the run
+/// while there is time to measure and write what it has.
 class Monitor {
  public:
-  explicit Monitor(const RunOptions& options) : options_(options) {}
+  /// `sharers`: ranks that write the result together.
+  explicit Monitor(const RunOptions& options, int sharers = 1);
+  ~Monitor();
   Monitor(const Monitor&) = delete;
   Monitor& operator=(const Monitor&) = delete;
 
   void update(const std::string& stage, double done, std::uint64_t tets) { tell({stage, false, done, tets}); }
-  void tell(const Progress& progress) {
-    if (options_.progress && !options_.progress(progress)) flag().store(true);
-  }
-  /// Set once the run is to end with the mesh that it has: by the caller, or because its function said so.
+  void tell(const Progress& progress);
+  /// Set once the run is to end with the mesh that it has: by the caller, because its function said so, or
+  /// by a limit.
   std::atomic<bool>& flag() { return options_.cancel ? *options_.cancel : own_; }
   bool cancelled() { return flag().load(); }
-  bool wanted() const { return static_cast<bool>(options_.progress); }
+  EndReason reason();
+  /// Whether progress has to be told.
+  bool wanted() const { return options_.progress || options_.time_limit > 0; }
 
  private:
+  void watch();
+  void cancel(EndReason reason);
+  double seconds_to_finish() const;
+
   const RunOptions& options_;
+  const int sharers_;
   std::atomic<bool> own_ = false;
+  std::atomic<EndReason> reason_ = EndReason::none;
+  std::atomic<std::uint64_t> tets_ = 0;  ///< the most that have been told of
+  double memory_ = 0;                    ///< bytes that this process may take; 0: no matter
+  std::mutex mutex_;
+  std::condition_variable over_;
+  bool ended_ = false;
+  std::thread watcher_;
 };
 
 }  // namespace weft::tools

@@ -16,11 +16,14 @@ MeshCounts count(const meshing::MeshData& mesh) {
 }
 
 std::vector<std::string> missed_goals(const meshing::Measures& after, double asked_complexity,
-                                      bool interrupted) {
+                                      const std::string& ended_by) {
   constexpr double kLeastUnitEdges = 0.5;
   constexpr double kComplexityTolerance = 0.2;
   std::vector<std::string> missed;
-  if (interrupted) missed.push_back("interrupted: this is the valid mesh reached so far");
+  if (ended_by == "interrupted")
+    missed.push_back("interrupted: this is the valid mesh reached so far");
+  else if (!ended_by.empty())
+    missed.push_back("ended by its " + ended_by + ": this is the valid mesh reached so far");
   if (after.edges_unit < kLeastUnitEdges)
     missed.push_back(fmt::format("only {} of the edges are unit", percent(after.edges_unit)));
   // Without --complexity the target is the metric's own on the background, and a coarse background samples it

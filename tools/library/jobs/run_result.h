@@ -20,10 +20,10 @@ struct RunResult : Report {
   std::string report_path;  ///< empty: no report
 };
 
-/// Reasons to call the goal missed: interrupted, less than half of the edges unit, complexity off by more
-/// than 20 %.
+/// Reasons to call the goal missed: ended before it was done (`ended_by`: Report::ended_by), less than half
+/// of the edges unit, complexity off by more than 20 %.
 std::vector<std::string> missed_goals(const meshing::Measures& after, double asked_complexity,
-                                      bool interrupted);
+                                      const std::string& ended_by);
 
 /// How often an operator was tried, done, refused and rolled back (another thread was there).
 struct OperatorTally {

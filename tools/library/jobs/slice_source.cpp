@@ -9,8 +9,10 @@
 #include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
+#include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/metric_source.h"
 #include "tools/library/jobs/model_source.h"
+#include "tools/library/jobs/repaired_input.h"
 
 namespace weft::tools {
 namespace {
@@ -29,8 +31,8 @@ bool is_gmf(const std::string& file) {
 /// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
 bool only_scaled(const Files& files, const Options& options) {
   const MetricOptions& m = options.metric;
-  return is_gmf(files.input) && files.background.empty() && files.fields.empty() && scaled_alone(m) &&
-         (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
+  return !options.run.repair && is_gmf(files.input) && files.background.empty() && files.fields.empty() &&
+         scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
 }
 
 struct Share {
@@ -117,8 +119,16 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
       throw InputError(files.background, "", "a background of its own is not possible in subdomains");
     input.whole = meshing::read_mesh(files.input);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
-    LogMetricMade made = make_log_metric(metric, *input.whole, files.input, nullptr,
-                                         model_of(options.geometry, *input.whole, files.input));
+    RepairedMetric repaired;
+    if (options.run.repair) {
+      Fields fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
+      repaired = repair_input(*input.whole, files.input, metric, fields);
+      input.fields = std::move(fields);
+      input.mends = std::move(repaired.mends);
+    }
+    LogMetricMade made =
+        make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr,
+                        model_of(options.geometry, *input.whole, files.input));
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });

@@ -20,6 +20,9 @@ struct SliceInput {
   /// The whole input with its metric, where one rank has read it whole; only on rank 0.
   std::optional<meshing::MeshData> whole;
   meshing::LogMetricField whole_metric;
+  // Where the input was mended, on rank 0.
+  std::vector<Mend> mends;
+  std::optional<Fields> fields;  ///< those that are carried along
 };
 
 /// All ranks: reads the mesh and makes the metric. A mesh and a metric in GMF files that are only scaled are

@@ -112,7 +112,25 @@ Json json_of(const DistributedStats& a) {
           {"shifts", shifts},
           {"by_rank", ranks},
           {"former_interface", tools::json_of(a.former_interface)},
+          {"checkpoints",
+           {{"written", a.checkpoints.written},
+            {"bytes", a.checkpoints.bytes},
+            {"seconds", a.checkpoints.seconds},
+            {"resumed", a.checkpoints.resumed},
+            {"failure", a.checkpoints.failure}}},
           {"engine", engine::json_of(*a.engine)}};
+}
+
+Json json_of(const std::vector<Mend>& mends) {
+  Json all = Json::array();
+  for (const Mend& m : mends)
+    all.push_back({{"what", m.what},
+                   {"entity", m.entity},
+                   {"count", m.count},
+                   {"examples", m.examples},
+                   {"amount", m.amount},
+                   {"unit", m.unit}});
+  return all;
 }
 
 }  // namespace
@@ -161,6 +179,8 @@ Json json_of(const RunResult& run) {
       {"goal_met", run.missed.empty()},
       {"goals_missed", run.missed},
       {"interrupted", run.cancelled},
+      {"ended_by", run.ended_by},
+      {"mends", json_of(run.mends)},
       {"before", run.before ? json_of(*run.before) : Json(nullptr)},
       {"after", json_of(run.after)},
       {"stages", stages},

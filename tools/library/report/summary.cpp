@@ -107,6 +107,7 @@ std::string summary_text(const Report& run) {
   if (!run.distributed)
     text += fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
   if (run.model) text += model_text(*run.model, false);
+  text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   return text;
 }

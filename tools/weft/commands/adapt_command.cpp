@@ -30,7 +30,8 @@ Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the t
 --metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
 --background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
 the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
-and 12 tets per unit of complexity. Ctrl-C ends the run with a valid intermediate mesh and exit code 1.
+and 12 tets per unit of complexity. Ctrl-C, SIGTERM and SIGALRM end the run with a valid intermediate mesh
+and exit code 1.
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand {
@@ -50,7 +51,9 @@ FilesResult adapt_and_tell(AdaptCommand& command) {
   const InterruptGuard interrupt;
   StateRequest state_request;
   RunOptions& run = command.options.run;
+  const CheckpointRequest checkpoint_request;
   run.cancel = interrupt.flag();
+  command.options.checkpoint.now = checkpoint_request.flag();
   run.state_on_signal = true;
   run.on_state = [&](const std::string& text) {
     progress.finish();
@@ -148,8 +151,39 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
       ->group("Run");
   add_report_options(sub, command);
   add_verbosity(sub, command.verbosity, "Run");
+  sub.add_option("--time-limit", command.options.run.time_limit,
+                 "end with the valid mesh that there is, written by then; exit code 1")
+      ->type_name("SECONDS")
+      ->check(positive_number())
+      ->group("Run");
+  sub.add_option("--max-memory", command.options.run.max_memory,
+                 "that each rank may take, as 8G; default: what is free here")
+      ->type_name("SIZE")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->group("Run");
+  sub.add_flag("--repair", command.options.run.repair,
+               "mend an input that would be refused, and say what was done")
+      ->group("Run");
   sub.add_flag("--force", command.options.run.force, "run even if the memory seems insufficient")
       ->group("Run");
+}
+
+void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
+  CheckpointOptions& checkpoint = command.options.checkpoint;
+  constexpr const char* kGroup = "Subdomains";
+  sub.add_option("--checkpoint", checkpoint.folder,
+                 "keep states to go on from in DIR while the run goes on; SIGUSR2: one now")
+      ->type_name("DIR")
+      ->group(kGroup);
+  sub.add_option("--checkpoint-every", checkpoint.every, "default 600; 0: only at SIGUSR2")
+      ->type_name("SECONDS")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->needs("--checkpoint")
+      ->group(kGroup);
+  sub.add_option("--resume", checkpoint.resume,
+                 "go on from the latest checkpoint in DIR, if any, on any number of ranks")
+      ->type_name("DIR")
+      ->group(kGroup);
 }
 
 void add_subdomains(CLI::App& sub, AdaptCommand& command) {
@@ -224,6 +258,7 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   add_field_options(*sub, command->fields, "IN", "Fields");
   add_geometry(*sub, *command);
   add_subdomains(*sub, *command);
+  add_checkpoints(*sub, *command);
   add_run(*sub, *command);
   sub->callback([command, &action] { action = [command] { return run(*command); }; });
 }

@@ -13,6 +13,7 @@
 #include "tools/weft/options/arguments.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/help.h"
+#include "tools/weft/terminal/help_data.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -27,6 +28,9 @@ Meshes are .meshb or .mesh (Gamma Mesh Format, as refine, Mmg and Gmsh write it)
 or fields in a .msh, .vtu, .pvtu or .cgns.
 Exit codes: 0 success; 1 valid mesh, but the goal was not met (`verify`: it does not conform); 2 no mesh;
 64 usage error.)";
+
+/// For the build alone, which makes man pages, shell completion and the command reference of it.
+constexpr const char* kHelpData = "--help-data";
 
 std::vector<std::string> subcommand_names(const CLI::App& app) {
   std::vector<std::string> names;
@@ -95,11 +99,16 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_interpolate_command(app, action);
   add_view_command(app, action);
   add_graph_command(app, action);
+  add_replay_command(app, action);
   add_report_command(app, action);
   add_loop_command(app, action);
   if (arguments.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kUsage;
+  }
+  if (arguments == std::vector<std::string>{kHelpData}) {
+    fmt::print("{}\n", help_data(app));
+    return kDone;
   }
   if (report_unknown_subcommand(app, arguments)) return kUsage;
   try {

@@ -24,6 +24,7 @@ void add_convert_command(CLI::App& app, Action& action);
 void add_interpolate_command(CLI::App& app, Action& action);
 void add_view_command(CLI::App& app, Action& action);
 void add_graph_command(CLI::App& app, Action& action);
+void add_replay_command(CLI::App& app, Action& action);
 void add_report_command(CLI::App& app, Action& action);
 void add_loop_command(CLI::App& app, Action& action);
 

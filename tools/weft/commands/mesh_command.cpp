@@ -28,7 +28,8 @@ SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .e
 --hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
 materials, which get the tet references 1, 2 ... The triangles are kept, and sizes grow from theirs into
 the volume, faster than --growth where the triangles' sizes do. Repaired with a note: coincident points,
-degenerate and duplicate triangles, orientations. Refused: open and self-intersecting surfaces.)";
+degenerate and duplicate triangles, orientations; with --repair small gaps and holes too. Refused: open and
+self-intersecting surfaces.)";
 
 constexpr const char* kBoxFooter = R"(Example:
   weft mesh box -o cube.meshb --cells 8 8 8
@@ -116,6 +117,8 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
                  "merge points closer than this share of the diagonal; default 1e-9")
       ->type_name("T")
       ->check(CLI::Range(0.0, 0.01).description(""))
+      ->group("Surface");
+  sub.add_flag("--repair", volume.fill.run.repair, "close small gaps and holes, and say what was done")
       ->group("Surface");
   sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "adapt the surface too, within --hausd")
       ->group("Surface");

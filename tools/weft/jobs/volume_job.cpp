@@ -18,6 +18,7 @@ namespace {
 void print_summary(const VolumeRequest& request, const FillResult& result) {
   const Verbosity& verbosity = request.verbosity;
   const Mesh& mesh = result.mesh;
+  verbosity.print("{}", mends_text(result.mends));
   for (const std::string& w : result.warnings) verbosity.print("note: {}\n", w);
   verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request.output,
                   grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),

@@ -148,6 +148,16 @@ struct RunOptions {
   /// The same from elsewhere: set (on all ranks) by another thread or a signal handler; set here too when the
   /// function above returns false. Must outlive the call.
   std::atomic<bool>* cancel = nullptr;
+  /// Seconds from the beginning of the call after which the run is to have ended with the best valid mesh
+  /// that it has by then, written (goal missed: Report::cancelled); 0: none. The first rank's clock counts.
+  double time_limit = 0;
+  /// Bytes that this process, or each rank, may take; 0: what the machine, its control groups and ulimit
+  /// leave. A run that is predicted to need more is refused; one that comes near it ends with the valid mesh
+  /// that it has.
+  double max_memory = 0;
+  /// Mend what can be mended of an imperfect input instead of refusing it: see repair(). What was done is in
+  /// Report::mends.
+  bool repair = false;
   bool force = false;   ///< run even if the memory seems insufficient
   bool check = false;   ///< check the invariants of all subdomains after every round: slow
   bool measure = true;  ///< fill the measures of the result
@@ -157,6 +167,19 @@ struct RunOptions {
   /// Called on one rank, from another thread, as soon as it is certain that a run on several ranks fails, and
   /// why: what the others are doing may keep RunError from being thrown for a while.
   std::function<void(const std::string&)> on_failure;
+};
+
+/// Checkpoints of a run in subdomains: a state of all of them that belongs together, written by all ranks
+/// while they work on. A folder keeps the two latest; one that is not complete is never taken for one that
+/// is.
+struct CheckpointOptions {
+  std::string folder;  ///< on a file system that all ranks see; empty: no checkpoints
+  double every = 600;  ///< seconds between the end of one and the next; 0: only when asked for
+  /// A folder of checkpoints: the run goes on from the latest, on as many ranks and threads as there are now.
+  /// Input and options must be those of the run that wrote it. A folder without one: it starts anew.
+  std::string resume;
+  /// Asks for one now; set back when it begins. From any thread or signal handler of any rank.
+  std::atomic<bool>* now = nullptr;
 };
 
 /// Adaptation in subdomains, on the threads of one process or on many ranks.
@@ -186,10 +209,26 @@ struct Options {
   TransferMethod transfer = TransferMethod::linear;  ///< of the fields that are carried along
   RunOptions run;
   DistributedOptions distributed;
+  CheckpointOptions checkpoint;
 };
 
 /// Throws OptionError for the first option that makes no sense. All functions call it themselves.
 WEFT_API void validate(const Options& options);
+
+/// An option by its name, for languages that have no use for the members above.
+struct NamedOption {
+  std::string name;  ///< as the command has it, without dashes: "hgrad-space"
+  std::string type;  ///< number, whole number, yes or no, text, texts, whole numbers, or the words it may be
+  std::string text;  ///< what it is
+  bool of_command;   ///< `weft adapt` has it too
+};
+/// All of them.
+WEFT_API const std::vector<NamedOption>& named_options();
+/// Sets an option by its name ('_' stands for '-') to the value that `text` means: as on the command line;
+/// several values with commas between them; yes, no, true, false, 1 or 0. A file of --sol is added to those
+/// before. Throws OptionError for a name that none has and a text that means no value; which values make
+/// sense is what validate() says.
+WEFT_API void set_option(Options& options, const std::string& name, const std::string& text);
 
 // ---------------------------------------------------------------------------------------------------------------
 // What is known of a run
@@ -218,6 +257,25 @@ struct RankStats {
   std::vector<OperationTime> operations;
 };
 
+/// What has been written to go on from, and what it cost.
+struct CheckpointStats {
+  std::uint32_t written = 0;  ///< complete
+  double bytes = 0;           ///< of the latest
+  double seconds = 0;         ///< of all workers, spent on copying states
+  std::string resumed;        ///< the checkpoint that the run went on from; empty: it began anew
+  std::string failure;        ///< why the latest could not be written; empty: it could
+};
+
+/// One kind of mend of an input, and what it was done to.
+struct Mend {
+  std::string what;                     ///< "duplicate vertices merged"
+  std::string entity;                   ///< "vertex": what `examples` number
+  std::uint64_t count = 0;              ///< how many
+  std::vector<std::uint64_t> examples;  ///< the first of them, 1-based in the input
+  double amount = 0;                    ///< the largest change, by what `unit` says
+  std::string unit;                     ///< "distance moved", "volume removed"; empty: there is no amount
+};
+
 /// One round of shifts over all subdomains.
 struct ShiftStats {
   std::uint64_t round = 0;
@@ -242,7 +300,8 @@ struct DistributedStats {
   Measures former_interface;       ///< tets with a vertex that has been one of an interface
   std::uint64_t messages = 0, bytes = 0, collective_calls = 0;  ///< within the loop
   std::string verdict;                                          ///< on the balance of the load
-  std::shared_ptr<const engine::RunSummary> engine;             ///< for the library's own reports
+  CheckpointStats checkpoints;
+  std::shared_ptr<const engine::RunSummary> engine;  ///< for the library's own reports
 };
 
 /// Everything that is known after an adaptation; the summary and the report are made from it. On several
@@ -255,6 +314,8 @@ struct Report {
   bool complexity_asked = false;
   SizePrediction predicted;
   bool cancelled = false;
+  std::string ended_by;               ///< of a cancelled run: "interrupted", "time limit" or "memory limit"
+  std::vector<Mend> mends;            ///< of the input (RunOptions::repair)
   std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
   std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
   std::vector<StageReport> stages;    ///< of one mesh
@@ -333,6 +394,15 @@ struct PartResult : Report {
 /// mean different points, holes between parts, wrong lengths, and whatever adapt() refuses.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
+
+/// For programs that check data of their own before a call that all ranks make together. All ranks of the
+/// communicator call it: the complaint of the lowest rank whose complaint is not empty, on all ranks, and
+/// that rank (-1: none complains).
+struct Complaint {
+  int rank = -1;
+  std::string text;
+};
+WEFT_API Complaint first_complaint(MPI_Comm communicator, const std::string& complaint);
 
 // ---------------------------------------------------------------------------------------------------------------
 // From files to files
@@ -421,6 +491,20 @@ WEFT_API CheckReport verify(const Mesh& mesh, int max_problems = 20);
 WEFT_API Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh& to,
                               TransferMethod method = TransferMethod::linear, int threads = 0);
 
+/// Mends what can be mended of a mesh that adapt() would refuse, and says what it did: duplicate and unused
+/// vertices, coordinates that are no numbers, tets with repeated vertices, of no volume, twice in the mesh or
+/// inverted, triangles that are doubled or missing, entities that contradict each other. `fields` at its
+/// vertices follow. Throws InputError for what cannot be mended.
+WEFT_API std::vector<Mend> repair(Mesh& mesh, Fields* fields = nullptr);
+/// The same for a metric in `fields` (tensors or sizes): values that are not finite or not positive definite
+/// become means of their neighbours'.
+WEFT_API std::vector<Mend> repair_metric(const Mesh& mesh, Fields& fields);
+/// The same for triangles that are to bound a volume: vertices that are nearly one are merged, doubled and
+/// degenerate triangles removed, small gaps closed, orientations made to agree.
+WEFT_API std::vector<Mend> repair_surface(Mesh& surface);
+/// The account of mends, a line each; empty for none.
+WEFT_API std::string mends_text(std::span<const Mend> mends);
+
 // ---------------------------------------------------------------------------------------------------------------
 // Files
 
@@ -500,6 +584,8 @@ struct FillResult {
   Metric metric;  ///< that it was made for
   std::uint64_t regions = 0;
   std::vector<std::string> warnings;  ///< what was mended
+  std::vector<Mend> mends;            ///< of the surface (RunOptions::repair)
+  double deviation = 0;               ///< of repair: largest distance of the mended surface from the input's
   bool cancelled = false;
   double grid_seconds = 0, fill_seconds = 0;
 };

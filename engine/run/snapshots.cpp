@@ -1,0 +1,115 @@
+// The protocol of snapshots.
+#include "engine/run/snapshots.h"
+
+#include <utility>
+
+namespace weft::engine {
+
+using Kind = SnapshotMessage::Kind;
+
+Snapshots::Snapshots(SnapshotSink& sink, Scheduler& scheduler, Rank rank, int ranks, Post post)
+    : sink_(sink), scheduler_(scheduler), rank_(rank), ranks_(ranks), post_(std::move(post)) {}
+
+void Snapshots::begin_run() {
+  scheduler_.end_snapshot();
+  if (stage_ != Stage::none) sink_.give_up();
+  stage_ = Stage::none;
+  told_ready_ = wished_ = closing_ = false;
+  not_ready_ = ranks_;
+  objects_ = 0;
+}
+
+void Snapshots::tell(Rank to, const SnapshotMessage& message) {
+  if (to == rank_) return receive(rank_, message);
+  post_(to, message);
+}
+
+void Snapshots::tell_all(const SnapshotMessage& message) {
+  for (int r = 0; r < ranks_; ++r) tell(Rank(r), message);
+}
+
+/// A root sends without being copied itself, so there are no snapshots before all are through.
+void Snapshots::step() {
+  if (!told_ready_ && scheduler_.root_is_through()) {
+    told_ready_ = true;
+    tell(Rank(0), {.kind = Kind::ready, .objects = scheduler_.movable_objects_made()});
+  }
+  if (sink_.wanted()) tell(Rank(0), {.kind = Kind::wish});
+  if (rank_.value == 0) begin_if_wanted();
+  if (stage_ == Stage::collecting) tell_counts();
+  if (stage_ == Stage::storing) tell_stored();
+}
+
+void Snapshots::begin_if_wanted() {
+  if (!wished_ || not_ready_ > 0 || stage_ != Stage::none || objects_ == 0) return;
+  wished_ = closing_ = false;
+  counts_.assign(static_cast<std::size_t>(ranks_), {});
+  serials_.resize(static_cast<std::size_t>(ranks_), 0);
+  tell_all({.kind = Kind::begin, .epoch = epoch_ + 1});
+}
+
+void Snapshots::tell_counts() {
+  const SnapshotCounts counts = scheduler_.snapshot_counts();
+  if (told_ == counts) return;
+  told_ = counts;
+  tell(Rank(0), {.kind = Kind::count, .epoch = epoch_, .serial = ++last_serial_, .counts = counts});
+}
+
+void Snapshots::tell_stored() {
+  const std::optional<bool> stored = sink_.stored(epoch_);
+  if (!stored) return;
+  stage_ = Stage::none;
+  tell(Rank(0), {.kind = Kind::stored, .good = *stored, .epoch = epoch_});
+}
+
+void Snapshots::receive(Rank from, const SnapshotMessage& message) {
+  switch (message.kind) {
+    case Kind::ready:
+      --not_ready_;
+      objects_ += message.objects;
+      return;
+    case Kind::wish:
+      wished_ = true;
+      return;
+    case Kind::begin:
+      epoch_ = message.epoch;
+      stage_ = Stage::collecting;
+      told_.reset();
+      return scheduler_.begin_snapshot(epoch_);
+    case Kind::count:
+      return note_counts(from, message);
+    case Kind::close:
+      scheduler_.end_snapshot();
+      stage_ = Stage::storing;
+      return sink_.close(epoch_);
+    case Kind::stored:
+      return note_stored(message);
+  }
+}
+
+/// When all objects have been copied, nobody sends anything more that belongs to the snapshot, and the sums
+/// of what was sent are final; once as much has been received, all of it is there.
+void Snapshots::note_counts(Rank from, const SnapshotMessage& message) {
+  if (message.epoch != epoch_ || closing_ || message.serial <= serials_[from.index()]) return;
+  serials_[from.index()] = message.serial;
+  counts_[from.index()] = message.counts;
+  SnapshotCounts sums;
+  for (const SnapshotCounts& counts : counts_) {
+    sums.copied += counts.copied;
+    sums.sent += counts.sent;
+    sums.received += counts.received;
+  }
+  if (sums.copied < objects_ || sums.sent != sums.received) return;
+  closing_ = true;
+  not_stored_ = ranks_;
+  all_good_ = true;
+  tell_all({.kind = Kind::close, .epoch = epoch_});
+}
+
+void Snapshots::note_stored(const SnapshotMessage& message) {
+  if (message.epoch != epoch_) return;
+  all_good_ &= message.good;
+  if (--not_stored_ == 0) sink_.finish(epoch_, all_good_);
+}
+
+}  // namespace weft::engine

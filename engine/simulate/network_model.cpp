@@ -1,0 +1,105 @@
+// Words to numbers; links one after the other.
+#include "engine/simulate/network_model.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/base/text.h"
+
+namespace weft::engine {
+namespace {
+
+constexpr double kTaper = 2;
+
+struct Unit {
+  std::string_view name;
+  double value;
+};
+
+double number_with_unit(std::string_view word, std::initializer_list<Unit> units) {
+  const std::string copy(word);
+  char* end = nullptr;
+  const double number = std::strtod(copy.c_str(), &end);
+  const std::string_view rest(end);
+  for (const Unit& unit : units)
+    if (rest == unit.name && end != copy.c_str() && number > 0 && std::isfinite(number))
+      return number * unit.value;
+  throw std::invalid_argument(text("'", word, "' is not a positive number with one of the units ",
+                                   std::data(units)[1].name, " to ",
+                                   std::data(units)[units.size() - 1].name));
+}
+
+int switch_of(std::string_view word) {
+  if (word == "flat") return 0;
+  int ranks = 0;
+  if (word.starts_with("tree:")) {
+    const auto [end, error] = std::from_chars(word.data() + 5, word.data() + word.size(), ranks);
+    if (error == std::errc() && end == word.data() + word.size() && ranks > 0) return ranks;
+  }
+  throw std::invalid_argument(text("'", word, "' is no topology: flat, or tree:N for N ranks a switch"));
+}
+
+std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+
+/// Passes a packet through a link that is free from `free` on.
+std::int64_t pass(std::int64_t& free, std::int64_t time, std::int64_t takes) {
+  return free = std::max(free, time) + takes;
+}
+
+}  // namespace
+
+NetworkModel parse_network(std::string_view text_) {
+  std::vector<std::string_view> words;
+  for (std::size_t begin = 0; begin <= text_.size();) {
+    const std::size_t end = std::min(text_.find(',', begin), text_.size());
+    words.push_back(text_.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  if (words.size() < 2 || words.size() > 3)
+    throw std::invalid_argument(
+        text("'", text_, "' is not LATENCY,BANDWIDTH[,flat|tree:N], as in 2us,10GB/s"));
+  NetworkModel network;
+  network.latency = number_with_unit(words[0], {{"", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}});
+  network.bandwidth =
+      number_with_unit(words[1], {{"", 1}, {"B/s", 1}, {"MB/s", 1e6}, {"GB/s", 1e9}, {"Gbit/s", 1.25e8}});
+  if (words.size() == 3) network.switch_ranks = switch_of(words[2]);
+  return network;
+}
+
+std::string text_of(const NetworkModel& network) {
+  std::string words = text(network.latency * 1e6, " us, ", network.bandwidth * 1e-9, " GB/s");
+  if (network.switch_ranks > 0) words += text(", ", network.switch_ranks, " ranks a switch, uplinks of half");
+  return words;
+}
+
+NetworkLinks::NetworkLinks(const NetworkModel& network, int ranks)
+    : network_(network), ports_(static_cast<std::size_t>(ranks)) {
+  if (network.switch_ranks > 0)
+    uplinks_.resize(static_cast<std::size_t>((ranks + network.switch_ranks - 1) / network.switch_ranks));
+}
+
+/// Cut-through: the first byte goes on while the last one is still coming, so a packet's length counts once
+/// where all links are free.
+std::int64_t NetworkLinks::send(Rank from, Rank to, std::size_t bytes, std::int64_t time) {
+  if (from == to) return time;
+  const std::int64_t length = nanoseconds(static_cast<double>(bytes) / network_.bandwidth);
+  const std::int64_t on_port = nanoseconds(network_.gap) + length;
+  const std::int64_t latency = nanoseconds(network_.latency);
+  std::int64_t last = pass(ports_[from.index()].out, time, on_port);  // the last byte has left
+  const auto switch_index = [&](Rank rank) {
+    return rank.index() / static_cast<std::size_t>(network_.switch_ranks);
+  };
+  if (network_.switch_ranks > 0 && switch_index(from) != switch_index(to)) {
+    const double uplink = network_.bandwidth * network_.switch_ranks / kTaper;
+    const std::int64_t on_uplink = nanoseconds(static_cast<double>(bytes) / uplink);
+    last = std::max(last, pass(uplinks_[switch_index(from)].out, last - on_uplink, on_uplink));
+    last = std::max(last, pass(uplinks_[switch_index(to)].in, last - on_uplink, on_uplink)) + latency;
+  }
+  return std::max(last + latency, pass(ports_[to.index()].in, last + latency - on_port, on_port));
+}
+
+}  // namespace weft::engine

@@ -1,0 +1,359 @@
+// Turns, clocks and packets of simulated ranks.
+#include "engine/simulate/simulation.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <queue>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "engine/base/arena.h"
+#include "engine/base/text.h"
+#include "engine/run/launch.h"
+#include "engine/simulate/fiber.h"
+#include "engine/trace/trace.h"
+
+namespace weft::engine {
+namespace {
+
+constexpr TimePoint kNever = std::numeric_limits<TimePoint>::max();
+// Whoever waits for nothing at all gets on even so: rounds of such ranks must not stop the clocks.
+constexpr TimePoint kShortestWait = 100;
+
+TimePoint processor_time() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1'000'000'000 * time.tv_sec + time.tv_nsec;
+}
+
+TimePoint nanoseconds(double seconds) { return static_cast<TimePoint>(std::llround(1e9 * seconds)); }
+
+class SimulatedRank;
+
+/// All ranks, and whose turn comes next.
+class Simulation {
+ public:
+  Simulation(const SimulationOptions& options, const std::function<void(Transport&)>& body);
+  ~Simulation();
+
+  SimulationResult run();
+
+  // For the ranks.
+  const SimulationOptions& options() const { return options_; }
+  SimulatedRank& rank(Rank rank) { return *ranks_[rank.index()]; }
+  void pass(Rank from, Rank to, Packet packet, TimePoint time);
+  void schedule(Rank rank, TimePoint time, std::uint64_t turn) { turns_.push({time, next_++, rank, turn}); }
+  void call_outside(const std::function<void()>& function) { outside_ = &function; }
+  void depart(LeaveNotice notice);
+  void close();
+  const std::vector<LeaveNotice>& notices() const { return notices_; }
+  bool all_closed() const { return closed_ == options_.ranks; }
+  bool abandoned() const {
+    return std::any_of(notices_.begin(), notices_.end(), [](const LeaveNotice& n) { return !n.will_close; });
+  }
+
+ private:
+  struct Turn {
+    TimePoint time;
+    std::uint64_t number;
+    Rank rank;
+    std::uint64_t turn;  ///< of the rank; another one has been scheduled since if it is not its latest
+    bool operator>(const Turn& other) const {
+      return std::tie(time, number) > std::tie(other.time, other.number);
+    }
+  };
+  void take_turns();
+  void rouse_all();
+
+  const SimulationOptions options_;
+  NetworkLinks links_;
+  std::vector<std::unique_ptr<SimulatedRank>> ranks_;
+  std::priority_queue<Turn, std::vector<Turn>, std::greater<>> turns_;
+  std::uint64_t next_ = 0;
+  const std::function<void()>* outside_ = nullptr;
+  std::vector<LeaveNotice> notices_;
+  int closed_ = 0;
+  SimulationResult result_;
+};
+
+class SimulatedRank final : public Transport, public VirtualTime {
+ public:
+  SimulatedRank(Simulation& simulation, Rank rank, const std::function<void(Transport&)>& body)
+      : simulation_(simulation), rank_(rank), fiber_(simulation.options().stack_bytes, [this, &body] {
+          try {
+            run_and_close(*this, body);
+          } catch (...) {
+            error_ = std::current_exception();
+          }
+          charge();
+        }) {}
+
+  // --- The simulation's side.
+  void take_turn(TimePoint time) {
+    clock_ = std::max(clock_, time);
+    enter();
+  }
+  /// With its handler done outside.
+  void go_on() { fiber_.enter(); }
+  void end_turn() { of_thread_ = nullptr; }
+  bool finished() const { return fiber_.finished(); }
+  const std::exception_ptr& error() const { return error_; }
+  TimePoint clock() const { return clock_; }
+  std::uint64_t turn() const { return turn_; }
+
+  void arrive(TimePoint time, Rank from, Packet packet) {
+    packets_.push({time, packets_seen_++, from, std::make_shared<Packet>(std::move(packet))});
+    rouse(time);
+  }
+  /// It goes on no later than then.
+  void rouse(TimePoint time) {
+    if (!waits_ || time >= wakes_at_) return;
+    wait_until(std::max(time, clock_));
+  }
+
+  // --- Transport
+  Rank rank() const override { return rank_; }
+  int size() const override { return simulation_.options().ranks; }
+  std::size_t unsent(Rank) const override { return 0; }
+  bool all_sent() const override { return true; }
+  VirtualTime* virtual_time() override { return this; }
+
+  void send(Rank to, Packet packet) override {
+    if (packet.head.size() > kMaxHead)
+      throw TransportError(
+          text("a packet's head has ", packet.head.size(), " bytes; ", kMaxHead, " are allowed"));
+    if (to.value < 0 || to.value >= size()) throw TransportError(text("there is no rank ", to.value));
+    spend_on_packet();
+    simulation_.pass(rank_, to, std::move(packet), now());
+  }
+
+  bool poll(const Receive& receive) override {
+    bool any = false;
+    // What comes while these are received has its turn next time, so that the rank gets to sending, too.
+    const TimePoint time = now();
+    while (!packets_.empty() && packets_.top().time <= time) {
+      const Arrival arrival = packets_.top();
+      packets_.pop();
+      spend_on_packet();
+      receive(arrival.from, arrival.packet->head, std::move(arrival.packet->segments));
+      any = true;
+    }
+    return any;
+  }
+
+  void wait(std::chrono::nanoseconds at_most) override {
+    charge();
+    TimePoint until = clock_ + (woken_.exchange(false) ? 0 : std::max<TimePoint>(at_most.count(), 0));
+    until = std::max(until, clock_ + kShortestWait);
+    if (!packets_.empty()) until = std::min(until, std::max(packets_.top().time, clock_));
+    sleep(until);
+  }
+
+  void wake() noexcept override { woken_ = true; }
+
+  std::optional<LostPeer> lost_peer() override {
+    if (simulation_.notices().empty()) return std::nullopt;
+    return missed_in(phase(), simulation_.notices());
+  }
+  bool watches(Rank) const override { return true; }
+  void leave(const std::string& why) noexcept override {
+    simulation_.depart({rank_, ended_phase(), why, true});
+  }
+  void close() override {
+    charge();
+    simulation_.close();
+    while (!simulation_.all_closed() && !simulation_.abandoned()) sleep(kNever);
+    if (!simulation_.all_closed()) throw TransportError("a rank has abandoned the network");
+  }
+  void abandon() noexcept override {
+    simulation_.depart({rank_, ended_phase(), "has abandoned the network", false});
+  }
+
+  // --- VirtualTime
+  std::int64_t now() const override { return clock_ + measured(); }
+  void spend(std::int64_t nanoseconds) override {
+    clock_ += nanoseconds;
+    if (!in_handler_) communicated_ += nanoseconds;
+  }
+  void copied(std::size_t bytes) override {
+    const SimulationOptions& options = simulation_.options();
+    if (!options.measured) spend(nanoseconds(static_cast<double>(bytes) / options.copy_rate));
+  }
+  std::int64_t run_handler(const std::function<void()>& handler) override {
+    charge();
+    const TimePoint begin = clock_;
+    in_handler_ = true;
+    // Handlers may need a deep stack, and what they use is not kept: they run on that of the thread.
+    std::exception_ptr error;
+    const std::function<void()> guarded = [&] {
+      try {
+        handler();
+      } catch (...) {
+        error = std::current_exception();
+      }
+    };
+    simulation_.call_outside(guarded);
+    fiber_.leave();
+    charge();
+    if (!simulation_.options().measured) clock_ += nanoseconds(simulation_.options().handler_overhead);
+    in_handler_ = false;
+    if (error) std::rethrow_exception(error);
+    return std::exchange(clock_, begin) - begin;
+  }
+  std::int64_t communicated() const override { return communicated_ + (in_handler_ ? 0 : measured()); }
+
+ private:
+  struct Arrival {
+    TimePoint time;
+    std::uint64_t number;
+    Rank from;
+    std::shared_ptr<Packet> packet;
+    bool operator>(const Arrival& other) const {
+      return std::tie(time, number) > std::tie(other.time, other.number);
+    }
+  };
+
+  void enter() {
+    if (simulation_.options().measured) charged_ = processor_time();
+    of_thread_ = this;
+    fiber_.enter();
+  }
+
+  void spend_on_packet() {
+    if (!simulation_.options().measured) spend(nanoseconds(simulation_.options().network.overhead));
+  }
+
+  /// Since the last charge().
+  TimePoint measured() const {
+    if (!simulation_.options().measured) return 0;
+    return static_cast<TimePoint>(static_cast<double>(processor_time() - charged_) *
+                                  simulation_.options().slowdown);
+  }
+  void charge() {
+    if (!simulation_.options().measured) return;
+    spend(measured());
+    charged_ = processor_time();
+  }
+
+  void sleep(TimePoint until) {
+    waits_ = true;
+    wait_until(until);
+    fiber_.leave();
+    waits_ = false;
+    ++turn_;
+    if (simulation_.options().measured) charged_ = processor_time();
+  }
+  void wait_until(TimePoint until) {
+    wakes_at_ = until;
+    ++turn_;
+    if (until != kNever) simulation_.schedule(rank_, until, turn_);
+  }
+
+  Simulation& simulation_;
+  Rank rank_;
+  std::exception_ptr error_;
+  TimePoint clock_ = 0;
+  TimePoint charged_ = 0;  ///< processor time at the last charge()
+  TimePoint communicated_ = 0;
+  bool in_handler_ = false;
+  std::atomic<bool> woken_{false};
+  bool waits_ = false;
+  TimePoint wakes_at_ = kNever;
+  std::uint64_t turn_ = 0;
+  std::uint64_t packets_seen_ = 0;
+  std::priority_queue<Arrival, std::vector<Arrival>, std::greater<>> packets_;
+  Fiber fiber_;
+};
+
+Simulation::Simulation(const SimulationOptions& options, const std::function<void(Transport&)>& body)
+    : options_(options), links_(options.network, options.ranks) {
+  if (options.ranks < 1) throw std::invalid_argument(text("there cannot be ", options.ranks, " ranks"));
+  for (int r = 0; r < options.ranks; ++r) {
+    ranks_.push_back(std::make_unique<SimulatedRank>(*this, Rank(r), body));
+    schedule(Rank(r), 0, 0);
+  }
+}
+
+Simulation::~Simulation() = default;
+
+SimulationResult Simulation::run() {
+  const TimePoint begin = now();
+  take_turns();
+  result_.real_seconds = 1e-9 * static_cast<double>(now() - begin);
+  for (const auto& rank : ranks_) {
+    if (rank->error()) std::rethrow_exception(rank->error());
+    if (!rank->finished()) throw std::logic_error("the simulated ranks wait for each other for ever");
+    result_.seconds = std::max(result_.seconds, 1e-9 * static_cast<double>(rank->clock()));
+  }
+  return result_;
+}
+
+void Simulation::take_turns() {
+  while (!turns_.empty()) {
+    const Turn next = turns_.top();
+    turns_.pop();
+    SimulatedRank& rank = *ranks_[next.rank.index()];
+    if (rank.turn() != next.turn || rank.finished()) continue;
+    ++result_.turns;
+    rank.take_turn(next.time);
+    while (outside_ != nullptr) {
+      (*std::exchange(outside_, nullptr))();
+      rank.go_on();
+    }
+    rank.end_turn();
+  }
+}
+
+void Simulation::pass(Rank from, Rank to, Packet packet, TimePoint time) {
+  std::size_t bytes = packet.head.size();
+  for (const Blob& segment : packet.segments) bytes += segment.size();
+  if (from != to) {
+    ++result_.packets;
+    result_.bytes += bytes;
+  }
+  rank(to).arrive(links_.send(from, to, bytes, time), from, std::move(packet));
+}
+
+void Simulation::depart(LeaveNotice notice) {
+  notices_.push_back(std::move(notice));
+  rouse_all();
+}
+
+void Simulation::close() {
+  ++closed_;
+  if (all_closed()) rouse_all();
+}
+
+void Simulation::rouse_all() {
+  const TimePoint time = now();
+  for (const auto& rank : ranks_) rank->rouse(time);
+}
+
+}  // namespace
+
+SimulationResult simulate(const SimulationOptions& options, const std::function<void(Transport&)>& body) {
+  Simulation simulation(options, body);
+  SimulationResult result;
+  Arena one_thread(1);
+  std::exception_ptr error;
+  one_thread.execute([&] {
+    try {
+      result = simulation.run();
+    } catch (...) {
+      error = std::current_exception();
+    }
+  });
+  if (error) std::rethrow_exception(error);
+  return result;
+}
+
+}  // namespace weft::engine

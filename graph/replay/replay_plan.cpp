@@ -1,0 +1,199 @@
+// Runs to handlers, uses to what handlers wait for.
+#include "graph/replay/replay_plan.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+namespace weft::graph::replay {
+
+using dataflow::DumpedRun;
+using dataflow::DumpedUse;
+using dataflow::EdgeKind;
+using dataflow::GraphDump;
+using dataflow::RunIndex;
+using engine::TimePoint;
+
+namespace {
+
+/// Of an instance's values to one neighbour in `kCrossing` goes to the next copy.
+constexpr std::uint32_t kCrossing = 8;
+
+TimePoint scaled(TimePoint time, double factor) {
+  return static_cast<TimePoint>(static_cast<double>(time) * factor);
+}
+
+/// Whether each run follows locally, within the handler, from the run before it in its instance.
+std::vector<bool> followers(const GraphDump& dump) {
+  std::vector<bool> follows(dump.runs.size());
+  for (const DumpedUse& use : dump.uses)
+    if (dump.description.edges[use.edge].kind == EdgeKind::local) follows[use.to] = true;
+  return follows;
+}
+
+/// The run of a wake node happens at the first value for its event in its round: which use that is.
+std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first_values(
+    const GraphDump& dump) {
+  std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first;
+  for (const DumpedUse& use : dump.uses) {
+    if (dump.description.edges[use.edge].kind != EdgeKind::remote) continue;
+    const DumpedRun& run = dump.runs[use.to];
+    const DumpedUse*& known = first[{run.instance, run.node, run.round}];
+    if (known == nullptr || use.time < known->time) known = &use;
+  }
+  return first;
+}
+
+class Planner {
+ public:
+  Planner(const GraphDump& dump, double slowdown) : dump_(dump), slowdown_(slowdown) {}
+
+  ReplayPlan plan() {
+    add_handlers();
+    for (const DumpedUse& use : dump_.uses)
+      if (dump_.description.edges[use.edge].kind == EdgeKind::remote) add_send(use, handler_of_[use.to]);
+    add_wakes();
+    for (PlannedHandler& handler : plan_.handlers) {
+      for (PlannedRun& run : handler.runs)
+        std::stable_sort(run.sends.begin(), run.sends.end(),
+                         [](const PlannedSend& a, const PlannedSend& b) { return a.after < b.after; });
+    }
+    expect();
+    return std::move(plan_);
+  }
+
+ private:
+  void add_handlers() {
+    const std::vector<bool> follows = followers(dump_);
+    plan_.instances.resize(dump_.instances.size());
+    handler_of_.resize(dump_.runs.size());
+    place_of_.resize(dump_.runs.size());
+    for (RunIndex r = 0; r < dump_.runs.size(); ++r) {
+      const DumpedRun& run = dump_.runs[r];
+      std::vector<HandlerIndex>& mine = plan_.instances[run.instance];
+      if (!follows[r] || mine.empty()) {
+        mine.push_back(static_cast<HandlerIndex>(plan_.handlers.size()));
+        plan_.handlers.emplace_back();
+      }
+      PlannedHandler& handler = plan_.handlers[mine.back()];
+      handler_of_[r] = mine.back();
+      place_of_[r] = handler.runs.size();
+      handler.runs.push_back({r, scaled(run.end - run.begin, slowdown_), {}});
+      plan_.work += handler.runs.back().works;
+    }
+  }
+
+  void add_send(const DumpedUse& use, HandlerIndex to) {
+    PlannedRun& from = plan_.handlers[handler_of_[use.from]].runs[place_of_[use.from]];
+    const TimePoint after = scaled(use.time - dump_.runs[use.from].begin, slowdown_);
+    from.sends.push_back(
+        {std::clamp<TimePoint>(after, 0, from.works), dump_.runs[use.to].instance, to, use.bytes});
+    ++plan_.handlers[to].values;
+  }
+
+  void add_wakes() {
+    const auto first = first_values(dump_);
+    for (RunIndex r = 0; r < dump_.runs.size(); ++r) {
+      const DumpedRun& run = dump_.runs[r];
+      for (const auto& edge : dump_.description.edges) {
+        if (edge.kind != EdgeKind::wake || edge.to != run.node) continue;
+        const auto found = first.find({run.instance, edge.from, run.round});
+        if (found == first.end()) continue;
+        DumpedUse call = *found->second;
+        call.bytes = 0;  // the value itself goes to the event
+        call.to = r;
+        add_send(call, handler_of_[r]);
+      }
+    }
+  }
+
+  /// An application knows what a step takes on average, not what it will take this time.
+  void expect() {
+    std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::pair<double, double>> sums;
+    const auto key = [&](const PlannedHandler& handler) {
+      const DumpedRun& first = dump_.runs[handler.runs.front().run];
+      return std::pair(first.node, first.round);
+    };
+    const auto seconds = [](const PlannedHandler& handler) {
+      double sum = 0;
+      for (const PlannedRun& run : handler.runs) sum += 1e-9 * static_cast<double>(run.works);
+      return sum;
+    };
+    for (const PlannedHandler& handler : plan_.handlers) {
+      auto& [sum, count] = sums[key(handler)];
+      sum += seconds(handler);
+      count += 1;
+    }
+    for (PlannedHandler& handler : plan_.handlers) {
+      const auto& [sum, count] = sums[key(handler)];
+      handler.expected = sum / count;
+    }
+  }
+
+  const GraphDump& dump_;
+  double slowdown_;
+  ReplayPlan plan_;
+  std::vector<HandlerIndex> handler_of_;  ///< by run
+  std::vector<std::size_t> place_of_;     ///< of a run in its handler
+};
+
+}  // namespace
+
+ReplayPlan plan_of(const GraphDump& dump, double slowdown) {
+  if (!dump.executed()) throw std::invalid_argument("contains a planned graph: there is nothing to replay");
+  return Planner(dump, slowdown).plan();
+}
+
+GraphDump enlarged(const GraphDump& dump, std::uint32_t copies, std::uint64_t seed) {
+  const auto instances = static_cast<std::uint32_t>(dump.instances.size());
+  const auto runs = static_cast<RunIndex>(dump.runs.size());
+  if (copies == 0 || std::uint64_t{copies} * std::max<std::uint64_t>(instances, runs) >
+                         std::numeric_limits<std::uint32_t>::max())
+    throw std::invalid_argument("the graph cannot be made so large");
+  std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::vector<TimePoint>> durations;
+  for (const DumpedRun& run : dump.runs) durations[{run.node, run.round}].push_back(run.end - run.begin);
+  std::mt19937_64 random(seed);
+  GraphDump large = dump;
+  for (std::uint32_t c = 1; c < copies; ++c) {
+    for (auto instance : dump.instances) {
+      instance.number += std::uint64_t{c} * instances;
+      instance.object = engine::ObjectId{engine::Rank(0), c * instances + instance.object.number + 1};
+      large.instances.push_back(instance);
+    }
+    for (DumpedRun run : dump.runs) {
+      const std::vector<TimePoint>& drawn = durations[{run.node, run.round}];
+      run.instance += c * instances;
+      run.end = run.begin + drawn[random() % drawn.size()];
+      large.runs.push_back(run);
+    }
+  }
+  large.uses.clear();
+  for (std::uint32_t c = 0; c < copies; ++c) {
+    for (std::uint32_t u = 0; u < dump.uses.size(); ++u) {
+      DumpedUse use = dump.uses[u];
+      const bool remote = dump.description.edges[use.edge].kind == EdgeKind::remote;
+      const std::uint32_t target = remote && u % kCrossing == 0 ? (c + 1) % copies : c;
+      const RunIndex from = use.from;
+      use.from += c * runs;
+      use.to += target * runs;
+      // It was sent after the same share of the work.
+      const DumpedRun &was = dump.runs[from], &is = large.runs[use.from];
+      const double share = was.end > was.begin ? static_cast<double>(use.time - was.begin) /
+                                                     static_cast<double>(was.end - was.begin)
+                                               : 0;
+      use.time = is.begin + scaled(is.end - is.begin, std::clamp(share, 0.0, 1.0));
+      large.uses.push_back(use);
+    }
+  }
+  std::stable_sort(large.uses.begin(), large.uses.end(), [](const DumpedUse& a, const DumpedUse& b) {
+    return std::tie(a.to, a.time) < std::tie(b.to, b.time);
+  });
+  large.network.clear();
+  return large;
+}
+
+}  // namespace weft::graph::replay

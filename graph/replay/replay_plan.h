@@ -1,0 +1,56 @@
+// A recorded graph as what has to be done again: the handlers of each instance, what each waits for, how long
+// it works and what it sends when.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/rank.h"
+#include "engine/trace/trace.h"
+#include "graph/dataflow/dump/graph_dump.h"
+
+namespace weft::graph::replay {
+
+/// Index in ReplayPlan::handlers.
+using HandlerIndex = std::uint32_t;
+
+/// A value that a handler sends.
+struct PlannedSend {
+  engine::TimePoint after = 0;  ///< nanoseconds of the run's work
+  std::uint32_t to = 0;         ///< instance
+  HandlerIndex handler = 0;     ///< of that instance, which waits for it
+  std::uint64_t bytes = 0;
+};
+
+/// One run of a node.
+struct PlannedRun {
+  dataflow::RunIndex run = 0;  ///< in the recorded graph
+  engine::TimePoint works = 0;
+  std::vector<PlannedSend> sends;  ///< in the order of their times
+};
+
+/// A handler of an instance: the run of an event, a start or a wake node, and what follows from it locally.
+struct PlannedHandler {
+  std::vector<PlannedRun> runs;
+  std::uint32_t values = 0;  ///< it waits for so many
+  double expected = 0;       ///< seconds: what handlers of this node take in this round on average
+};
+
+struct ReplayPlan {
+  std::vector<PlannedHandler> handlers;              ///< those of an instance in the order in which they ran
+  std::vector<std::vector<HandlerIndex>> instances;  ///< by InstanceIndex
+  engine::TimePoint work = 0;                        ///< of all runs
+};
+
+/// `slowdown`: every run takes so many times as long. Throws std::invalid_argument for a graph that was not
+/// executed.
+ReplayPlan plan_of(const dataflow::GraphDump& dump, double slowdown = 1);
+
+/// A graph of `copies` times as many instances: the first copy is the recording itself, the instances of the
+/// others are as those of the recording, but each run takes what a run of the same node and round took in an
+/// instance drawn at random. Each instance of a copy sends every `kCrossing`-th value to its twin in the next
+/// copy and waits for as many from that of the one before, so copies wait for each other as parts of one mesh
+/// do.
+dataflow::GraphDump enlarged(const dataflow::GraphDump& dump, std::uint32_t copies, std::uint64_t seed = 1);
+
+}  // namespace weft::graph::replay

@@ -1,0 +1,308 @@
+// Seams, T-junctions and holes.
+#include "meshing/initial/repair_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <unordered_map>
+
+#include "meshing/base/box.h"
+
+namespace weft::meshing {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+// Of the diagonal: points nearer than this are one whatever they belong to; a seam may be this wide, and a
+// hole this large.
+constexpr double kSame = 1e-9, kWidestSeam = 2e-3, kLargestHole = 0.1;
+// Of the shortest free edge at a vertex: farther it does not move.
+constexpr double kShareOfEdge = 0.3;
+constexpr std::size_t kMostSides = 100;
+
+Edge undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+class SurfaceRepair {
+ public:
+  explicit SurfaceRepair(MeshData& surface) : m_(surface) {
+    if (m_.triangle_refs.empty()) m_.triangle_refs.assign(m_.triangles.size(), 0);
+    Box box;
+    for (const Triangle& t : m_.triangles)
+      for (const std::uint32_t v : t)
+        if (v < m_.points.size()) box.include(m_.points[v]);
+    diagonal_ = norm(box.size());
+    source_.resize(m_.triangles.size());
+    std::iota(source_.begin(), source_.end(), 0u);
+  }
+
+  std::vector<MeshMend> run() {
+    merge_same();
+    constexpr int kMostRounds = 4;
+    for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round)
+      if (merge_across_seams() + split_at_junctions() == 0) break;
+    fill_holes();
+    return std::move(mends_);
+  }
+
+ private:
+  MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
+    for (MeshMend& known : mends_)
+      if (known.what == what) return known;
+    mends_.push_back({what, entity, 0, {}, 0, unit});
+    return mends_.back();
+  }
+
+  /// Edges that one triangle has, or three: from its triangle's side, with the triangle.
+  std::map<Edge, std::uint32_t> free_edges() const {
+    std::map<Edge, std::vector<std::uint32_t>> triangles;
+    for (std::uint32_t i = 0; i < m_.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        triangles[undirected(m_.triangles[i][k], m_.triangles[i][(k + 1) % 3])].push_back(i);
+    std::map<Edge, std::uint32_t> free;
+    for (const auto& [edge, at] : triangles)
+      if (at.size() == 1) free.emplace(edge, at[0]);
+    return free;
+  }
+
+  /// How far each vertex of a free edge may be from what it is joined to.
+  std::map<std::uint32_t, double> reaches(const std::map<Edge, std::uint32_t>& free) const {
+    std::map<std::uint32_t, double> reach;
+    for (const auto& [edge, triangle] : free) {
+      const double length = norm(m_.points[edge.first] - m_.points[edge.second]);
+      for (const std::uint32_t v : {edge.first, edge.second}) {
+        const auto [at, is_new] = reach.try_emplace(v, kWidestSeam * diagonal_);
+        at->second = std::min(at->second, kShareOfEdge * length);
+      }
+    }
+    return reach;
+  }
+
+  /// Renumbers, and drops what has collapsed or is there twice.
+  void renumber(const std::vector<std::uint32_t>& now) {
+    std::set<Triangle> there;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
+      Triangle t = m_.triangles[i];
+      for (std::uint32_t& v : t)
+        if (v < now.size()) v = now[v];
+      Triangle key = t;
+      std::sort(key.begin(), key.end());
+      const bool collapsed = key[0] == key[1] || key[1] == key[2];
+      if (collapsed || !there.insert(key).second) {
+        mend(collapsed ? "triangles without area removed" : "repeated triangles removed", "triangle")
+            .add(source_[i]);
+        continue;
+      }
+      m_.triangles[kept] = t;
+      m_.triangle_refs[kept] = m_.triangle_refs[i];
+      source_[kept++] = source_[i];
+    }
+    m_.triangles.resize(kept), m_.triangle_refs.resize(kept), source_.resize(kept);
+    for (auto& e : m_.edges)
+      for (std::uint32_t& v : e)
+        if (v < now.size()) v = now[v];
+    for (std::uint32_t& v : m_.corners)
+      if (v < now.size()) v = now[v];
+  }
+
+  std::vector<std::uint32_t> by_x(std::vector<std::uint32_t> vertices) const {
+    std::sort(vertices.begin(), vertices.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return m_.points[a].x != m_.points[b].x ? m_.points[a].x < m_.points[b].x : a < b;
+    });
+    return vertices;
+  }
+
+  void merge_same() {
+    std::vector<std::uint32_t> now(m_.points.size()), all(m_.points.size());
+    std::iota(now.begin(), now.end(), 0u);
+    std::iota(all.begin(), all.end(), 0u);
+    const std::vector<std::uint32_t> order = by_x(all);
+    const double tolerance = kSame * diagonal_;
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (std::size_t j = i + 1;
+           j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j) {
+        const double distance = norm(m_.points[order[i]] - m_.points[order[j]]);
+        if (distance > tolerance || now[order[j]] != order[j] || now[order[i]] == order[j]) continue;
+        now[order[j]] = now[order[i]];
+        mend("vertices at the same place merged", "vertex", "distance").add(order[j], distance);
+      }
+    renumber(now);
+  }
+
+  /// The nearest pairs first, each vertex once a round; not the two ends of an edge.
+  std::size_t merge_across_seams() {
+    const auto free = free_edges();
+    const auto reach = reaches(free);
+    std::vector<std::uint32_t> vertices;
+    for (const auto& [v, r] : reach) vertices.push_back(v);
+    vertices = by_x(std::move(vertices));
+    std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      for (std::size_t j = i + 1; j < vertices.size(); ++j) {
+        const std::uint32_t a = vertices[i], b = vertices[j];
+        if (m_.points[b].x - m_.points[a].x > reach.at(a)) break;
+        const double distance = norm(m_.points[a] - m_.points[b]);
+        if (distance <= std::min(reach.at(a), reach.at(b)) && !free.contains(undirected(a, b)))
+          pairs.emplace_back(distance, std::min(a, b), std::max(a, b));
+      }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<std::uint32_t> now(m_.points.size());
+    std::iota(now.begin(), now.end(), 0u);
+    std::set<std::uint32_t> moved;
+    std::size_t count = 0;
+    for (const auto& [distance, a, b] : pairs) {
+      if (moved.contains(a) || moved.contains(b)) continue;
+      moved.insert(a), moved.insert(b);
+      now[b] = a;
+      mend("vertices joined across seams", "vertex", "distance").add(b, distance);
+      ++count;
+    }
+    if (count > 0) renumber(now);
+    return count;
+  }
+
+  /// The distance of p from the edge's inner part, if it is opposite that.
+  std::optional<double> distance_from(const Edge& edge, const Point& p) const {
+    const Point a = m_.points[edge.first], along = m_.points[edge.second] - a;
+    const double square = norm2(along);
+    const double at = square > 0 ? dot(p - a, along) / square : 0;
+    if (!(at > 0) || !(at < 1)) return {};
+    return norm(p - (a + at * along));
+  }
+
+  /// Free edges with a free vertex beside them; each triangle is split once a round.
+  std::size_t split_at_junctions() {
+    const auto free = free_edges();
+    const auto reach = reaches(free);
+    std::set<std::uint32_t> split;
+    std::size_t count = 0;
+    for (const auto& [edge, triangle] : free) {
+      if (split.contains(triangle)) continue;
+      double nearest = std::numeric_limits<double>::max();
+      std::uint32_t vertex = 0;
+      for (const auto& [v, r] : reach) {
+        if (v == edge.first || v == edge.second) continue;
+        const auto distance = distance_from(edge, m_.points[v]);
+        if (distance && *distance <= r && *distance < nearest) nearest = *distance, vertex = v;
+      }
+      if (nearest == std::numeric_limits<double>::max() || !split_triangle(triangle, edge, vertex)) continue;
+      split.insert(triangle);
+      mend("triangles split at vertices beside their free edges", "triangle", "distance")
+          .add(source_[triangle], nearest);
+      ++count;
+    }
+    return count;
+  }
+
+  bool split_triangle(std::uint32_t triangle, const Edge& edge, std::uint32_t vertex) {
+    const Triangle t = m_.triangles[triangle];
+    if (std::find(t.begin(), t.end(), vertex) != t.end()) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (undirected(t[k], t[(k + 1) % 3]) != edge) continue;
+      m_.triangles[triangle] = {t[k], vertex, t[(k + 2) % 3]};
+      m_.triangles.push_back({vertex, t[(k + 1) % 3], t[(k + 2) % 3]});
+      m_.triangle_refs.push_back(m_.triangle_refs[triangle]);
+      source_.push_back(source_[triangle]);
+      return true;
+    }
+    return false;
+  }
+
+  // --- Holes
+
+  void fill_holes() {
+    const auto free = free_edges();
+    std::map<std::uint32_t, std::vector<std::uint32_t>> next;
+    for (const auto& [edge, triangle] : free) {
+      next[edge.first].push_back(edge.second);
+      next[edge.second].push_back(edge.first);
+    }
+    std::set<std::uint32_t> visited;
+    for (const auto& [first, ends] : next) {
+      if (visited.contains(first)) continue;
+      const std::vector<std::uint32_t> loop = loop_from(first, next, visited);
+      if (loop.size() >= 3 && is_small(loop)) fill(loop, free);
+    }
+  }
+
+  /// Empty where more than two free edges meet at a vertex, or the path ends.
+  static std::vector<std::uint32_t> loop_from(std::uint32_t first,
+                                              const std::map<std::uint32_t, std::vector<std::uint32_t>>& next,
+                                              std::set<std::uint32_t>& visited) {
+    std::vector<std::uint32_t> loop;
+    bool simple = true;
+    for (std::uint32_t at = first;;) {
+      visited.insert(at);
+      loop.push_back(at);
+      simple &= next.at(at).size() == 2;
+      std::optional<std::uint32_t> to;
+      for (const std::uint32_t v : next.at(at))
+        if (!visited.contains(v)) to = v;
+      if (!to) break;
+      at = *to;
+    }
+    const auto& last = next.at(loop.back());
+    const bool closed = std::find(last.begin(), last.end(), first) != last.end();
+    return simple && closed ? loop : std::vector<std::uint32_t>{};
+  }
+
+  double size_of(const std::vector<std::uint32_t>& loop) const {
+    Box box;
+    for (const std::uint32_t v : loop) box.include(m_.points[v]);
+    return norm(box.size());
+  }
+
+  bool is_small(const std::vector<std::uint32_t>& loop) const {
+    return loop.size() <= kMostSides && size_of(loop) <= kLargestHole * diagonal_;
+  }
+
+  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    return norm(cross(m_.points[b] - m_.points[a], m_.points[c] - m_.points[a]));
+  }
+
+  /// Of all triangulations of the loop that with the least area (Barequet and Sharir, 1995).
+  void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free) {
+    const std::size_t n = loop.size();
+    std::vector<double> least(n * n, 0);
+    std::vector<std::size_t> choice(n * n, 0);
+    for (std::size_t width = 2; width < n; ++width)
+      for (std::size_t i = 0; i + width < n; ++i) {
+        const std::size_t j = i + width;
+        least[i * n + j] = std::numeric_limits<double>::max();
+        for (std::size_t k = i + 1; k < j; ++k) {
+          const double sum = least[i * n + k] + least[k * n + j] + area(loop[i], loop[k], loop[j]);
+          if (sum < least[i * n + j]) least[i * n + j] = sum, choice[i * n + j] = k;
+        }
+      }
+    const std::uint32_t beside = free.at(undirected(loop[0], loop[n - 1]));
+    std::vector<std::pair<std::size_t, std::size_t>> left = {{0, n - 1}};
+    while (!left.empty()) {
+      const auto [i, j] = left.back();
+      left.pop_back();
+      if (j < i + 2) continue;
+      const std::size_t k = choice[i * n + j];
+      m_.triangles.push_back({loop[i], loop[k], loop[j]});
+      m_.triangle_refs.push_back(m_.triangle_refs[beside]);
+      source_.push_back(source_[beside]);
+      left.emplace_back(i, k);
+      left.emplace_back(k, j);
+    }
+    mend("holes filled", "triangle beside", "size").add(source_[beside], size_of(loop));
+  }
+
+  MeshData& m_;
+  double diagonal_ = 0;
+  std::vector<std::uint32_t> source_;  ///< of each triangle: its number in the input
+  std::vector<MeshMend> mends_;
+};
+
+}  // namespace
+
+std::vector<MeshMend> repair_surface(MeshData& surface) { return SurfaceRepair(surface).run(); }
+
+}  // namespace weft::meshing

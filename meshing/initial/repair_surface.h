@@ -1,0 +1,18 @@
+// Mends of surfaces that bound no volume because they are open by a little.
+#pragma once
+
+#include <vector>
+
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/mesh/repair_mesh.h"
+
+namespace weft::meshing {
+
+/// Closes what is nearly closed, in this order: vertices at the same place become one (close_surface() does
+/// it too); vertices of free edges that are near each other, against the lengths of their edges, become one;
+/// free edges that pass near a free vertex are split there; loops of free edges that are left, and small
+/// against the surface, are filled with triangles of the least area. Triangles that are repeated or collapsed
+/// are removed. What then is still open stays so. The orientation is not looked at: fill() does not need it.
+std::vector<MeshMend> repair_surface(MeshData& surface);
+
+}  // namespace weft::meshing

@@ -1,0 +1,488 @@
+// The mends, one after the other.
+#include "meshing/mesh/repair_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+
+#include "meshing/base/box.h"
+#include "meshing/base/error.h"
+#include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/predicates.h"
+#include "meshing/mesh/tet_tables.h"
+
+namespace weft::meshing {
+namespace {
+
+using Tet = std::array<std::uint32_t, 4>;
+using Triangle = std::array<std::uint32_t, 3>;
+constexpr std::uint32_t kGone = 0xFFFFFFFFu;
+
+template <std::size_t N>
+std::array<std::uint32_t, N> sorted(std::array<std::uint32_t, N> v) {
+  std::sort(v.begin(), v.end());
+  return v;
+}
+
+template <std::size_t N>
+bool repeats(const std::array<std::uint32_t, N>& v) {
+  const auto s = sorted(v);
+  return std::adjacent_find(s.begin(), s.end()) != s.end();
+}
+
+double volume(const MeshData& m, const Tet& t) {
+  const auto& p = m.points;
+  return dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]])) / 6;
+}
+
+int sign_of(const MeshData& m, const Tet& t) {
+  return orientation(m.points[t[0]], m.points[t[1]], m.points[t[2]], m.points[t[3]]);
+}
+
+Triangle face_of(const Tet& t, int f) { return {t[kTetFaces[f][0]], t[kTetFaces[f][1]], t[kTetFaces[f][2]]}; }
+
+class Repair {
+ public:
+  explicit Repair(MeshData& mesh) : m_(mesh) {
+    complete(m_.point_refs, m_.points.size());
+    complete(m_.tet_refs, m_.tets.size());
+    complete(m_.triangle_refs, m_.triangles.size());
+    complete(m_.edge_refs, m_.edges.size());
+    tet_source_.resize(m_.tets.size());
+    std::iota(tet_source_.begin(), tet_source_.end(), 0u);
+  }
+
+  MeshRepair run() {
+    check_points();
+    merge_points();
+    drop_degenerate_tets();
+    turn_tets();
+    untangle();
+    drop_flat_tets();
+    refuse_what_is_left();
+    mend_triangles();
+    mend_edges();
+    drop_unused_points();
+    return std::move(result_);
+  }
+
+ private:
+  static void complete(std::vector<std::int32_t>& refs, std::size_t count) {
+    if (refs.empty()) refs.assign(count, 0);
+  }
+
+  MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
+    for (MeshMend& known : result_.mends)
+      if (known.what == what) return known;
+    result_.mends.push_back({what, entity, 0, {}, 0, unit});
+    return result_.mends.back();
+  }
+
+  /// A vertex without a place that a tet needs cannot be mended.
+  void check_points() {
+    const auto finite = [](const Point& p) { return std::isfinite(p.x + p.y + p.z); };
+    for (std::size_t t = 0; t < m_.tets.size(); ++t)
+      for (const std::uint32_t v : m_.tets[t]) {
+        if (v >= m_.points.size())
+          throw InputError("", fmt::format("tet {}", t + 1), fmt::format("has no vertex {}", v + 1));
+        if (!finite(m_.points[v]))
+          throw InputError("", fmt::format("vertex {}", v + 1), "has a coordinate that is not finite");
+      }
+    for (Point& p : m_.points)
+      if (!finite(p)) p = {};  // no tet has it
+  }
+
+  // --- Vertices
+
+  void merge_points() {
+    constexpr double kTolerance = 1e-12;
+    Box box;
+    for (const Point& p : m_.points) box.include(p);
+    const double tolerance = kTolerance * norm(box.size());
+    std::vector<std::uint32_t> order(m_.points.size()), now(m_.points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::iota(now.begin(), now.end(), 0u);
+    const auto before = [&](std::uint32_t a, std::uint32_t b) {
+      const double x = m_.points[a].x, y = m_.points[b].x;
+      return x != y ? x < y : a < b;
+    };
+    std::sort(order.begin(), order.end(), before);
+    const VertexLists tets = vertex_tets(m_.tets, m_.points.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+      for (std::size_t j = i + 1;
+           j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j)
+        merge(order[i], order[j], tolerance, tets, now);
+    for (auto& t : m_.tets)
+      for (std::uint32_t& v : t) v = now[v];
+    const auto renumber = [&](auto& entities) {
+      for (auto& e : entities)
+        for (std::uint32_t& v : e) v = v < now.size() ? now[v] : kGone;
+    };
+    renumber(m_.triangles);
+    renumber(m_.edges);
+    for (auto* list : {&m_.corners, &m_.required_points})
+      for (std::uint32_t& v : *list) v = v < now.size() ? now[v] : kGone;
+  }
+
+  void merge(std::uint32_t a, std::uint32_t b, double tolerance, const VertexLists& tets,
+             std::vector<std::uint32_t>& now) {
+    if (now[a] == now[b]) return;
+    const double distance = norm(m_.points[a] - m_.points[b]);
+    if (!(distance <= tolerance) || now[b] != b) return;
+    const std::uint32_t into = now[a], from = b;
+    for (const std::uint32_t t : tets.of(from)) {  // a tet that has volume must not lose it
+      const auto& v = m_.tets[t];
+      if (std::find_if(v.begin(), v.end(), [&](std::uint32_t x) { return now[x] == into; }) != v.end() &&
+          sign_of(m_, v) != 0)
+        return;
+    }
+    now[from] = into;
+    mend("vertices at the same place merged", "vertex", "distance").add(from, distance);
+  }
+
+  void drop_unused_points() {
+    std::vector<std::uint32_t> new_index(m_.points.size(), kGone);
+    std::vector<bool> used(m_.points.size());
+    for (const auto& t : m_.tets)
+      for (const std::uint32_t v : t) used[v] = true;
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < m_.points.size(); ++v) {
+      if (!used[v]) {
+        mend("unused vertices removed", "vertex").add(v);
+        continue;
+      }
+      new_index[v] = kept;
+      m_.points[kept] = m_.points[v];
+      m_.point_refs[kept++] = m_.point_refs[v];
+      result_.points.push_back(v);
+    }
+    m_.points.resize(kept), m_.point_refs.resize(kept);
+    const auto renumber = [&](auto& entities) {
+      for (auto& e : entities)
+        for (std::uint32_t& v : e) v = new_index[v];
+    };
+    renumber(m_.tets);
+    renumber(m_.triangles);
+    renumber(m_.edges);
+    for (auto* list : {&m_.corners, &m_.required_points}) {
+      std::set<std::uint32_t> there;
+      for (const std::uint32_t v : *list)
+        if (v < new_index.size() && new_index[v] != kGone) there.insert(new_index[v]);
+      list->assign(there.begin(), there.end());
+    }
+  }
+
+  // --- Tets
+
+  void erase_tets(const std::vector<bool>& drop) {
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < m_.tets.size(); ++t) {
+      if (drop[t]) continue;
+      m_.tets[kept] = m_.tets[t];
+      m_.tet_refs[kept] = m_.tet_refs[t];
+      tet_source_[kept++] = tet_source_[t];
+    }
+    m_.tets.resize(kept), m_.tet_refs.resize(kept), tet_source_.resize(kept);
+    if (kept == 0) throw InputError("", "Tetrahedra", "none is left when those without volume are removed");
+  }
+
+  void drop_degenerate_tets() {
+    std::vector<bool> drop(m_.tets.size());
+    std::set<Tet> there;
+    for (std::size_t t = 0; t < m_.tets.size(); ++t) {
+      const bool degenerate = repeats(m_.tets[t]);
+      drop[t] = degenerate || !there.insert(sorted(m_.tets[t])).second;
+      if (!drop[t]) continue;
+      mend(degenerate ? "tets with a repeated vertex removed" : "repeated tets removed", "tet")
+          .add(tet_source_[t]);
+    }
+    erase_tets(drop);
+  }
+
+  /// Whether two tets across a face turn it in opposite ways.
+  bool turns_alike(const Tet& a, int fa, const Tet& b, int fb) const {
+    const Triangle x = face_of(a, fa), y = face_of(b, fb);
+    const auto at = static_cast<std::size_t>(std::find(y.begin(), y.end(), x[0]) - y.begin());
+    return y[(at + 1) % 3] != x[1];
+  }
+
+  /// A tet whose order disagrees with that of all its neighbours is listed the wrong way round; so are all
+  /// when more volume is negative than positive. One that agrees, and is negative, lies the wrong way round.
+  void turn_tets() {
+    const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
+    std::vector<int> side(m_.tets.size(), 0);  // +1: as listed, -1: the other way round
+    for (std::uint32_t first = 0; first < m_.tets.size(); ++first) {
+      if (side[first] != 0) continue;
+      std::vector<std::uint32_t> component = {first};
+      side[first] = 1;
+      double sum = 0;
+      for (std::size_t i = 0; i < component.size(); ++i) {
+        const std::uint32_t t = component[i];
+        sum += side[t] * volume(m_, m_.tets[t]);
+        for (int f = 0; f < 4; ++f) {
+          const std::uint32_t n = adjacency.neighbours[t][f];
+          if (n == kNoNeighbour || side[n >> 2] != 0) continue;
+          const bool alike = turns_alike(m_.tets[t], f, m_.tets[n >> 2], static_cast<int>(n & 3));
+          side[n >> 2] = alike ? side[t] : -side[t];
+          component.push_back(n >> 2);
+        }
+      }
+      for (const std::uint32_t t : component)
+        if ((sum < 0 ? -side[t] : side[t]) < 0) {
+          std::swap(m_.tets[t][2], m_.tets[t][3]);
+          mend("tets listed the wrong way round turned", "tet", "volume")
+              .add(tet_source_[t], std::abs(volume(m_, m_.tets[t])));
+        }
+    }
+  }
+
+  /// Vertices that may be moved: in the interior, and not listed.
+  std::vector<bool> movable() const {
+    std::vector<bool> free(m_.points.size(), true);
+    const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
+    for (std::size_t t = 0; t < m_.tets.size(); ++t)
+      for (int f = 0; f < 4; ++f)
+        if (adjacency.neighbours[t][f] == kNoNeighbour)
+          for (const std::uint32_t v : face_of(m_.tets[t], f)) free[v] = false;
+    const auto hold = [&](std::uint32_t v) {
+      if (v < free.size()) free[v] = false;
+    };
+    for (const auto& t : m_.triangles) std::for_each(t.begin(), t.end(), hold);
+    for (const auto& e : m_.edges) std::for_each(e.begin(), e.end(), hold);
+    for (const std::uint32_t v : m_.corners) hold(v);
+    for (const std::uint32_t v : m_.required_points) hold(v);
+    return free;
+  }
+
+  std::vector<std::uint32_t> not_positive() const {
+    std::vector<std::uint32_t> tets;
+    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
+      if (sign_of(m_, m_.tets[t]) <= 0) tets.push_back(t);
+    return tets;
+  }
+
+  /// Of the tets at a vertex, how many are not positive, and the smallest volume.
+  std::pair<int, double> state_of(std::uint32_t v, const VertexLists& tets) const {
+    int bad = 0;
+    double least = std::numeric_limits<double>::max();
+    for (const std::uint32_t t : tets.of(v)) {
+      bad += sign_of(m_, m_.tets[t]) <= 0;
+      least = std::min(least, volume(m_, m_.tets[t]));
+    }
+    return {bad, least};
+  }
+
+  /// Moves vertices of bad tets towards the middle of their neighbours, or of their tets' faces, as long as
+  /// that makes fewer tets bad, or the worst less so.
+  void untangle() {
+    constexpr int kMostRounds = 50;
+    std::vector<std::uint32_t> bad = not_positive();
+    if (bad.empty()) return;
+    const VertexLists tets = vertex_tets(m_.tets, m_.points.size());
+    const VertexLists near = vertex_neighbours(m_.tets, m_.points.size());
+    const std::vector<bool> free = movable();
+    std::map<std::uint32_t, Point> before;
+    for (int round = 0; round < kMostRounds && !bad.empty(); ++round) {
+      bool any = false;
+      for (const std::uint32_t t : bad)
+        for (const std::uint32_t v : m_.tets[t])
+          if (free[v]) {
+            before.try_emplace(v, m_.points[v]);
+            any |= improve_place(v, tets, near);
+          }
+      bad = not_positive();
+      if (!any) break;
+    }
+    for (const auto& [v, point] : before)
+      if (!(point == m_.points[v]))
+        mend("vertices of inverted or flat tets moved", "vertex", "distance")
+            .add(v, norm(m_.points[v] - point));
+  }
+
+  bool improve_place(std::uint32_t v, const VertexLists& tets, const VertexLists& near) {
+    const Point old = m_.points[v];
+    Point middle{};
+    for (const std::uint32_t n : near.of(v))
+      middle = middle + (1.0 / static_cast<double>(near.of(v).size())) * m_.points[n];
+    auto best = state_of(v, tets);
+    Point best_place = old;
+    for (const double share : {1.0, 0.7, 0.4, 0.2, 0.1, 0.03, 0.01}) {
+      m_.points[v] = old + share * (middle - old);
+      const auto state = state_of(v, tets);
+      if (state.first > best.first || (state.first == best.first && !(state.second > best.second))) continue;
+      best = state;
+      best_place = m_.points[v];
+    }
+    m_.points[v] = best_place;
+    return !(best_place == old);
+  }
+
+  /// What lies flat on the boundary adds nothing to the domain.
+  void drop_flat_tets() {
+    for (;;) {
+      const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
+      std::vector<bool> drop(m_.tets.size());
+      bool any = false;
+      for (const std::uint32_t t : not_positive()) {
+        const auto& n = adjacency.neighbours[t];
+        if (sign_of(m_, m_.tets[t]) != 0 || std::count(n.begin(), n.end(), kNoNeighbour) == 0) continue;
+        drop[t] = any = true;
+        flat_.push_back(m_.tets[t]);
+        mend("flat tets at the boundary removed", "tet").add(tet_source_[t]);
+      }
+      if (!any) return;
+      erase_tets(drop);
+    }
+  }
+
+  void refuse_what_is_left() const {
+    for (const std::uint32_t t : not_positive())
+      throw InputError("", fmt::format("tet {}", tet_source_[t] + 1),
+                       sign_of(m_, m_.tets[t]) < 0
+                           ? "is inverted, and moving its inner vertices does not help"
+                           : "is flat, and neither at the boundary nor mended by moving its vertices");
+  }
+
+  // --- Triangles, edges, lists
+
+  void mend_triangles() {
+    for (auto& t : m_.triangles)
+      if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return v >= m_.points.size(); }))
+        t = {0, 0, 0};
+    std::vector<bool> drop(m_.triangles.size());
+    const std::vector<std::uint32_t> codes = match_triangles(m_.triangles, m_.tets, m_.points.size());
+    std::map<Triangle, std::int32_t> there;
+    std::vector<std::uint32_t> new_index(m_.triangles.size(), kGone);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
+      const bool degenerate = repeats(m_.triangles[i]);
+      if (degenerate || codes[i] == kNoNeighbour) {
+        mend("triangles that are no faces of tets removed", "triangle").add(i);
+        if (!degenerate) remember_ref(m_.triangles[i], m_.triangle_refs[i]);
+        continue;
+      }
+      const auto [known, is_new] = there.try_emplace(sorted(m_.triangles[i]), m_.triangle_refs[i]);
+      if (!is_new) {
+        mend(known->second == m_.triangle_refs[i] ? "repeated triangles removed"
+                                                  : "repeated triangles with another reference removed",
+             "triangle")
+            .add(i);
+        continue;
+      }
+      new_index[i] = static_cast<std::uint32_t>(kept);
+      m_.triangles[kept] = m_.triangles[i];
+      m_.triangle_refs[kept++] = m_.triangle_refs[i];
+    }
+    m_.triangles.resize(kept), m_.triangle_refs.resize(kept);
+    renumber_list(m_.required_triangles, new_index);
+    add_missing(there);
+  }
+
+  /// Of a face of a flat tet that is no more: what takes its place gets its reference.
+  void remember_ref(const Triangle& triangle, std::int32_t ref) {
+    for (std::size_t i = 0; i < flat_.size(); ++i) {
+      const Tet& t = flat_[i];
+      const bool has = std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) {
+        return std::find(t.begin(), t.end(), v) != t.end();
+      });
+      if (has) flat_refs_.try_emplace(i, ref);
+    }
+  }
+
+  /// That of what was there, or of the triangles beside it in the same plane, where these agree; else 0.
+  std::int32_t ref_of_missing(const Triangle& triangle) const {
+    for (const auto& [i, ref] : flat_refs_) {
+      const Tet& t = flat_[i];
+      if (std::all_of(triangle.begin(), triangle.end(),
+                      [&](std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }))
+        return ref;
+    }
+    std::set<std::int32_t> refs;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [begin, end] = beside_.equal_range(sorted(std::array{triangle[k], triangle[(k + 1) % 3]}));
+      for (auto at = begin; at != end; ++at) {
+        const Triangle& other = m_.triangles[at->second];
+        const bool in_plane = std::all_of(other.begin(), other.end(), [&](std::uint32_t v) {
+          return orientation(m_.points[triangle[0]], m_.points[triangle[1]], m_.points[triangle[2]],
+                             m_.points[v]) == 0;
+        });
+        if (in_plane) refs.insert(m_.triangle_refs[at->second]);
+      }
+    }
+    return refs.size() == 1 ? *refs.begin() : 0;
+  }
+
+  /// Of the boundary, and between tets of different references.
+  void add_missing(const std::map<Triangle, std::int32_t>& there) {
+    for (std::uint32_t i = 0; i < m_.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        beside_.emplace(sorted(std::array{m_.triangles[i][k], m_.triangles[i][(k + 1) % 3]}), i);
+    const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
+    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
+      for (int f = 0; f < 4; ++f) {
+        const std::uint32_t n = adjacency.neighbours[t][f];
+        if (n != kNoNeighbour && (m_.tet_refs[n >> 2] == m_.tet_refs[t] || n >> 2 < t)) continue;
+        const Triangle face = face_of(m_.tets[t], f);
+        if (there.contains(sorted(face))) continue;
+        m_.triangles.push_back({face[0], face[2], face[1]});
+        m_.triangle_refs.push_back(ref_of_missing(face));
+        mend("missing triangles made", "tet").add(tet_source_[t]);
+      }
+  }
+
+  void mend_edges() {
+    std::vector<std::uint32_t> new_index(m_.edges.size(), kGone);
+    std::set<std::array<std::uint32_t, 2>> there;
+    std::vector<bool> used(m_.points.size());
+    for (const auto& t : m_.tets)
+      for (const std::uint32_t v : t) used[v] = true;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < m_.edges.size(); ++i) {
+      const auto& e = m_.edges[i];
+      const bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] &&
+                        used[e[1]] && there.insert(sorted(e)).second;
+      if (!good) {
+        mend("edges that are repeated, or of no tets, removed", "edge").add(i);
+        continue;
+      }
+      new_index[i] = static_cast<std::uint32_t>(kept);
+      m_.edges[kept] = e;
+      m_.edge_refs[kept++] = m_.edge_refs[i];
+    }
+    m_.edges.resize(kept), m_.edge_refs.resize(kept);
+    renumber_list(m_.ridges, new_index);
+    renumber_list(m_.required_edges, new_index);
+  }
+
+  static void renumber_list(std::vector<std::uint32_t>& list, const std::vector<std::uint32_t>& new_index) {
+    std::set<std::uint32_t> there;
+    for (const std::uint32_t i : list)
+      if (i < new_index.size() && new_index[i] != kGone) there.insert(new_index[i]);
+    list.assign(there.begin(), there.end());
+  }
+
+  MeshData& m_;
+  std::vector<std::uint32_t> tet_source_;  ///< of each tet: its number in the input
+  std::vector<Tet> flat_;                  ///< those that were removed
+  std::map<std::size_t, std::int32_t> flat_refs_;
+  std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> beside_;  ///< edge -> listed triangles
+  MeshRepair result_;
+};
+
+}  // namespace
+
+void MeshMend::add(std::uint64_t index, double change) {
+  constexpr std::size_t kMostExamples = 5;
+  ++count;
+  if (examples.size() < kMostExamples) examples.push_back(index + 1);
+  amount = std::max(amount, change);
+}
+
+MeshRepair repair_mesh(MeshData& mesh) { return Repair(mesh).run(); }
+
+}  // namespace weft::meshing

@@ -1,0 +1,535 @@
+// The C interface by programs' use and misuse. Programs see <weft/weft-c.h> and the shared library only.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <weft/weft-c.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Frees what a test has made.
+class Handles : public ::testing::Test {
+ protected:
+  ~Handles() override {
+    for (void* handle : made_) weft_free(handle);
+    EXPECT_EQ(weft_handles(), before_);
+  }
+  template <class Handle>
+  Handle* keep(Handle* handle) {
+    made_.push_back(handle);
+    return handle;
+  }
+  weft_mesh* box(int64_t cells) {
+    weft_mesh* mesh = nullptr;
+    EXPECT_EQ(weft_mesh_box(cells, cells, cells, &mesh), WEFT_OK) << weft_last_error();
+    return keep(mesh);
+  }
+  weft_metric* sizes(const weft_mesh* mesh, double h) {
+    int64_t points = 0;
+    weft_mesh_num_points(mesh, &points);
+    const std::vector<double> all(static_cast<std::size_t>(points), h);
+    weft_metric* metric = nullptr;
+    EXPECT_EQ(weft_metric_from_sizes(points, all.data(), &metric), WEFT_OK) << weft_last_error();
+    return keep(metric);
+  }
+  weft_options* options() {
+    weft_options* made = nullptr;
+    EXPECT_EQ(weft_options_create(nullptr, &made), WEFT_OK);
+    EXPECT_EQ(weft_options_set(made, "threads", "1"), WEFT_OK);
+    return keep(made);
+  }
+
+ private:
+  int64_t before_ = weft_handles();
+  std::vector<void*> made_;
+};
+
+using CInterface = Handles;
+
+TEST_F(CInterface, AdaptsACallersArrays) {
+  const weft_mesh* start = box(3);
+  int64_t points = 0, tets = 0;
+  weft_mesh_num_points(start, &points);
+  weft_mesh_count(start, WEFT_TETS, &tets);
+  const double* xyz = nullptr;
+  weft_mesh_points(start, &xyz);
+  std::vector<int64_t> corners(static_cast<std::size_t>(4 * tets));
+  ASSERT_EQ(weft_mesh_get(start, WEFT_TETS, 4 * tets, corners.data()), WEFT_OK);
+  weft_mesh* mesh = nullptr;
+  ASSERT_EQ(weft_mesh_create(points, xyz, tets, corners.data(), &mesh), WEFT_OK) << weft_last_error();
+  keep(mesh);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.2), options(), nullptr, &result), WEFT_OK) << weft_last_error();
+  keep(result);
+  weft_mesh* fine = nullptr;
+  ASSERT_EQ(weft_result_mesh(result, &fine), WEFT_OK);
+  keep(fine);
+  int64_t problems = -1;
+  double volume = 0;
+  ASSERT_EQ(weft_mesh_verify(fine, &problems, &volume), WEFT_OK);
+  EXPECT_EQ(problems, 0);
+  EXPECT_NEAR(volume, 1, 1e-12);
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  ASSERT_EQ(weft_result_measures(result, &measures), WEFT_OK);
+  EXPECT_GT(measures.edges_unit, 0.85);
+  int64_t fine_tets = 0;
+  weft_mesh_count(fine, WEFT_TETS, &fine_tets);
+  EXPECT_EQ(measures.tets, fine_tets);
+  const char* json = nullptr;
+  ASSERT_EQ(weft_result_json(result, &json), WEFT_OK);
+  EXPECT_THAT(json, HasSubstr("weft-report-1"));
+}
+
+TEST_F(CInterface, WhatAResultHasOutlivesIt) {
+  weft_mesh* mesh = box(2);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.4), options(), nullptr, &result), WEFT_OK);
+  weft_mesh* fine = nullptr;
+  ASSERT_EQ(weft_result_mesh(result, &fine), WEFT_OK);
+  keep(fine);
+  weft_free(result);
+  int64_t problems = -1;
+  EXPECT_EQ(weft_mesh_verify(fine, &problems, nullptr), WEFT_OK);
+  EXPECT_EQ(problems, 0);
+}
+
+TEST_F(CInterface, ChangingAMeshLeavesTheResultThatItIsOf) {
+  weft_mesh* mesh = box(2);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.4), options(), nullptr, &result), WEFT_OK);
+  keep(result);
+  weft_mesh *changed = nullptr, *kept = nullptr;
+  weft_result_mesh(result, &changed);
+  weft_result_mesh(result, &kept);
+  keep(changed);
+  keep(kept);
+  ASSERT_EQ(weft_mesh_set(changed, WEFT_TETS, 0, nullptr), WEFT_OK);
+  int64_t tets = 0;
+  weft_mesh_count(kept, WEFT_TETS, &tets);
+  EXPECT_GT(tets, 0);
+}
+
+TEST_F(CInterface, OrdersOfTensorsMeanTheSameMetric) {
+  const std::array<double, 6> sol = {2, 0.1, 3, 0.2, 0.3, 4}, rows = {2, 0.1, 0.2, 3, 0.3, 4},
+                              voigt = {2, 3, 4, 0.3, 0.2, 0.1};
+  const std::array<std::pair<weft_tensor_order, const double*>, 3> all = {
+      {{WEFT_ORDER_SOL, sol.data()}, {WEFT_ORDER_ROWS, rows.data()}, {WEFT_ORDER_VOIGT, voigt.data()}}};
+  for (const auto& [order, values] : all) {
+    weft_metric* metric = nullptr;
+    ASSERT_EQ(weft_metric_from_tensors(1, values, order, &metric), WEFT_OK) << weft_last_error();
+    keep(metric);
+    for (const auto& [other, expected] : all) {
+      std::array<double, 6> back{};
+      ASSERT_EQ(weft_metric_get(metric, other, 6, back.data()), WEFT_OK);
+      for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(back[i], expected[i], 1e-12);
+    }
+  }
+}
+
+TEST_F(CInterface, SettingsAndNamesSetTheSameOptions) {
+  weft_settings settings{};
+  settings.size = sizeof settings;
+  ASSERT_EQ(weft_settings_default(&settings), WEFT_OK);
+  EXPECT_EQ(settings.ridge_angle, 45);
+  settings.hmin = 2;
+  settings.hmax = 1;
+  weft_options* made = nullptr;
+  EXPECT_EQ(weft_options_create(&settings, &made), WEFT_OPTION_ERROR);
+  EXPECT_STREQ(weft_last_error(), "--hmin: is larger than --hmax");
+  weft_options* named = options();
+  weft_options_set(named, "hmin", "2");
+  weft_options_set_number(named, "hmax", 1);
+  weft_mesh* mesh = box(1);
+  weft_result* result = nullptr;
+  EXPECT_EQ(weft_adapt(mesh, sizes(mesh, 1), named, nullptr, &result), WEFT_OPTION_ERROR);
+  EXPECT_STREQ(weft_last_error(), "--hmin: is larger than --hmax");
+}
+
+TEST_F(CInterface, AnOlderProgramsShorterSettingsAreEnough) {
+  struct Old {
+    std::size_t size;
+    double complexity, hmin;
+  } old{sizeof(Old), 500, 0};
+  weft_options* made = nullptr;
+  ASSERT_EQ(weft_options_create(reinterpret_cast<const weft_settings*>(&old), &made), WEFT_OK)
+      << weft_last_error();
+  keep(made);
+  weft_mesh* mesh = box(3);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 1), made, nullptr, &result), WEFT_OK) << weft_last_error();
+  keep(result);
+  weft_measures measures{};
+  measures.size = offsetof(weft_measures, quality_mean);
+  measures.quality_mean = -7;  // beyond what the size allows to write
+  ASSERT_EQ(weft_result_measures(result, &measures), WEFT_OK);
+  EXPECT_NEAR(measures.complexity, 500, 60);
+  EXPECT_EQ(measures.quality_mean, -7);
+}
+
+TEST_F(CInterface, EveryOptionHasANameATypeAndAText) {
+  int64_t count = 0;
+  const char *type = nullptr, *text = nullptr;
+  for (; const char* name = weft_option_name(count, &type, &text); ++count) {
+    EXPECT_GT(std::strlen(name), 2u);
+    EXPECT_GT(std::strlen(type), 3u);
+    EXPECT_GT(std::strlen(text), 5u);
+    weft_options* some = options();
+    EXPECT_NE(weft_options_set(some, (std::string(name) + "x").c_str(), "1"), WEFT_OK) << name;
+  }
+  EXPECT_GT(count, 30);
+  EXPECT_EQ(weft_option_name(-1, nullptr, nullptr), nullptr);
+}
+
+TEST_F(CInterface, MisuseIsNamed) {
+  weft_mesh* mesh = box(1);
+  weft_metric* metric = sizes(mesh, 1);
+  weft_result* result = nullptr;
+  const auto misused = [](weft_status status, const std::string& text) {
+    EXPECT_EQ(status, WEFT_MISUSE);
+    EXPECT_THAT(weft_last_error(), HasSubstr(text));
+  };
+  misused(weft_adapt(nullptr, metric, nullptr, nullptr, &result), "mesh: is NULL");
+  misused(weft_adapt(mesh, metric, nullptr, nullptr, nullptr), "result: is NULL");
+  misused(weft_adapt(reinterpret_cast<weft_mesh*>(metric), metric, nullptr, nullptr, &result),
+          "mesh: is a weft_metric, not a weft_mesh");
+  weft_mesh* gone = nullptr;
+  weft_mesh_box(1, 1, 1, &gone);
+  weft_free(gone);
+  misused(weft_adapt(gone, metric, nullptr, nullptr, &result), "has been freed");
+  misused(weft_free(gone), "has been freed");
+  misused(weft_mesh_create(-1, nullptr, 0, nullptr, &gone), "points: -1 rows");
+  misused(weft_mesh_create(4, nullptr, 0, nullptr, &gone), "points: is NULL");
+  misused(weft_mesh_create(INT64_MAX, &kNaN, 0, nullptr, &gone), "more than memory can have");
+  int64_t few[3];
+  misused(weft_mesh_get(mesh, WEFT_TETS, 3, few), "24 are needed");
+  misused(weft_mesh_set(mesh, static_cast<weft_array>(77), 0, nullptr), "none of weft_array");
+  EXPECT_EQ(weft_free(nullptr), WEFT_OK);
+}
+
+TEST_F(CInterface, BadDataAreNamedByArrayAndIndex) {
+  const std::vector<double> points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, kNaN};
+  const std::vector<int64_t> tets = {0, 1, 2, 3}, wrong = {0, 1, 2, 4}, negative = {0, -1, 2, 3};
+  weft_mesh* mesh = nullptr;
+  const auto refused = [](weft_status status, const std::string& text) {
+    EXPECT_EQ(status, WEFT_INPUT_ERROR);
+    EXPECT_THAT(weft_last_error(), HasSubstr(text));
+  };
+  refused(weft_mesh_create(4, points.data(), 1, tets.data(), &mesh), "points[3]: is not finite");
+  refused(weft_mesh_create(3, points.data(), 1, wrong.data(), &mesh), "tets[0]: 4 is not from 0 to 2");
+  refused(weft_mesh_create(3, points.data(), 1, negative.data(), &mesh), "tets[0]: -1 is not from 0 to 2");
+  const double bad[] = {1, -1};
+  weft_metric* metric = nullptr;
+  refused(weft_metric_from_sizes(2, bad, &metric), "vertex 2");
+  refused(weft_metric_from_sizes(1, &kNaN, &metric), "vertex 1");
+  refused(weft_mesh_read("no such file.meshb", &mesh), "no such file.meshb");
+  EXPECT_EQ(weft_options_set(options(), "hmim", "1"), WEFT_OPTION_ERROR);
+  EXPECT_THAT(weft_last_error(), StartsWith("--hmim: "));
+  EXPECT_EQ(weft_options_set(options(), "hmin", "small"), WEFT_OPTION_ERROR);
+  EXPECT_THAT(weft_last_error(), HasSubstr("'small' is not a number"));
+}
+
+int stop_at_once(void* calls, const weft_progress* now) {
+  ++*static_cast<int*>(calls);
+  EXPECT_NE(now->stage, nullptr);
+  return 0;
+}
+
+TEST_F(CInterface, ACallbackCancelsWithAValidMeshAndTheOptionsServeAgain) {
+  weft_mesh* mesh = box(3);
+  weft_options* asked = options();
+  int calls = 0;
+  weft_options_set_progress(asked, stop_at_once, &calls);
+  for (const int expected : {1, 0}) {
+    weft_result* result = nullptr;
+    ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.2), asked, nullptr, &result), WEFT_OK) << weft_last_error();
+    keep(result);
+    int cancelled = -1;
+    weft_result_verdict(result, nullptr, &cancelled);
+    EXPECT_EQ(cancelled, expected);
+    weft_mesh* fine = nullptr;
+    weft_result_mesh(result, &fine);
+    int64_t problems = -1;
+    weft_mesh_verify(keep(fine), &problems, nullptr);
+    EXPECT_EQ(problems, 0);
+    weft_options_set_progress(asked, nullptr, nullptr);
+  }
+  EXPECT_GT(calls, 0);
+}
+
+TEST_F(CInterface, AnotherThreadCancels) {
+  weft_mesh* mesh = box(4);
+  weft_options* asked = options();
+  ASSERT_EQ(weft_options_cancel(asked, 1), WEFT_OK);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.05), asked, nullptr, &result), WEFT_OK);
+  keep(result);
+  int cancelled = 0;
+  weft_result_verdict(result, nullptr, &cancelled);
+  EXPECT_EQ(cancelled, 1);
+}
+
+TEST_F(CInterface, TheLastErrorIsThatOfTheThread) {
+  weft_mesh* mesh = nullptr;
+  weft_mesh_box(0, 1, 1, &mesh);
+  const std::string mine = weft_last_error();
+  std::string others;
+  std::thread([&] {
+    others = weft_last_error();
+    weft_metric_count(nullptr, nullptr);
+  }).join();
+  EXPECT_EQ(others, "");
+  EXPECT_EQ(mine, weft_last_error());
+}
+
+TEST_F(CInterface, CarriesFieldsAlong) {
+  weft_mesh* mesh = box(3);
+  int64_t points = 0;
+  const double* xyz = nullptr;
+  weft_mesh_num_points(mesh, &points);
+  weft_mesh_points(mesh, &xyz);
+  weft_fields* fields = nullptr;
+  ASSERT_EQ(weft_fields_create(points, &fields), WEFT_OK);
+  keep(fields);
+  ASSERT_EQ(weft_fields_add(fields, "place", 3, xyz), WEFT_OK) << weft_last_error();
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.25), options(), fields, &result), WEFT_OK) << weft_last_error();
+  keep(result);
+  weft_fields* carried = nullptr;
+  weft_mesh* fine = nullptr;
+  weft_result_fields(result, &carried);
+  weft_result_mesh(result, &fine);
+  keep(carried);
+  keep(fine);
+  const char* name = nullptr;
+  int components = 0;
+  const double *values = nullptr, *places = nullptr;
+  ASSERT_EQ(weft_fields_get(carried, 0, &name, &components, &values), WEFT_OK);
+  EXPECT_STREQ(name, "place");
+  EXPECT_EQ(components, 3);
+  weft_mesh_num_points(fine, &points);
+  weft_mesh_points(fine, &places);
+  for (int64_t i = 0; i < 3 * points; ++i) EXPECT_NEAR(values[i], places[i], 1e-12);
+}
+
+/// Calls of all functions with arguments at random: good handles, freed ones, those of another kind, NULL and
+/// junk; sizes from negative to huge; NaN. Buffers are as large as the sizes say, as C cannot check that.
+class Fuzz {
+ public:
+  explicit Fuzz(unsigned seed) : random_(seed) {}
+  ~Fuzz() {
+    for (void* handle : handles_) weft_free(handle);
+  }
+
+  void call() {
+    const weft_status status = call_one();
+    ++calls;
+    if (status == WEFT_OK) return;
+    ++refused;
+    EXPECT_NE(std::string(weft_last_error()), "");
+    EXPECT_NE(status, WEFT_INTERNAL_ERROR) << weft_last_error();
+  }
+  int calls = 0, refused = 0;
+
+ private:
+  int pick(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
+  template <class Handle>
+  Handle* handle() {
+    const int kind = pick(20);
+    if (kind == 0) return nullptr;
+    if (kind == 1) return reinterpret_cast<Handle*>(static_cast<std::uintptr_t>(random_()));
+    if (kind == 2 && !freed_.empty())
+      return static_cast<Handle*>(freed_[static_cast<std::size_t>(pick(static_cast<int>(freed_.size())))]);
+    if (kind < 6 && !handles_.empty()) return static_cast<Handle*>(any());
+    return static_cast<Handle*>(of_type<Handle>());
+  }
+  void* any() { return handles_[static_cast<std::size_t>(pick(static_cast<int>(handles_.size())))]; }
+  template <class Handle>
+  void* of_type() {
+    std::vector<Handle*>& known = typed<Handle>();
+    return known.empty() ? nullptr : known[static_cast<std::size_t>(pick(static_cast<int>(known.size())))];
+  }
+  template <class Handle>
+  std::vector<Handle*>& typed() {
+    return std::get<std::vector<Handle*>>(typed_);
+  }
+  template <class Handle>
+  weft_status made(weft_status status, Handle* handle) {
+    if (status == WEFT_OK) {
+      handles_.push_back(handle);
+      typed<Handle>().push_back(handle);
+    }
+    return status;
+  }
+  double value() {
+    const double all[] = {0.3, 1, -1, 0, kNaN, INFINITY, 1e300, 1e-300, 0.5};
+    return pick(3) ? 0.2 + 0.1 * pick(9) : all[pick(9)];
+  }
+  int64_t count() {
+    const int64_t all[] = {0, 1, 27, 8, -1, 5, 64};
+    return pick(4) ? (pick(2) ? 8 : 27) : all[pick(7)];
+  }
+  std::vector<double> values(int64_t n, bool tame) {
+    std::vector<double> all(static_cast<std::size_t>(std::max<int64_t>(n, 0)));
+    for (double& v : all) v = tame ? 0.1 + 0.1 * pick(9) : value();
+    return all;
+  }
+  std::vector<int64_t> indices(int64_t n, bool tame) {
+    std::vector<int64_t> all(static_cast<std::size_t>(std::max<int64_t>(n, 0)));
+    for (int64_t& v : all) v = tame ? pick(8) : pick(12) ? pick(30) : int64_t{-5} << pick(50);
+    return all;
+  }
+  /// A pointer to the data, or, seldom, NULL.
+  template <class T>
+  const T* data(const std::vector<T>& all) {
+    return pick(15) ? all.data() : nullptr;
+  }
+
+  weft_status call_one() {
+    weft_mesh* mesh = nullptr;
+    weft_metric* metric = nullptr;
+    weft_options* options = nullptr;
+    weft_fields* fields = nullptr;
+    weft_result* result = nullptr;
+    weft_part* part = nullptr;
+    int64_t n = count(), out = 0;
+    const bool tame = pick(2) == 0;
+    switch (pick(27)) {
+      case 0:
+        return made(weft_mesh_box(pick(4), 2, 1 + pick(2), &mesh), mesh);
+      case 1: {
+        const auto xyz = values(3 * n, tame);
+        const int64_t tets = count();
+        const auto corners = indices(4 * tets, tame);
+        return made(weft_mesh_create(n, data(xyz), tets, data(corners), &mesh), mesh);
+      }
+      case 2: {
+        const auto all = indices(4 * n, tame);
+        return weft_mesh_set(handle<weft_mesh>(), static_cast<weft_array>(pick(14) - 1), n, data(all));
+      }
+      case 3: {
+        std::vector<int64_t> room(static_cast<std::size_t>(std::max<int64_t>(n, 0)) * 8 + 1);
+        return weft_mesh_get(handle<weft_mesh>(), static_cast<weft_array>(pick(13)), 8 * n, room.data());
+      }
+      case 4:
+        return weft_mesh_num_points(handle<weft_mesh>(), pick(9) ? &out : nullptr);
+      case 5:
+        return weft_mesh_count(handle<weft_mesh>(), static_cast<weft_array>(pick(14) - 1), &out);
+      case 6:
+        return weft_mesh_verify(handle<weft_mesh>(), &out, nullptr);
+      case 7: {
+        const auto h = values(n, tame);
+        return made(weft_metric_from_sizes(n, data(h), &metric), metric);
+      }
+      case 8: {
+        const auto m = values(6 * n, false);
+        return made(weft_metric_from_tensors(n, data(m), static_cast<weft_tensor_order>(pick(5)), &metric),
+                    metric);
+      }
+      case 9: {
+        std::vector<double> room(static_cast<std::size_t>(std::max<int64_t>(n, 0)) * 6 + 1);
+        return weft_metric_get(handle<weft_metric>(), static_cast<weft_tensor_order>(pick(5)), 6 * n,
+                               room.data());
+      }
+      case 10: {
+        double c = 0;
+        return weft_metric_complexity(handle<weft_mesh>(), handle<weft_metric>(), &c);
+      }
+      case 11:
+        return made(weft_options_create(nullptr, &options), options);
+      case 12: {
+        weft_settings s{};
+        s.size = pick(2) ? sizeof s : static_cast<std::size_t>(pick(400));
+        if (pick(3)) weft_settings_default(&s);
+        s.hmin = pick(3) ? 0 : value();
+        s.threads = pick(5) ? 1 : pick(3000) - 100;
+        return made(weft_options_create(&s, &options), options);
+      }
+      case 13: {
+        const char* name = weft_option_name(pick(40), nullptr, nullptr);
+        const char* texts[] = {"1", "0.5", "yes", "", "nan", "linear", "-3", "1,2", "99999999999", "2"};
+        return weft_options_set(handle<weft_options>(), name, pick(20) ? texts[pick(10)] : nullptr);
+      }
+      case 14:
+        return weft_options_set_number(handle<weft_options>(), pick(2) ? "hmax" : "hgrad", value());
+      case 15:
+        return made(weft_fields_create(n, &fields), fields);
+      case 16: {
+        const auto known = handle<weft_fields>();
+        int64_t points = 0;
+        if (weft_fields_count(known, nullptr, &points) != WEFT_OK) points = 0;
+        const auto v = values(6 * points, tame);
+        return weft_fields_add(known, pick(9) ? "u" : nullptr, pick(8), data(v));
+      }
+      case 17:
+        return weft_options_add_solution(handle<weft_options>(), handle<weft_fields>());
+      case 18:
+      case 19: {
+        const auto asked = pick(2) ? handle<weft_options>() : nullptr;
+        weft_options_set_number(asked, "threads", 1);
+        return made(weft_adapt(handle<weft_mesh>(), handle<weft_metric>(), asked,
+                               pick(2) ? handle<weft_fields>() : nullptr, &result),
+                    result);
+      }
+      case 20:
+        return made(weft_result_mesh(handle<weft_result>(), &mesh), mesh);
+      case 21:
+        return made(weft_result_metric(handle<weft_result>(), &metric), metric);
+      case 22: {
+        const char* text = nullptr;
+        return weft_result_summary(handle<weft_result>(), pick(9) ? &text : nullptr);
+      }
+      case 23: {
+        const auto known = handle<weft_mesh>();
+        if (weft_mesh_num_points(known, &out) != WEFT_OK) out = 0;
+        const auto ids = indices(out, tame);
+        return made(weft_part_create(known, data(ids), nullptr, nullptr, &part), part);
+      }
+      case 24:
+        return made(weft_part_mesh(handle<weft_part>(), &mesh), mesh);
+      case 25:
+        return made(weft_interpolate(handle<weft_mesh>(), handle<weft_fields>(), handle<weft_mesh>(), nullptr,
+                                     &fields),
+                    fields);
+      default: {
+        if (pick(3)) return weft_mesh_points(handle<weft_mesh>(), nullptr);
+        void* gone = handles_.empty() || pick(5) == 0 ? nullptr : any();
+        const weft_status status = weft_free(gone);
+        freed_.push_back(gone);
+        return status;
+      }
+    }
+  }
+
+  std::mt19937 random_;
+  std::vector<void*> handles_, freed_;
+  std::tuple<std::vector<weft_mesh*>, std::vector<weft_metric*>, std::vector<weft_options*>,
+             std::vector<weft_fields*>, std::vector<weft_result*>, std::vector<weft_part*>>
+      typed_;
+};
+
+TEST(CFuzz, AThousandCallsAtRandomEndWithAStatusAndAText) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Fuzz fuzz(seed);
+    for (int i = 0; i < 500; ++i) fuzz.call();
+    EXPECT_GT(fuzz.refused, fuzz.calls / 10);
+    EXPECT_LT(fuzz.refused, fuzz.calls * 9 / 10);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,119 @@
+"""Meshes in parts, on a split communicator: mpirun -n N python3 parts.py. Any rank that fails ends all."""
+
+import sys
+import traceback
+
+import numpy as np
+from mpi4py import MPI
+
+import weft
+
+WORLD = MPI.COMM_WORLD
+COMM = WORLD.Split(0, -WORLD.rank)  # the ranks in the opposite order
+WHOLE = weft.box(5)
+OPTIONS = dict(threads=1, subdomains=6)
+
+
+def part(rank, ranks):
+    """The tets that are a rank's by a rule; the last of several ranks has none. Ids are neither small nor dense."""
+    holders = max(ranks - 1, 1)
+    mine = np.nonzero(np.arange(len(WHOLE.tets)) % holders == rank)[0]
+    vertices, local = np.unique(WHOLE.tets[mine], return_inverse=True)
+    return dict(mesh=(WHOLE.points[vertices].reshape(-1, 3), local.reshape(-1, 4)), ids=1000 + 3 * vertices.astype(np.int64),
+                tet_ids=mine, metric=0.08 + 0.1 * WHOLE.points[vertices][:, 0])
+
+
+def shape(result, comm):
+    """All own tets by the coordinates of their points, sorted, on all ranks."""
+    corners = result.mesh.points[result.mesh.tets[:result.num_own_tets]]
+    mine = [tuple(sorted(map(tuple, tet))) for tet in corners.tolist()]
+    return sorted(tet for share in comm.allgather(mine) for tet in share)
+
+
+def fails(error, text, **changes):
+    """The same error on all ranks, though the last rank alone is wrong."""
+    call = {**part(COMM.rank, COMM.size), **OPTIONS}
+    if COMM.rank == COMM.size - 1:
+        call.update(changes)
+    try:
+        weft.adapt(comm=COMM, **call)
+    except error as caught:
+        said = COMM.allgather(str(caught))
+        assert len(set(said)) == 1, said
+        assert text in said[0] and f"rank {COMM.size - 1}: " in said[0], said
+        return
+    raise AssertionError("nothing was raised")
+
+
+def check_the_mesh_does_not_depend_on_ranks():
+    there = part(COMM.rank, COMM.size)
+    fine = weft.adapt(comm=COMM, **there, fields={"x": there["mesh"][0][:, 0]}, **OPTIONS)
+    alone = weft.adapt(comm=MPI.COMM_SELF, **part(0, 1), **OPTIONS)
+    assert shape(fine, COMM) == shape(alone, MPI.COMM_SELF)
+    assert np.allclose(fine.fields["x"], fine.mesh.points[:, 0], atol=1e-9)
+    owned = COMM.allreduce(int(np.sum(fine.owners == COMM.rank)))
+    assert owned == COMM.allreduce(int(fine.ids.max()) if len(fine.ids) else 0, MPI.MAX) + 1
+    assert COMM.allreduce(len(there["ids"]) == 0) == (COMM.size > 1)  # one of several ranks has nothing
+
+
+def check_ghosts():
+    fine = weft.adapt(comm=COMM, **part(COMM.rank, COMM.size), ghosts=True, **OPTIONS)
+    ghosts = len(fine.mesh.tets) - fine.num_own_tets
+    assert len(fine.ghost_owners) == ghosts and (ghosts > 0) == (COMM.size > 1)
+    assert COMM.rank not in fine.ghost_owners
+
+
+def check_what_one_rank_does_wrong_all_hear_of():
+    last = part(COMM.rank, COMM.size) if COMM.size == 1 else None
+    points = last["mesh"][0] if last else np.zeros((4, 3)) + np.eye(4, 3)
+    tets = last["mesh"][1] if last else np.array([[0, 1, 2, 3]])
+    ids = np.arange(len(points))
+    wrong = tets.copy()
+    wrong[0, 2] = 99999
+    good = dict(mesh=(points, tets), ids=ids, tet_ids=np.arange(len(tets)) + 10**6, metric=np.ones(len(points)))
+    fails(weft.InputError, "tets[0, 2]: 99999 is not an index of the", **{**good, "mesh": (points, wrong)})
+    fails(weft.InputError, "points: has shape", **{**good, "mesh": (points[:, :2], tets)})
+    fails(weft.UsageError, "tets: has dtype float64", **{**good, "mesh": (points, tets.astype(float))})
+    fails(weft.InputError, "ids: has", **{**good, "ids": ids[1:]})
+    fails(weft.InputError, "ids[1]: 0 is that of ids[0] too", **{**good, "ids": np.maximum(ids - 1, 0)})
+    fails(weft.InputError, "ids[0]: -5 is negative", **{**good, "ids": ids - 5})
+    fails(weft.InputError, "metric[0]: is not a size above 0", **{**good, "metric": np.zeros(len(points))})
+    fails(weft.InputError, "metric of another mesh", **{**good, "metric": np.ones(len(points) + 1)})
+    fails(weft.UsageError, "metric: is needed with comm", **{**good, "metric": None})
+    fails(weft.UsageError, "ids: are needed with comm", **{**good, "ids": None})
+    fails(weft.OptionError, "--hgrad: is not a number", **good, hgrad=float("nan"))
+    fails(weft.OptionError, "--nonsense: is not an option", **good, nonsense=1)
+    fails(weft.UsageError, "mesh: is a str", **{**good, "mesh": "a mesh"})
+
+
+def check_cancel_on_all_ranks_leaves_a_valid_mesh():
+    cancel = weft.Cancel()
+    cancel.cancel()
+    ended = weft.adapt(comm=COMM, **part(COMM.rank, COMM.size), cancel=cancel, **OPTIONS)
+    corners = ended.mesh.points[ended.mesh.tets[:ended.num_own_tets]]
+    volume = np.einsum("ti,ti->", np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+                       corners[:, 3] - corners[:, 0]) / 6
+    assert ended.cancelled and abs(COMM.allreduce(volume) - 1) < 1e-12
+
+
+def check_communicators_that_are_none_are_refused():
+    for comm, text in ((MPI.COMM_NULL, "COMM_NULL"), ("world", "not a communicator")):
+        try:
+            weft.adapt(comm=comm, **part(0, 1), **OPTIONS)
+        except weft.UsageError as error:
+            assert text in str(error)
+        else:
+            raise AssertionError(text)
+
+
+if __name__ == "__main__":
+    try:
+        for name, check in sorted(globals().copy().items()):
+            if name.startswith("check_"):
+                check()
+                if COMM.rank == 0:
+                    print(name.replace("_", " "), flush=True)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        COMM.Abort(1)

@@ -1,0 +1,96 @@
+"""Runs beside other threads, ended early, told of."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import weft
+
+
+def test_another_thread_runs_while_adapting(box):
+    done, ticks = threading.Event(), [0]
+
+    def tick():
+        while not done.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    other = threading.Thread(target=tick)
+    other.start()
+    before = ticks[0]
+    result = weft.adapt(box, np.full(len(box.points), 0.06), threads=1)
+    during = ticks[0] - before
+    done.set()
+    other.join()
+    assert result.goal_met and during > 10
+
+
+def test_two_adaptations_at_once_give_what_each_gives_alone(box):
+    metrics = [np.full(len(box.points), h) for h in (0.12, 0.15)]
+    alone = [weft.adapt(box, metric, threads=1).mesh for metric in metrics]
+    together = [None, None]
+
+    def adapt(i):
+        together[i] = weft.adapt(box, metrics[i], threads=1).mesh
+
+    threads = [threading.Thread(target=adapt, args=(i,)) for i in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for a, b in zip(alone, together):
+        assert np.array_equal(a.points, b.points) and np.array_equal(a.tets, b.tets)
+
+
+def test_progress_is_told_and_false_cancels_with_a_valid_mesh(box, sizes):
+    told = []
+    result = weft.adapt(box, sizes, progress=lambda stage, done, tets: told.append((stage, done, tets)))
+    assert not result.cancelled and len(told) > 2
+    assert all(isinstance(stage, str) and 0 <= done <= 1 for stage, done, tets in told)
+    ended = weft.adapt(box, np.full(len(box.points), 0.03), progress=lambda stage, done, tets: False)
+    assert ended.cancelled and not ended.goal_met and weft.verify(ended.mesh, against=box)
+
+
+def test_another_thread_cancels_with_a_valid_mesh(box):
+    cancel = weft.Cancel()
+    threading.Timer(0.3, cancel.cancel).start()
+    result = weft.adapt(box, np.full(len(box.points), 0.012), cancel=cancel, threads=1)
+    assert result.cancelled and weft.verify(result.mesh, against=box)
+    cancel.reset()
+    assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
+
+
+def test_what_a_callback_raises_is_raised(box, sizes):
+    def fail(stage, done, tets):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        weft.adapt(box, sizes, progress=fail)
+
+
+INTERRUPTED = """
+import numpy as np, weft
+box = weft.box(4)
+def started(stage, done, tets):
+    print("started", flush=True)
+try:
+    weft.adapt(box, np.full(len(box.points), 0.012), threads=1, progress=started)
+except KeyboardInterrupt as interrupt:
+    assert isinstance(interrupt, weft.Interrupted) and interrupt.result.cancelled
+    assert weft.verify(interrupt.result.mesh, against=box)
+    print("valid")
+"""
+
+
+def test_ctrl_c_interrupts_and_leaves_a_valid_mesh():
+    program = subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, text=True)
+    assert program.stdout.readline() == "started\n"
+    program.send_signal(signal.SIGINT)
+    told, _ = program.communicate(timeout=120)
+    assert program.returncode == 0 and told.endswith("valid\n")

@@ -1,0 +1,284 @@
+// Programs of the engine on simulated ranks: the real protocols, virtual time.
+#include "engine/simulate/simulation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "engine/run/runtime.h"
+
+namespace weft::engine {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr TimePoint kMillisecond = 1'000'000;
+constexpr int kHops = 20;
+
+/// Work that takes its time on the virtual clock.
+struct Chunk {
+  std::int64_t nanoseconds = 0;
+  int done = 0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(nanoseconds, done);
+  }
+  void work(Context&, std::int64_t how_long) {
+    VirtualTime::of_thread()->spend(how_long);
+    ++done;
+  }
+};
+
+/// Adds up what all others tell it, in an event.
+struct Sum {
+  std::uint64_t total = 0;
+  std::uint64_t arrived = 0;
+
+  void tell(Context& context) {
+    if (context.rank() == Rank(0)) {
+      std::vector<ObjectId> all;
+      for (int r = 0; r < context.ranks(); ++r) all.push_back({Rank(r), 1});
+      context.expect<&Sum::gather>(1, all);
+    }
+    const auto value = static_cast<std::uint64_t>(context.rank().value);
+    context.signal<&Sum::gather>(MobilePtr<Sum>{{Rank(0), 1}}, 1, value);
+  }
+  void gather(Context&, std::uint64_t, std::vector<Arrival<std::uint64_t>> values) {
+    arrived += values.size();
+    for (const auto& value : values) total += value.value;
+  }
+};
+
+struct Bad {
+  void fail(Context&) { throw std::runtime_error("on purpose"); }
+};
+
+struct Waiter {
+  void begin(Context& context) { context.expect<&Waiter::gather>(1, {ObjectId{Rank(0), 99}}); }
+  void gather(Context&, std::uint64_t, std::vector<Arrival<std::uint64_t>>) {}
+};
+
+/// Passes a token round a ring of ranks.
+struct Ring {
+  int visits = 0;
+  void pass(Context& context, int hops) {
+    ++visits;
+    if (hops == 0) return;
+    const Rank next((context.rank().value + 1) % context.ranks());
+    context.invoke<&Ring::pass>(MobilePtr<Ring>{{next, 1}}, hops - 1);
+  }
+};
+
+SimulationOptions given(int ranks) {
+  SimulationOptions options;
+  options.ranks = ranks;
+  options.measured = false;
+  options.stack_bytes = 256 << 10;
+  return options;
+}
+
+/// `chunks` of a millisecond on rank 0; what each rank has done in the end.
+std::vector<int> done_by_rank(int ranks, int chunks, const BalancerFactory& balancer,
+                              SimulationResult& result) {
+  std::vector<int> done(static_cast<std::size_t>(ranks));
+  result = simulate(given(ranks), [&](Transport& transport) {
+    Registry registry;
+    registry.type<Chunk>("Chunk").method<&Chunk::work>("work");
+    Runtime runtime(transport, registry, {.threads = 1, .balancer = balancer});
+    runtime.run([&](Context& context) {
+      if (context.rank() != Rank(0)) return;
+      for (int i = 0; i < chunks; ++i)
+        context.invoke_expecting<&Chunk::work>(Seconds{1e-3}, context.create<Chunk>(), kMillisecond);
+    });
+    runtime.visit<Chunk>(
+        [&](MobilePtr<Chunk>, Chunk& chunk) { done[transport.rank().index()] += chunk.done; });
+  });
+  return done;
+}
+
+TEST(Simulation, A_message_takes_the_latency_of_the_network) {
+  SimulationOptions options = given(2);
+  options.network = {.latency = 1e-3, .bandwidth = 1e9, .gap = 0, .overhead = 0};
+  const SimulationResult result = simulate(options, [](Transport& transport) {
+    Registry registry;
+    registry.type<Ring>("Ring").method<&Ring::pass>("pass");
+    Runtime runtime(transport, registry, {.threads = 1, .balancer = no_balancing()});
+    runtime.run([&](Context& context) {
+      const auto ring = context.create<Ring>();
+      if (context.rank() == Rank(0)) context.invoke<&Ring::pass>(ring, kHops);
+    });
+    runtime.visit<Ring>([](MobilePtr<Ring>, Ring& ring) { EXPECT_GE(ring.visits, kHops / 2); });
+  });
+  EXPECT_GE(result.seconds, kHops * 1e-3);
+  EXPECT_LT(result.seconds, kHops * 1e-3 + 0.02);  // and the waves that find the end
+}
+
+TEST(Simulation, A_large_message_takes_the_time_that_the_bandwidth_gives) {
+  NetworkLinks links({.latency = 1e-6, .bandwidth = 1e9, .gap = 0, .overhead = 0}, 3);
+  EXPECT_EQ(links.send(Rank(0), Rank(1), 1'000'000, 0), 1'001'000);
+  EXPECT_EQ(links.send(Rank(0), Rank(2), 1'000'000, 0), 2'001'000) << "the port sends one after the other";
+  EXPECT_EQ(links.send(Rank(2), Rank(1), 1'000'000, 0), 2'001'000) << "and receives so";
+}
+
+TEST(Simulation, Switches_share_their_uplinks) {
+  const NetworkModel model{.latency = 1e-6, .bandwidth = 1e9, .gap = 0, .overhead = 0, .switch_ranks = 4};
+  NetworkLinks links(model, 8);
+  const auto near = links.send(Rank(0), Rank(1), 1'000'000, 0);
+  std::int64_t last = 0;
+  NetworkLinks far(model, 8);
+  for (int r = 0; r < 4; ++r) last = std::max(last, far.send(Rank(r), Rank(r + 4), 1'000'000, 0));
+  EXPECT_EQ(near, 1'001'000);
+  EXPECT_GE(last, 2'000'000) << "four ports of 1 GB/s share an uplink of 2 GB/s";
+}
+
+TEST(Simulation, Networks_are_read_from_words) {
+  const NetworkModel network = parse_network("50us,1GB/s,tree:16");
+  EXPECT_DOUBLE_EQ(network.latency, 50e-6);
+  EXPECT_DOUBLE_EQ(network.bandwidth, 1e9);
+  EXPECT_EQ(network.switch_ranks, 16);
+  EXPECT_DOUBLE_EQ(parse_network("2e-6,1e10").bandwidth, 1e10);
+  for (const char* bad :
+       {"", "2us", "2us,10GB/s,ring", "-1us,1GB/s", "2us,fast", "2us,1GB/s,tree:0", "1,2,flat,4"})
+    EXPECT_THROW(parse_network(bad), std::invalid_argument) << bad;
+}
+
+TEST(Simulation, Work_that_cannot_move_is_done_one_after_the_other_and_by_all_where_it_can) {
+  SimulationResult alone, shared;
+  const std::vector<int> stayed = done_by_rank(4, 64, no_balancing(), alone);
+  EXPECT_EQ(stayed[0], 64);
+  EXPECT_NEAR(alone.seconds, 0.064, 0.002);
+  const std::vector<int> moved = done_by_rank(4, 64, work_stealing(), shared);
+  EXPECT_EQ(std::accumulate(moved.begin(), moved.end(), 0), 64);
+  EXPECT_GT(*std::min_element(moved.begin(), moved.end()), 4);
+  EXPECT_LT(shared.seconds, 0.7 * alone.seconds);
+}
+
+TEST(Simulation, Every_balancer_spreads_work_over_a_thousand_ranks) {
+  for (const char* name : {"stealing", "diffusion"}) {
+    SimulationResult result;
+    const std::vector<int> done = done_by_rank(1024, 4096, balancer_by_name(name), result);
+    EXPECT_EQ(std::accumulate(done.begin(), done.end(), 0), 4096) << name;
+    EXPECT_GT(std::count_if(done.begin(), done.end(), [](int n) { return n > 0; }), 512) << name;
+  }
+}
+
+TEST(Simulation, The_same_simulation_takes_the_same_turns_and_time) {
+  SimulationResult first, second;
+  const auto a = done_by_rank(37, 500, work_stealing(), first);
+  const auto b = done_by_rank(37, 500, work_stealing(), second);
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(first.seconds, second.seconds);
+  EXPECT_EQ(first.turns, second.turns);
+  EXPECT_EQ(first.packets, second.packets);
+}
+
+TEST(Simulation, An_event_gathers_from_four_thousand_ranks) {
+  constexpr std::uint64_t kMany = 4096;
+  Sum at_first;
+  simulate(given(kMany), [&](Transport& transport) {
+    Registry registry;
+    registry.type<Sum>("Sum").method<&Sum::tell>("tell").event<&Sum::gather>("gather");
+    Runtime runtime(transport, registry, {.threads = 1});
+    runtime.run([](Context& context) { context.invoke<&Sum::tell>(context.create<Sum>()); });
+    runtime.visit<Sum>([&](MobilePtr<Sum>, Sum& sum) {
+      if (transport.rank() == Rank(0)) at_first = sum;
+    });
+  });
+  EXPECT_EQ(at_first.arrived, kMany);
+  EXPECT_EQ(at_first.total, kMany * (kMany - 1) / 2);
+}
+
+TEST(Simulation, Summaries_of_all_ranks_are_consistent) {
+  simulate(given(64), [&](Transport& transport) {
+    Registry registry;
+    registry.type<Ring>("Ring").method<&Ring::pass>("pass");
+    Runtime runtime(transport, registry, {.threads = 1});
+    runtime.run([&](Context& context) {
+      const auto ring = context.create<Ring>();
+      if (context.rank().value % 8 == 0) context.invoke<&Ring::pass>(ring, 100);
+    });
+    const RunSummary run = merge(runtime.gather_summaries());
+    if (transport.rank() != Rank(0)) return;
+    EXPECT_TRUE(run.consistent.pairs);
+    EXPECT_EQ(run.ranks.size(), 64u);
+    EXPECT_EQ(run.counters.at("handlers").sum, 8 * 101);
+  });
+}
+
+TEST(Simulation, A_handler_that_throws_fails_all_ranks_with_its_name) {
+  int failed = 0;
+  try {
+    simulate(given(100), [&](Transport& transport) {
+      Registry registry;
+      registry.type<Bad>("Bad").method<&Bad::fail>("fail");
+      Runtime runtime(transport, registry, {.threads = 2, .on_failure = {}});
+      try {
+        runtime.run([&](Context& context) {
+          if (context.rank() == Rank(7)) context.invoke<&Bad::fail>(context.create<Bad>());
+        });
+      } catch (const RunFailure&) {
+        ++failed;
+        throw;
+      }
+    });
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const RunFailure& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("on purpose"));
+    EXPECT_THAT(failure.what(), HasSubstr("rank 7"));
+  }
+  EXPECT_EQ(failed, 100);
+}
+
+TEST(Simulation, A_rank_that_leaves_alone_is_named_by_the_others) {
+  try {
+    simulate(given(3), [&](Transport& transport) {
+      if (transport.rank() == Rank(1)) throw std::runtime_error("no such file");
+      Registry registry;
+      Runtime runtime(transport, registry, {.threads = 1, .on_failure = {}});
+      runtime.run();
+    });
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1"));
+  }
+}
+
+TEST(Simulation, A_run_that_stalls_says_who_waits) {
+  try {
+    simulate(given(5), [&](Transport& transport) {
+      Registry registry;
+      registry.type<Waiter>("Waiter").method<&Waiter::begin>("begin").event<&Waiter::gather>("gather");
+      Runtime runtime(transport, registry, {.threads = 1, .on_failure = {}});
+      runtime.run([&](Context& context) {
+        if (context.rank() == Rank(3)) context.invoke<&Waiter::begin>(context.create<Waiter>());
+      });
+    });
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const RunFailure& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("the run has stalled"));
+  }
+}
+
+TEST(Simulation, Measured_time_passes_by_the_processor) {
+  SimulationOptions options;
+  options.ranks = 2;
+  options.slowdown = 3;
+  const auto result = simulate(options, [](Transport& transport) {
+    Registry registry;
+    Runtime runtime(transport, registry, {.threads = 1});
+    runtime.run([](Context&) {
+      const TimePoint begin = now();
+      while (now() - begin < 20 * kMillisecond) continue;
+    });
+  });
+  EXPECT_GE(result.seconds, 0.02);
+}
+
+}  // namespace
+}  // namespace weft::engine

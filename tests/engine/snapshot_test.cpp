@@ -1,0 +1,230 @@
+// Snapshots while objects work, send and move: nothing is in them twice, nothing is missing, and a run on
+// other ranks goes on from them.
+#include "engine/schedule/snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "engine/objects/cell.h"
+#include "engine/run/runtime.h"
+#include "tests/support/ranks.h"
+
+namespace weft::engine {
+namespace {
+
+using namespace std::chrono_literals;
+using weft::testing::delayed;
+using weft::testing::on_ranks;
+
+constexpr int kAccounts = 12, kChains = 30, kHops = 600 / weft::testing::kSlowness + 20;
+constexpr long kMoney = 1000;
+
+/// Passes on what it gets, and some of its own, until the chain has made its hops.
+struct Account {
+  std::vector<ObjectId> all;
+  long money = 0, handled = 0;
+  std::vector<double> ballast;  // so that it has segments
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(all, money, handled, ballast);
+  }
+
+  void open(Context&, const std::vector<ObjectId>& accounts) {
+    all = accounts;
+    money = kMoney;
+    ballast.assign(3000, 1.5);
+  }
+
+  void give(Context& context, long amount, int hops_left) {
+    money += amount;
+    ++handled;
+    if (hops_left == 0) return;
+    const long next = money / 3;
+    money -= next;
+    const auto to = static_cast<std::size_t>(31 * handled + 7 * hops_left) % all.size();
+    context.invoke<&Account::give>(MobilePtr<Account>{all[to]}, next, hops_left - 1);
+  }
+};
+
+Registry accounts() {
+  Registry registry;
+  registry.type<Account>("Account").method<&Account::open>("open").method<&Account::give>("give");
+  return registry;
+}
+
+/// What has been copied, of all ranks: those of a test are threads of this process.
+struct Copies {
+  std::vector<Payload> objects, messages;
+};
+class Archive {
+ public:
+  std::mutex mutex;
+  std::map<std::uint64_t, Copies> epochs;
+  std::set<std::uint64_t> whole;
+};
+
+class MemorySink final : public SnapshotSink {
+ public:
+  explicit MemorySink(Archive& archive) : archive_(archive) {}
+  bool wanted() override { return !std::exchange(pending_, true); }
+  void object(std::uint64_t epoch, Payload copy) override {
+    const std::lock_guard lock(archive_.mutex);
+    archive_.epochs[epoch].objects.push_back(std::move(copy));
+  }
+  void message(std::uint64_t epoch, Payload copy) override {
+    const std::lock_guard lock(archive_.mutex);
+    archive_.epochs[epoch].messages.push_back(std::move(copy));
+  }
+  void close(std::uint64_t) override {}
+  std::optional<bool> stored(std::uint64_t) override { return true; }
+  void finish(std::uint64_t epoch, bool whole) override {
+    const std::lock_guard lock(archive_.mutex);
+    if (whole) archive_.whole.insert(epoch);
+    pending_ = false;
+  }
+  void give_up() override { pending_ = false; }
+
+ private:
+  Archive& archive_;
+  bool pending_ = false;
+};
+
+RuntimeOptions options_of(SnapshotSink& sink, int threads) {
+  RuntimeOptions options;
+  options.threads = threads;
+  options.balancer = rotate();
+  options.snapshots = &sink;
+  return options;
+}
+
+/// Money and handled messages of all accounts that are here.
+void add_up(Runtime& runtime, std::atomic<long>& money, std::atomic<long>& handled) {
+  runtime.visit<Account>([&](MobilePtr<Account>, Account& account) {
+    money += account.money;
+    handled += account.handled;
+  });
+}
+
+void start(Context& context) {
+  if (context.rank() != Rank(0)) return;
+  std::vector<ObjectId> all;
+  for (int i = 0; i < kAccounts; ++i) all.push_back(context.create<Account>().id);
+  for (const ObjectId id : all) context.invoke<&Account::open>(MobilePtr<Account>{id}, all);
+  for (int c = 0; c < kChains; ++c)
+    context.invoke<&Account::give>(MobilePtr<Account>{all[static_cast<std::size_t>(c) % all.size()]}, 0L,
+                                   kHops);
+}
+
+void run_with_snapshots(int ranks, int threads, Archive& archive) {
+  std::atomic<long> money = 0, handled = 0;
+  on_ranks(ranks, [&](Transport& network) {
+    const auto transport = delayed(network, 300us, 7);
+    const Registry registry = accounts();
+    MemorySink sink(archive);
+    Runtime runtime(*transport, registry, options_of(sink, threads));
+    runtime.run(start);
+    add_up(runtime, money, handled);
+  });
+  EXPECT_EQ(money, kAccounts * kMoney);
+  EXPECT_EQ(handled, kChains * (kHops + 1));
+}
+
+Payload copy_of(const Payload& payload) {
+  Packer packer;
+  packer(const_cast<Payload&>(payload));
+  Unpacker unpacker(packer.take());
+  Payload copy;
+  unpacker(copy);
+  return copy;
+}
+
+long money_of(Task task) {
+  if (task.payload.bytes.size() != sizeof(long) + sizeof(int)) return 0;  // it opens the account
+  Unpacker unpacker(std::move(task.payload));
+  long amount = 0;
+  int hops = 0;
+  unpacker(amount, hops);
+  return amount;
+}
+
+/// What the accounts have, what waits for them, and what was on its way.
+long money_in(const Copies& copies) {
+  long sum = 0;
+  for (const Payload& payload : copies.objects) {
+    auto cell = unpacked<PackedCell>(copy_of(payload));
+    sum += unpacked<Account>(std::move(cell.object)).money;
+    for (Task& task : cell.mailbox) sum += money_of(std::move(task));
+    for (auto& [sender, inbound] : cell.inbound)
+      for (auto& [sequence, task] : inbound.held) sum += money_of(std::move(task));
+  }
+  for (const Payload& payload : copies.messages) sum += money_of(unpacked<Task>(copy_of(payload)));
+  return sum;
+}
+
+bool is_open(const Copies& copies) {
+  for (const Payload& payload : copies.objects)
+    if (unpacked<Account>(std::move(unpacked<PackedCell>(copy_of(payload)).object)).all.empty()) return false;
+  return true;
+}
+
+class SnapshotsOnRanks : public ::testing::TestWithParam<int> {
+ protected:
+  void SetUp() override {
+    if (weft::testing::is_distributed()) GTEST_SKIP() << "the copies of all ranks are looked at together";
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Ranks, SnapshotsOnRanks, ::testing::Values(1, 2, 3, 8),
+                         [](const auto& ranks) { return std::to_string(ranks.param); });
+
+TEST_P(SnapshotsOnRanks, EachHasAllObjectsOnceAndAllMoney) {
+  Archive archive;
+  run_with_snapshots(GetParam(), 2, archive);
+  EXPECT_FALSE(archive.whole.empty());
+  for (const std::uint64_t epoch : archive.whole) {
+    const Copies& copies = archive.epochs[epoch];
+    EXPECT_EQ(copies.objects.size(), kAccounts);
+    if (!is_open(copies)) continue;
+    EXPECT_EQ(money_in(copies), kAccounts * kMoney) << "epoch " << epoch;
+  }
+}
+
+/// From the middle one, on each other number of ranks; snapshots are taken there again.
+TEST_P(SnapshotsOnRanks, ARunOnOtherRanksGoesOnFromThem) {
+  Archive archive;
+  run_with_snapshots(GetParam(), 1, archive);
+  ASSERT_FALSE(archive.whole.empty());
+  const Copies& copies = archive.epochs[*std::next(archive.whole.begin(), archive.whole.size() / 2)];
+  for (const int ranks : {1, 2, 5}) {
+    std::atomic<long> money = 0, handled = 0;
+    Archive again;
+    on_ranks(ranks, [&](Transport& transport) {
+      const Registry registry = accounts();
+      MemorySink sink(again);
+      Runtime runtime(transport, registry, options_of(sink, 1));
+      const auto place_of = [&](ObjectId id) { return Rank(static_cast<int>(id.number) % ranks); };
+      const auto id_of = [](const Payload& p) {
+        ObjectId id;
+        std::memcpy(&id, p.bytes.data(), sizeof id);
+        return id;
+      };
+      for (const Payload& p : copies.objects) runtime.restore_location(id_of(p), place_of(id_of(p)));
+      for (const Payload& p : copies.objects)
+        if (place_of(id_of(p)) == transport.rank()) runtime.restore_object(copy_of(p));
+      for (const Payload& p : copies.messages)
+        if (place_of(id_of(p)) == transport.rank()) runtime.restore_message(copy_of(p));
+      runtime.run();
+      add_up(runtime, money, handled);
+    });
+    EXPECT_EQ(money, kAccounts * kMoney) << ranks;
+    EXPECT_EQ(handled, kChains * (kHops + 1)) << ranks;
+    for (const std::uint64_t epoch : again.whole) EXPECT_EQ(again.epochs[epoch].objects.size(), kAccounts);
+  }
+}
+
+}  // namespace
+}  // namespace weft::engine

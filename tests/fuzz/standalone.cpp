@@ -1,0 +1,99 @@
+// A fuzz target without libFuzzer: PROGRAM RUNS SEED FILES... gives it each file, and then files with a few
+// changed, cut, doubled and foreign pieces. WEFT_FUZZ_KEEP names a file that has the input which is being
+// tried, so that a crash leaves it.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The order of readers.cpp.
+std::uint8_t format_of(const std::string& extension) {
+  constexpr std::array<std::string_view, 13> kKnown = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
+                                                       ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
+                                                       ".stl",   ".ply",  ".obj"};
+  return static_cast<std::uint8_t>(std::find(kKnown.begin(), kKnown.end(), extension) - kKnown.begin());
+}
+
+Bytes read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  Bytes bytes = {format_of(std::filesystem::path(path).extension())};
+  bytes.insert(bytes.end(), std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  return bytes;
+}
+
+/// Up to `length` bytes from `at` on.
+Bytes piece_of(const Bytes& bytes, std::size_t at, std::size_t length) {
+  const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(at, bytes.size()));
+  return {begin, begin + static_cast<std::ptrdiff_t>(
+                             std::min<std::size_t>(length, static_cast<std::size_t>(bytes.end() - begin)))};
+}
+
+void change(Bytes& bytes, const Bytes& other, std::mt19937_64& random) {
+  const std::size_t at = 1 + random() % (bytes.size() - 1), length = 1 + random() % 16;
+  const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+  Bytes piece;
+  switch (random() % 6) {
+    case 0:
+      bytes[at] = static_cast<std::uint8_t>(random());
+      return;
+    case 1:
+      bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 1u << random() % 8);
+      return;
+    case 2:
+      bytes.erase(place, place + static_cast<std::ptrdiff_t>(std::min(length, bytes.size() - at)));
+      return;
+    case 3:
+      piece = piece_of(bytes, at, length);
+      break;
+    case 4:
+      piece = piece_of(other, random() % other.size(), length);
+      break;
+    default:
+      if (random() % 8 == 0) bytes.resize(at + 1);
+      return;
+  }
+  bytes.insert(place, piece.begin(), piece.end());
+}
+
+void attempt(const Bytes& bytes) {
+  if (const char* keep = std::getenv("WEFT_FUZZ_KEEP")) {
+    std::ofstream file(keep, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) return std::fprintf(stderr, "usage: %s RUNS SEED FILES...\n", argv[0]), 64;
+  const std::uint64_t runs = std::strtoull(argv[1], nullptr, 10);
+  std::mt19937_64 random(std::strtoull(argv[2], nullptr, 10));
+  std::vector<Bytes> corpus;
+  for (int i = 3; i < argc; ++i) corpus.push_back(read(argv[i]));
+  for (const Bytes& bytes : corpus) attempt(bytes);
+  for (std::uint64_t i = 0; i < runs; ++i) {
+    Bytes bytes = corpus[random() % corpus.size()];
+    const Bytes& other = corpus[random() % corpus.size()];
+    for (std::uint64_t changes = 1 + random() % 6; changes > 0 && bytes.size() > 2; --changes)
+      change(bytes, other, random);
+    attempt(bytes);
+  }
+  std::printf("%zu files, %llu changed ones: no crash\n", corpus.size(),
+              static_cast<unsigned long long>(runs));
+  return 0;
+}

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# As root, with network: installs the packages of build-package/packages/ in a clean Debian 12 and uses what is there then.
+#   tests/packaging/chroot_test.sh [FOLDER]   a folder that debootstrap has filled, else one is made and removed
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+packages=(build-package/packages/*.deb)
+root=${1:-}
+if [[ -z $root ]]; then
+  root=$(mktemp -d)
+  trap 'rm -rf --one-file-system "$root"' EXIT
+  debootstrap --variant=minbase bookworm "$root" >/dev/null
+fi
+mkdir -p "$root/packages"
+cp "${packages[@]}" "$root/packages/"
+inside() { chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive LC_ALL=C "$@"; }
+
+inside apt-get update -qq
+inside apt-get install -y -qq --no-install-recommends $(cd "$root" && ls -d ./packages/*.deb | sed 's|^\.||') g++ pkg-config >/dev/null
+inside weft --version | head -1
+inside sh -c 'cd /tmp && weft mesh box --cells 4 4 4 -o box.meshb && weft adapt box.meshb --metric-fn uniform:0.2 -o fine.meshb --quiet && weft verify fine.meshb --quiet'
+cat tests/package/one_mesh.cpp >"$root/tmp/one_mesh.cpp"
+inside sh -c 'cd /tmp && g++ -std=c++20 one_mesh.cpp -o one_mesh $(pkg-config --cflags --libs weft) && ./one_mesh'
+inside sh -c 'test -s /usr/share/man/man1/weft-adapt.1.gz && test -s /usr/share/bash-completion/completions/weft'
+if [[ -e $root/usr/lib/python3/dist-packages/weft ]]; then
+  inside python3 -c 'import weft; print(len(weft.adapt(weft.box((3, 3, 3)), metric_fn="uniform:0.3").mesh.tets), "tets from Python")'
+fi
+inside apt-get remove -y -qq libweft0 >/dev/null
+if inside sh -c 'ls /usr/lib/x86_64-linux-gnu/libweft*' 2>/dev/null; then
+  echo "chroot_test: files are left" >&2
+  exit 1
+fi
+echo "chroot_test: installed, used, removed"

@@ -1,0 +1,205 @@
+"""Checkpoints: runs that are killed go on from them to the same bytes, on any number of ranks.
+
+WEFT_KILLS: how many runs are killed at random moments (nightly: 200); WEFT_SEED: of these moments.
+"""
+
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import time
+
+import unittest
+
+from command import WEFT, CommandTest
+
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+SECONDS = 300  # far above what anything here takes
+KILLS = int(os.environ.get("WEFT_KILLS", "6"))
+SEED = int(os.environ.get("WEFT_SEED", "20261123"))
+COMPLEXITY = 4000
+RUN = ("box.meshb", "--metric-fn", "polar-2", "--subdomains", 9, "--threads", 1, "--quiet")
+
+
+def children_of(pid):
+    try:
+        return [int(c) for c in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+class Checkpoints(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.box(6)
+
+    def start(self, ranks, *words, complexity=COMPLEXITY):
+        words = (*words, "--complexity", complexity)
+        launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
+        return subprocess.Popen([*launcher, str(WEFT), "adapt", *map(str, RUN), *map(str, words)], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def run_on(self, ranks, *words, expect=(0, 1), complexity=COMPLEXITY):
+        process = self.start(ranks, *words, complexity=complexity)
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertIn(process.returncode, expect, f"{words}\n{out}{errors}")
+        return out + errors
+
+    def complete(self):
+        return sorted(int(path.parent.name) for path in (self.folder / "ck").glob("*/complete"))
+
+    def bytes_of(self, name):
+        return (self.folder / name).read_bytes()
+
+    def reference(self):
+        self.run_on(0, "-o", "whole.meshb")
+        return self.bytes_of("whole.meshb")
+
+    def some_checkpoints(self):
+        """A run that is through, and has left two."""
+        self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        self.assertEqual(len(self.complete()), 2, "two are kept")
+
+
+class Writing(Checkpoints):
+    def test_changes_no_byte_and_keeps_two(self):
+        self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", "--report", "r")
+        self.assertEqual(self.bytes_of("first.meshb"), self.reference())
+        self.assertEqual(len(self.complete()), 2)
+        account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
+        self.assertGreaterEqual(account["written"], 2)
+        self.assertEqual(account["failure"], "")
+
+    def test_of_one_process_with_threads(self):
+        words = [w if w != 1 else 2 for w in RUN]
+        subprocess.run([str(WEFT), "adapt", *map(str, words), "--complexity", str(COMPLEXITY), "--checkpoint", "ck", "--checkpoint-every", "0.02", "-o",
+                        "first.meshb"], cwd=self.folder, check=False, timeout=SECONDS)
+        self.assertGreaterEqual(len(self.complete()), 1)
+        for ranks in (0, 2):
+            self.run_on(ranks, "--resume", "ck", "-o", "second.meshb")
+            self.weft("verify", "second.meshb", "--against", "box.meshb")
+
+    def test_when_asked_by_a_signal(self):
+        process = self.start(2, "--checkpoint", "ck", "--checkpoint-every", 0, "-o", "first.meshb", complexity=60000)
+        while process.poll() is None and not self.complete():
+            time.sleep(0.2)
+            process.send_signal(signal.SIGUSR2)  # mpirun passes it on
+        self.assertTrue(self.complete())
+        process.send_signal(signal.SIGALRM)
+        process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 1)
+
+    def test_that_fails_costs_the_checkpoint_alone(self):
+        (self.folder / "ck").mkdir()
+        (self.folder / "ck" / "1").write_text("in the way")
+        shutil.copy(self.folder / "ck" / "1", self.folder / "ck" / "2")
+        text = self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        self.assertEqual(self.bytes_of("first.meshb"), self.reference(), text)
+
+    def test_needs_subdomains(self):
+        for option in ("--checkpoint", "--resume"):
+            self.assert_fails("adapt", "box.meshb", "--metric-fn", "polar-2", "-o", "o.meshb", option, "ck", code=64,
+                              says=[option, "needs --subdomains"])
+
+
+class Resuming(Checkpoints):
+    def test_gives_the_same_bytes_on_any_ranks(self):
+        self.some_checkpoints()
+        expected = self.bytes_of("first.meshb")
+        for ranks in (0, 1, 2, 3):
+            out = self.run_on(ranks, "--resume", "ck", "-o", "second.meshb", "--report", "r")
+            self.assertEqual(self.bytes_of("second.meshb"), expected, f"on {ranks} ranks: {out}")
+            account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
+            self.assertIn("ck/", account["resumed"])
+
+    def test_of_nothing_begins_anew(self):
+        self.run_on(2, "--resume", "ck", "-o", "second.meshb")
+        self.assertEqual(self.bytes_of("second.meshb"), self.reference())
+
+    def test_passes_over_what_is_not_whole(self):
+        self.some_checkpoints()
+        older, latest = self.complete()
+        with open(self.folder / "ck" / str(latest) / "rank-1", "r+b") as file:
+            file.truncate(100)
+        self.run_on(2, "--resume", "ck", "-o", "second.meshb", "--report", "r")
+        account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
+        self.assertEqual(account["resumed"], f"ck/{older}")
+        self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"))
+
+    def test_of_damaged_bytes_is_refused(self):
+        self.some_checkpoints()
+        file = self.folder / "ck" / str(self.complete()[-1]) / "rank-0"
+        data = bytearray(file.read_bytes())
+        data[len(data) // 3] ^= 1
+        file.write_bytes(data)
+        for ranks in (0, 2):
+            text = self.run_on(ranks, "--resume", "ck", "-o", "second.meshb", expect=(2,))
+            self.assertIn("damaged", text)
+            self.assertNotIn("second.meshb", self.files())
+
+    def test_of_another_run_is_refused(self):
+        self.some_checkpoints()
+        text = self.run_on(2, "--resume", "ck", "-o", "second.meshb", expect=(2,), complexity=5000)
+        self.assertIn("another run", text)
+
+
+class Kills(Checkpoints):
+    """Whoever is killed, and when: another number of ranks goes on, perhaps to be killed again."""
+
+    def kill(self, process, chance):
+        ranks = children_of(process.pid)
+        victims = {"a rank": [chance.choice(ranks)] if ranks else [], "rank 0": ranks[:1], "two ranks": ranks[:2],
+                   "mpirun": [process.pid], "all": [process.pid, *ranks]}
+        name = chance.choice(list(victims))
+        for victim in victims[name]:
+            try:
+                os.kill(victim, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        return name
+
+    def wait_for_the_end(self, process, ranks):
+        process.communicate(timeout=SECONDS)
+        for rank in ranks:  # those of a dead mpirun end by themselves, but later
+            for _ in range(SECONDS):
+                if "weft" not in self.command_of(rank):
+                    break
+                time.sleep(0.1)
+
+    @staticmethod
+    def command_of(pid):
+        try:
+            return pathlib.Path(f"/proc/{pid}/cmdline").read_text()
+        except OSError:
+            return ""
+
+    def test_at_random_moments(self):
+        expected = self.reference()
+        chance = random.Random(SEED)
+        killed = 0
+        while killed < KILLS:
+            shutil.rmtree(self.folder / "ck", ignore_errors=True)
+            history = []
+            while True:
+                ranks = chance.choice((2, 3, 4))
+                process = self.start(ranks, "--checkpoint", "ck", "--checkpoint-every", 0.05, "--resume", "ck", "-o", "out.meshb")
+                time.sleep(chance.uniform(0.3, 3))
+                children = children_of(process.pid)
+                if process.poll() is None and killed < KILLS:
+                    history.append((ranks, self.kill(process, chance), self.complete()))
+                    killed += 1
+                    self.wait_for_the_end(process, children)
+                else:
+                    out, errors = process.communicate(timeout=SECONDS)
+                    self.assertIn(process.returncode, (0, 1), f"{history}\n{out}{errors}")
+                    break
+            self.assertEqual(self.bytes_of("out.meshb"), expected, history)
+            self.weft("verify", "out.meshb", "--against", "box.meshb")
+            (self.folder / "out.meshb").unlink()
+
+
+if __name__ == "__main__":
+    unittest.main()

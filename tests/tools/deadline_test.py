@@ -1,0 +1,109 @@
+"""`weft adapt` that has to end before it is done: time limits, memory limits, signals to all ranks or to one."""
+
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import time
+import unittest
+
+from command import WEFT, CommandTest
+
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+SECONDS = 300  # far above what anything here takes
+LONG = ("--metric-fn", "polar-2", "--complexity", 200000, "--threads", 1, "--progress", "none", "-o", "out.meshb",
+        "--report", "r")
+
+
+def ranks_of(mpirun):
+    """The processes that mpirun has started."""
+    children = pathlib.Path(f"/proc/{mpirun.pid}/task/{mpirun.pid}/children").read_text().split()
+    return [int(c) for c in children if "weft" in pathlib.Path(f"/proc/{c}/cmdline").read_text()]
+
+
+class Deadline(CommandTest):
+    def start(self, ranks, *words):
+        launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
+        return subprocess.Popen([*launcher, str(WEFT), "adapt", self.box(8), *map(str, words)], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def assert_valid_result(self, process, ended_by):
+        out, errors = process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 1, out + errors)
+        report = json.loads((self.folder / "r/report.json").read_text())
+        self.assertIs(report["interrupted"], True)
+        self.assertEqual(report["ended_by"], ended_by)
+        self.assertIn("GOAL NOT MET: ", out)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb", "r"])
+
+
+class TimeLimit(Deadline):
+    def test_of_one_mesh(self):
+        self.assert_valid_result(self.start(0, *LONG, "--time-limit", 2), "time limit")
+
+    def test_in_subdomains(self):
+        self.assert_valid_result(self.start(0, *LONG, "--subdomains", 6, "--time-limit", 2), "time limit")
+
+    def test_on_two_ranks(self):
+        self.assert_valid_result(self.start(2, *LONG, "--time-limit", 3), "time limit")
+
+    def test_before_anything_is_done(self):
+        self.assert_valid_result(self.start(2, *LONG, "--time-limit", 0.01), "time limit")
+
+    def test_that_is_not_reached_changes_nothing(self):
+        words = (self.box(3), "--metric-fn", "uniform:0.2", "--threads", 1, "--quiet", "-o")
+        self.weft("adapt", *words, "a.meshb")
+        self.weft("adapt", *words, "b.meshb", "--time-limit", 1000, "--max-memory", "4G")
+        self.assertEqual((self.folder / "a.meshb").read_bytes(), (self.folder / "b.meshb").read_bytes())
+
+    def test_that_is_no_time(self):
+        self.assert_fails("adapt", self.box(), "--metric-fn", "polar-2", "-o", "o.meshb", "--time-limit", "-1",
+                          says="--time-limit", code=64)
+
+
+class Memory(Deadline):
+    def test_that_is_used_up(self):
+        """The prediction is overruled; what the run really takes ends it."""
+        process = self.start(0, *LONG, "--max-memory", "150M", "--force")
+        self.assert_valid_result(process, "memory limit")
+
+    def test_that_cannot_be_enough(self):
+        for ranks in ([], ["--subdomains", 4]):
+            self.assert_fails("adapt", self.box(), *LONG[:-4], "--max-memory", "50M", *ranks, "-o", "o.meshb",
+                              says=["complexity", "memory", "52 MB are allowed"])
+
+
+class Signals(Deadline):
+    def running(self, ranks):
+        process = self.start(ranks, *LONG, "--subdomains", 6)
+        for _ in range(SECONDS):
+            time.sleep(1)
+            if process.poll() is not None or len(ranks_of(process)) == ranks:
+                break
+        time.sleep(2)  # into the adaptation, or near it: either is to end well
+        return process
+
+    def test_to_one_rank_reaches_all(self):
+        for rank in (0, 1):
+            process = self.running(2)
+            os.kill(ranks_of(process)[rank], signal.SIGTERM)
+            self.assert_valid_result(process, "interrupted")
+
+    def test_that_mpirun_passes_on(self):
+        process = self.running(2)
+        process.send_signal(signal.SIGALRM)
+        self.assert_valid_result(process, "interrupted")
+
+    def test_a_second_time_ends_at_once(self):
+        process = subprocess.Popen([str(WEFT), "adapt", self.box(8), *map(str, LONG)], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(2)
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGTERM)
+        self.assertIn(process.wait(timeout=SECONDS), (-signal.SIGTERM, 1))  # 1: it was through before
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,190 @@
+"""`--repair`: what is refused without it is mended with it, and every mend is told."""
+
+import json
+import unittest
+
+from command import CommandTest, mesh_text
+
+
+def sections(text):
+    """The numbers of an ASCII .mesh file by section, references included."""
+    words = text.split()
+    widths = {"Vertices": 4, "Tetrahedra": 5, "Triangles": 4, "Edges": 3}
+    found = {name: [] for name in widths}
+    for name, width in widths.items():
+        if name not in words:
+            continue
+        at = words.index(name) + 1
+        count = int(words[at])
+        rows = [words[at + 1 + i * width:at + 1 + (i + 1) * width] for i in range(count)]
+        kind = float if name == "Vertices" else int
+        found[name] = [[kind(x) for x in row] for row in rows]
+    return found
+
+
+def text_of(mesh):
+    text = "MeshVersionFormatted 2\nDimension 3\n"
+    for name, rows in mesh.items():
+        if rows:
+            text += f"{name}\n{len(rows)}\n" + "".join(" ".join(
+                repr(x) if name == "Vertices" and i < 3 else str(int(x)) for i, x in enumerate(row)) + "\n" for row in rows)
+    return text + "End\n"
+
+
+class Repair(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.weft("mesh", "box", "-o", "good.mesh", "--cells", 2, 2, 2)
+        self.mesh = sections((self.folder / "good.mesh").read_text())
+
+    def vertex_at(self, *place):
+        return next(i + 1 for i, v in enumerate(self.mesh["Vertices"]) if tuple(v[:3]) == place)
+
+    def assert_mended(self, says, *options, refused=True):
+        """Refused without --repair (unless it is let pass with a note), adapted and told with it, in all modes."""
+        self.write("bad.mesh", text_of(self.mesh))
+        words = ("adapt", "bad.mesh", *(options or ("--metric-fn", "uniform:0.4")), "-o", "out.meshb")
+        if refused:
+            self.assert_fails(*words, says="bad.mesh" if "m.sol" not in words else "m.sol")
+        for mode in ((), ("--subdomains", 2)):
+            out = self.weft(*words, "--repair", "--report", "r", *mode, "--threads", 1, expect=(0, 1)).stdout
+            self.assertIn("repaired: ", out)
+            self.assertIn(says, out)
+            mends = json.loads((self.folder / "r/report.json").read_text())["mends"]
+            self.assertIn(says, [mend["what"] for mend in mends])
+            self.weft("verify", "out.meshb", "--against", "good.mesh")
+
+    def test_vertices_at_the_same_place(self):
+        centre = self.vertex_at(0.5, 0.5, 0.5)
+        self.mesh["Vertices"].append([0.5, 0.5, 0.5, 0])
+        tet = next(t for t in self.mesh["Tetrahedra"] if centre in t[:4])
+        tet[tet.index(centre)] = len(self.mesh["Vertices"])
+        self.assert_mended("vertices at the same place merged", refused=False)
+
+    def test_unused_vertices(self):
+        self.mesh["Vertices"].insert(0, [9, 9, 9, 0])
+        for name in ("Tetrahedra", "Triangles", "Edges"):
+            for row in self.mesh[name]:
+                row[:-1] = [i + 1 for i in row[:-1]]
+        self.assert_mended("unused vertices removed", refused=False)
+
+    def test_tets_listed_the_wrong_way_round(self):
+        tet = self.mesh["Tetrahedra"][5]
+        tet[0], tet[1] = tet[1], tet[0]
+        self.assert_mended("tets listed the wrong way round turned")
+
+    def test_all_tets_listed_the_wrong_way_round(self):
+        for tet in self.mesh["Tetrahedra"]:
+            tet[0], tet[1] = tet[1], tet[0]
+        self.assert_mended("tets listed the wrong way round turned")
+
+    def test_inverted_tets(self):
+        centre = self.mesh["Vertices"][self.vertex_at(0.5, 0.5, 0.5) - 1]
+        centre[:3] = [1.2, 0.6, 0.5]
+        self.assert_mended("vertices of inverted or flat tets moved")
+
+    def test_flat_tets_inside(self):
+        centre = self.mesh["Vertices"][self.vertex_at(0.5, 0.5, 0.5) - 1]
+        centre[:3] = [1.0, 0.6, 0.55]
+        self.assert_mended("vertices of inverted or flat tets moved")
+
+    def test_flat_tets_at_the_boundary(self):
+        triangles = [t for t in self.mesh["Triangles"] if t[3] == 1]
+        first = triangles[0]
+        second = next(t for t in triangles if len(set(t[:3]) & set(first[:3])) == 2)
+        apex = next(v for v in second[:3] if v not in first[:3])
+        self.mesh["Tetrahedra"].append([*first[:3], apex, 0])
+        self.mesh["Tetrahedra"][-1][4] = self.mesh["Tetrahedra"][0][4]
+        self.assert_mended("flat tets at the boundary removed")
+
+    def test_repeated_and_degenerate_tets(self):
+        self.mesh["Tetrahedra"].append(list(self.mesh["Tetrahedra"][3]))
+        self.assert_mended("repeated tets removed")
+        self.mesh["Tetrahedra"][-1][0] = self.mesh["Tetrahedra"][-1][1]
+        self.assert_mended("tets with a repeated vertex removed")
+
+    def test_triangles(self):
+        self.mesh["Triangles"].append([*self.mesh["Triangles"][0][:3], 77])
+        self.assert_mended("repeated triangles with another reference removed", refused=False)
+        self.mesh["Triangles"][-1] = [self.vertex_at(0, 0, 0), self.vertex_at(1, 0, 0), self.vertex_at(1, 1, 1), 3]
+        self.assert_mended("triangles that are no faces of tets removed")
+        del self.mesh["Triangles"][-2:]
+        self.assert_mended("missing triangles made", refused=False)
+
+    def test_metrics(self):
+        count = len(self.mesh["Vertices"])
+        rows = ["4 0 4 0 0 4"] * count
+        rows[7] = "4 0 -4 0 0 4"
+        rows[11] = "0 0 0 0 0 0"
+        self.write("m.sol", f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{count}\n1 3\n" + "\n".join(rows) + "\nEnd\n")
+        self.assert_mended("metrics that are not finite or not positive definite replaced by their neighbours' mean",
+                           "--metric", "m.sol")
+
+    def test_what_cannot_be_mended_is_refused(self):
+        self.mesh["Tetrahedra"].append([1, 2, 5, 27, 1])
+        self.write("bad.mesh", text_of(self.mesh))
+        before = self.files()
+        self.weft("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", "--quiet", expect=2)
+        self.assertEqual(self.files(), before)
+
+
+class Surfaces(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.weft("mesh", "ball", "-o", "ball.mesh", "--size", 0.4)
+        mesh = sections((self.folder / "ball.mesh").read_text())
+        used = sorted({v for t in mesh["Triangles"] for v in t[:3]})
+        number = {v: i + 1 for i, v in enumerate(used)}
+        self.points = [tuple(mesh["Vertices"][v - 1][:3]) for v in used]
+        self.triangles = [tuple(number[v] for v in t[:3]) for t in mesh["Triangles"]]
+
+    def assert_filled(self, says, refused=True):
+        self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
+        words = ("mesh", "bad.mesh", "-o", "out.meshb")
+        if refused:
+            self.weft(*words, "--quiet", expect=2)
+        out = self.weft(*words, "--repair").stdout
+        self.assertIn("repaired: ", out)
+        self.assertIn(says, out)
+        self.weft("verify", "out.meshb")
+
+    def test_a_seam(self):
+        """One triangle has vertices of its own, a little off."""
+        corners = self.triangles[3]
+        for v in corners:
+            x, y, z = self.points[v - 1]
+            self.points.append((x * 1.0003, y * 1.0003, z * 1.0003))
+        n = len(self.points)
+        self.triangles[3] = (n - 2, n - 1, n)
+        self.assert_filled("vertices joined across seams")
+
+    def test_a_hole(self):
+        vertex = self.triangles[0][0]
+        self.triangles = [t for t in self.triangles if vertex not in t]
+        del self.triangles[5]
+        self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
+        self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--quiet", expect=2)
+
+    def test_a_small_hole(self):
+        self.weft("mesh", "ball", "-o", "fine.mesh", "--size", 0.1)
+        mesh = sections((self.folder / "fine.mesh").read_text())
+        self.points = [tuple(v[:3]) for v in mesh["Vertices"]]
+        self.triangles = [tuple(t[:3]) for t in mesh["Triangles"]][1:]
+        self.assert_filled("holes filled")
+
+    def test_a_junction(self):
+        """An edge is split on one side only."""
+        a, b, c = self.triangles[0]
+        mid = tuple(0.5 * (p + q) for p, q in zip(self.points[a - 1], self.points[b - 1]))
+        self.points.append(mid)
+        n = len(self.points)
+        self.triangles[0:1] = [(a, n, c), (n, b, c)]
+        self.assert_filled("triangles split at vertices beside their free edges")
+
+    def test_doubled_and_turned(self):
+        self.triangles += [(a, c, b) for a, b, c in self.triangles[::2]]
+        self.assert_filled("repeated triangles removed", refused=False)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,287 @@
+/* weft adapts tetrahedral meshes to anisotropic metric fields: the interface for C, and for all languages
+   that call C. It says in C what <weft/weft.h> says in C++, where everything is described in full.
+
+     weft_mesh* mesh = NULL;
+     weft_metric* metric = NULL;
+     weft_options* options = NULL;
+     weft_result* result = NULL;
+     weft_status status = weft_mesh_read("wing.meshb", &mesh);
+     if (!status) status = weft_metric_read("wing.solb", mesh, &metric);
+     if (!status) status = weft_options_create(NULL, &options);
+     if (!status) status = weft_options_set(options, "complexity", "500000");
+     if (!status) status = weft_adapt(mesh, metric, options, NULL, &result);
+     if (!status) status = weft_result_write(result, "fine.meshb");
+     if (status) fprintf(stderr, "%s\n", weft_last_error());
+     weft_free(mesh); weft_free(metric); weft_free(options); weft_free(result);
+
+   - Functions return WEFT_OK (0) or what went wrong; weft_last_error() then says it in words. Nothing is
+     printed, no signal handled, the process never ended.
+   - Objects are opaque handles, which weft_free() frees. A handle that has been freed, or is of another kind,
+     is refused with WEFT_MISUSE. A function that fails leaves its outputs as they are.
+   - Arrays of the caller are read during the call and never kept. Pointers that functions give out belong to
+     the object and are valid until it is freed (until it is changed or freed, for a mesh).
+   - Indices and counts are 64-bit, indices count from 0. Tensors have six numbers in a row; which comes where
+     has to be said (weft_tensor_order).
+   - Functions may be called from several threads at the same time, as long as none changes an object that
+     another uses. */
+#ifndef WEFT_WEFT_C_H
+#define WEFT_WEFT_C_H
+
+#include <mpi.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define WEFT_C_API __attribute__((visibility("default")))
+#else
+#define WEFT_C_API
+#endif
+
+typedef struct weft_mesh weft_mesh;
+typedef struct weft_metric weft_metric;
+typedef struct weft_fields weft_fields;
+typedef struct weft_options weft_options;
+typedef struct weft_part weft_part;
+typedef struct weft_result weft_result;
+
+typedef enum weft_status {
+  WEFT_OK = 0,
+  WEFT_MISUSE = 1,       /* a NULL or freed handle, one of another kind, wrong sizes */
+  WEFT_INPUT_ERROR = 2,  /* data that cannot be used; the text names file, entity and reason */
+  WEFT_OPTION_ERROR = 3, /* an option that is unknown, makes no sense or contradicts another */
+  WEFT_RUN_ERROR = 4,    /* a run on several ranks came to no end */
+  WEFT_OUT_OF_MEMORY = 5,
+  WEFT_INTERNAL_ERROR = 6 /* a fault of weft */
+} weft_status;
+
+/* "0.1.0" */
+WEFT_C_API const char* weft_version(void);
+/* What the last call of this thread that failed had to say; "" before the first. Valid until the next fails.
+ */
+WEFT_C_API const char* weft_last_error(void);
+/* "input error", ... */
+WEFT_C_API const char* weft_status_name(weft_status status);
+/* Frees any handle. NULL is allowed. */
+WEFT_C_API weft_status weft_free(void* handle);
+/* How many handles there are: those that a program has forgotten to free, at its end. */
+WEFT_C_API int64_t weft_handles(void);
+
+/* ------------------------------------------------------------------------------------------------ Meshes */
+
+/* The arrays of a mesh beside points and tets, by the numbers of a row. */
+typedef enum weft_array {
+  WEFT_TETS = 0,               /* 4: indices of points */
+  WEFT_TET_REFS = 1,           /* 1 */
+  WEFT_TRIANGLES = 2,          /* 3: indices of points */
+  WEFT_TRIANGLE_REFS = 3,      /* 1 */
+  WEFT_EDGES = 4,              /* 2: indices of points */
+  WEFT_EDGE_REFS = 5,          /* 1 */
+  WEFT_POINT_REFS = 6,         /* 1 */
+  WEFT_CORNERS = 7,            /* 1: index of a point */
+  WEFT_REQUIRED_POINTS = 8,    /* 1: index of a point */
+  WEFT_RIDGES = 9,             /* 1: index of an edge */
+  WEFT_REQUIRED_EDGES = 10,    /* 1: index of an edge */
+  WEFT_REQUIRED_TRIANGLES = 11 /* 1: index of a triangle */
+} weft_array;
+
+/* Of points x y z, x y z, ... and tets of four indices each. Both counts may be 0. */
+WEFT_C_API weft_status weft_mesh_create(int64_t num_points, const double* points, int64_t num_tets,
+                                        const int64_t* tets, weft_mesh** mesh);
+/* The same with 32-bit indices. */
+WEFT_C_API weft_status weft_mesh_create32(int64_t num_points, const double* points, int64_t num_tets,
+                                          const int32_t* tets, weft_mesh** mesh);
+/* Replaces an array by `count` rows. */
+WEFT_C_API weft_status weft_mesh_set(weft_mesh* mesh, weft_array which, int64_t count, const int64_t* values);
+WEFT_C_API weft_status weft_mesh_num_points(const weft_mesh* mesh, int64_t* count);
+/* The rows of an array. */
+WEFT_C_API weft_status weft_mesh_count(const weft_mesh* mesh, weft_array which, int64_t* count);
+/* Copies an array to where `capacity` numbers have room. */
+WEFT_C_API weft_status weft_mesh_get(const weft_mesh* mesh, weft_array which, int64_t capacity,
+                                     int64_t* values);
+/* Weft's own arrays, not copied: three doubles a point; four indices a tet. */
+WEFT_C_API weft_status weft_mesh_points(const weft_mesh* mesh, const double** points);
+WEFT_C_API weft_status weft_mesh_tets(const weft_mesh* mesh, const uint32_t** tets);
+/* Files of any format that the command knows. */
+WEFT_C_API weft_status weft_mesh_read(const char* path, weft_mesh** mesh);
+WEFT_C_API weft_status weft_mesh_write(const weft_mesh* mesh, const char* path);
+/* The full check with exact arithmetic. `num_problems` is 0 for a mesh that conforms; else weft_last_error()
+   names some, though the status is WEFT_OK. `volume` may be NULL. */
+WEFT_C_API weft_status weft_mesh_verify(const weft_mesh* mesh, int64_t* num_problems, double* volume);
+/* The unit cube of cells, 6 tets each. */
+WEFT_C_API weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_mesh** mesh);
+
+/* ----------------------------------------------------------------------------------------------- Metrics */
+
+/* Which of the components of a symmetric tensor is where. */
+typedef enum weft_tensor_order {
+  WEFT_ORDER_SOL = 1,  /* 11 12 22 13 23 33: as in .sol files and in <weft/weft.h> */
+  WEFT_ORDER_ROWS = 2, /* 11 12 13 22 23 33: the upper triangle row by row, as in Mmg's interface */
+  WEFT_ORDER_VOIGT = 3 /* 11 22 33 23 13 12 */
+} weft_tensor_order;
+
+/* Metric tensors at `count` vertices, or wanted sizes (the same in all directions). */
+WEFT_C_API weft_status weft_metric_from_tensors(int64_t count, const double* tensors, weft_tensor_order order,
+                                                weft_metric** metric);
+WEFT_C_API weft_status weft_metric_from_sizes(int64_t count, const double* sizes, weft_metric** metric);
+/* From a file of sizes or tensors, for a mesh. */
+WEFT_C_API weft_status weft_metric_read(const char* path, const weft_mesh* mesh, weft_metric** metric);
+WEFT_C_API weft_status weft_metric_write(const weft_metric* metric, const char* path);
+/* The metric that options ask for: of solutions, of the boundary, of `source` (may be NULL); limited, graded,
+   scaled. */
+WEFT_C_API weft_status weft_metric_make(const weft_mesh* mesh, const weft_metric* source,
+                                        const weft_options* options, weft_metric** metric);
+WEFT_C_API weft_status weft_metric_count(const weft_metric* metric, int64_t* count);
+/* Copies the tensors to where `capacity` numbers have room. */
+WEFT_C_API weft_status weft_metric_get(const weft_metric* metric, weft_tensor_order order, int64_t capacity,
+                                       double* tensors);
+/* About half the vertices of a mesh that conforms to the metric. */
+WEFT_C_API weft_status weft_metric_complexity(const weft_mesh* mesh, const weft_metric* metric,
+                                              double* complexity);
+
+/* ------------------------------------------------------------------------------------------------ Fields */
+
+/* Fields at the vertices of a mesh; without any, at first. */
+WEFT_C_API weft_status weft_fields_create(int64_t num_points, weft_fields** fields);
+/* Adds one of 1 (scalar), 3 (vector) or 6 (symmetric tensor, WEFT_ORDER_SOL) components. */
+WEFT_C_API weft_status weft_fields_add(weft_fields* fields, const char* name, int components,
+                                       const double* values);
+WEFT_C_API weft_status weft_fields_count(const weft_fields* fields, int64_t* num_fields, int64_t* num_points);
+/* Any of the outputs may be NULL. */
+WEFT_C_API weft_status weft_fields_get(const weft_fields* fields, int64_t index, const char** name,
+                                       int* components, const double** values);
+WEFT_C_API weft_status weft_fields_read(const char* path, weft_fields** fields);
+WEFT_C_API weft_status weft_fields_write(const weft_fields* fields, const char* path);
+/* Fields of one mesh at the vertices of another. Options may be NULL: transfer and threads are read. */
+WEFT_C_API weft_status weft_interpolate(const weft_mesh* from, const weft_fields* fields, const weft_mesh* to,
+                                        const weft_options* options, weft_fields** result);
+
+/* ----------------------------------------------------------------------------------------------- Options */
+
+/* The options that programs set most, by name: the meaning and the default of each are those of the command.
+   Start from weft_settings_default(): `size` tells a later library how much of it the caller knows. */
+typedef struct weft_settings {
+  size_t size; /* sizeof(weft_settings) */
+  double complexity, hmin, hmax, aspect, hgrad;
+  double curvature, sagitta, ridge_angle, hausd, norm;
+  int32_t threads, subdomains;
+  int32_t implied, conservative, ghosts, force; /* 0: no, 1: yes */
+} weft_settings;
+/* Fills the first settings->size bytes. */
+WEFT_C_API weft_status weft_settings_default(weft_settings* settings);
+
+/* `settings` may be NULL: all defaults. */
+WEFT_C_API weft_status weft_options_create(const weft_settings* settings, weft_options** options);
+/* By the command's names without dashes ("hgrad-space"), to what the command line would have; see
+   weft_option_name(). Which values make sense is said when they are used. */
+WEFT_C_API weft_status weft_options_set(weft_options* options, const char* name, const char* value);
+WEFT_C_API weft_status weft_options_set_number(weft_options* options, const char* name, double value);
+/* The names that there are, from 0 on; NULL behind the last. `type` and `text` say what each is, and may be
+   NULL. */
+WEFT_C_API const char* weft_option_name(int64_t index, const char** type, const char** text);
+/* The scalar fields of a solution drive the metric. */
+WEFT_C_API weft_status weft_options_add_solution(weft_options* options, const weft_fields* solution);
+
+/* How far a run is. */
+typedef struct weft_progress {
+  size_t size;       /* of what the library has filled */
+  const char* stage; /* "collapse", "measuring", or a sentence with counts */
+  double done;       /* predicted share of the time, 0 to 1 */
+  uint64_t tets;     /* now; 0: not known */
+} weft_progress;
+/* Returns 0 to cancel: the run ends soon with the valid mesh that it has. */
+typedef int (*weft_progress_function)(void* user, const weft_progress* progress);
+/* Called on the calling thread of rank 0, a few times a second; NULL: no more. */
+WEFT_C_API weft_status weft_options_set_progress(weft_options* options, weft_progress_function function,
+                                                 void* user);
+/* Cancels the runs that these options have been given to: from another thread or from a signal handler of a
+   program that keeps the options until the run has ended; on several ranks on all of them. 0 as `cancel`
+   makes the options usable again. */
+WEFT_C_API weft_status weft_options_cancel(weft_options* options, int cancel);
+
+/* -------------------------------------------------------------------------------------------- Adaptation */
+
+/* Adapts a mesh. `metric`: at its vertices; NULL: the one that options make. `options` may be NULL. `fields`,
+   at its vertices, are carried along; NULL: none. */
+WEFT_C_API weft_status weft_adapt(const weft_mesh* mesh, const weft_metric* metric,
+                                  const weft_options* options, const weft_fields* fields,
+                                  weft_result** result);
+/* From file to file, as `weft adapt IN -o OUT` does. */
+WEFT_C_API weft_status weft_adapt_files(const char* input, const char* output, const weft_options* options,
+                                        weft_result** result);
+
+/* What one rank has of a mesh in parts: a mesh of its own (which the part takes, copying nothing, unless it
+   is shared; the handle stays valid), the global ids of its points, the same wherever a point is, and, or
+   NULL, those of its tets, which fix their order, and fields at its points. A mesh may be empty. */
+WEFT_C_API weft_status weft_part_create(weft_mesh* mesh, const int64_t* point_ids, const int64_t* tet_ids,
+                                        const weft_fields* fields, weft_part** part);
+/* Adapts a mesh in parts. All ranks of the communicator call it; all return the same status. A rank whose own
+   preparations have failed passes NULL as its part, so that nobody waits for it. `metric`: at the points of
+   the part. */
+WEFT_C_API weft_status weft_adapt_parts(MPI_Comm communicator, const weft_part* part,
+                                        const weft_metric* metric, const weft_options* options,
+                                        weft_result** result);
+/* The same with a communicator of Fortran's, which is also what py2f() of mpi4py gives. */
+WEFT_C_API weft_status weft_adapt_parts_f(int communicator, const weft_part* part, const weft_metric* metric,
+                                          const weft_options* options, weft_result** result);
+WEFT_C_API weft_status weft_part_mesh(const weft_part* part, weft_mesh** mesh);
+WEFT_C_API weft_status weft_part_fields(const weft_part* part, weft_fields** fields);
+/* Of a result's part: the ids of its points, counting from 0 without gaps, and the rank that owns each. */
+WEFT_C_API weft_status weft_part_points(const weft_part* part, const uint64_t** ids, const int** owners);
+/* Tets from this one on are ghosts; which rank has each of them (NULL where there are none). */
+WEFT_C_API weft_status weft_part_ghosts(const weft_part* part, int64_t* num_own_tets, const int** owners);
+
+/* ----------------------------------------------------------------------------------------------- Results */
+
+/* New handles on what the result has, to be freed too; nothing is copied. */
+WEFT_C_API weft_status weft_result_mesh(const weft_result* result, weft_mesh** mesh);
+WEFT_C_API weft_status weft_result_metric(const weft_result* result, weft_metric** metric);
+WEFT_C_API weft_status weft_result_fields(const weft_result* result, weft_fields** fields);
+WEFT_C_API weft_status weft_result_part(const weft_result* result, weft_part** part);
+/* Mesh, metric beside it, and fields, as `weft adapt` writes them. */
+WEFT_C_API weft_status weft_result_write(const weft_result* result, const char* path);
+/* 1 or 0: whether the goal was met (else the summary says why), and whether the run was cancelled. Either may
+   be NULL. */
+WEFT_C_API weft_status weft_result_verdict(const weft_result* result, int* goal_met, int* cancelled);
+/* What the command prints; the same for programs, JSON of schema weft-report-1. */
+WEFT_C_API weft_status weft_result_summary(const weft_result* result, const char** text);
+WEFT_C_API weft_status weft_result_json(const weft_result* result, const char** text);
+
+/* Quality of tets (mean ratio) and lengths of edges in a metric. */
+typedef struct weft_measures {
+  size_t size; /* sizeof(weft_measures), to be set by the caller */
+  int64_t vertices, tets, edges, triangles;
+  double volume, complexity;
+  double quality_mean, quality_min, quality_q01; /* q01: 1 % quantile */
+  double length_mean, length_min, length_max;
+  double edges_unit, edges_short, edges_long; /* shares */
+} weft_measures;
+/* Of the result; of any mesh. */
+WEFT_C_API weft_status weft_result_measures(const weft_result* result, weft_measures* measures);
+WEFT_C_API weft_status weft_measure(const weft_mesh* mesh, const weft_metric* metric,
+                                    weft_measures* measures);
+
+/* ---------------------------------------------------------------------------------------- Initial meshes */
+
+typedef struct weft_fill_settings {
+  size_t size;            /* sizeof(weft_fill_settings) */
+  double growth;          /* of neighbouring edges away from the surface */
+  double max_size;        /* 0: no limit */
+  double merge;           /* points nearer than this share of the diagonal are one */
+  int32_t materials;      /* 1: a shell within a volume bounds a material, not a hole */
+  int32_t remesh_surface; /* 1: the surface may be adapted */
+} weft_fill_settings;
+WEFT_C_API weft_status weft_fill_settings_default(weft_fill_settings* settings);
+/* Fills the volumes that the closed triangles of a mesh bound with tets. `settings` and `options` may be
+   NULL; of the options threads, progress, hausd and ridge-angle are read. */
+WEFT_C_API weft_status weft_fill(const weft_mesh* surface, const weft_fill_settings* settings,
+                                 const weft_options* options, weft_mesh** mesh, weft_metric** metric);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,215 @@
+// Metrics and fields.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "tools/bindings/c/calls.h"
+
+namespace weft::c {
+namespace {
+
+/// Where the components 11 12 22 13 23 33 are in an order of the caller's.
+std::array<std::size_t, 6> places_of(weft_tensor_order order) {
+  switch (order) {
+    case WEFT_ORDER_SOL:
+      return {0, 1, 2, 3, 4, 5};
+    case WEFT_ORDER_ROWS:
+      return {0, 1, 3, 2, 4, 5};
+    case WEFT_ORDER_VOIGT:
+      return {0, 5, 1, 4, 3, 2};
+  }
+  throw Misuse("order: " + std::to_string(static_cast<int>(order)) + " is none of weft_tensor_order");
+}
+
+std::vector<Tensor> tensors_of(std::int64_t count, const double* values, weft_tensor_order order) {
+  const auto at = places_of(order);
+  std::vector<Tensor> tensors(static_cast<std::size_t>(count));
+  for (std::size_t v = 0; v < tensors.size(); ++v) {
+    const double* m = values + 6 * v;
+    tensors[v] = {m[at[0]], m[at[1]], m[at[2]], m[at[3]], m[at[4]], m[at[5]]};
+  }
+  return tensors;
+}
+
+std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle, const char* argument = "mesh") {
+  return object_of<MeshObject>(handle, argument)->mesh;
+}
+std::shared_ptr<const Metric> metric_of(const weft_metric* handle) {
+  return object_of<MetricObject>(handle, "metric")->metric;
+}
+std::shared_ptr<Fields> fields_of(const weft_fields* handle) {
+  return object_of<FieldsObject>(handle, "fields")->fields;
+}
+
+void give_new(weft_metric** place, Metric&& metric) {
+  give_metric(place, std::make_shared<const Metric>(std::move(metric)));
+}
+void give_new(weft_fields** place, Fields&& fields) {
+  give_fields(place, std::make_shared<Fields>(std::move(fields)));
+}
+
+Field field_of(std::size_t num_points, const std::string& name, int components, const double* values) {
+  require(components == 1 || components == 3 || components == 6,
+          "components: " + std::to_string(components) + " is none of 1, 3 and 6");
+  require_array(values, static_cast<std::int64_t>(num_points), components, "values");
+  const std::size_t count = num_points * static_cast<std::size_t>(components);
+  for (std::size_t i = 0; i < count; ++i)
+    if (!std::isfinite(values[i]))
+      throw InputError("", "", "values[" + std::to_string(i) + "]: is not finite");
+  const Field::Kind kind = components == 1   ? Field::Kind::scalar
+                           : components == 3 ? Field::Kind::vector
+                                             : Field::Kind::tensor;
+  return {kind, {values, values + count}, name};
+}
+
+}  // namespace
+}  // namespace weft::c
+
+using namespace weft::c;
+
+extern "C" {
+
+weft_status weft_metric_from_tensors(int64_t count, const double* tensors, weft_tensor_order order,
+                                     weft_metric** metric) {
+  return guarded([&] {
+    require_place(metric, "metric");
+    require_array(tensors, count, 6, "tensors");
+    give_new(metric, weft::Metric::from_tensors(tensors_of(count, tensors, order)));
+  });
+}
+
+weft_status weft_metric_from_sizes(int64_t count, const double* sizes, weft_metric** metric) {
+  return guarded([&] {
+    require_place(metric, "metric");
+    require_array(sizes, count, 1, "sizes");
+    give_new(metric,
+             weft::Metric::from_sizes(std::span<const double>(sizes, static_cast<std::size_t>(count))));
+  });
+}
+
+weft_status weft_metric_read(const char* path, const weft_mesh* mesh, weft_metric** metric) {
+  return guarded([&] {
+    const std::string file = require_text(path, "path");
+    require_place(metric, "metric");
+    give_new(metric, weft::read_metric(file, *mesh_of(mesh)));
+  });
+}
+
+weft_status weft_metric_write(const weft_metric* metric, const char* path) {
+  return guarded([&] { weft::write_fields(require_text(path, "path"), metric_of(metric)->fields()); });
+}
+
+weft_status weft_metric_make(const weft_mesh* mesh, const weft_metric* source, const weft_options* options,
+                             weft_metric** metric) {
+  return guarded([&] {
+    require_place(metric, "metric");
+    const auto known = mesh_of(mesh);
+    const auto asked = object_of<OptionsObject>(options, "options");
+    const auto given = object_or_none<MetricObject>(source, "source");
+    const weft::MetricOptions& how = asked->options.metric;
+    const int threads = asked->options.run.threads;
+    if (given) return give_new(metric, weft::make_metric(*known, *given->metric, how, {}, threads).metric);
+    if (!how.given())
+      throw weft::OptionError("--metric", "no metric: neither a source nor an option makes one");
+    give_new(metric, weft::make_metric(*known, how, {}, threads).metric);
+  });
+}
+
+weft_status weft_metric_count(const weft_metric* metric, int64_t* count) {
+  return guarded([&] {
+    require_place(count, "count");
+    *count = static_cast<int64_t>(metric_of(metric)->size());
+  });
+}
+
+weft_status weft_metric_get(const weft_metric* metric, weft_tensor_order order, int64_t capacity,
+                            double* tensors) {
+  return guarded([&] {
+    const auto known = metric_of(metric);
+    const auto at = places_of(order);
+    require_array(tensors, capacity, 1, "tensors");
+    const auto needed = static_cast<int64_t>(6 * known->size());
+    require(needed <= capacity, "capacity: " + std::to_string(capacity) + " numbers, but " +
+                                    std::to_string(needed) + " are needed");
+    for (std::size_t v = 0; v < known->size(); ++v) {
+      const weft::Tensor m = known->tensor(v);
+      const std::array<double, 6> values = {m.xx, m.xy, m.yy, m.xz, m.yz, m.zz};
+      for (std::size_t i = 0; i < 6; ++i) tensors[6 * v + at[i]] = values[i];
+    }
+  });
+}
+
+weft_status weft_metric_complexity(const weft_mesh* mesh, const weft_metric* metric, double* complexity) {
+  return guarded([&] {
+    require_place(complexity, "complexity");
+    *complexity = weft::complexity(*mesh_of(mesh), *metric_of(metric));
+  });
+}
+
+weft_status weft_fields_create(int64_t num_points, weft_fields** fields) {
+  return guarded([&] {
+    require_place(fields, "fields");
+    require(num_points >= 0 && num_points < std::numeric_limits<std::uint32_t>::max(),
+            "num_points: " + std::to_string(num_points) + " is no number of points that a mesh can have");
+    give_new(fields, weft::Fields{static_cast<std::size_t>(num_points), {}});
+  });
+}
+
+weft_status weft_fields_add(weft_fields* fields, const char* name, int components, const double* values) {
+  return guarded([&] {
+    const auto object = object_of<FieldsObject>(fields, "fields");
+    weft::Field field = field_of(object->fields->num_points, require_text(name, "name"), components, values);
+    object->own().fields.push_back(std::move(field));
+  });
+}
+
+weft_status weft_fields_count(const weft_fields* fields, int64_t* num_fields, int64_t* num_points) {
+  return guarded([&] {
+    const auto known = fields_of(fields);
+    if (num_fields) *num_fields = static_cast<int64_t>(known->fields.size());
+    if (num_points) *num_points = static_cast<int64_t>(known->num_points);
+  });
+}
+
+weft_status weft_fields_get(const weft_fields* fields, int64_t index, const char** name, int* components,
+                            const double** values) {
+  return guarded([&] {
+    const auto known = fields_of(fields);
+    require(index >= 0 && index < static_cast<int64_t>(known->fields.size()),
+            "index: " + std::to_string(index) + " is none of the " + std::to_string(known->fields.size()) +
+                " fields");
+    const weft::Field& field = known->fields[static_cast<std::size_t>(index)];
+    if (name) *name = field.name.c_str();
+    if (components) *components = weft::components(field.kind);
+    if (values) *values = field.values.data();
+  });
+}
+
+weft_status weft_fields_read(const char* path, weft_fields** fields) {
+  return guarded([&] {
+    const std::string file = require_text(path, "path");
+    require_place(fields, "fields");
+    give_new(fields, weft::read_fields(file));
+  });
+}
+
+weft_status weft_fields_write(const weft_fields* fields, const char* path) {
+  return guarded([&] { weft::write_fields(require_text(path, "path"), *fields_of(fields)); });
+}
+
+weft_status weft_interpolate(const weft_mesh* from, const weft_fields* fields, const weft_mesh* to,
+                             const weft_options* options, weft_fields** result) {
+  return guarded([&] {
+    require_place(result, "result");
+    const auto old = mesh_of(from, "from"), fresh = mesh_of(to, "to");
+    const auto asked = object_or_none<OptionsObject>(options, "options");
+    const weft::Options how = asked ? asked->options : weft::Options{};
+    weft::validate(how);
+    give_new(result,
+             weft::interpolate(*old, *fields_of(fields), *fresh, how.transfer, how.run.threads).fields);
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,98 @@
+// What the handles of C stand for, and how calls get at it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "weft/weft-c.h"
+#include "weft/weft.h"
+
+namespace weft::c {
+
+/// A call that makes no sense: WEFT_MISUSE.
+class Misuse : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Meshes may be members of results and parts, which then live as long as the handle.
+struct MeshObject {
+  std::shared_ptr<Mesh> mesh;
+  /// The mesh, to be changed: a copy where anybody else has it.
+  Mesh& own();
+};
+struct MetricObject {
+  std::shared_ptr<const Metric> metric;
+};
+struct FieldsObject {
+  std::shared_ptr<Fields> fields;
+  Fields& own();
+};
+struct OptionsObject {
+  Options options;
+  std::atomic<bool> cancel = false;
+  std::atomic<bool> callback_cancelled = false;  ///< `cancel` was set because the caller's function said so
+};
+struct PartObject {
+  std::shared_ptr<Part> part;
+};
+/// One of the three results; `report` is its base.
+struct ResultObject {
+  std::shared_ptr<Result> whole;
+  std::shared_ptr<PartResult> part;
+  std::shared_ptr<FilesResult> files;
+  std::mutex mutex;  ///< of the two texts
+  std::string summary, json;
+
+  const Report& report() const;
+};
+
+enum class Kind { mesh, metric, fields, options, part, result };
+template <class Object>
+inline constexpr Kind kKind = Kind::mesh;
+template <>
+inline constexpr Kind kKind<MetricObject> = Kind::metric;
+template <>
+inline constexpr Kind kKind<FieldsObject> = Kind::fields;
+template <>
+inline constexpr Kind kKind<OptionsObject> = Kind::options;
+template <>
+inline constexpr Kind kKind<PartObject> = Kind::part;
+template <>
+inline constexpr Kind kKind<ResultObject> = Kind::result;
+
+// A handle is a number that is never used again and that nobody follows, so a freed one, or any other
+// pointer, is found out without touching memory. A call holds its objects, so another thread may free the
+// handles.
+void* add_object(Kind kind, std::shared_ptr<void> object);
+std::shared_ptr<void> find_object(Kind kind, const void* handle, const char* argument);
+void free_object(const void* handle);
+std::int64_t count_objects();
+
+/// The object of a handle; throws Misuse naming the argument.
+template <class Object>
+std::shared_ptr<Object> object_of(const void* handle, const char* argument) {
+  return std::static_pointer_cast<Object>(find_object(kKind<Object>, handle, argument));
+}
+
+/// The same where NULL means none.
+template <class Object>
+std::shared_ptr<Object> object_or_none(const void* handle, const char* argument) {
+  return handle ? object_of<Object>(handle, argument) : nullptr;
+}
+
+/// Writes a new handle.
+template <class Handle, class Object>
+void give(Handle** place, std::shared_ptr<Object> object) {
+  *place = static_cast<Handle*>(add_object(kKind<Object>, std::move(object)));
+}
+
+void give_mesh(weft_mesh** place, std::shared_ptr<Mesh> mesh);
+void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric);
+void give_fields(weft_fields** place, std::shared_ptr<Fields> fields);
+
+}  // namespace weft::c

@@ -1,0 +1,527 @@
+!> weft adapts tetrahedral meshes to anisotropic metric fields: the C interface <weft/weft-c.h> in Fortran.
+!>
+!> Every function returns a status, weft_ok (0) where all went well; weft_error() says in words what did not.
+!> Objects are of type(c_ptr), c_null_ptr before they are made, and freed by weft_free. Arrays are points(3, n),
+!> tets(4, m), triangles(3, k), edges(2, l); indices count from 1, ids of parts as the program likes.
+module weft
+  use, intrinsic :: iso_c_binding
+  implicit none
+  private
+
+  integer(c_int), parameter, public :: weft_ok = 0, weft_misuse = 1, weft_input_error = 2, weft_option_error = 3, &
+    weft_run_error = 4, weft_out_of_memory = 5, weft_internal_error = 6
+  !> Which components of a symmetric tensor are where: 11 12 22 13 23 33; 11 12 13 22 23 33; 11 22 33 23 13 12.
+  integer(c_int), parameter, public :: weft_order_sol = 1, weft_order_rows = 2, weft_order_voigt = 3
+  !> Arrays of a mesh, for weft_mesh_set, weft_mesh_count and weft_mesh_get.
+  integer(c_int), parameter, public :: weft_tets = 0, weft_tet_refs = 1, weft_triangles = 2, weft_triangle_refs = 3, &
+    weft_edges = 4, weft_edge_refs = 5, weft_point_refs = 6, weft_corners = 7, weft_required_points = 8, &
+    weft_ridges = 9, weft_required_edges = 10, weft_required_triangles = 11
+
+  !> Quality of tets (mean ratio) and lengths of edges in a metric.
+  type, bind(c), public :: weft_measures
+    integer(c_size_t) :: size
+    integer(c_int64_t) :: vertices, tets, edges, triangles
+    real(c_double) :: volume, complexity, quality_mean, quality_min, quality_q01, length_mean, length_min, &
+      length_max, edges_unit, edges_short, edges_long
+  end type weft_measures
+
+  !> How far a run is: what a function of weft_set_progress is told.
+  type, bind(c), public :: weft_progress
+    integer(c_size_t) :: size
+    type(c_ptr) :: stage
+    real(c_double) :: done
+    integer(c_int64_t) :: tets
+  end type weft_progress
+
+  abstract interface
+    !> Returns 0 to cancel: the run ends soon with the valid mesh that it has.
+    function weft_progress_function(user, progress) bind(c) result(go_on)
+      import :: c_ptr, c_int, weft_progress
+      type(c_ptr), value :: user
+      type(weft_progress), intent(in) :: progress
+      integer(c_int) :: go_on
+    end function weft_progress_function
+  end interface
+  public :: weft_progress_function
+
+  public :: weft_error, weft_free, weft_mesh_create, weft_mesh_set, weft_mesh_num_points, weft_mesh_count, &
+    weft_mesh_get, weft_mesh_points, weft_mesh_read, weft_mesh_write, weft_mesh_verify, weft_metric_from_sizes, &
+    weft_metric_from_tensors, weft_metric_read, weft_metric_write, weft_metric_make, weft_metric_get, &
+    weft_fields_create, weft_fields_add, weft_fields_get, weft_interpolate, weft_options_create, weft_options_set, &
+    weft_options_add_solution, weft_set_progress, weft_adapt, weft_adapt_parts, weft_part_create, weft_part_mesh, &
+    weft_part_fields, weft_part_points, weft_result_mesh, weft_result_metric, weft_result_fields, weft_result_part, &
+    weft_result_write, weft_result_verdict, weft_result_measures, weft_result_summary, weft_fill
+
+  interface weft_options_set
+    module procedure options_set_text, options_set_real, options_set_integer
+  end interface weft_options_set
+
+  interface
+    function c_last_error() bind(c, name="weft_last_error")
+      import; type(c_ptr) :: c_last_error
+    end function
+    !> Frees any object; c_null_ptr is allowed.
+    function weft_free(handle) bind(c)
+      import; type(c_ptr), value :: handle; integer(c_int) :: weft_free
+    end function
+    function c_mesh_create(num_points, points, num_tets, tets, mesh) bind(c, name="weft_mesh_create")
+      import; integer(c_int64_t), value :: num_points, num_tets; real(c_double), intent(in) :: points(*)
+      integer(c_int64_t), intent(in) :: tets(*); type(c_ptr), intent(inout) :: mesh; integer(c_int) :: c_mesh_create
+    end function
+    function c_mesh_set(mesh, which, count, values) bind(c, name="weft_mesh_set")
+      import; type(c_ptr), value :: mesh; integer(c_int), value :: which; integer(c_int64_t), value :: count
+      integer(c_int64_t), intent(in) :: values(*); integer(c_int) :: c_mesh_set
+    end function
+    function weft_mesh_num_points(mesh, count) bind(c)
+      import; type(c_ptr), value :: mesh; integer(c_int64_t), intent(inout) :: count
+      integer(c_int) :: weft_mesh_num_points
+    end function
+    !> Rows of an array: weft_tets, weft_triangles, ...
+    function weft_mesh_count(mesh, which, count) bind(c)
+      import; type(c_ptr), value :: mesh; integer(c_int), value :: which; integer(c_int64_t), intent(inout) :: count
+      integer(c_int) :: weft_mesh_count
+    end function
+    function c_mesh_get(mesh, which, capacity, values) bind(c, name="weft_mesh_get")
+      import; type(c_ptr), value :: mesh; integer(c_int), value :: which; integer(c_int64_t), value :: capacity
+      integer(c_int64_t), intent(inout) :: values(*); integer(c_int) :: c_mesh_get
+    end function
+    function c_mesh_points(mesh, points) bind(c, name="weft_mesh_points")
+      import; type(c_ptr), value :: mesh; type(c_ptr), intent(inout) :: points; integer(c_int) :: c_mesh_points
+    end function
+    function c_mesh_read(path, mesh) bind(c, name="weft_mesh_read")
+      import; character(c_char), intent(in) :: path(*); type(c_ptr), intent(inout) :: mesh; integer(c_int) :: c_mesh_read
+    end function
+    function c_mesh_write(mesh, path) bind(c, name="weft_mesh_write")
+      import; type(c_ptr), value :: mesh; character(c_char), intent(in) :: path(*); integer(c_int) :: c_mesh_write
+    end function
+    !> num_problems is 0 for a mesh that conforms; else weft_error() names some.
+    function weft_mesh_verify(mesh, num_problems, volume) bind(c)
+      import; type(c_ptr), value :: mesh; integer(c_int64_t), intent(inout) :: num_problems
+      real(c_double), intent(inout) :: volume; integer(c_int) :: weft_mesh_verify
+    end function
+    function c_metric_from_sizes(count, sizes, metric) bind(c, name="weft_metric_from_sizes")
+      import; integer(c_int64_t), value :: count; real(c_double), intent(in) :: sizes(*)
+      type(c_ptr), intent(inout) :: metric; integer(c_int) :: c_metric_from_sizes
+    end function
+    function c_metric_from_tensors(count, tensors, order, metric) bind(c, name="weft_metric_from_tensors")
+      import; integer(c_int64_t), value :: count; real(c_double), intent(in) :: tensors(*)
+      integer(c_int), value :: order; type(c_ptr), intent(inout) :: metric; integer(c_int) :: c_metric_from_tensors
+    end function
+    function c_metric_read(path, mesh, metric) bind(c, name="weft_metric_read")
+      import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh
+      type(c_ptr), intent(inout) :: metric; integer(c_int) :: c_metric_read
+    end function
+    function c_metric_write(metric, path) bind(c, name="weft_metric_write")
+      import; type(c_ptr), value :: metric; character(c_char), intent(in) :: path(*); integer(c_int) :: c_metric_write
+    end function
+    !> The metric that options ask for; `source` may be c_null_ptr.
+    function weft_metric_make(mesh, source, options, metric) bind(c)
+      import; type(c_ptr), value :: mesh, source, options; type(c_ptr), intent(inout) :: metric
+      integer(c_int) :: weft_metric_make
+    end function
+    function c_metric_get(metric, order, capacity, tensors) bind(c, name="weft_metric_get")
+      import; type(c_ptr), value :: metric; integer(c_int), value :: order; integer(c_int64_t), value :: capacity
+      real(c_double), intent(inout) :: tensors(*); integer(c_int) :: c_metric_get
+    end function
+    function c_fields_create(num_points, fields) bind(c, name="weft_fields_create")
+      import; integer(c_int64_t), value :: num_points; type(c_ptr), intent(inout) :: fields
+      integer(c_int) :: c_fields_create
+    end function
+    function c_fields_add(fields, name, components, values) bind(c, name="weft_fields_add")
+      import; type(c_ptr), value :: fields; character(c_char), intent(in) :: name(*); integer(c_int), value :: components
+      real(c_double), intent(in) :: values(*); integer(c_int) :: c_fields_add
+    end function
+    function c_fields_count(fields, num_fields, num_points) bind(c, name="weft_fields_count")
+      import; type(c_ptr), value :: fields; integer(c_int64_t), intent(inout) :: num_fields, num_points
+      integer(c_int) :: c_fields_count
+    end function
+    function c_fields_get(fields, index, name, components, values) bind(c, name="weft_fields_get")
+      import; type(c_ptr), value :: fields; integer(c_int64_t), value :: index
+      type(c_ptr), intent(inout) :: name, values; integer(c_int), intent(inout) :: components
+      integer(c_int) :: c_fields_get
+    end function
+    !> Fields of one mesh at the vertices of another; options may be c_null_ptr.
+    function weft_interpolate(from, fields, to, options, result) bind(c)
+      import; type(c_ptr), value :: from, fields, to, options; type(c_ptr), intent(inout) :: result
+      integer(c_int) :: weft_interpolate
+    end function
+    function c_options_create(settings, options) bind(c, name="weft_options_create")
+      import; type(c_ptr), value :: settings; type(c_ptr), intent(inout) :: options; integer(c_int) :: c_options_create
+    end function
+    function c_options_set(options, name, value) bind(c, name="weft_options_set")
+      import; type(c_ptr), value :: options; character(c_char), intent(in) :: name(*), value(*)
+      integer(c_int) :: c_options_set
+    end function
+    function c_options_set_number(options, name, value) bind(c, name="weft_options_set_number")
+      import; type(c_ptr), value :: options; character(c_char), intent(in) :: name(*); real(c_double), value :: value
+      integer(c_int) :: c_options_set_number
+    end function
+    !> The scalar fields of a solution drive the metric.
+    function weft_options_add_solution(options, solution) bind(c)
+      import; type(c_ptr), value :: options, solution; integer(c_int) :: weft_options_add_solution
+    end function
+    function c_options_set_progress(options, function, user) bind(c, name="weft_options_set_progress")
+      import; type(c_ptr), value :: options, user; type(c_funptr), value :: function
+      integer(c_int) :: c_options_set_progress
+    end function
+    !> metric: at the vertices of the mesh, or c_null_ptr where options make one; options and fields may be c_null_ptr.
+    function weft_adapt(mesh, metric, options, fields, result) bind(c)
+      import; type(c_ptr), value :: mesh, metric, options, fields; type(c_ptr), intent(inout) :: result
+      integer(c_int) :: weft_adapt
+    end function
+    !> All ranks of a communicator of mpif.h or module mpi (comm%mpi_val of mpi_f08) call it; all get the same status.
+    function weft_adapt_parts(communicator, part, metric, options, result) bind(c, name="weft_adapt_parts_f")
+      import; integer(c_int), value :: communicator; type(c_ptr), value :: part, metric, options
+      type(c_ptr), intent(inout) :: result; integer(c_int) :: weft_adapt_parts
+    end function
+    function c_part_create(mesh, point_ids, tet_ids, fields, part) bind(c, name="weft_part_create")
+      import; type(c_ptr), value :: mesh, tet_ids, fields; integer(c_int64_t), intent(in) :: point_ids(*)
+      type(c_ptr), intent(inout) :: part; integer(c_int) :: c_part_create
+    end function
+    function weft_part_mesh(part, mesh) bind(c)
+      import; type(c_ptr), value :: part; type(c_ptr), intent(inout) :: mesh; integer(c_int) :: weft_part_mesh
+    end function
+    function weft_part_fields(part, fields) bind(c)
+      import; type(c_ptr), value :: part; type(c_ptr), intent(inout) :: fields; integer(c_int) :: weft_part_fields
+    end function
+    function c_part_points(part, ids, owners) bind(c, name="weft_part_points")
+      import; type(c_ptr), value :: part; type(c_ptr), intent(inout) :: ids, owners; integer(c_int) :: c_part_points
+    end function
+    function weft_result_mesh(result, mesh) bind(c)
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: mesh; integer(c_int) :: weft_result_mesh
+    end function
+    function weft_result_metric(result, metric) bind(c)
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: metric; integer(c_int) :: weft_result_metric
+    end function
+    function weft_result_fields(result, fields) bind(c)
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: fields; integer(c_int) :: weft_result_fields
+    end function
+    function weft_result_part(result, part) bind(c)
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: part; integer(c_int) :: weft_result_part
+    end function
+    function c_result_write(result, path) bind(c, name="weft_result_write")
+      import; type(c_ptr), value :: result; character(c_char), intent(in) :: path(*); integer(c_int) :: c_result_write
+    end function
+    function weft_result_verdict(result, goal_met, cancelled) bind(c)
+      import; type(c_ptr), value :: result; integer(c_int), intent(inout) :: goal_met, cancelled
+      integer(c_int) :: weft_result_verdict
+    end function
+    function c_result_measures(result, measures) bind(c, name="weft_result_measures")
+      import; type(c_ptr), value :: result; type(weft_measures), intent(inout) :: measures
+      integer(c_int) :: c_result_measures
+    end function
+    function c_result_summary(result, text) bind(c, name="weft_result_summary")
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: text; integer(c_int) :: c_result_summary
+    end function
+    function c_fill(surface, settings, options, mesh, metric) bind(c, name="weft_fill")
+      import; type(c_ptr), value :: surface, settings, options; type(c_ptr), intent(inout) :: mesh, metric
+      integer(c_int) :: c_fill
+    end function
+  end interface
+
+contains
+
+  !> What the last call of this thread that failed had to say.
+  function weft_error() result(text)
+    character(:), allocatable :: text
+    text = text_of(c_last_error())
+  end function weft_error
+
+  function text_of(pointer) result(text)
+    type(c_ptr), intent(in) :: pointer
+    character(:), allocatable :: text
+    character(c_char), pointer :: letters(:)
+    integer :: length, i
+    interface
+      pure function strlen(text) bind(c)
+        import; type(c_ptr), value :: text; integer(c_size_t) :: strlen
+      end function
+    end interface
+    length = 0
+    if (c_associated(pointer)) length = int(strlen(pointer))
+    allocate (character(length) :: text)
+    if (length == 0) return
+    call c_f_pointer(pointer, letters, [length])
+    do i = 1, length
+      text(i:i) = letters(i)
+    end do
+  end function text_of
+
+  !> Of points(3, n) and tets(4, m), which count points from 1.
+  function weft_mesh_create(points, tets, mesh) result(status)
+    real(c_double), intent(in), contiguous :: points(:, :)
+    integer(c_int64_t), intent(in) :: tets(:, :)
+    type(c_ptr), intent(inout) :: mesh
+    integer(c_int) :: status
+    integer(c_int64_t), allocatable :: from_0(:, :)
+    allocate (from_0, source=tets)
+    from_0 = from_0 - 1
+    status = c_mesh_create(size(points, 2, c_int64_t), points, size(tets, 2, c_int64_t), from_0, mesh)
+  end function weft_mesh_create
+
+  pure function is_of_refs(which)
+    integer(c_int), intent(in) :: which
+    logical :: is_of_refs
+    is_of_refs = any(which == [weft_tet_refs, weft_triangle_refs, weft_edge_refs, weft_point_refs])
+  end function is_of_refs
+
+  pure function width_of(which) result(width)
+    integer(c_int), intent(in) :: which
+    integer(c_int64_t) :: width
+    width = 1
+    if (which == weft_tets) width = 4
+    if (which == weft_triangles) width = 3
+    if (which == weft_edges) width = 2
+  end function width_of
+
+  !> Replaces an array, given as a list: reshape(triangles, [size(triangles)]). Indices count from 1.
+  function weft_mesh_set(mesh, which, values) result(status)
+    type(c_ptr), intent(in) :: mesh
+    integer(c_int), intent(in) :: which
+    integer(c_int64_t), intent(in) :: values(:)
+    integer(c_int) :: status
+    integer(c_int64_t), allocatable :: from_0(:)
+    allocate (from_0, source=values)
+    if (.not. is_of_refs(which)) from_0 = from_0 - 1
+    status = c_mesh_set(mesh, which, size(values, kind=c_int64_t) / width_of(which), from_0)
+  end function weft_mesh_set
+
+  !> An array as a list; indices count from 1.
+  function weft_mesh_get(mesh, which, values) result(status)
+    type(c_ptr), intent(in) :: mesh
+    integer(c_int), intent(in) :: which
+    integer(c_int64_t), allocatable, intent(inout) :: values(:)
+    integer(c_int) :: status
+    integer(c_int64_t) :: count
+    count = 0
+    status = weft_mesh_count(mesh, which, count)
+    if (status /= weft_ok) return
+    if (allocated(values)) deallocate (values)
+    allocate (values(width_of(which) * count))
+    status = c_mesh_get(mesh, which, size(values, kind=c_int64_t), values)
+    if (.not. is_of_refs(which)) values = values + 1
+  end function weft_mesh_get
+
+  !> weft's own coordinates (3, n), not copied: valid until the mesh is freed.
+  function weft_mesh_points(mesh, points) result(status)
+    type(c_ptr), intent(in) :: mesh
+    real(c_double), pointer, intent(out) :: points(:, :)
+    integer(c_int) :: status
+    type(c_ptr) :: first
+    integer(c_int64_t) :: count
+    nullify (points)
+    count = 0
+    first = c_null_ptr
+    status = weft_mesh_num_points(mesh, count)
+    if (status == weft_ok) status = c_mesh_points(mesh, first)
+    if (status == weft_ok) call c_f_pointer(first, points, [3_c_int64_t, count])
+  end function weft_mesh_points
+
+  function weft_mesh_read(path, mesh) result(status)
+    character(*), intent(in) :: path
+    type(c_ptr), intent(inout) :: mesh
+    integer(c_int) :: status
+    status = c_mesh_read(trim(path)//c_null_char, mesh)
+  end function weft_mesh_read
+
+  function weft_mesh_write(mesh, path) result(status)
+    type(c_ptr), intent(in) :: mesh
+    character(*), intent(in) :: path
+    integer(c_int) :: status
+    status = c_mesh_write(mesh, trim(path)//c_null_char)
+  end function weft_mesh_write
+
+  function weft_metric_from_sizes(sizes, metric) result(status)
+    real(c_double), intent(in), contiguous :: sizes(:)
+    type(c_ptr), intent(inout) :: metric
+    integer(c_int) :: status
+    status = c_metric_from_sizes(size(sizes, kind=c_int64_t), sizes, metric)
+  end function weft_metric_from_sizes
+
+  !> Of tensors(6, n).
+  function weft_metric_from_tensors(tensors, order, metric) result(status)
+    real(c_double), intent(in), contiguous :: tensors(:, :)
+    integer(c_int), intent(in) :: order
+    type(c_ptr), intent(inout) :: metric
+    integer(c_int) :: status
+    status = weft_misuse
+    if (size(tensors, 1) == 6) &
+      status = c_metric_from_tensors(size(tensors, 2, c_int64_t), tensors, order, metric)
+  end function weft_metric_from_tensors
+
+  function weft_metric_read(path, mesh, metric) result(status)
+    character(*), intent(in) :: path
+    type(c_ptr), intent(in) :: mesh
+    type(c_ptr), intent(inout) :: metric
+    integer(c_int) :: status
+    status = c_metric_read(trim(path)//c_null_char, mesh, metric)
+  end function weft_metric_read
+
+  function weft_metric_write(metric, path) result(status)
+    type(c_ptr), intent(in) :: metric
+    character(*), intent(in) :: path
+    integer(c_int) :: status
+    status = c_metric_write(metric, trim(path)//c_null_char)
+  end function weft_metric_write
+
+  !> tensors(6, n).
+  function weft_metric_get(metric, order, tensors) result(status)
+    type(c_ptr), intent(in) :: metric
+    integer(c_int), intent(in) :: order
+    real(c_double), intent(inout), contiguous :: tensors(:, :)
+    integer(c_int) :: status
+    status = c_metric_get(metric, order, size(tensors, kind=c_int64_t), tensors)
+  end function weft_metric_get
+
+  function weft_fields_create(num_points, fields) result(status)
+    integer(c_int64_t), intent(in) :: num_points
+    type(c_ptr), intent(inout) :: fields
+    integer(c_int) :: status
+    status = c_fields_create(num_points, fields)
+  end function weft_fields_create
+
+  !> values(components, n), with 1, 3 or 6 (weft_order_sol) components.
+  function weft_fields_add(fields, name, values) result(status)
+    type(c_ptr), intent(in) :: fields
+    character(*), intent(in) :: name
+    real(c_double), intent(in), contiguous :: values(:, :)
+    integer(c_int) :: status
+    integer(c_int64_t) :: num_fields, num_points
+    status = c_fields_count(fields, num_fields, num_points)
+    if (status /= weft_ok) return
+    status = weft_misuse
+    if (size(values, 2, c_int64_t) == num_points) &
+      status = c_fields_add(fields, trim(name)//c_null_char, size(values, 1, c_int), values)
+  end function weft_fields_add
+
+  !> weft's own values (components, n) of a field, from 1: valid until the fields are freed.
+  function weft_fields_get(fields, index, name, values) result(status)
+    type(c_ptr), intent(in) :: fields
+    integer, intent(in) :: index
+    character(:), allocatable, intent(inout) :: name
+    real(c_double), pointer, intent(out) :: values(:, :)
+    integer(c_int) :: status, components
+    type(c_ptr) :: letters, first
+    integer(c_int64_t) :: num_fields, num_points
+    nullify (values)
+    letters = c_null_ptr
+    first = c_null_ptr
+    status = c_fields_count(fields, num_fields, num_points)
+    if (status == weft_ok) &
+      status = c_fields_get(fields, int(index - 1, c_int64_t), letters, components, first)
+    if (status /= weft_ok) return
+    name = text_of(letters)
+    call c_f_pointer(first, values, [int(components, c_int64_t), num_points])
+  end function weft_fields_get
+
+  !> All defaults; weft_options_set changes them.
+  function weft_options_create(options) result(status)
+    type(c_ptr), intent(inout) :: options
+    integer(c_int) :: status
+    status = c_options_create(c_null_ptr, options)
+  end function weft_options_create
+
+  !> By the command's name without dashes, such as "hgrad-space".
+  function options_set_text(options, name, value) result(status)
+    type(c_ptr), intent(in) :: options
+    character(*), intent(in) :: name, value
+    integer(c_int) :: status
+    status = c_options_set(options, trim(name)//c_null_char, trim(value)//c_null_char)
+  end function options_set_text
+
+  function options_set_real(options, name, value) result(status)
+    type(c_ptr), intent(in) :: options
+    character(*), intent(in) :: name
+    real(c_double), intent(in) :: value
+    integer(c_int) :: status
+    status = c_options_set_number(options, trim(name)//c_null_char, value)
+  end function options_set_real
+
+  function options_set_integer(options, name, value) result(status)
+    type(c_ptr), intent(in) :: options
+    character(*), intent(in) :: name
+    integer, intent(in) :: value
+    integer(c_int) :: status
+    status = c_options_set_number(options, trim(name)//c_null_char, real(value, c_double))
+  end function options_set_integer
+
+  !> `call_back` is told how far runs are, on rank 0; `user` is passed on to it.
+  function weft_set_progress(options, call_back, user) result(status)
+    type(c_ptr), intent(in) :: options
+    procedure(weft_progress_function) :: call_back
+    type(c_ptr), intent(in) :: user
+    integer(c_int) :: status
+    status = c_options_set_progress(options, c_funloc(call_back), user)
+  end function weft_set_progress
+
+  !> A rank's part: its mesh, the global ids of its points, and (or c_null_ptr) fields at its points.
+  function weft_part_create(mesh, point_ids, fields, part) result(status)
+    type(c_ptr), intent(in) :: mesh, fields
+    integer(c_int64_t), intent(in), contiguous :: point_ids(:)
+    type(c_ptr), intent(inout) :: part
+    integer(c_int) :: status
+    integer(c_int64_t) :: points
+    status = weft_mesh_num_points(mesh, points)
+    if (status /= weft_ok) return
+    status = weft_misuse
+    if (size(point_ids, kind=c_int64_t) == points) &
+      status = c_part_create(mesh, point_ids, c_null_ptr, fields, part)
+  end function weft_part_create
+
+  !> Of a result's part, not copied: ids from 0 without gaps, and the rank that owns each point.
+  function weft_part_points(part, ids, owners) result(status)
+    type(c_ptr), intent(in) :: part
+    integer(c_int64_t), pointer, intent(out) :: ids(:)
+    integer(c_int), pointer, intent(out) :: owners(:)
+    integer(c_int) :: status, freed
+    type(c_ptr) :: mesh, first_id, first_owner
+    integer(c_int64_t) :: points
+    nullify (ids, owners)
+    mesh = c_null_ptr
+    first_id = c_null_ptr
+    first_owner = c_null_ptr
+    points = 0
+    status = weft_part_mesh(part, mesh)
+    if (status == weft_ok) status = weft_mesh_num_points(mesh, points)
+    freed = weft_free(mesh)
+    if (status == weft_ok) status = c_part_points(part, first_id, first_owner)
+    if (status /= weft_ok) return
+    if (c_associated(first_id)) call c_f_pointer(first_id, ids, [points])
+    if (c_associated(first_owner)) call c_f_pointer(first_owner, owners, [points])
+  end function weft_part_points
+
+  !> Mesh, metric beside it, and fields.
+  function weft_result_write(result, path) result(status)
+    type(c_ptr), intent(in) :: result
+    character(*), intent(in) :: path
+    integer(c_int) :: status
+    status = c_result_write(result, trim(path)//c_null_char)
+  end function weft_result_write
+
+  function weft_result_measures(result, measures) result(status)
+    type(c_ptr), intent(in) :: result
+    type(weft_measures), intent(inout) :: measures
+    integer(c_int) :: status
+    measures%size = c_sizeof(measures)
+    status = c_result_measures(result, measures)
+  end function weft_result_measures
+
+  !> What the command prints.
+  function weft_result_summary(result, text) result(status)
+    type(c_ptr), intent(in) :: result
+    character(:), allocatable, intent(inout) :: text
+    integer(c_int) :: status
+    type(c_ptr) :: letters
+    letters = c_null_ptr
+    status = c_result_summary(result, letters)
+    text = text_of(letters)
+  end function weft_result_summary
+
+  !> Fills the volumes that the triangles of a mesh bound; options may be c_null_ptr.
+  function weft_fill(surface, options, mesh, metric) result(status)
+    type(c_ptr), intent(in) :: surface, options
+    type(c_ptr), intent(inout) :: mesh, metric
+    integer(c_int) :: status
+    status = c_fill(surface, c_null_ptr, options, mesh, metric)
+  end function weft_fill
+end module weft

@@ -1,0 +1,14 @@
+#include "tools/bindings/petsc/agreement.h"
+
+#include "weft/weft.h"
+
+namespace weft::petsc {
+
+PetscErrorCode agree(MPI_Comm comm, PetscErrorCode code, const std::string& complaint) {
+  PetscFunctionBegin;
+  const Complaint first = first_complaint(comm, complaint);
+  PetscCheck(first.rank < 0, comm, code, "weft: rank %d: %s", first.rank, first.text.c_str());
+  PetscFunctionReturn(0);
+}
+
+}  // namespace weft::petsc

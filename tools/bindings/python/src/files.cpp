@@ -1,0 +1,149 @@
+// Reading, writing, drawing.
+#include <pybind11/stl.h>
+
+#include "tools/bindings/python/src/arrays.h"
+#include "tools/bindings/python/src/parts.h"
+
+namespace weft::python {
+namespace {
+
+std::shared_ptr<Mesh> run_read(const std::string& path) {
+  const py::gil_scoped_release released;
+  return std::make_shared<Mesh>(read_mesh(path));
+}
+
+/// A file's fields, as long as anybody looks at them.
+py::dict held(Fields&& fields) {
+  auto* kept = new Fields(std::move(fields));
+  const py::capsule owner(kept, [](void* place) { delete static_cast<Fields*>(place); });
+  return dictionary_of(*kept, owner);
+}
+
+py::tuple run_read_all(const std::string& path) {
+  MeshFile file;
+  {
+    const py::gil_scoped_release released;
+    file = read_mesh_file(path);
+  }
+  py::dict names;
+  for (const auto& [key, name] : file.names.all()) names[py::make_tuple(key.dimension, key.ref)] = name;
+  py::list dropped;
+  for (const Dropped& what : file.dropped) dropped.append(py::make_tuple(what.what, what.count));
+  return py::make_tuple(std::make_shared<Mesh>(std::move(file.mesh)), held(std::move(file.fields)), names,
+                        dropped);
+}
+
+RefNames names_of(const py::object& dictionary) {
+  RefNames names;
+  if (dictionary.is_none()) return names;
+  for (const auto& [key, name] : dictionary.cast<py::dict>()) {
+    const auto [dimension, ref] = key.cast<std::pair<int, std::int32_t>>();
+    names.set(dimension, ref, name.cast<std::string>());
+  }
+  return names;
+}
+
+void run_write(const std::string& path, const Mesh& mesh, const std::shared_ptr<Metric>& metric,
+               const py::object& fields, const std::optional<std::string>& order, const py::object& names) {
+  const Fields given = fields_of(fields, mesh.points.size(), order);
+  const RefNames known = names_of(names);
+  const py::gil_scoped_release released;
+  if (metric)
+    write_result(path, mesh, *metric, given, known);
+  else
+    write_mesh(path, mesh, given, known);
+}
+
+std::shared_ptr<Metric> run_read_metric(const std::string& path, const Mesh& mesh) {
+  const py::gil_scoped_release released;
+  return std::make_shared<Metric>(read_metric(path, mesh));
+}
+
+void run_write_fields(const std::string& path, const py::object& fields,
+                      const std::optional<std::string>& order) {
+  const py::dict all = fields.cast<py::dict>();
+  std::size_t points = 0;
+  for (const auto& [name, values] : all) points = py::len(values);
+  const Fields given = fields_of(fields, points, order);
+  const py::gil_scoped_release released;
+  write_fields(path, given);
+}
+
+void run_write_metric(const std::string& path, const Metric& metric) {
+  const py::gil_scoped_release released;
+  write_fields(path, metric.fields());
+}
+
+void set_picture_option(PictureOptions& options, const std::string& name, const py::object& value) {
+  if (name == "color_by")
+    options.color_by = value.cast<std::string>();
+  else if (name == "size")
+    options.size = value.cast<std::string>();
+  else if (name == "view_from")
+    options.from = value.cast<std::string>();
+  else if (name == "up")
+    options.up = value.cast<std::string>();
+  else if (name == "clip")
+    options.clip = value.cast<std::string>();
+  else if (name == "focus")
+    options.focus = value.cast<std::string>();
+  else if (name == "range")
+    options.range = value.cast<std::string>();
+  else if (name == "title")
+    options.title = value.cast<std::string>();
+  else if (name == "only")
+    options.only = value.cast<std::vector<std::int32_t>>();
+  else if (name == "zoom")
+    options.zoom = value.cast<double>();
+  else if (name == "line_width")
+    options.line_width = value.cast<double>();
+  else if (name == "dark")
+    options.dark = value.cast<bool>();
+  else if (name == "flip")
+    options.flip = value.cast<bool>();
+  else if (name == "slice")
+    options.slice = value.cast<bool>();
+  else if (name == "edges")
+    options.edges = value.cast<bool>();
+  else if (name == "legend")
+    options.legend = value.cast<bool>();
+  else if (name == "axes")
+    options.axes = value.cast<bool>();
+  else
+    throw OptionError("--" + printable(name), "is not an option of pictures");
+}
+
+void run_draw(const std::string& path, const Mesh& mesh, const std::shared_ptr<Metric>& metric,
+              const py::object& field, const py::dict& values) {
+  if (!is_picture_name(path)) throw InputError(path, "", "is no name of a picture: .png, .svg or .pdf");
+  PictureOptions options;
+  for (const auto& [name, value] : values)
+    set_picture_option(options, py::str(name), py::reinterpret_borrow<py::object>(value));
+  std::vector<double> colours;
+  if (!field.is_none()) {
+    const auto array = real_array(field, "field");
+    colours.assign(array.data(), array.data() + array.size());
+    if (colours.size() != mesh.points.size())
+      throw InputError("", "field",
+                       "has " + std::to_string(colours.size()) + " values, not one for each of the " +
+                           std::to_string(mesh.points.size()) + " points");
+    options.color_by = "field";
+  }
+  const py::gil_scoped_release released;
+  draw(path, {mesh, metric.get(), colours, "field", nullptr}, options);
+}
+
+}  // namespace
+
+void add_files(py::module_& module) {
+  module.def("read", &run_read);
+  module.def("read_all", &run_read_all);
+  module.def("write", &run_write);
+  module.def("read_metric", &run_read_metric);
+  module.def("read_fields", [](const std::string& path) { return held(read_fields(path)); });
+  module.def("write_fields", &run_write_fields);
+  module.def("write_metric", &run_write_metric);
+  module.def("draw", &run_draw);
+}
+
+}  // namespace weft::python

@@ -1,0 +1,171 @@
+// Metrics, measures, checks, transfer, simple meshes.
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tools/bindings/python/src/arrays.h"
+#include "tools/bindings/python/src/parts.h"
+
+namespace weft::python {
+namespace {
+
+template <class Value>
+std::shared_ptr<Value> shared(Value&& value) {
+  return std::make_shared<Value>(std::forward<Value>(value));
+}
+
+py::tuple run_make_metric(const Mesh& mesh, const std::shared_ptr<Metric>& source, const py::dict& values,
+                          const py::object& solutions, const std::optional<std::string>& order) {
+  Options options = options_of(values);
+  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, mesh.points.size(), order)};
+  if (!source && !options.metric.given())
+    throw OptionError("--metric", "no metric: give one, solutions, or an option that makes one");
+  MadeMetric made;
+  {
+    const py::gil_scoped_release released;
+    made = source ? make_metric(mesh, *source, options.metric, {}, options.run.threads)
+                  : make_metric(mesh, options.metric, {}, options.run.threads);
+  }
+  return py::make_tuple(shared(std::move(made.metric)), made.warnings);
+}
+
+py::dict run_geometry(const Mesh& mesh) {
+  Geometry g;
+  {
+    const py::gil_scoped_release released;
+    g = measure_geometry(mesh);
+  }
+  py::dict all;
+  all["min"] = py::make_tuple(g.min.x, g.min.y, g.min.z);
+  all["max"] = py::make_tuple(g.max.x, g.max.y, g.max.z);
+  all["quality_mean"] = g.shape.quality_mean;
+  all["quality_min"] = g.shape.quality_min;
+  all["quality_q01"] = g.shape.quality_q01;
+  all["least_dihedral_degrees"] = g.shape.least_dihedral_degrees;
+  all["volume_by_ref"] = g.volume_by_ref;
+  all["area_by_ref"] = g.area_by_ref;
+  return all;
+}
+
+py::dict run_verify(const Mesh& mesh, int max_problems) {
+  CheckReport report;
+  {
+    const py::gil_scoped_release released;
+    report = verify(mesh, max_problems);
+  }
+  py::dict all;
+  all["ok"] = report.ok();
+  all["problems"] = report.problems;
+  all["num_problems"] = report.num_problems;
+  all["num_components"] = report.num_components;
+  all["volume"] = report.volume;
+  all["volume_by_ref"] = report.volume_by_ref;
+  all["area_by_ref"] = report.area_by_ref;
+  all["unreferenced_points"] = report.unreferenced_points;
+  all["touching_edges"] = report.touching_edges;
+  all["touching_vertices"] = report.touching_vertices;
+  return all;
+}
+
+py::dict account(const ComponentAccount& a) {
+  py::dict all;
+  all["name"] = a.name;
+  all["integral_before"] = a.integral_before;
+  all["integral_after"] = a.integral_after;
+  all["absolute"] = a.absolute;
+  all["difference_l2"] = a.difference_l2;
+  all["norm_l2"] = a.norm_l2;
+  all["difference_max"] = a.difference_max;
+  all["norm_max"] = a.norm_max;
+  all["beyond_bounds"] = a.beyond_bounds;
+  return all;
+}
+
+py::dict run_interpolate(const Mesh& from, const py::object& fields, const Mesh& to, const py::dict& values,
+                         const std::optional<std::string>& order) {
+  const Options options = options_of(values);
+  validate(options);
+  const Fields given = fields_of(fields, from.points.size(), order);
+  auto transfer = std::make_shared<Transfer>();
+  {
+    const py::gil_scoped_release released;
+    *transfer = interpolate(from, given, to, options.transfer, options.run.threads);
+  }
+  py::list accounts;
+  for (const ComponentAccount& a : transfer->accounts) accounts.append(account(a));
+  const py::capsule owner(new std::shared_ptr<Transfer>(transfer),
+                          [](void* held) { delete static_cast<std::shared_ptr<Transfer>*>(held); });
+  py::dict all;
+  all["fields"] = dictionary_of(transfer->fields, owner);
+  all["outside"] = transfer->outside;
+  all["farthest"] = transfer->farthest;
+  all["accounts"] = accounts;
+  return all;
+}
+
+Point point_of(const std::array<double, 3>& x) { return {x[0], x[1], x[2]}; }
+
+void require_length(const char* name, double value) {
+  if (!(value > 0 && std::isfinite(value)))
+    throw OptionError(std::string("--") + name, std::to_string(value) + " is not a positive number");
+}
+
+std::shared_ptr<Mesh> run_box(const std::array<std::uint32_t, 3>& cells, const std::array<double, 3>& min,
+                              const std::array<double, 3>& max) {
+  std::uint64_t tets = 6;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (cells[axis] == 0) throw OptionError("--cells", "0 are too few");
+    if (!(min[axis] < max[axis]) || !std::isfinite(max[axis] - min[axis]))
+      throw OptionError("--max", "must be above --min in every direction");
+    tets *= cells[axis];
+    if (tets > std::numeric_limits<std::uint32_t>::max())
+      throw OptionError("--cells", "are more than a mesh can have");
+  }
+  return shared(box({cells, point_of(min), point_of(max)}));
+}
+
+std::shared_ptr<Mesh> run_ball(double radius, const std::array<double, 3>& center, double size) {
+  require_length("radius", radius);
+  require_length("size", size);
+  return shared(ball_surface({point_of(center), radius, size}));
+}
+
+std::shared_ptr<Mesh> run_cylinder(double radius, double height, const std::array<double, 3>& base,
+                                   double size) {
+  require_length("radius", radius);
+  require_length("height", height);
+  require_length("size", size);
+  return shared(cylinder_surface({point_of(base), radius, height, size}));
+}
+
+py::list run_named_options() {
+  py::list all;
+  for (const NamedOption& option : named_options())
+    all.append(py::make_tuple(option.name, option.type, option.text, option.of_command));
+  return all;
+}
+
+}  // namespace
+
+void add_functions(py::module_& module) {
+  using Released = py::call_guard<py::gil_scoped_release>;
+  module.def("make_metric", &run_make_metric);
+  module.def("complexity", &complexity, Released());
+  module.def(
+      "measure", [](const Mesh& mesh, const Metric& metric) { return to_json(measure(mesh, metric)); },
+      Released());
+  module.def("geometry", &run_geometry);
+  module.def("verify", &run_verify);
+  module.def("interpolate", &run_interpolate);
+  module.def("box", &run_box, Released());
+  module.def("ball_surface", &run_ball, Released());
+  module.def("cylinder_surface", &run_cylinder, Released());
+  module.def(
+      "delta_wing_surface", [](double size) { return shared(delta_wing_surface({size})); }, Released());
+  module.def("named_options", &run_named_options);
+  module.def("version", &version);
+  module.def("version_details", &version_details);
+}
+
+}  // namespace weft::python

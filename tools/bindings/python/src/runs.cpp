@@ -1,0 +1,304 @@
+// Adaptation: of one mesh, of files, of a mesh in parts; initial meshes; and what runs tell of themselves.
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <utility>
+
+#include "tools/bindings/python/src/arrays.h"
+#include "tools/bindings/python/src/parts.h"
+
+namespace weft::python {
+namespace {
+
+/// Ctrl-C ends the run, and the caller gets the mesh all the same: as the member `result` of the exception.
+[[noreturn]] void raise_interrupted(const py::object& result) {
+  const py::object type = py::module_::import("weft._errors").attr("Interrupted");
+  const py::object error = type("interrupted; the exception's result has a valid mesh");
+  error.attr("result") = result;
+  PyErr_SetObject(type.ptr(), error.ptr());
+  throw py::error_already_set();
+}
+
+/// Runs call() without Python's lock, under watch, and wraps what it returns.
+template <class Call>
+py::object watched(Options& options, const py::object& progress, const std::shared_ptr<Cancel>& cancel,
+                   const Call& call) {
+  const Watch watch(progress, cancel, options);
+  auto result = [&] {
+    const py::gil_scoped_release released;
+    return std::make_shared<decltype(call())>(call());
+  }();
+  const py::object wrapped = py::cast(std::move(result));
+  bool interrupted = false;
+  if (const std::exception_ptr raised = watch.raised(interrupted)) {
+    if (interrupted) raise_interrupted(wrapped);
+    std::rethrow_exception(raised);
+  }
+  return wrapped;
+}
+
+py::object run_adapt(const Mesh& mesh, const std::shared_ptr<Metric>& metric, const py::dict& values,
+                     const py::object& fields, const py::object& solutions,
+                     const std::optional<std::string>& order, const std::shared_ptr<Mesh>& background,
+                     const py::object& progress, const std::shared_ptr<Cancel>& cancel) {
+  Options options = options_of(values);
+  const Fields carried = fields_of(fields, mesh.points.size(), order);
+  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, mesh.points.size(), order)};
+  if (background && !metric) throw OptionError("--background", "needs the metric that belongs to it");
+  if (!metric && !options.metric.given())
+    throw OptionError("--metric",
+                      "no metric: give one, solutions, or an option that makes one (metric_fn, "
+                      "implied, curvature, ...)");
+  return watched(options, progress, cancel, [&] {
+    if (background) return adapt(mesh, *background, *metric, options, carried);
+    return metric ? adapt(mesh, *metric, options, carried) : adapt(mesh, options, carried);
+  });
+}
+
+/// MPI's own errors abort, so what is wrong with a communicator is found out before.
+MPI_Comm communicator_of(int handle) {
+  int running = 0;
+  MPI_Initialized(&running);
+  if (!running) throw UsageError("comm: MPI has not been initialised; import mpi4py.MPI first");
+  MPI_Finalized(&running);
+  if (running) throw UsageError("comm: MPI has been finalised");
+  const MPI_Comm communicator = MPI_Comm_f2c(handle);
+  if (communicator == MPI_COMM_NULL) throw UsageError("comm: is MPI.COMM_NULL");
+  return communicator;
+}
+
+/// What a rank has prepared for an adaptation in parts: made and checked before any rank waits for another.
+struct PreparedPart {
+  Part part;
+  std::shared_ptr<Metric> metric;
+  Options options;
+};
+
+std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
+                                           const std::shared_ptr<Metric>& metric, const py::object& ids,
+                                           const py::object& tet_ids, const py::dict& values,
+                                           const py::object& fields, const py::object& solutions,
+                                           const std::optional<std::string>& order) {
+  if (ids.is_none() && !mesh->points.empty()) throw UsageError("ids: are needed with comm");
+  if (!metric) throw UsageError("metric: is needed with comm");
+  auto prepared = std::make_shared<PreparedPart>();
+  prepared->options = options_of(values);
+  if (!solutions.is_none())
+    throw OptionError("--sol", "solutions are not possible in parts: give their metric");
+  validate(prepared->options);
+  prepared->part.ids = ids_of(ids, mesh->points.size(), "ids");
+  prepared->part.tet_ids = ids_of(tet_ids, mesh->tets.size(), "tet_ids");
+  prepared->part.fields = fields_of(fields, mesh->points.size(), order);
+  prepared->part.mesh = *mesh;
+  prepared->metric = metric;
+  return prepared;
+}
+
+py::object run_adapt_prepared(int comm, PreparedPart& prepared, const py::object& progress,
+                              const std::shared_ptr<Cancel>& cancel) {
+  const MPI_Comm communicator = communicator_of(comm);
+  return watched(prepared.options, progress, cancel,
+                 [&] { return adapt(communicator, prepared.part, *prepared.metric, prepared.options); });
+}
+
+std::pair<int, std::string> run_first_complaint(int comm, const std::string& complaint) {
+  const MPI_Comm communicator = communicator_of(comm);
+  const py::gil_scoped_release released;
+  Complaint first = first_complaint(communicator, complaint);
+  return {first.rank, std::move(first.text)};
+}
+
+py::object run_adapt_files(const std::string& input, const std::string& output, const py::dict& values,
+                           const std::vector<std::string>& fields, const std::string& background,
+                           const std::string& report, const py::object& progress,
+                           const std::shared_ptr<Cancel>& cancel) {
+  Options options = options_of(values);
+  Files files;
+  files.input = input;
+  files.output = output;
+  files.fields = fields;
+  files.background = background;
+  files.report = report;
+  return watched(options, progress, cancel, [&] { return adapt_files(files, options); });
+}
+
+py::object run_fill(const Mesh& surface, double growth, double size, double merge, bool materials,
+                    bool remesh_surface, const std::shared_ptr<Mesh>& background,
+                    const std::shared_ptr<Metric>& metric, const py::dict& values, const py::object& progress,
+                    const std::shared_ptr<Cancel>& cancel) {
+  Options options = options_of(values);
+  FillOptions fill_options;
+  fill_options.growth = growth;
+  fill_options.size = size;
+  fill_options.merge = merge;
+  fill_options.materials = materials;
+  fill_options.remesh_surface = remesh_surface;
+  fill_options.background = background.get();
+  fill_options.metric = metric.get();
+  return watched(options, progress, cancel, [&] {
+    fill_options.geometry = options.geometry;
+    fill_options.run = options.run;
+    return fill(surface, fill_options);
+  });
+}
+
+/// A member of a result as an object that keeps the result.
+template <class Owner, class Member>
+std::shared_ptr<Member> member(const std::shared_ptr<Owner>& owner, Member& of) {
+  return {owner, &of};
+}
+
+void add_reports(py::module_& module) {
+  py::class_<Report, std::shared_ptr<Report>>(module, "Report", "What is known after an adaptation.")
+      .def_property_readonly("goal_met", &Report::goal_met, "Whether the mesh is what was asked for.")
+      .def_readonly("missed", &Report::missed, "Why it is not; empty when it is.")
+      .def_readonly("cancelled", &Report::cancelled, "Whether the run was ended early.")
+      .def_readonly("warnings", &Report::warnings)
+      .def(
+          "summary", [](const Report& report) { return summary(report); }, "What the command prints.")
+      .def(
+          "json", [](const Report& report) { return to_json(report); }, "JSON of schema weft-report-1.");
+  py::class_<Result, Report, std::shared_ptr<Result>>(module, "Result", "A mesh that has been adapted.")
+      .def_property_readonly(
+          "mesh", [](const std::shared_ptr<Result>& r) { return member(r, r->mesh); }, "weft.Mesh.")
+      .def_property_readonly(
+          "metric", [](const std::shared_ptr<Result>& r) { return member(r, r->metric); },
+          "weft.Metric, at the vertices of the mesh.")
+      .def_property_readonly(
+          "fields",
+          [](const py::object& self) { return dictionary_of(self.cast<const Result&>().fields, self); },
+          "Those carried along, by name, at the vertices of the mesh.");
+  py::class_<PartResult, Report, std::shared_ptr<PartResult>>(
+      module, "PartResult", "This rank's part of a mesh that has been adapted.")
+      .def_property_readonly(
+          "mesh", [](const std::shared_ptr<PartResult>& r) { return member(r, r->part.mesh); },
+          "weft.Mesh; ghosts come last.")
+      .def_property_readonly("metric",
+                             [](const std::shared_ptr<PartResult>& r) { return member(r, r->metric); })
+      .def_property_readonly("fields",
+                             [](const py::object& self) {
+                               return dictionary_of(self.cast<const PartResult&>().part.fields, self);
+                             })
+      .def_property_readonly(
+          "ids",
+          [](const py::object& self) {
+            const auto& ids = self.cast<const PartResult&>().part.ids;
+            return view(reinterpret_cast<const std::int64_t*>(ids.data()),
+                        {static_cast<py::ssize_t>(ids.size())}, self);
+          },
+          "(n,) int64: global numbers of the points, from 0 without gaps.")
+      .def_property_readonly(
+          "owners",
+          [](const py::object& self) {
+            const auto& owners = self.cast<const PartResult&>().part.owners;
+            return view(owners.data(), {static_cast<py::ssize_t>(owners.size())}, self);
+          },
+          "(n,) int32: the rank that owns each point.")
+      .def_property_readonly(
+          "ghost_owners",
+          [](const py::object& self) {
+            const auto& owners = self.cast<const PartResult&>().part.ghost_owners;
+            return view(owners.data(), {static_cast<py::ssize_t>(owners.size())}, self);
+          },
+          "(g,) int32: of the ghost tets, the rank that has each.")
+      .def_property_readonly(
+          "num_own_tets", [](const PartResult& r) { return r.part.num_own_tets; },
+          "Tets from this one on are ghosts.");
+  py::class_<FilesResult, Report, std::shared_ptr<FilesResult>>(module, "FilesResult",
+                                                                "What has been written.")
+      .def_readonly("mesh", &FilesResult::mesh)
+      .def_readonly("metric", &FilesResult::metric)
+      .def_readonly("fields", &FilesResult::fields)
+      .def_readonly("report", &FilesResult::report)
+      .def("summary", [](const FilesResult& result) { return summary(result); });
+  py::class_<FillResult, std::shared_ptr<FillResult>>(module, "FillResult", "A mesh that fills a surface.")
+      .def_property_readonly("mesh", [](const std::shared_ptr<FillResult>& r) { return member(r, r->mesh); })
+      .def_property_readonly(
+          "metric", [](const std::shared_ptr<FillResult>& r) { return member(r, r->metric); },
+          "The metric that it was made for.")
+      .def_readonly("regions", &FillResult::regions)
+      .def_readonly("warnings", &FillResult::warnings)
+      .def_readonly("cancelled", &FillResult::cancelled);
+}
+
+std::string text_of(const std::string& name, const py::handle& value) {
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "yes" : "no";
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::hasattr(value, "__fspath__")) return py::str(py::module_::import("os").attr("fspath")(value));
+  if (py::hasattr(value, "__index__")) return py::str(py::module_::import("operator").attr("index")(value));
+  if (PyNumber_Check(value.ptr())) return py::repr(py::float_(py::reinterpret_borrow<py::object>(value)));
+  throw UsageError(name + ": is a " + std::string(py::str(py::type::of(value).attr("__name__"))) +
+                   ", neither a number nor a text");
+}
+
+}  // namespace
+
+Options options_of(const py::dict& values) {
+  Options options;
+  for (const auto& [key, value] : values) {
+    const std::string name = py::str(key);
+    if (value.is_none()) continue;
+    const bool several = py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
+    if (several && name == "sol") {
+      for (const py::handle one : value) set_option(options, name, text_of(name, one));
+    } else if (several) {
+      std::string joined;
+      for (const py::handle one : value) joined += (joined.empty() ? "" : ",") + text_of(name, one);
+      set_option(options, name, joined);
+    } else {
+      set_option(options, name, text_of(name, value));
+    }
+  }
+  return options;
+}
+
+Watch::Watch(const py::object& progress, const std::shared_ptr<Cancel>& cancel, Options& options)
+    : progress_(progress), cancel_(cancel ? cancel : std::make_shared<Cancel>()) {
+  options.run.cancel = &cancel_->wanted;
+  options.run.progress = [this](const Progress& now) { return tell(now); };
+}
+
+bool Watch::tell(const Progress& now) {
+  const py::gil_scoped_acquire locked;
+  if (raised_) return false;
+  try {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (progress_.is_none()) return true;
+    const py::object go_on = progress_(now.stage, now.done, now.tets);
+    return !(py::isinstance<py::bool_>(go_on) && !go_on.cast<bool>());
+  } catch (...) {
+    raised_ = std::current_exception();
+    return false;
+  }
+}
+
+std::exception_ptr Watch::raised(bool& interrupted) const {
+  try {
+    if (raised_) std::rethrow_exception(raised_);
+  } catch (const py::error_already_set& error) {
+    interrupted = error.matches(PyExc_KeyboardInterrupt);
+  } catch (...) {
+  }
+  return raised_;
+}
+
+void add_runs(py::module_& module) {
+  add_reports(module);
+  py::class_<Cancel, std::shared_ptr<Cancel>>(
+      module, "Cancel",
+      "A wish to end a run early, which any thread may utter; the run then returns a valid mesh.")
+      .def(py::init<>())
+      .def("cancel", [](Cancel& self) { self.wanted = true; })
+      .def(
+          "reset", [](Cancel& self) { self.wanted = false; }, "Before the object serves another run.")
+      .def_property_readonly("wanted", [](const Cancel& self) { return self.wanted.load(); });
+  py::class_<PreparedPart, std::shared_ptr<PreparedPart>>(module, "_PreparedPart");
+  module.def("adapt", &run_adapt);
+  module.def("prepare_part", &prepare_part);
+  module.def("adapt_prepared", &run_adapt_prepared);
+  module.def("first_complaint", &run_first_complaint);
+  module.def("adapt_files", &run_adapt_files);
+  module.def("fill", &run_fill);
+}
+
+}  // namespace weft::python

@@ -1,0 +1,394 @@
+"""weft adapts tetrahedral meshes to anisotropic metric fields.
+
+    import weft
+    mesh = weft.read("wing.meshb")
+    mach = weft.read_fields("mach.solb")
+    fine = weft.adapt(mesh, solutions=mach, complexity=500_000, hgrad=1.5, fields=mach)
+    weft.write("fine.meshb", fine)
+
+Meshes are weft.Mesh, (points, tets) of NumPy, meshio's or PyVista's. Lengths and sizes are in the unit of the points.
+Options are those of the command `weft adapt`, with _ for -: weft.options() lists them. Contiguous arrays are read in
+place; what weft gives out owns its memory. Long calls let other threads of Python run, and may be made from several
+threads at the same time. The library prints nothing; errors are exceptions (weft.Error).
+"""
+
+from __future__ import annotations
+
+import json as _json
+import os as _os
+from dataclasses import dataclass as _dataclass, field as _field
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as _np
+
+from . import _errors, _weft
+from ._convert import as_mesh, from_meshio, from_pyvista, to_meshio, to_pyvista
+from ._errors import (Error, InputError, InternalError, Interrupted, OptionError, OutOfMemory, RunError,
+                      UsageError)
+
+Mesh = _weft.Mesh
+Metric = _weft.Metric
+Result = _weft.Result
+PartResult = _weft.PartResult
+FilesResult = _weft.FilesResult
+FillResult = _weft.FillResult
+Cancel = _weft.Cancel
+
+__version__ = _weft.version()
+
+#: Anything that as_mesh() understands.
+MeshLike = Any
+#: A weft.Metric, or the values of one: (n,) sizes, (n, 3, 3) tensors, (n, 6) tensors with order=.
+MetricLike = Any
+#: progress(stage, done, tets): `done` is the share of the time, 0 to 1. Returning False cancels.
+Progress = Callable[[str, float, int], Optional[bool]]
+_Path = Union[str, "_os.PathLike[str]"]
+_Fields = Mapping[str, "_np.ndarray"]
+
+__all__ = [
+    "Cancel", "Check", "Error", "FilesResult", "FillResult", "InputError", "InternalError", "Interrupted", "Mesh",
+    "MeshFile", "Metric", "Option", "OptionError", "OutOfMemory", "PartResult", "Result", "RunError", "Transfer",
+    "UsageError", "adapt", "adapt_files", "as_mesh", "ball_surface", "box", "complexity", "cylinder_surface",
+    "delta_wing_surface", "draw", "fill", "from_meshio", "from_pyvista", "interpolate", "loop", "make_metric",
+    "measure", "options", "read", "read_fields", "read_file", "read_metric", "stat", "to_meshio", "to_pyvista",
+    "verify", "version_details", "write", "write_fields", "write_metric",
+]
+
+
+@_dataclass(frozen=True)
+class Option:
+    """An option of adapt(): its name, what values it has, what it means."""
+
+    name: str
+    type: str
+    text: str
+
+
+def options() -> List[Option]:
+    """All options that adapt(), make_metric() and adapt_files() take by name."""
+    return [Option(name.replace("-", "_"), kind, text) for name, kind, text, _ in _weft.named_options()]
+
+
+def version_details() -> str:
+    """What this weft was built of: compiler, libraries, processor."""
+    return _weft.version_details()
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Adaptation
+
+
+def _as_metric(metric: MetricLike, order: Optional[str]) -> Optional[Metric]:
+    return metric if metric is None or isinstance(metric, Metric) else Metric(metric, order=order)
+
+
+def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields] = None,
+          solutions: Optional[_Fields] = None, background: MeshLike = None, order: Optional[str] = None,
+          progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, comm: Any = None, ids: Any = None,
+          tet_ids: Any = None, **options: Any) -> Union[Result, PartResult]:
+    """Adapts a mesh to a metric, and returns the new mesh, its metric and fields.
+
+    mesh: see as_mesh(). Points (n, 3) float64, tets (m, 4) int64 or int32, indices from 0.
+    metric: at the points: a weft.Metric, sizes (n,), tensors (n, 3, 3) or, with `order`, (n, 6); or None, where
+        `solutions` or an option (metric_fn, implied, curvature, ...) make one. It is scaled to the option complexity
+        (about half the points of the result), limited (hmin, hmax, aspect) and graded (hgrad).
+    fields: carried along; name -> (n,), (n, 3), (n, 3, 3) or, with `order`, (n, 6). transfer="conservative" keeps
+        their integrals.
+    solutions: name -> (n,): the metric is that in which their interpolation error is least (norm, recovery).
+    background: the mesh that `metric` belongs to, where it is another.
+    order: 'sol' (11 12 22 13 23 33), 'rows' (11 12 13 22 23 33) or 'voigt' (11 22 33 23 13 12).
+    progress, cancel: a function that is told how far the run is; an object by which any thread ends it. Ctrl-C ends
+        it too: weft.Interrupted then has the valid mesh as its member `result`.
+    comm: a communicator of mpi4py, whose ranks all make this call, each with what it has of the mesh; `ids` are the
+        global numbers (n,) of its points, the same wherever a point is, and `tet_ids` (optional) of its tets. A rank
+        may have no points. What is wrong on one rank is raised on all, naming the rank.
+    threads=1 gives the same bytes every time, those of the command.
+    """
+    if comm is not None:
+        if background is not None:
+            raise OptionError("--background: is not possible in parts")
+        return _adapt_parts(comm, mesh, metric, fields, solutions, order, progress, cancel, ids, tet_ids, options)
+    if ids is not None or tet_ids is not None:
+        raise UsageError("ids: are those of a mesh in parts, and need comm=")
+    other = None if background is None else as_mesh(background)
+    return _weft.adapt(as_mesh(mesh), _as_metric(metric, order), options, fields, solutions, order, other, progress,
+                       cancel)
+
+
+def _handle(comm: Any) -> int:
+    """The communicator as MPI of Fortran knows it; it must be of the MPI that weft was built with."""
+    if hasattr(comm, "py2f"):
+        from mpi4py import MPI
+
+        if _weft.mpi and MPI.get_vendor()[0] != _weft.mpi:
+            raise UsageError(f"comm: is one of {MPI.get_vendor()[0]}, but weft was built with {_weft.mpi}")
+        return comm.py2f()
+    if isinstance(comm, int):
+        return comm
+    raise UsageError(f"comm: is a {type(comm).__name__}, not a communicator of mpi4py")
+
+
+def _raise_complaint(rank: int, text: str, cause: Optional[BaseException]) -> None:
+    kind, _, said = text.partition("\n")
+    error = getattr(_errors, kind, Error)
+    raise error(f"rank {rank}: {said}") from cause
+
+
+def _adapt_parts(comm: Any, mesh: MeshLike, metric: MetricLike, fields: Any, solutions: Any, order: Optional[str],
+                 progress: Optional[Progress], cancel: Optional[Cancel], ids: Any, tet_ids: Any,
+                 options: Dict[str, Any]) -> PartResult:
+    handle = _handle(comm)
+    complaint, cause, prepared = "", None, None
+    try:
+        prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, options, fields,
+                                      solutions, order)
+    except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
+        kind = type(error).__name__ if isinstance(error, Error) else "Error"
+        complaint, cause = f"{kind}\n{error}", error
+    rank, text = _weft.first_complaint(handle, complaint)
+    if rank >= 0:
+        _raise_complaint(rank, text, cause)
+    return _weft.adapt_prepared(handle, prepared, progress, cancel)
+
+
+def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), background: _Path = "",
+                report: _Path = "", progress: Optional[Progress] = None, cancel: Optional[Cancel] = None,
+                **options: Any) -> FilesResult:
+    """From file to file, as `weft adapt INPUT -o OUTPUT` does; metric="FILE", sol=["FILE", ...] and the other options
+    of the command say what the metric is."""
+    return _weft.adapt_files(_os.fspath(input), _os.fspath(output), options, [_os.fspath(f) for f in fields],
+                             _os.fspath(background), _os.fspath(report), progress, cancel)
+
+
+def loop(mesh: MeshLike, solve: Callable[[Mesh], _Fields], complexities: Sequence[float], *,
+         on: Optional[Sequence[str]] = None, **options: Any) -> Iterator[Tuple[Mesh, Dict[str, "_np.ndarray"]]]:
+    """Solves and adapts in turns: yields (mesh, solution) before the first adaptation and after each.
+
+    solve(mesh): the solution, name -> values at the points. `complexities`: one an adaptation. on: the names of the
+    fields that drive the metric; all scalar ones by default. Other options go to adapt().
+    """
+    mesh = as_mesh(mesh)
+    solution = dict(solve(mesh))
+    yield mesh, solution
+    for complexity_wanted in complexities:
+        drive = {name: values for name, values in solution.items()
+                 if (name in on if on is not None else _np.ndim(values) == 1)}
+        fine = adapt(mesh, solutions=drive, complexity=complexity_wanted, **options)
+        mesh = fine.mesh
+        solution = dict(solve(mesh))
+        yield mesh, solution
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Metrics, measures, checks, transfer
+
+
+def make_metric(mesh: MeshLike, metric: MetricLike = None, *, solutions: Optional[_Fields] = None,
+                order: Optional[str] = None, **options: Any) -> Metric:
+    """The metric that options ask for, as `weft metric` makes it: of `metric`, of solutions, of the mesh (implied=True),
+    of its boundary (curvature, sagitta, wall); limited, graded (hgrad) and scaled (complexity). Warnings are issued
+    as Python's."""
+    made, warnings = _weft.make_metric(as_mesh(mesh), _as_metric(metric, order), options, solutions, order)
+    for text in warnings:
+        _warn(text)
+    return made
+
+
+def _warn(text: str) -> None:
+    import warnings
+
+    warnings.warn(text, stacklevel=3)
+
+
+def complexity(mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None) -> float:
+    """The integral of sqrt(det M): about half the points of a mesh that conforms to the metric."""
+    return _weft.complexity(as_mesh(mesh), _as_metric(metric, order))
+
+
+def measure(mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None) -> Dict[str, Any]:
+    """Quality of the tets (mean ratio) and lengths of the edges in a metric, as report.json has them."""
+    return _json.loads(_weft.measure(as_mesh(mesh), _as_metric(metric, order)))
+
+
+def stat(mesh: MeshLike, metric: MetricLike = None, *, order: Optional[str] = None) -> Dict[str, Any]:
+    """What `weft stat` tells: counts, shapes, bounding box, volumes and areas by reference; with a metric also
+    `measures`."""
+    mesh = as_mesh(mesh)
+    told = {"points": len(mesh.points), "tets": len(mesh.tets), "triangles": len(mesh.triangles),
+            "edges": len(mesh.edges), **_weft.geometry(mesh)}
+    if metric is not None:
+        told["measures"] = measure(mesh, metric, order=order)
+    return told
+
+
+@_dataclass(frozen=True)
+class Check:
+    """What verify() found. `problems` are sentences, which count entities from 1, as files do."""
+
+    ok: bool
+    problems: List[str]
+    num_problems: int
+    num_components: int
+    volume: float
+    volume_by_ref: Dict[int, float]
+    area_by_ref: Dict[int, float]
+    unreferenced_points: int
+    touching_edges: int
+    touching_vertices: int
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+
+def verify(mesh: MeshLike, against: MeshLike = None, *, max_problems: int = 20) -> Check:
+    """Checks with exact arithmetic that a mesh conforms. `against`: another mesh of the same domain, whose volumes and
+    areas by reference must agree to 1e-9, as they do where the boundary is planar."""
+    found = _weft.verify(as_mesh(mesh), max_problems)
+    if against is not None:
+        other = _weft.verify(as_mesh(against), 0)
+        differences = [*_differences("volume", found["volume_by_ref"], other["volume_by_ref"]),
+                       *_differences("area", found["area_by_ref"], other["area_by_ref"])]
+        for what in ("touching_edges", "touching_vertices"):
+            if found[what] != other[what]:
+                differences.append(f"{what}: {found[what]}, the other mesh's {other[what]}")
+        found["problems"] = found["problems"] + differences
+        found["num_problems"] += len(differences)
+        found["ok"] = found["ok"] and not differences
+    return Check(**found)
+
+
+def _differences(what: str, ours: Mapping[int, float], theirs: Mapping[int, float]) -> Iterator[str]:
+    for ref in sorted({*ours, *theirs}):
+        a, b = ours.get(ref, 0.0), theirs.get(ref, 0.0)
+        if abs(a - b) > 1e-9 * max(abs(a), abs(b)):
+            yield f"{what} of reference {ref} is {a:.15g}, the other mesh's {b:.15g}"
+
+
+@_dataclass(frozen=True)
+class Transfer:
+    """Fields at the points of another mesh; how many of these lie outside the old mesh, and how far; for every
+    component what became of its integral."""
+
+    fields: Dict[str, "_np.ndarray"]
+    outside: int
+    farthest: float
+    accounts: List[Dict[str, Any]] = _field(default_factory=list)
+
+
+def interpolate(mesh: MeshLike, fields: _Fields, to: MeshLike, *, transfer: str = "linear", threads: int = 0,
+                order: Optional[str] = None) -> Transfer:
+    """Fields at the points of `mesh`, at those of another. transfer: 'linear' or 'conservative'."""
+    return Transfer(**_weft.interpolate(as_mesh(mesh), fields, as_mesh(to),
+                                        {"transfer": transfer, "threads": threads}, order))
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Initial meshes
+
+
+def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: float = 1e-9, materials: bool = False,
+         remesh_surface: bool = False, background: MeshLike = None, metric: MetricLike = None,
+         order: Optional[str] = None, progress: Optional[Progress] = None, cancel: Optional[Cancel] = None,
+         **options: Any) -> FillResult:
+    """Fills the volumes that closed triangles bound with tets, as `weft mesh` does.
+
+    growth: of neighbouring edges away from the surface. size: the largest; 0: no limit. merge: points nearer than this
+    share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole. remesh_surface:
+    the surface may be adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
+    Of the options threads, hausd and ridge_angle have a meaning.
+    """
+    other = None if background is None else as_mesh(background)
+    return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, other,
+                      _as_metric(metric, order), options, progress, cancel)
+
+
+def box(cells: Union[int, Sequence[int]] = 8, *, min: Sequence[float] = (0, 0, 0),
+        max: Sequence[float] = (1, 1, 1)) -> Mesh:
+    """A structured box: `cells` in x, y and z (or in each), of 6 tets. Its sides have the references 1 to 6."""
+    counts = [cells] * 3 if isinstance(cells, int) else list(cells)
+    if len(counts) != 3 or any(count < 1 for count in counts):
+        raise OptionError(f"--cells: {cells} are not three numbers above 0")
+    return _weft.box(counts, list(min), list(max))
+
+
+def ball_surface(radius: float = 1, *, center: Sequence[float] = (0, 0, 0), size: float = 0.1) -> Mesh:
+    """The triangles of a sphere, with edges of length `size`; fill() makes tets of them."""
+    return _weft.ball_surface(radius, list(center), size)
+
+
+def cylinder_surface(radius: float = 1, height: float = 2, *, base: Sequence[float] = (0, 0, 0),
+                     size: float = 0.1) -> Mesh:
+    """The triangles of an upright cylinder."""
+    return _weft.cylinder_surface(radius, height, list(base), size)
+
+
+def delta_wing_surface(size: float = 0) -> Mesh:
+    """The triangles of UGAWG's delta wing in its far-field box."""
+    return _weft.delta_wing_surface(size)
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Files and pictures
+
+
+@_dataclass(frozen=True)
+class MeshFile:
+    """All that a file has: mesh, fields at its points, names of references ((dimension, ref) -> name), and what has no
+    place here (what, how many)."""
+
+    mesh: Mesh
+    fields: Dict[str, "_np.ndarray"]
+    names: Dict[Tuple[int, int], str]
+    dropped: List[Tuple[str, int]]
+
+
+def read(path: _Path) -> Mesh:
+    """Reads a mesh of any format that weft knows."""
+    return _weft.read(_os.fspath(path))
+
+
+def read_file(path: _Path) -> MeshFile:
+    """Reads everything that a mesh file has."""
+    return MeshFile(*_weft.read_all(_os.fspath(path)))
+
+
+def read_fields(path: _Path) -> Dict[str, "_np.ndarray"]:
+    """The fields of a .solb or .sol, or of a mesh file that has some."""
+    return _weft.read_fields(_os.fspath(path))
+
+
+def read_metric(path: _Path, mesh: MeshLike) -> Metric:
+    """The metric of a .solb or .sol for a mesh."""
+    return _weft.read_metric(_os.fspath(path), as_mesh(mesh))
+
+
+def write(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, fields: Optional[_Fields] = None,
+          order: Optional[str] = None, names: Optional[Mapping[Tuple[int, int], str]] = None) -> None:
+    """Writes a mesh, or a result with its metric and fields as `weft adapt` does; whole or not at all."""
+    if isinstance(mesh, (Result, PartResult)):
+        metric = mesh.metric if metric is None else metric
+        fields = mesh.fields if fields is None else fields
+    _weft.write(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), fields or {}, order, names)
+
+
+def write_fields(path: _Path, fields: _Fields, *, order: Optional[str] = None) -> None:
+    """Writes fields as .solb or .sol."""
+    if not fields:
+        raise UsageError("fields: there are none to write")
+    _weft.write_fields(_os.fspath(path), dict(fields), order)
+
+
+def write_metric(path: _Path, metric: MetricLike, *, order: Optional[str] = None) -> None:
+    """Writes a metric as .solb or .sol."""
+    _weft.write_metric(_os.fspath(path), _as_metric(metric, order))
+
+
+def draw(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, field: Any = None, order: Optional[str] = None,
+         **options: Any) -> None:
+    """Draws a mesh into a .png, .svg or .pdf, as `weft view` does.
+
+    field: (n,) values that colour the mesh. options: color_by (ref, quality, length, ...; the last two need the
+    metric), size ("1600x1200"), view_from, up, clip, focus, range, title, only, zoom, line_width, dark, flip, slice,
+    edges, legend, axes.
+    """
+    _weft.draw(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), field, options)

@@ -1,0 +1,249 @@
+// Replays of recorded graphs, and their accounts.
+#include "weft/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "graph/dataflow/dump/critical_path.h"
+#include "graph/replay/replay.h"
+#include "graph/replay/replay_plan.h"
+#include "tools/library/jobs/outputs.h"
+#include "tools/library/report/graph_file.h"
+#include "tools/library/report/json_file.h"
+#include "tools/library/report/run_record.h"
+#include "tools/report/profile.h"
+#include "tools/report/report_page.h"
+
+namespace weft {
+namespace {
+
+namespace fs = std::filesystem;
+using graph::dataflow::GraphDump;
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kUsualBytes = 1 << 20;
+
+void require(bool good, const char* option, const std::string& reason) {
+  if (!good) throw OptionError(option, reason);
+}
+
+template <class Call>
+auto naming_option(const char* option, const Call& call) {
+  try {
+    return call();
+  } catch (const std::invalid_argument& error) {
+    throw OptionError(option, error.what());
+  }
+}
+
+graph::replay::ReplayOptions checked(const ReplayOptions& options) {
+  constexpr int kMostRanks = 30'000;  // two memory maps each
+  require(options.ranks >= 1 && options.ranks <= kMostRanks, "--ranks",
+          fmt::format("{} is not between 1 and {}", options.ranks, kMostRanks));
+  require(options.threads >= 1 && options.threads <= 1024, "--threads",
+          fmt::format("{} is not between 1 and 1024", options.threads));
+  require(options.slowdown > 0 && std::isfinite(options.slowdown), "--slowdown",
+          fmt::format("{} is not a positive number", options.slowdown));
+  require(options.copies >= 1, "--copies", fmt::format("{} is not at least 1", options.copies));
+  graph::replay::ReplayOptions to;
+  to.ranks = options.ranks;
+  to.threads = options.threads;
+  to.network = naming_option("--network", [&] { return engine::parse_network(options.network); });
+  to.balancer = naming_option("--balancer", [&] { return engine::balancer_by_name(options.balancer); });
+  to.slowdown = options.slowdown;
+  to.timelines = !options.trace.empty() || !options.report.empty();
+  return to;
+}
+
+/// The report of the recorded run, where it lies beside its graph; null elsewhere.
+Json recorded_report(const std::string& graph) {
+  const fs::path path = fs::path(graph).parent_path() / "report.json";
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  return tools::read_json(path.string());
+}
+
+/// Memory of the recorded processes, spread over the subdomains.
+std::uint64_t bytes_of_subdomain(const Json& report, std::size_t subdomains) {
+  try {
+    const Json& engine = report.at("subdomains").at("engine");
+    const Json& moved = engine.at("traffic").at("migrate").at("sent");
+    if (moved.at("messages").get<double>() > 0)
+      return static_cast<std::uint64_t>(moved.at("bytes").get<double>() / moved.at("messages").get<double>());
+    return static_cast<std::uint64_t>(engine.at("peak_rss").at("sum").get<double>() /
+                                      static_cast<double>(subdomains));
+  } catch (const nlohmann::json::exception&) {
+    return kUsualBytes;
+  }
+}
+
+double seconds_of(engine::TimePoint time) { return 1e-9 * static_cast<double>(time); }
+
+double largest_of(const GraphDump& graph) {
+  std::vector<double> work(graph.instances.size());
+  for (const auto& run : graph.runs) work[run.instance] += seconds_of(run.end - run.begin);
+  return work.empty() ? 0 : *std::max_element(work.begin(), work.end());
+}
+
+void add_traffic(const graph::replay::Replayed& replayed, ReplayResult& result) {
+  for (std::size_t i = 0; i < engine::kTraffics; ++i) {
+    const engine::MessageCount& sent = replayed.engine.traffic[i].sent;
+    const bool moves = static_cast<engine::Traffic>(i) == engine::Traffic::migrate;
+    (moves ? result.migrations : result.messages) += sent.messages;
+    (moves ? result.migrated_bytes : result.message_bytes) += sent.bytes;
+  }
+  result.packets = replayed.simulation.packets;
+  result.packet_bytes = replayed.simulation.bytes;
+}
+
+ReplayResult result_of(const GraphDump& recorded, const graph::replay::Replayed& replayed,
+                       const ReplayOptions& options, const graph::replay::ReplayOptions& used) {
+  ReplayResult result;
+  result.options = options;
+  result.network = text_of(used.network);
+  result.subdomains = recorded.instances.size();
+  result.tasks = recorded.runs.size();
+  for (const auto& run : recorded.runs)
+    result.recorded_seconds = std::max(result.recorded_seconds, seconds_of(run.end));
+  result.seconds = replayed.seconds;
+  result.work = replayed.work;
+  result.critical_path = seconds_of(replayed.graph.critical_path.length);
+  const double cores = static_cast<double>(options.ranks) * options.threads;
+  result.efficiency = replayed.seconds > 0 ? replayed.work / (replayed.seconds * cores) : 1;
+  result.idle_share = replayed.engine.idle_share;
+  result.run_seconds = replayed.engine.wall;
+  result.largest_subdomain = largest_of(replayed.graph);
+  add_traffic(replayed, result);
+  result.subdomain_bytes = used.object_bytes;
+  for (const std::uint64_t objects : replayed.most_objects) {
+    result.most_subdomains = std::max(result.most_subdomains, objects);
+    result.memory.push_back(objects * used.object_bytes);
+  }
+  result.simulation_seconds = replayed.simulation.real_seconds;
+  return result;
+}
+
+Json json_of(const ReplayResult& result, const std::string& path, const engine::RunSummary& engine) {
+  const ReplayOptions& o = result.options;
+  return {{"schema", "weft-replay-1"},
+          {"graph", path},
+          {"ranks", o.ranks},
+          {"threads", o.threads},
+          {"network", o.network},
+          {"balancer", o.balancer},
+          {"slowdown", o.slowdown},
+          {"copies", o.copies},
+          {"subdomains", result.subdomains},
+          {"tasks", result.tasks},
+          {"recorded_seconds", result.recorded_seconds},
+          {"seconds", result.seconds},
+          {"run_seconds", result.run_seconds},
+          {"work_seconds", result.work},
+          {"critical_path_seconds", result.critical_path},
+          {"largest_subdomain_seconds", result.largest_subdomain},
+          {"efficiency", result.efficiency},
+          {"idle_share", result.idle_share},
+          {"messages", {{"messages", result.messages}, {"bytes", result.message_bytes}}},
+          {"packets", {{"packets", result.packets}, {"bytes", result.packet_bytes}}},
+          {"migrations", {{"messages", result.migrations}, {"bytes", result.migrated_bytes}}},
+          {"most_subdomains", result.most_subdomains},
+          {"subdomain_bytes", result.subdomain_bytes},
+          {"memory_by_rank", result.memory},
+          {"simulation_seconds", result.simulation_seconds},
+          {"engine", engine::json_of(engine)}};
+}
+
+engine::Annotations annotations_of(const GraphDump& graph) {
+  engine::Annotations annotations;
+  annotations.object_kind = graph.description.name;
+  std::map<engine::ObjectId, std::uint64_t> numbers;
+  for (const auto& instance : graph.instances) numbers[instance.object] = instance.number;
+  annotations.number_of = [numbers](engine::ObjectId object) -> std::optional<std::uint64_t> {
+    const auto found = numbers.find(object);
+    return found == numbers.end() ? std::nullopt : std::optional(found->second);
+  };
+  return annotations;
+}
+
+void write_trace(const std::string& path, const graph::replay::Replayed& replayed) {
+  std::ostringstream text;
+  engine::write_chrome_trace(text, replayed.timelines, annotations_of(replayed.graph));
+  tools::write_text(path, text.str());
+}
+
+/// As a real run writes it; the page needs what the recorded run says of the mesh.
+void write_report(const std::string& folder, const Json& report, const Json& account,
+                  const graph::replay::Replayed& replayed) {
+  tools::write_text((fs::path(folder) / "replay.json").string(), account.dump(1) + "\n");
+  tools::write_graph((fs::path(folder) / "graph.json").string(), replayed.graph);
+  if (!report.is_object()) return;
+  const Json profile = report::profile_json({.report = report,
+                                             .engine = &replayed.engine,
+                                             .graph = &replayed.graph,
+                                             .timelines = replayed.timelines});
+  tools::write_text((fs::path(folder) / "profile.json").string(), profile.dump() + "\n");
+  tools::write_text((fs::path(folder) / "report.html").string(), report::report_page(profile));
+}
+
+}  // namespace
+
+ReplayResult replay(const std::string& path, const ReplayOptions& options) {
+  graph::replay::ReplayOptions used = checked(options);
+  if (!options.trace.empty()) tools::check_writable(options.trace);
+  GraphDump recorded = tools::read_graph(path);
+  const Json report = recorded_report(path);
+  used.object_bytes = options.subdomain_bytes > 0 ? options.subdomain_bytes
+                                                  : bytes_of_subdomain(report, recorded.instances.size());
+  const graph::replay::Replayed replayed = tools::naming_document(path, [&] {
+    if (options.copies > 1)
+      recorded = graph::replay::enlarged(recorded, static_cast<std::uint32_t>(options.copies));
+    return graph::replay::replay(recorded, used);
+  });
+  ReplayResult result = result_of(recorded, replayed, options, used);
+  if (!options.report.empty()) {
+    tools::make_folder(options.report);
+    result.report = (fs::path(options.report) / "replay.json").string();
+    write_report(options.report, report, json_of(result, path, replayed.engine), replayed);
+  }
+  if (!options.trace.empty()) write_trace(options.trace, replayed);
+  return result;
+}
+
+std::string summary(const ReplayResult& r) {
+  const auto mebibytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+  const std::uint64_t most = r.memory.empty() ? 0 : *std::max_element(r.memory.begin(), r.memory.end());
+  const int cores = r.options.ranks * r.options.threads;
+  std::string text;
+  const auto line = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<16}{}\n", name, value);
+  };
+  line("simulated on", fmt::format("{} ranks x {} threads, {}, balancer {}", r.options.ranks,
+                                   r.options.threads, r.network, r.options.balancer));
+  line("graph", fmt::format("{} subdomains, {} tasks, recorded in {:.4g} s", r.subdomains, r.tasks,
+                            r.recorded_seconds));
+  line("time", fmt::format("{:.4g} s, {:.1f} times as fast as one core (the adaptation's loop)", r.seconds,
+                           r.seconds > 0 ? r.work / r.seconds : 1));
+  line("work", fmt::format("{:.4g} s; critical path {:.4g} s, largest subdomain {:.4g} s", r.work,
+                           r.critical_path, r.largest_subdomain));
+  line("efficiency",
+       fmt::format("{:.1f} % of {} cores; idle {:.1f} %", 100 * r.efficiency, cores, 100 * r.idle_share));
+  line("end", fmt::format("found {:.3g} s after the last task", std::max(0.0, r.run_seconds - r.seconds)));
+  line("messages", fmt::format("{} of {:.4g} MiB between ranks, in {} packets", r.messages,
+                               mebibytes(r.message_bytes), r.packets));
+  line("migrations",
+       fmt::format("{} subdomains moved, {:.4g} MiB", r.migrations, mebibytes(r.migrated_bytes)));
+  line("memory", fmt::format("at most {} subdomains on a rank, {:.4g} MiB ({:.3g} MiB each)",
+                             r.most_subdomains, mebibytes(most), mebibytes(r.subdomain_bytes)));
+  line("simulated in", fmt::format("{:.3g} s", r.simulation_seconds));
+  return text;
+}
+
+}  // namespace weft

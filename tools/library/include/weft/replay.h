@@ -1,0 +1,53 @@
+// A recorded run on other machines: how long its task graph would take on any number of ranks, simulated with
+// the real balancing, directory and end of run, and a model of the network.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "weft/weft.h"
+
+namespace weft {
+
+struct ReplayOptions {
+  int ranks = 1;
+  int threads = 1;                     ///< a rank; a task takes one
+  std::string network = "2us,10GB/s";  ///< LATENCY,BANDWIDTH[,flat|tree:N]
+  std::string balancer = "stealing";   ///< none, stealing, diffusion
+  double slowdown = 1;                 ///< of every task: cores that are all busy are slower
+  int copies = 1;                      ///< so many times the recorded subdomains, for weak scaling
+  std::uint64_t subdomain_bytes = 0;   ///< of one that moves; 0: by report.json beside the graph, else 1 MiB
+  std::string report;                  ///< folder for replay.json, graph.json, profile.json; empty: none
+  std::string trace;                   ///< file for a timeline; empty: none
+};
+
+/// Times are seconds of the adaptation's loop: reading, decomposition and writing are no tasks.
+struct ReplayResult {
+  ReplayOptions options;
+  std::string network;  ///< in words
+  std::uint64_t subdomains = 0, tasks = 0;
+  double recorded_seconds = 0;   ///< of the recording, from the first task's begin to the last one's end
+  double seconds = 0;            ///< of the replay
+  double work = 0;               ///< of all tasks
+  double critical_path = 0;      ///< work that cannot be done side by side
+  double efficiency = 0;         ///< work / (seconds x cores)
+  double idle_share = 0;         ///< of the workers' time until the end of the run was found
+  double run_seconds = 0;        ///< until the end of the run was found
+  double largest_subdomain = 0;  ///< work of the one that has most
+  std::uint64_t messages = 0, message_bytes = 0;  ///< between ranks, of the application
+  std::uint64_t packets = 0, packet_bytes = 0;    ///< on the wire, the engine's own included
+  std::uint64_t migrations = 0, migrated_bytes = 0;
+  std::uint64_t most_subdomains = 0;  ///< on a rank at a time
+  std::uint64_t subdomain_bytes = 0;
+  std::vector<std::uint64_t> memory;  ///< bytes by rank: its most subdomains at a time
+  double simulation_seconds = 0;      ///< that the replay took here
+  std::string report;                 ///< replay.json; empty: none
+};
+
+/// `path`: graph.json or profile.json of a run (weft adapt --report DIR). Throws InputError, OptionError.
+WEFT_API ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
+/// The readable account.
+WEFT_API std::string summary(const ReplayResult& result);
+
+}  // namespace weft

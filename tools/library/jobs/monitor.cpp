@@ -1,0 +1,81 @@
+// The watch over limits of time and memory.
+#include "tools/library/jobs/monitor.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "tools/library/jobs/memory.h"
+
+namespace weft::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kPeriod = std::chrono::milliseconds(50);
+
+}  // namespace
+
+std::string text_of(EndReason reason) {
+  switch (reason) {
+    case EndReason::none:
+      return {};
+    case EndReason::interrupted:
+      return "interrupted";
+    case EndReason::memory_limit:
+      return "memory limit";
+    case EndReason::time_limit:
+      return "time limit";
+  }
+  return {};
+}
+
+Monitor::Monitor(const RunOptions& options, int sharers)
+    : options_(options), sharers_(std::max(1, sharers)), memory_(options.max_memory) {
+  if (options_.time_limit > 0 || memory_ > 0) watcher_ = std::thread([this] { watch(); });
+}
+
+Monitor::~Monitor() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  over_.notify_all();
+  if (watcher_.joinable()) watcher_.join();
+}
+
+void Monitor::tell(const Progress& progress) {
+  if (progress.tets > tets_) tets_ = progress.tets;
+  if (options_.progress && !options_.progress(progress)) cancel(EndReason::interrupted);
+}
+
+EndReason Monitor::reason() {
+  if (!cancelled()) return EndReason::none;
+  const EndReason reason = reason_;
+  return reason == EndReason::none ? EndReason::interrupted : reason;
+}
+
+/// Who comes second has not ended the run.
+void Monitor::cancel(EndReason reason) {
+  if (flag().exchange(true)) return;
+  reason_ = reason;
+}
+
+/// To leave the kernel, put pieces together, measure and write: about twice what a machine of the present
+/// takes that has nothing else to do.
+double Monitor::seconds_to_finish() const {
+  constexpr double kOfTet = 2e-6, kAlways = 0.3;
+  return kAlways + kOfTet * static_cast<double>(tets_) / sharers_;
+}
+
+void Monitor::watch() {
+  const auto begin = Clock::now();
+  std::unique_lock lock(mutex_);
+  while (!over_.wait_for(lock, kPeriod, [this] { return ended_; })) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (options_.time_limit > 0 && seconds + seconds_to_finish() >= options_.time_limit)
+      cancel(EndReason::time_limit);
+    if (memory_ > 0 && resident_bytes() > kMemoryInUse * memory_) cancel(EndReason::memory_limit);
+  }
+}
+
+}  // namespace weft::tools

@@ -1,0 +1,30 @@
+// An input that is mended before it is used, with what belongs to its vertices.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "meshing/mesh/repair_mesh.h"
+#include "meshing/metric/metric_field.h"
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+std::vector<Mend> mends_of(std::span<const meshing::MeshMend> mends);
+
+/// The fields at the points of a mended mesh (MeshRepair::points).
+Fields fields_at(const Fields& fields, const std::vector<std::uint32_t>& points);
+
+/// Mends the mesh that was read from `file`, and the metric and solutions in the files of `options` that
+/// belong to its vertices: they are in `options` (solutions) and the result (the metric) then, and no more
+/// files. `fields` follow. Throws InputError for what cannot be mended.
+struct RepairedMetric {
+  std::optional<meshing::LogMetricField> source;
+  std::vector<Mend> mends;
+};
+RepairedMetric repair_input(meshing::MeshData& mesh, const std::string& file, MetricOptions& options,
+                            Fields& fields);
+
+}  // namespace weft::tools

@@ -1,0 +1,79 @@
+// `weft replay`: a recorded task graph on other numbers of cores.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "tools/weft/commands/commands.h"
+#include "tools/weft/options/verbosity.h"
+#include "tools/weft/terminal/exit_codes.h"
+#include "weft/replay.h"
+
+namespace weft::tools {
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  weft replay run/graph.json --ranks 64 --threads 8
+  weft replay run/graph.json --ranks 512 --network 50us,1GB/s,tree:16 --balancer diffusion
+  weft replay run/graph.json --ranks 16 --report on-16 --trace on-16.json
+
+FILE is the graph.json or profile.json of `weft adapt --report DIR`. The engine runs on simulated
+ranks: its directory, balancing and end of run are real, tasks take the times that were recorded,
+messages those of the network. Only the loop of the adaptation is replayed: reading, decomposition
+and writing are not in the graph.
+--copies N makes a graph of N times the subdomains, with times drawn from the recorded ones, for
+weak scaling.)";
+
+struct ReplayCommand {
+  std::string file;
+  ReplayOptions options;
+  Verbosity verbosity;
+};
+
+int run_replay(const ReplayCommand& command) {
+  Progress progress(command.verbosity.style());
+  progress.phase("replaying");
+  const ReplayResult result = replay(command.file, command.options);
+  progress.finish();
+  command.verbosity.print("{}", summary(result));
+  return kDone;
+}
+
+void add_machine(CLI::App& sub, ReplayOptions& options) {
+  constexpr const char* kGroup = "Machine";
+  sub.add_option("--ranks", options.ranks, "ranks (default 1)")->type_name("N")->group(kGroup);
+  sub.add_option("--threads", options.threads, "threads a rank (default 1)")->type_name("N")->group(kGroup);
+  sub.add_option("--network", options.network,
+                 "latency, bandwidth, topology (flat, or tree:N: N ranks a switch); 2us,10GB/s")
+      ->type_name("L,B[,T]")
+      ->group(kGroup);
+  sub.add_option("--balancer", options.balancer, "none, stealing (default) or diffusion")
+      ->type_name("NAME")
+      ->group(kGroup);
+  sub.add_option("--slowdown", options.slowdown, "every task takes so many times as long (default 1)")
+      ->type_name("X")
+      ->group(kGroup);
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("replay", "simulate a recorded run on other numbers of cores");
+  sub->footer(kFooter);
+  auto command = std::make_shared<ReplayCommand>();
+  sub->add_option("FILE", command->file, "the recorded graph")->type_name("FILE")->required();
+  sub->add_option("--report", command->options.report,
+                  "write replay.json, graph.json and the page to this folder")
+      ->type_name("DIR");
+  sub->add_option("--trace", command->options.trace, "write a timeline for Perfetto")->type_name("FILE");
+  sub->add_option("--copies", command->options.copies, "so many times the recorded subdomains (default 1)")
+      ->type_name("N");
+  sub->add_option("--subdomain-bytes", command->options.subdomain_bytes,
+                  "of one that moves; default: by report.json beside FILE, else 1 MiB")
+      ->type_name("N");
+  add_machine(*sub, command->options);
+  add_verbosity(*sub, command->verbosity);
+  sub->callback([command, &action] { action = [command] { return run_replay(*command); }; });
+}
+
+}  // namespace weft::tools
