@@ -181,13 +181,13 @@ class Packer {
   }
   template <class... Ts>
   void pack(std::tuple<Ts...>& value) {
-    std::apply([this](auto&... parts) { (pack(parts), ...); }, value);
+    std::apply([&](auto&... parts) { (this->pack(parts), ...); }, value);
   }
   template <class... Ts>
   void pack(std::variant<Ts...>& value) {
     auto index = static_cast<std::uint32_t>(value.index());
     pack(index);
-    std::visit([this](auto& held) { pack(held); }, value);
+    std::visit([&](auto& held) { this->pack(held); }, value);
   }
   template <class Range>
   void pack_range(Range& range) {
@@ -321,7 +321,7 @@ class Unpacker {
   }
   template <class... Ts>
   void unpack(std::tuple<Ts...>& value) {
-    std::apply([this](auto&... parts) { (unpack(parts), ...); }, value);
+    std::apply([&](auto&... parts) { (this->unpack(parts), ...); }, value);
   }
   template <class... Ts>
   void unpack(std::variant<Ts...>& value) {

@@ -256,6 +256,7 @@ void Runtime::Implementation::loop() {
     await_verdict();
     if (!busy && !ended_ && !failure_) sleep();
   }
+  if (snapshots_) snapshots_->end_run();
   wind_down();
   communication_ += processor_time_of_this_thread() - before;
 }

@@ -377,6 +377,10 @@ void Scheduler::receive_object(Rank from, Payload payload, std::size_t wire_byte
   ++moved_in_;
   trace_.communication_lane().received(Traffic::migrate, Span::kNoName, from, size);
   begin_epoch(packed.epoch);  // what it sends is of that one
+  // What waits for it may be of a later one, of which this rank has not heard.
+  for (const Task& task : packed.mailbox) begin_epoch(task.envelope.epoch);
+  for (const auto& [sender, waiting] : packed.inbound)
+    for (const auto& [sequence, task] : waiting.held) begin_epoch(task.envelope.epoch);
   directory_.arrived(packed.id);
   const Rank home = home_of(packed.id);
   if (home != options_.rank) tell_location(home, packed.id, {options_.rank, packed.age});

@@ -1,7 +1,9 @@
 // Payloads from every rank to every rank, between the runs of an engine, by point-to-point messages.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "engine/base/serialize.h"
@@ -10,8 +12,9 @@
 
 namespace weft::graph::dataflow {
 
-/// An all-to-all exchange through a mailbox object of each rank, which has the rank's first id: so the others
-/// know its address without asking.
+/// Exchanges through a mailbox object of each rank, which has the rank's first id: so the others know its
+/// address without asking. All ranks must call the same functions in the same order; each is one run of the
+/// engine, so that nothing of it is on its way before or after. They throw engine::RunFailure on all ranks.
 class RankExchange {
  public:
   static constexpr std::uint32_t kObjects = 1;  ///< that it makes on every rank, before all others
@@ -26,9 +29,17 @@ class RankExchange {
   engine::Runtime& runtime() const { return runtime_; }
 
   /// Sends to_each[r] to rank r and returns what each rank has sent here, [r] from rank r; both have one
-  /// entry a rank. All ranks must call it; one run of the engine, so that nothing of it is on its way before
-  /// or after. Throws engine::RunFailure on all ranks.
+  /// entry a rank. Empty ones are not sent.
   std::vector<engine::Payload> exchange(std::vector<engine::Payload> to_each);
+
+  using Bytes = std::vector<std::byte>;
+  /// What each rank gives, [r] of rank r, on all ranks. Up and down a binary tree: two messages a rank.
+  std::vector<Bytes> allgather(Bytes mine);
+
+  /// Puts the second into the first. Called in the order of the tree, which depends on the number of ranks.
+  using Combine = std::function<void(Bytes& sum, const Bytes& more)>;
+  /// What all ranks give, combined, on all ranks, over the same tree.
+  Bytes reduce(Bytes mine, const Combine& combine);
 
  private:
   engine::Runtime& runtime_;

@@ -37,7 +37,7 @@ class SmallSet {
   Slot* find(std::uint32_t key) {
     std::uint32_t i = (key * 2654435761u) >> (32 - bits_);
     // One condition, which rarely holds; whether a slot is free could not be predicted.
-    while ((slots_[i].stamp == stamp_) & (slots_[i].key != key)) i = (i + 1) & mask_;
+    while (int{slots_[i].stamp == stamp_} & int{slots_[i].key != key}) i = (i + 1) & mask_;
     return &slots_[i];
   }
 

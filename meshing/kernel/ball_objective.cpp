@@ -2,48 +2,14 @@
 #include "meshing/kernel/ball_objective.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace weft::meshing {
 namespace {
 
-typedef float FloatLanes __attribute__((vector_size(4 * kLanes)));
-typedef std::int32_t IntLanes __attribute__((vector_size(4 * kLanes)));
-
-VecLanes operator*(const Lanes& s, const VecLanes& a) { return {s * a.x, s * a.y, s * a.z}; }
-Lanes dot(const VecLanes& a, const VecLanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Lanes absolute(const Lanes& a) { return a < 0 ? -a : a; }
-VecLanes apply(const TensorLanes& m, const VecLanes& v) {
-  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-          m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
 double sum(const Lanes& v) {
   double s = 0;
   for (int i = 0; i < kLanes; ++i) s += v[i];
   return s;
-}
-
-/// fast_cbrt of quality.h for eight numbers, with the first guess from single precision (integer division by
-/// three has no vector form; a multiplication has).
-Lanes cube_root(Lanes x) {
-  x = x > 1e-36 ? x : Lanes{} + 1e-36;
-  FloatLanes f = __builtin_convertvector(x, FloatLanes);
-  IntLanes bits;
-  std::memcpy(&bits, &f, sizeof bits);
-  bits =
-      __builtin_convertvector(__builtin_convertvector(bits, FloatLanes) * (1.0f / 3), IntLanes) + 709921077;
-  std::memcpy(&f, &bits, sizeof f);
-  Lanes y = __builtin_convertvector(f, Lanes);
-  for (int i = 0; i < 2; ++i) {
-    const Lanes y3 = y * y * y;
-    y *= (y3 + 2 * x) / (2 * y3 + x);
-  }
-  return y;
-}
-
-Lanes sum_squared_lengths(const TensorLanes& m, const VecLanes& e1, const VecLanes& e2, const VecLanes& e3) {
-  const VecLanes m1 = apply(m, e1), m2 = apply(m, e2), m3 = apply(m, e3);
-  return 3 * (dot(e1, m1) + dot(e2, m2) + dot(e3, m3)) - 2 * (dot(e2, m1) + dot(e3, m1) + dot(e3, m2));
 }
 
 /// Mean ratios from six-fold volumes, determinants of the metrics and sums of squared lengths. The root is
@@ -148,7 +114,7 @@ BallDerivatives BallFaces::derivatives(const Point& x, const SymTensor& centre) 
     const Lanes s = sum_squared_lengths(m, e1, e2, e3);
     const Lanes det = determinants(k, m);
     Lanes f = 1 / mean_ratio(volume, det, s);
-    f = (raw > 0) & (det > 0) ? f * load_lanes(row(kWeight) + k) : Lanes{};
+    f = ((raw > 0) & (det > 0)) ? f * load_lanes(row(kWeight) + k) : Lanes{};
     // S' = 2 M (3 x - sum of the face's points), S'' = 6 M; g is the gradient of the logarithm of 1/Q.
     const VecLanes direction = {3 * e3.x - e1.x - e2.x, 3 * e3.y - e1.y - e2.y, 3 * e3.z - e1.z - e2.z};
     const VecLanes ds = (2 / s) * apply(m, direction), dv = (1 / volume) * n;
@@ -192,7 +158,7 @@ double BallFaces::qualities(const Point& x, const SymTensor& centre, std::vector
     const Lanes positive = volume > 0 ? volume : Lanes{};
     const Lanes det = determinants(k, m);
     const Lanes ratio = mean_ratio(positive, det, sum_squared_lengths(m, e1, e2, e3));
-    const Lanes q = (det > 0) & (ratio < kNoQuality) ? ratio : Lanes{} - 1;
+    const Lanes q = ((det > 0) & (ratio < kNoQuality)) ? ratio : Lanes{} - 1;
     for (int i = 0; i < kLanes; ++i) {
       if (!(doubt[i] > 0) && !is_positive(std::min(k + i, size_ - 1), x)) return -1;
       qualities[k + i] = static_cast<float>(q[i]);

@@ -82,28 +82,34 @@ void check_tets(std::span<const Tet> tets, std::size_t num_vertices) {
     throw InputError("", "tet " + std::to_string(bad - tets.begin() + 1), "vertex out of range");
 }
 
-/// Counting sort. `emit_records(t, sorted tet, emit)` calls emit(vertex, array of records) for each bucket
-/// that tet t puts records in; it runs twice, to count and to place.
-template <class Record, class EmitRecords>
+/// Counting sort. `make_emitter()` gives a function emit_records(t, tet, emit) for a run of tets,
+/// which calls emit(vertex, array of records) for each bucket that tet t puts records in; there are two
+/// passes over the same runs, to count and to place.
+template <class Record, class MakeEmitter>
 Buckets<Record> make_buckets(std::span<const Tet> tets, std::size_t num_vertices,
-                             const EmitRecords& emit_records) {
+                             const MakeEmitter& make_emitter) {
   Buckets<Record> buckets;
   buckets.ends.assign(num_vertices, 0);
   // Relaxed: the counters only hand out distinct places; parallel_for orders the passes.
   const auto take = [&buckets](std::uint32_t vertex, std::size_t count) {
     return std::atomic_ref(buckets.ends[vertex]).fetch_add(count, std::memory_order_relaxed);
   };
-  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
-    emit_records(t, tet, [&](std::uint32_t vertex, const auto& records) { take(vertex, records.size()); });
-  });
+  const auto for_each_record = [&](const auto& emit) {
+    tbb::parallel_for(
+        Range(0, tets.size(), 4096),
+        [&](const Range& range) {
+          auto emit_records = make_emitter();
+          for (std::size_t t = range.begin(); t < range.end(); ++t) emit_records(t, tets[t], emit);
+        },
+        tbb::simple_partitioner());
+  };
+  for_each_record([&](std::uint32_t vertex, const auto& records) { take(vertex, records.size()); });
   std::size_t total = 0;
   for (std::size_t& end : buckets.ends) total += std::exchange(end, total);
   buckets.records = std::make_unique_for_overwrite<Record[]>(total);
   // Each counter starts at its bucket's begin and has moved to its end when all records are placed.
-  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
-    emit_records(t, tet, [&](std::uint32_t vertex, const auto& records) {
-      std::copy(records.begin(), records.end(), buckets.records.get() + take(vertex, records.size()));
-    });
+  for_each_record([&](std::uint32_t vertex, const auto& records) {
+    std::copy(records.begin(), records.end(), buckets.records.get() + take(vertex, records.size()));
   });
   return buckets;
 }
@@ -120,12 +126,14 @@ bool same_face(const FaceRecord& a, const FaceRecord& b) {
 }
 
 Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices) {
-  return make_buckets<FaceRecord>(tets, num_vertices, [](std::size_t t, const SortedTet& tet, auto&& emit) {
-    const auto& [v, positions] = tet;
-    const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
-    emit(v[0],
-         std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
-    emit(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
+  return make_buckets<FaceRecord>(tets, num_vertices, [] {
+    return [](std::size_t t, const Tet& tet, auto&& emit) {
+      const auto& [v, positions] = sorted(tet);
+      const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
+      emit(v[0],
+           std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
+      emit(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
+    };
   });
 }
 
@@ -201,6 +209,20 @@ std::vector<TriangleRecord> sorted_triangles(std::span<const Triangle> triangles
   return records;
 }
 
+/// The edges met last, most of them: tets that share one mostly follow each other closely.
+class RecentEdges {
+ public:
+  /// False when the edge is among them.
+  bool insert(std::uint32_t smaller, std::uint32_t larger) {
+    const std::uint64_t edge = std::uint64_t{smaller} << 32 | larger;
+    return std::exchange(edges_[edge * 0x9E3779B97F4A7C15u >> (64 - kBits)], edge) != edge;
+  }
+
+ private:
+  static constexpr int kBits = 12;
+  std::vector<std::uint64_t> edges_ = std::vector<std::uint64_t>(1 << kBits, ~std::uint64_t{0});
+};
+
 }  // namespace
 
 Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices) {
@@ -252,14 +274,13 @@ std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, 
 EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices) {
   check_tets(tets, num_vertices);
   using One = std::array<std::uint32_t, 1>;
-  using Two = std::array<std::uint32_t, 2>;
-  const auto buckets =
-      make_buckets<std::uint32_t>(tets, num_vertices, [](std::size_t, const SortedTet& tet, auto&& emit) {
-        const Tet& v = tet.vertices;
-        emit(v[0], Triangle{v[1], v[2], v[3]});
-        emit(v[1], Two{v[2], v[3]});
-        emit(v[2], One{v[3]});
-      });
+  const auto buckets = make_buckets<std::uint32_t>(tets, num_vertices, [] {
+    return [recent = RecentEdges()](std::size_t, const Tet& tet, auto&& emit) mutable {
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = i + 1; j < 4; ++j)
+          if (const auto [a, b] = std::minmax(tet[i], tet[j]); recent.insert(a, b)) emit(a, One{b});
+    };
+  });
   EdgeLists edges{std::vector<std::size_t>(num_vertices + 1, 0), {}};
   for_each_vertex(num_vertices, [&](std::size_t v) {
     const std::span<std::uint32_t> others = buckets[v];

@@ -16,6 +16,19 @@
 
 namespace weft::meshing {
 
+/// Counts a value by its place among the intervals of `h`: itself, its log10 where they are logarithmic (of
+/// zero and of negative values anything below all of them).
+inline void count(Histogram& h, double place) {
+  const auto bins = static_cast<double>(h.counts.size());
+  const double bin = (place - h.lo) / (h.hi - h.lo) * bins;
+  if (!(bin >= 0))
+    ++h.below;
+  else if (bin > bins)
+    ++h.above;
+  else
+    ++h.counts[std::min(static_cast<std::size_t>(bin), h.counts.size() - 1)];
+}
+
 /// All but the quantiles that Measures says of tets.
 struct TetTotals {
   double volume = 0, complexity = 0, quality = 0;
@@ -23,14 +36,15 @@ struct TetTotals {
   std::uint64_t below_01 = 0, below_02 = 0, above_08 = 0;
   Histogram linear = Measures{}.quality, logarithmic = Measures{}.quality_log;
 
-  void add_quality(double q) {
+  /// A mean ratio and its place among the logarithmic intervals (log10_for_bins).
+  void add_quality(double q, double log10) {
     quality += q;
     quality_min = std::min(quality_min, q);
     below_01 += q < 0.1;
     below_02 += q < 0.2;
     above_08 += q > 0.8;
-    linear.add(q);
-    logarithmic.add(q);
+    count(linear, q);
+    count(logarithmic, log10);
   }
   TetTotals& operator+=(const TetTotals& o) {
     volume += o.volume;
@@ -53,7 +67,7 @@ struct EdgeTotals {
   double length_min = std::numeric_limits<double>::infinity();
   Histogram linear = Measures{}.length, logarithmic = Measures{}.length_log;
 
-  void add_length(double l) {
+  void add_length(double l, double log10) {
     ++edges;
     length += l;
     length_min = std::min(length_min, l);
@@ -61,8 +75,8 @@ struct EdgeTotals {
     shorter += l < 1 / std::numbers::sqrt2;
     longer += l > std::numbers::sqrt2;
     unit += l >= 1 / std::numbers::sqrt2 && l <= std::numbers::sqrt2;
-    linear.add(l);
-    logarithmic.add(l);
+    count(linear, l);
+    count(logarithmic, log10);
   }
   EdgeTotals& operator+=(const EdgeTotals& o) {
     edges += o.edges;

@@ -13,6 +13,7 @@
 #include "meshing/base/assert.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/tet_tables.h"
+#include "meshing/metric/measure_lanes.h"
 #include "meshing/metric/measure_totals.h"
 #include "meshing/metric/metric_field.h"
 
@@ -21,14 +22,14 @@ namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
 
-/// Sums `Totals` over [0, n): accumulate(totals, i) for each i, and += between parts. The parts depend on n
-/// only, so that rounding is the same for any number of threads.
+/// Sums `Totals` over [0, n): accumulate(totals, begin, end) for parts, and += between them. The parts depend
+/// on n only, so that rounding is the same for any number of threads.
 template <class Totals, class Accumulate>
 Totals reduce(std::size_t n, const Accumulate& accumulate) {
   return tbb::parallel_deterministic_reduce(
       Range(0, n, 1 << 13), Totals{},
       [&](const Range& range, Totals totals) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) accumulate(totals, i);
+        accumulate(totals, range.begin(), range.end());
         return totals;
       },
       [](Totals a, const Totals& b) {
@@ -97,9 +98,10 @@ double least_dihedral_degrees(const MeshData& mesh) {
     double cosine = -1;
     Largest& operator+=(const Largest& o) { return cosine = std::max(cosine, o.cosine), *this; }
   };
-  const auto largest = reduce<Largest>(mesh.tets.size(), [&](Largest& all, std::size_t t) {
-    all += {largest_dihedral_cosine(mesh.tets[t], mesh.points)};
-  });
+  const auto largest =
+      reduce<Largest>(mesh.tets.size(), [&](Largest& all, std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) all += {largest_dihedral_cosine(mesh.tets[t], mesh.points)};
+      });
   return std::acos(std::clamp(largest.cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
@@ -117,26 +119,39 @@ TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
                    std::span<const LogMetric> log_metrics, std::vector<double>& qualities) {
   qualities.resize(tets.size());
   const std::vector<double> densities = densities_of(log_metrics);
-  return reduce<TetTotals>(tets.size(), [&](TetTotals& sums, std::size_t t) {
-    const auto& [a, b, c, d] = tets[t];
-    const auto& p = points;
-    const auto& l = log_metrics;
-    qualities[t] = mean_ratio({p[a], p[b], p[c], p[d]}, {l[a], l[b], l[c], l[d]});
-    sums.volume += tet_volume(tets[t], points);
-    sums.complexity += tet_complexity(tets[t], points, densities);
-    sums.add_quality(qualities[t]);
+  return reduce<TetTotals>(tets.size(), [&](TetTotals& sums, std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin; first < end; first += kLanes) {
+      const Lanes ratios = mean_ratios(tets.first(end), first, points, log_metrics);
+      const Lanes logs = log10_for_bins(ratios);
+      for (std::size_t t = first; t < std::min(end, first + kLanes); ++t) {
+        qualities[t] = ratios[static_cast<int>(t - first)];
+        sums.volume += tet_volume(tets[t], points);
+        sums.complexity += tet_complexity(tets[t], points, densities);
+        sums.add_quality(qualities[t], logs[static_cast<int>(t - first)]);
+      }
+    }
   });
 }
 
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
                      std::span<const Point> points, std::span<const LogMetric> log_metrics) {
   const std::vector<Metric> metrics = metrics_of(log_metrics);
-  return reduce<EdgeTotals>(points.size(), [&](EdgeTotals& sums, std::size_t v) {
-    for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e) {
-      const std::uint32_t w = edges.others[e];
-      if (counted.empty() || counted[e])
-        sums.add_length(edge_length(points[w] - points[v], metrics[v], metrics[w]));
+  return reduce<EdgeTotals>(points.size(), [&](EdgeTotals& sums, std::size_t begin, std::size_t end) {
+    EdgeBatch batch;
+    const auto take = [&] {
+      const int size = batch.size();
+      const Lanes lengths = batch.take_lengths(), logs = log10_for_bins(lengths);
+      for (int i = 0; i < size; ++i) sums.add_length(lengths[i], logs[i]);
+    };
+    for (std::size_t v = begin; v < end; ++v) {
+      for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e) {
+        const std::uint32_t w = edges.others[e];
+        if (!counted.empty() && !counted[e]) continue;
+        batch.add(points[w] - points[v], metrics[v], metrics[w]);
+        if (batch.size() == kLanes) take();
+      }
     }
+    take();
   });
 }
 
@@ -170,17 +185,7 @@ std::uint64_t quantile_place(std::uint64_t n, double q) {
   return static_cast<std::uint64_t>(std::max(std::ceil(q * static_cast<double>(n)), 1.0)) - 1;
 }
 
-void Histogram::add(double value) {
-  const double x = logarithmic ? std::log10(value) : value;  // of zero: below; of a negative value: NaN
-  const auto bins = static_cast<double>(counts.size());
-  const double bin = (x - lo) / (hi - lo) * bins;
-  if (!(bin >= 0))
-    ++below;
-  else if (bin > bins)
-    ++above;
-  else
-    ++counts[std::min(static_cast<std::size_t>(bin), counts.size() - 1)];
-}
+void Histogram::add(double value) { count(*this, logarithmic ? std::log10(value) : value); }
 
 Histogram& Histogram::operator+=(const Histogram& other) {
   WEFT_ASSERT_LIGHT(counts.size() == other.counts.size(), "histograms of the same intervals");
@@ -230,8 +235,9 @@ double complexity(const MeshData& mesh, std::span<const LogMetric> log_metrics) 
   };
   const std::vector<double> densities = densities_of(log_metrics);
   return reduce<Sum>(mesh.tets.size(),
-                     [&](Sum& sum, std::size_t t) {
-                       sum.value += tet_complexity(mesh.tets[t], mesh.points, densities);
+                     [&](Sum& sum, std::size_t begin, std::size_t end) {
+                       for (std::size_t t = begin; t < end; ++t)
+                         sum.value += tet_complexity(mesh.tets[t], mesh.points, densities);
                      })
       .value;
 }

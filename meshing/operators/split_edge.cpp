@@ -194,7 +194,7 @@ VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId>
     if (fans.size() > 1) judge_fan(t);  // else it is at hand
     commit(w, plan, p);
   }
-  check_cavity(w, p);
+  // No check of the cavity: its faces without neighbour are rightly so only once the caller has frozen `p`.
   return p;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstring>
+#include <functional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -21,6 +22,19 @@ class Peers {
   virtual int ranks() const = 0;
   /// Sends to_each[r] to rank r (this one included) and returns what each rank has sent here.
   virtual std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) = 0;
+  /// What each rank gives, [r] of rank r, on all ranks.
+  virtual std::vector<Bytes> allgather(Bytes mine) {
+    return all_to_all(std::vector<Bytes>(static_cast<std::size_t>(ranks()), mine));
+  }
+
+  /// Puts the second into the first, of the same length: associative and commutative to the bit.
+  using Combine = std::function<void(Bytes& sum, const Bytes& more)>;
+  /// What all ranks give, combined, on all ranks.
+  virtual Bytes reduce(Bytes mine, const Combine& combine) {
+    std::vector<Bytes> all = allgather(std::move(mine));
+    for (std::size_t r = 1; r < all.size(); ++r) combine(all[0], all[r]);
+    return std::move(all[0]);
+  }
 };
 
 /// One rank.
@@ -31,28 +45,42 @@ class SelfPeers final : public Peers {
   std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override { return to_each; }
 };
 
+template <class T>
+Bytes bytes_of(const std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  Bytes bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+template <class T>
+std::vector<T> values_of(const Bytes& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+template <class T>
+std::vector<std::vector<T>> values_of_each(const std::vector<Bytes>& bytes) {
+  std::vector<std::vector<T>> values;
+  values.reserve(bytes.size());
+  for (const Bytes& of_rank : bytes) values.push_back(values_of<T>(of_rank));
+  return values;
+}
+
 /// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r.
 template <class T>
 std::vector<std::vector<T>> all_to_all(Peers& peers, const std::vector<std::vector<T>>& to_each) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  std::vector<Bytes> bytes(to_each.size());
-  for (std::size_t r = 0; r < to_each.size(); ++r) {
-    bytes[r].resize(to_each[r].size() * sizeof(T));
-    if (!bytes[r].empty()) std::memcpy(bytes[r].data(), to_each[r].data(), bytes[r].size());
-  }
-  bytes = peers.all_to_all(std::move(bytes));
-  std::vector<std::vector<T>> received(bytes.size());
-  for (std::size_t r = 0; r < bytes.size(); ++r) {
-    received[r].resize(bytes[r].size() / sizeof(T));
-    if (!bytes[r].empty()) std::memcpy(received[r].data(), bytes[r].data(), bytes[r].size());
-  }
-  return received;
+  std::vector<Bytes> bytes;
+  bytes.reserve(to_each.size());
+  for (const std::vector<T>& values : to_each) bytes.push_back(bytes_of(values));
+  return values_of_each<T>(peers.all_to_all(std::move(bytes)));
 }
 
 /// The same array to every rank: result[r] is that of rank r.
 template <class T>
 std::vector<std::vector<T>> allgather(Peers& peers, const std::vector<T>& mine) {
-  return all_to_all(peers, std::vector<std::vector<T>>(static_cast<std::size_t>(peers.ranks()), mine));
+  return values_of_each<T>(peers.allgather(bytes_of(mine)));
 }
 
 }  // namespace weft::partition

@@ -12,10 +12,20 @@
 namespace weft::partition {
 
 /// Element by element combine(a, b) over the arrays of all ranks, which must be of one length; every rank
-/// gets the result. Each rank combines one block of the array for all. The result is independent of the
-/// number of ranks where `combine` is exactly associative and commutative: integer sums, extremes.
+/// gets the result. Short arrays are combined over the tree of Peers::reduce; of long ones each rank combines
+/// one block for all. The result is independent of the number of ranks where `combine` is exactly associative
+/// and commutative: integer sums, extremes.
 template <class T, class Combine>
 std::vector<T> reduce(Peers& peers, const std::vector<T>& mine, const Combine& combine) {
+  constexpr std::size_t kLongBytes = 1 << 16;
+  if (mine.size() * sizeof(T) < kLongBytes) {
+    return values_of<T>(peers.reduce(bytes_of(mine), [&](Bytes& sum, const Bytes& more) {
+      std::vector<T> values = values_of<T>(sum);
+      const std::vector<T> others = values_of<T>(more);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = combine(values[i], others.at(i));
+      sum = bytes_of(values);
+    }));
+  }
   const auto ranks = static_cast<std::size_t>(peers.ranks());
   std::vector<std::vector<T>> blocks(ranks);
   for (std::size_t r = 0; r < ranks; ++r)

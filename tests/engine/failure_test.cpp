@@ -367,7 +367,6 @@ TEST(Failure, ADeadRankIsNamedByTheOthersAndReportedOnce) {
 TEST(Failure, ASilentRankCountsAsDead) {
   if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
   LoopbackNetwork network(2);
-  std::atomic<bool> noticed{false};
   // Rank 1 beats once and then hangs, inside its communication thread.
   std::thread hung([&] {
     const Registry registry = bombs();

@@ -120,7 +120,7 @@ void start(Context& context) {
                                    kHops);
 }
 
-void run_with_snapshots(int ranks, int threads, Archive& archive) {
+void run_once(int ranks, int threads, Archive& archive) {
   std::atomic<long> money = 0, handled = 0;
   on_ranks(ranks, [&](Transport& network) {
     const auto transport = delayed(network, 300us, 7);
@@ -132,6 +132,15 @@ void run_with_snapshots(int ranks, int threads, Archive& archive) {
   });
   EXPECT_EQ(money, kAccounts * kMoney);
   EXPECT_EQ(handled, kChains * (kHops + 1));
+}
+
+/// A run of some milliseconds on a busy machine may be over before its first snapshot is.
+void run_with_snapshots(int ranks, int threads, Archive& archive) {
+  for (int attempts = 0; attempts < 50 && archive.whole.empty(); ++attempts) {
+    archive.epochs.clear();
+    run_once(ranks, threads, archive);
+  }
+  ASSERT_FALSE(archive.whole.empty());
 }
 
 Payload copy_of(const Payload& payload) {
@@ -184,7 +193,6 @@ INSTANTIATE_TEST_SUITE_P(Ranks, SnapshotsOnRanks, ::testing::Values(1, 2, 3, 8),
 TEST_P(SnapshotsOnRanks, EachHasAllObjectsOnceAndAllMoney) {
   Archive archive;
   run_with_snapshots(GetParam(), 2, archive);
-  EXPECT_FALSE(archive.whole.empty());
   for (const std::uint64_t epoch : archive.whole) {
     const Copies& copies = archive.epochs[epoch];
     EXPECT_EQ(copies.objects.size(), kAccounts);
@@ -197,7 +205,7 @@ TEST_P(SnapshotsOnRanks, EachHasAllObjectsOnceAndAllMoney) {
 TEST_P(SnapshotsOnRanks, ARunOnOtherRanksGoesOnFromThem) {
   Archive archive;
   run_with_snapshots(GetParam(), 1, archive);
-  ASSERT_FALSE(archive.whole.empty());
+  if (HasFatalFailure()) return;
   const Copies& copies = archive.epochs[*std::next(archive.whole.begin(), archive.whole.size() / 2)];
   for (const int ranks : {1, 2, 5}) {
     std::atomic<long> money = 0, handled = 0;

@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "engine/network/loopback_transport.h"
+#include "engine/simulate/simulation.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "meshing/mesh/check_mesh.h"
 #include "partition/communication/reduce.h"
@@ -184,6 +185,32 @@ void expect_same_as_on_one_rank(int ranks, const MetricMesh& whole, const Settin
       EXPECT_TRUE(rank.peers.rank() > 0 || all == expected);
     });
   });
+}
+
+/// On simulated ranks, in this thread.
+void expect_same_on_simulated_ranks(int ranks, const MetricMesh& whole, const Setting& setting) {
+  const PieceBytes expected = on_one_rank(whole, setting);
+  PieceBytes pieces;
+  engine::SimulationOptions options;
+  options.ranks = ranks;
+  engine::simulate(options, [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      expect_sound(rank, whole, setting);
+      PieceBytes all = gather_bytes(rank.peers, rank.result.pieces);
+      if (rank.peers.rank() == 0) pieces = std::move(all);
+    });
+  });
+  EXPECT_TRUE(pieces == expected) << "on " << ranks << " simulated ranks";
+}
+
+TEST(SimulatedAdaptation, ThePiecesAreThoseOfOneRankUnderBothBalancers) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  for (const auto& balancer : {engine::work_stealing(), engine::diffusion()}) {
+    Setting setting;
+    setting.subdomains = 24;
+    setting.balancer = balancer;
+    for (const int ranks : {3, kSlowness > 1 ? 8 : 64}) expect_same_on_simulated_ranks(ranks, whole, setting);
+  }
 }
 
 TEST_P(AdaptationOnRanks, ThePiecesDoNotDependOnRanksAndBalancer) {

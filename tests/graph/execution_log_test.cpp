@@ -208,5 +208,29 @@ TEST(CommonClock, ShiftsWhatHappenedByTheRankWhereItDid) {
   EXPECT_THROW(to_common_clock({0}, log), std::out_of_range) << "there is no rank 1";
 }
 
+TEST(RankExchange, GathersAndReducesOverATree) {
+  for (const int ranks : {1, 2, 3, 7, 16}) {
+    on_ranks(ranks, [&](Transport& transport) {
+      Registry registry;
+      RankExchange::register_types(registry);
+      Runtime runtime(transport, registry, {});
+      RankExchange exchange(runtime);
+      const int rank = transport.rank().value;
+      for (int time = 0; time < 3; ++time) {
+        const auto value = [&](int r) {
+          return RankExchange::Bytes(static_cast<std::size_t>(r % 4), std::byte(r + time));
+        };
+        const std::vector<RankExchange::Bytes> all = exchange.allgather(value(rank));
+        ASSERT_EQ(all.size(), static_cast<std::size_t>(ranks));
+        for (int r = 0; r < ranks; ++r) EXPECT_EQ(all[static_cast<std::size_t>(r)], value(r)) << r;
+        const auto sum = exchange.reduce({std::byte(rank + time)}, [](auto& whole, const auto& more) {
+          whole[0] = std::byte(std::to_integer<int>(whole[0]) + std::to_integer<int>(more[0]));
+        });
+        EXPECT_EQ(sum, RankExchange::Bytes{std::byte(ranks * (ranks - 1) / 2 + ranks * time)});
+      }
+    });
+  }
+}
+
 }  // namespace
 }  // namespace weft::graph::dataflow

@@ -32,8 +32,11 @@ GraphDump chain() {
                       {{"begin", dataflow::NodeKind::start}, {"end", dataflow::NodeKind::event}},
                       {{"begin -> end", dataflow::EdgeKind::remote, 0, 1, dataflow::RoundStep::same, "int"}}};
   dump.instances = {{0, {engine::Rank(0), 1}, engine::Rank(0)}, {1, {engine::Rank(0), 2}, engine::Rank(0)}};
-  dump.runs = {{.node = 0, .instance = 0, .begin = 0, .end = 1'000'000},
-               {.node = 1, .instance = 1, .begin = 1'000'000, .end = 3'000'000}};
+  dump.runs.resize(2);
+  dump.runs[0].end = 1'000'000;
+  dump.runs[1].node = dump.runs[1].instance = 1;
+  dump.runs[1].begin = 1'000'000;
+  dump.runs[1].end = 3'000'000;
   dump.uses = {{.edge = 0, .from = 0, .to = 1, .time = 500'000, .bytes = 1'000'000}};
   return dump;
 }

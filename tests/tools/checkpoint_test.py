@@ -84,8 +84,10 @@ class Writing(Checkpoints):
 
     def test_when_asked_by_a_signal(self):
         process = self.start(2, "--checkpoint", "ck", "--checkpoint-every", 0, "-o", "first.meshb", complexity=60000)
+        while process.poll() is None and not (self.folder / "ck").exists():
+            time.sleep(0.1)  # before that a signal kills
         while process.poll() is None and not self.complete():
-            time.sleep(0.2)
+            time.sleep(0.5)
             process.send_signal(signal.SIGUSR2)  # mpirun passes it on
         self.assertTrue(self.complete())
         process.send_signal(signal.SIGALRM)
