@@ -24,8 +24,8 @@ constexpr const char* kFooter = R"(Examples:
   weft mesh ball --size 0.1 -o ball.meshb
   weft mesh wing.step --size 0.1 -o wing.meshb
 
-SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .egads), which is meshed within
---hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
+SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .egads), which is meshed
+within --hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
 materials, which get the tet references 1, 2 ... The triangles are kept, and sizes grow from theirs into
 the volume, faster than --growth where the triangles' sizes do. Repaired with a note: coincident points,
 degenerate and duplicate triangles, orientations; with --repair small gaps and holes too. Refused: open and
