@@ -214,7 +214,7 @@ std::string Classifier::hint_of_scale() const {
   if (std::abs(factor - 1) < 0.05) return "";
   for (int i = 0; i < 3; ++i)
     if (std::abs(box.size()[i] - factor * model_.box().size()[i]) > 0.05 * norm(box.size())) return "";
-  return fmt::format(". The mesh is {:.6g} times as large as the model: --geometry-scale {:.6g}?", factor,
+  return fmt::format(". The mesh is {:.3g} times as large as the model: --geometry-scale {:.3g}?", factor,
                      factor * model_.scale());
 }
 

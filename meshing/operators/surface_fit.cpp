@@ -48,13 +48,15 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
                   const std::array<VertexId, 3>& old) {
   const TetMesh& mesh = k.mesh;
   const Vec n = triangle_normal(mesh, changed), o = triangle_normal(mesh, old);
-  if (dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
   const Point centroid =
       (1.0 / 3) * (mesh.point(changed[0]) + mesh.point(changed[1]) + mesh.point(changed[2]));
   const auto q =
       k.surface.project_to_patch(patch, centroid, mesh.kind(changed[0]), mesh.surface_hint(changed[0]));
   // Folding shows against the surface's own normal as well: `old` may have been bent already.
   const double side = dot(o, q.normal) < 0 ? -1 : 1;
+  // Against that of one that stands on the surface nothing can be said: what mends it turns the normal.
+  const bool was_bent = side * dot(o, q.normal) < 0.5 * norm(o);
+  if (!was_bent && dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
   if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.limits.hausd) return false;
   for (int i = 0; i < 3; ++i) {
     const VertexId a = changed[i], b = changed[(i + 1) % 3];

@@ -141,8 +141,12 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMea
                    options.num_subdomains, options.partitioner);
 }
 
-std::shared_ptr<Geometry> build_geometry(const WholeBoundary& boundary, double ridge_angle_degrees) {
-  meshing::Surface surface(boundary.data, {ridge_angle_degrees});
+/// All ranks classify the same boundary on the same model, each for itself.
+std::shared_ptr<Geometry> build_geometry(WholeBoundary& boundary, const DecompositionOptions& options) {
+  meshing::ModelClassification on_model;
+  if (options.model) on_model = meshing::classify_on_model(boundary.data, options.model);
+  boundary.warnings.insert(boundary.warnings.end(), on_model.warnings.begin(), on_model.warnings.end());
+  meshing::Surface surface(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
   std::vector<bool> required(surface.patches().size(), false);
   for (const std::uint32_t t : boundary.data.required_triangles)
     required[surface.triangle_patch(t).value] = true;
@@ -235,7 +239,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
       send_tets_home(peers, slice, decomposition.subdomains, options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
-  const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options.ridge_angle_degrees);
+  const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options);
   result.geometry = geometry;
   const BoundaryIndex index(boundary, *geometry);
   auto begin = mine.begin();

@@ -22,6 +22,7 @@ struct DecompositionOptions {
   double ridge_angle_degrees = 45;  ///< of meshing::Surface
   double target_complexity = 0;     ///< the metric is scaled to it (paper, equation 3); 0: as it is
   bool equal_tets = false;          ///< parts of equally many tets of the input, not of equal predicted work
+  std::shared_ptr<const meshing::Model> model = nullptr;  ///< of the boundary; on every rank or none
 };
 
 /// What one rank has after the decomposition.

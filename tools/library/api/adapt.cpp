@@ -35,10 +35,11 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   result.input_counts = tools::count(input.mesh);
   MetricOptions metric = options.metric;
   const double target = tools::scaled_alone(metric) ? std::exchange(metric.complexity, 0) : 0;
-  tools::LogMetricMade made = tools::make_log_metric(metric, input.mesh, input.name, input.metric);
-  result.warnings = std::move(made.warnings);
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);
+    tools::LogMetricMade made = tools::make_log_metric(metric, input.mesh, input.name, input.metric,
+                                                       run.read_model(input.mesh, input.name));
+    result.warnings = std::move(made.warnings);
     run.adapt(tools::deal_out(run.peers(), input.mesh, made.field), target, input.name, result);
     if (options.run.measure) {
       if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);

@@ -29,13 +29,14 @@ bool only_scaled(const MetricOptions& options) {
 }
 
 /// Rank 0 makes the metric of the whole mesh, and deals it out again.
-void make_metric_by_first(partition::Peers& peers, const MetricOptions& options, partition::MeshSlice& slice,
+void make_metric_by_first(partition::Peers& peers, const MetricOptions& options,
+                          const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
                           std::vector<std::string>& warnings) {
   Mesh whole = tools::gather_whole(peers, slice);
   tools::LogMetricMade made;
   std::vector<Tensor> source = tools::gather_to_first(peers, slice.log_metrics);
   partition::agree_on(peers, [&] {
-    if (peers.rank() == 0) made = tools::make_log_metric(options, whole, "", &source);
+    if (peers.rank() == 0) made = tools::make_log_metric(options, whole, "", &source, model);
   });
   slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
@@ -49,9 +50,10 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   tools::DistributedRun run(options, transport);
   PartResult result;
   partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, metric);
+  const auto model = run.read_model(part.mesh, "");
   double target = options.metric.complexity;
   if (!only_scaled(options.metric)) {
-    make_metric_by_first(run.peers(), options.metric, slice, result.warnings);
+    make_metric_by_first(run.peers(), options.metric, model, slice, result.warnings);
     target = 0;
   }
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),

@@ -7,6 +7,7 @@
 #include "meshing/initial/fill_volume.h"
 #include "meshing/initial/initial_grid.h"
 #include "tools/library/api/whole_mesh.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
@@ -59,6 +60,8 @@ class Filling {
     options.adapt.threads = tools::number_of_threads(options_.run.threads);
     options.adapt.ridge_angle_degrees = options_.geometry.ridge_angle;
     options.adapt.hausd = options_.geometry.hausd;
+    if (options_.remesh_surface)
+      options.adapt.model = tools::model_of(options_.geometry, surface_, "surface");
     options.adapt.interrupt = &monitor_.flag();
     options.adapt.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, done, tets);
@@ -67,6 +70,9 @@ class Filling {
     result_.mesh = std::move(filled.mesh);
     result_.metric = Metric::from_logarithms(std::move(filled.log_metrics));
     result_.cancelled = filled.report.interrupted;
+    if (const auto& model = filled.report.model; model && model->off > 0)
+      result_.warnings.push_back(
+          fmt::format("{} vertices are off the model, the farthest by {:.3g}", model->off, model->largest));
     result_.warnings.insert(result_.warnings.end(), filled.report.warnings.begin(),
                             filled.report.warnings.end());
     result_.fill_seconds = watch_.lap();

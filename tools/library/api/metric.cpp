@@ -10,6 +10,7 @@
 #include "meshing/metric/metric_field.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/threads.h"
 #include "weft/weft.h"
 
@@ -53,10 +54,18 @@ Tensor Metric::tensor(std::size_t vertex) const { return meshing::exp_exact(loga
 Fields Metric::fields() const { return meshing::solution_from_metric(logarithms_); }
 
 MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const std::string& name, int threads) {
-  validate(metric_only(options, threads));
+  return make_metric(mesh, options, GeometryOptions(), name, threads);
+}
+
+MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const GeometryOptions& geometry,
+                       const std::string& name, int threads) {
+  Options all = metric_only(options, threads);
+  all.geometry = geometry;
+  validate(all);
   const WholeMesh whole(mesh);
-  tools::LogMetricMade made = tools::with_threads(
-      tools::number_of_threads(threads), [&] { return tools::make_log_metric(options, *whole, name); });
+  tools::LogMetricMade made = tools::with_threads(tools::number_of_threads(threads), [&] {
+    return tools::make_log_metric(options, *whole, name, nullptr, tools::model_of(geometry, *whole, name));
+  });
   return {Metric::from_logarithms(std::move(made.field)), std::move(made.warnings)};
 }
 

@@ -178,6 +178,12 @@ void add_boundary(std::vector<Row>& rows) {
   rows.push_back(number(
       "hausd", "largest distance to the surface; 0: 0.1 % of the diagonal",
       [](Options & o) -> auto& { return o.geometry.hausd; }));
+  rows.push_back(word(
+      "geometry", "file of a CAD model that the boundary lies on, or carried: that of the mesh file",
+      [](Options & o) -> auto& { return o.geometry.model; }));
+  rows.push_back(number(
+      "geometry-scale", "the model's lengths are multiplied by this",
+      [](Options & o) -> auto& { return o.geometry.model_scale; }));
 }
 
 void add_run(std::vector<Row>& rows) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "meshing/base/error.h"
+#include "meshing/cad/load_model.h"
 #include "meshing/metric/metric.h"
 #include "partition/decompose/partitioner.h"
 #include "tools/library/version.h"
@@ -29,6 +30,13 @@ void validate(const GeometryOptions& geometry) {
   require(geometry.ridge_angle >= 0 && geometry.ridge_angle <= 180, "--ridge-angle",
           fmt::format("{} is not between 0 and 180 degrees", geometry.ridge_angle));
   require_size("--hausd", geometry.hausd);
+  require(geometry.model.empty() || geometry.model == "carried" || meshing::is_model_name(geometry.model),
+          "--geometry",
+          fmt::format("'{}' is no CAD model by its extension, known are {}", geometry.model,
+                      meshing::model_extensions()));
+  require(geometry.model_scale > 0 && std::isfinite(geometry.model_scale), "--geometry-scale",
+          fmt::format("{} is not a positive number", geometry.model_scale));
+  require(geometry.model_scale == 1 || !geometry.model.empty(), "--geometry-scale", "requires --geometry");
 }
 
 void check_function(const std::string& name) {

@@ -14,6 +14,7 @@
 #include "tools/common/text.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/stopwatch.h"
@@ -48,12 +49,14 @@ class OneMesh {
   const meshing::MeshData& background() const { return input_.background ? *input_.background : input_.mesh; }
 
   void prepare_metric() {
+    model_ = model_of(options_.geometry, input_.mesh, input_.name);
     predict_work(options_.metric.complexity);
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
-    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric);
+    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_);
     field_ = std::move(made.field);
-    result_.warnings = std::move(made.warnings);
+    result_.warnings = model_warnings(model_.get());
+    result_.warnings.insert(result_.warnings.end(), made.warnings.begin(), made.warnings.end());
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =
         result_.complexity_asked ? options_.metric.complexity : meshing::complexity(background(), field_);
@@ -81,6 +84,7 @@ class OneMesh {
     kernel.threads = result_.threads;
     kernel.ridge_angle_degrees = options_.geometry.ridge_angle;
     kernel.hausd = options_.geometry.hausd;
+    kernel.model = model_;
     kernel.interrupt = &monitor_.flag();
     kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, work_->at_adaptation(done), tets);
@@ -95,6 +99,7 @@ class OneMesh {
     result_.stages = std::move(report.stages);
     result_.operations = report.counts;
     result_.surface_deviation = report.surface_deviation;
+    result_.model = report.model;
     result_.cancelled = report.interrupted;
     if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
@@ -128,7 +133,8 @@ class OneMesh {
   const Options& options_;
   Monitor& monitor_;
   Stopwatch watch_;
-  std::optional<RunWork> work_;  ///< from the metric on
+  std::optional<RunWork> work_;                  ///< from the metric on
+  std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   meshing::LogMetricField field_;
   Result result_;
 };

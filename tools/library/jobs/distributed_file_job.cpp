@@ -71,6 +71,7 @@ class DistributedFileJob {
   SliceInput read() {
     run_.monitor().update("reading", 0, 0);
     SliceInput input = read_slice(run_.peers(), files_, options_);
+    run_.read_model(input.whole ? *input.whole : meshing::MeshData{}, files_.input);
     account_.warnings = input.warnings;
     account_.mends = input.mends;
     account_.input_counts = {input.slice.num_points, input.slice.num_tets,

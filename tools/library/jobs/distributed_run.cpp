@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "meshing/base/error.h"
+#include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/output/measure_pieces.h"
@@ -15,6 +17,7 @@
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
 #include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/report/run_progress_text.h"
 #include "tools/library/version.h"
@@ -123,6 +126,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
       partition::parse_partitioner(partitioner_of(asked), method.decomposition.num_subdomains);
   method.decomposition.equal_tets = asked.equal == DistributedOptions::Equal::tets;
   method.decomposition.ridge_angle_degrees = options_.geometry.ridge_angle;
+  method.decomposition.model = model_;
   method.decomposition.target_complexity = target_complexity;
   method.shift = {asked.layers, asked.layers_by == DistributedOptions::LayersBy::faces};
   if (asked.shifts) method.most_shifts = *asked.shifts;
@@ -155,9 +159,31 @@ void DistributedRun::check_room(const std::string& name, Report& report) {
                       least < kUnknown ? std::optional(least) : std::nullopt, report.predicted);
 }
 
+/// Of one rank the exception is what it is; of several it says which rank has it.
+std::shared_ptr<const meshing::Model> DistributedRun::read_model(const meshing::MeshData& mesh,
+                                                                 const std::string& name) {
+  if (options_.geometry.model.empty()) return nullptr;
+  meshing::MeshData carrier;
+  if (options_.geometry.model == "carried")
+    carrier.association.model = partition::allgather(*peers_, mesh.association.model)[0];
+  partition::agree_on(*peers_, [&] {
+    try {
+      model_ = model_of(options_.geometry, carrier, name);
+    } catch (const meshing::InputError& error) {
+      if (runtime_->ranks() == 1) throw;
+      throw std::runtime_error(fmt::format("rank {}: {}", runtime_->rank().value, error.what()));
+    }
+  });
+  return model_;
+}
+
 void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name,
                            Report& report) {
   report.threads = threads_;
+  if (first()) {
+    const std::vector<std::string> of_model = model_warnings(model_.get());
+    report.warnings.insert(report.warnings.end(), of_model.begin(), of_model.end());
+  }
   monitor_.update("decomposition", 0, report.input_counts.tets);
   result_ = naming(name, [&] {
     graph::adaptation::DistributedOptions method = method_options(target_complexity);

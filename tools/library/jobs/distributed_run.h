@@ -36,6 +36,10 @@ class DistributedRun {
   bool first() const { return runtime_->rank().value == 0; }
   Monitor& monitor() { return monitor_; }
 
+  /// Reads the CAD model that the options name, on every rank: each has the whole boundary too. `mesh` of
+  /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
+  /// fails.
+  std::shared_ptr<const meshing::Model> read_model(const meshing::MeshData& mesh, const std::string& name);
   /// Adapts the mesh of the slices, which errors call `name`; fills pieces and `report`.
   void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report);
   /// Fills the measures of the result.
@@ -71,6 +75,7 @@ class DistributedRun {
   std::optional<engine::ShowStateOnSignal> show_state_;
   std::optional<graph::adaptation::EnginePeers> peers_;
   std::optional<graph::dataflow::RankExchange> exchange_;
+  std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   graph::adaptation::DistributedResult result_;
   std::shared_ptr<DistributedStats> stats_;
   RunRecord record_;

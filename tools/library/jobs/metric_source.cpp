@@ -48,13 +48,14 @@ void add_solution(const MetricOptions& options, const Fields& solution, const st
 
 /// What the boundary asks for, or nothing where it was not asked.
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
-                                                       const meshing::MeshData& mesh) {
+                                                       const meshing::MeshData& mesh,
+                                                       std::shared_ptr<const meshing::Model> model) {
   std::optional<meshing::LogMetricField> field;
   if (options.curvature > 0 || options.sagitta > 0) {
     meshing::CurvatureOptions curvature;
     curvature.per_turn = options.curvature;
     curvature.sagitta = options.sagitta;
-    combine(meshing::curvature_metric(mesh, curvature), field);
+    combine(meshing::curvature_metric(mesh, curvature, std::move(model)), field);
   }
   if (!options.wall.refs.empty()) combine(meshing::wall_metric(mesh, options.wall), field);
   return field;
@@ -139,11 +140,12 @@ std::string name_of(const MetricOptions& options) {
 }
 
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
-                              const std::string& mesh_name, const meshing::LogMetricField* source) {
+                              const std::string& mesh_name, const meshing::LogMetricField* source,
+                              std::shared_ptr<const meshing::Model> model) {
   std::optional<meshing::LogMetricField> field = given_metric(options, mesh, source);
   return naming(mesh_name, [&]() -> LogMetricMade {
     if (options.implied) combine(meshing::implied_metric(mesh), field);
-    std::optional<meshing::LogMetricField> demands = boundary_demand(options, mesh);
+    std::optional<meshing::LogMetricField> demands = boundary_demand(options, mesh, std::move(model));
     if (!field) field = std::exchange(demands, std::nullopt);
     if (!field) throw InputError("", "", "no metric is given");
     std::vector<std::string> warnings = process(options, mesh, demands, *field);

@@ -1,9 +1,11 @@
 // The metric that options ask for: all sources intersected, scaled, limited and graded.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "meshing/geometry/model.h"
 #include "meshing/metric/metric_field.h"
 #include "meshing/metric/metric_limits.h"
 #include "weft/weft.h"
@@ -27,8 +29,10 @@ struct LogMetricMade {
 /// The metric asked for, at the vertices of `mesh`, which errors call `mesh_name`: all that is given
 /// (`source` too, where not null), intersected, and scaled so that it has the complexity once it is as fine
 /// as the boundary demands, limited and graded. Metrics of solutions come in with that complexity, or with
-/// the mesh's own where none is requested. Throws InputError naming file, entity and reason.
+/// the mesh's own where none is requested. Curvature is that of `model`, where not null. Throws InputError
+/// naming file, entity and reason.
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
-                              const std::string& mesh_name, const meshing::LogMetricField* source = nullptr);
+                              const std::string& mesh_name, const meshing::LogMetricField* source = nullptr,
+                              std::shared_ptr<const meshing::Model> model = nullptr);
 
 }  // namespace weft::tools

@@ -11,6 +11,7 @@
 #include "partition/communication/agreement.h"
 #include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/repaired_input.h"
 
 namespace weft::tools {
@@ -31,7 +32,8 @@ bool is_gmf(const std::string& file) {
 bool only_scaled(const Files& files, const Options& options) {
   const MetricOptions& m = options.metric;
   return !options.run.repair && is_gmf(files.input) && files.background.empty() && files.fields.empty() &&
-         scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
+         options.geometry.model != "carried" && scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) &&
+         m.file.empty() != m.function.empty();
 }
 
 struct Share {
@@ -125,8 +127,10 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
       input.fields = std::move(fields);
       input.mends = std::move(repaired.mends);
     }
+    const bool curved = metric.curvature > 0 || metric.sagitta > 0;  // else nobody asks the model here
     LogMetricMade made =
-        make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr);
+        make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr,
+                        curved ? model_of(options.geometry, *input.whole, files.input) : nullptr);
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/library/jobs/distributed_stats.h"
+#include "tools/library/report/model_text.h"
 #include "tools/library/version.h"
 
 namespace weft::tools {
@@ -187,6 +188,7 @@ Json json_of(const RunResult& run) {
       {"subdomains", run.distributed ? json_of(*run.distributed) : Json(nullptr)},
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.surface_deviation},
+      {"model", run.model ? json_of(*run.model) : Json(nullptr)},
       {"seconds", json_of(run.times)},
       {"peak_memory_bytes", run.peak_memory},
       {"threads", run.threads},

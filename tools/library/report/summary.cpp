@@ -10,6 +10,7 @@
 #include "tools/common/text.h"
 #include "tools/library/jobs/distributed_stats.h"
 #include "tools/library/jobs/run_result.h"
+#include "tools/library/report/model_text.h"
 
 namespace weft::tools {
 namespace {
@@ -105,6 +106,7 @@ std::string summary_text(const Report& run) {
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   if (!run.distributed)
     text += fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
+  if (run.model) text += model_text(*run.model, false);
   text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";
   return text;

@@ -8,6 +8,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/field_options.h"
 #include "tools/weft/options/metric_options.h"
+#include "tools/weft/options/model_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -108,6 +109,7 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->type_name("DEG")
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
+  add_model(sub, command.options.geometry);
   sub.add_option("--hausd", command.options.geometry.hausd,
                  "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
       ->type_name("D")

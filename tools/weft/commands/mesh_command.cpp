@@ -22,8 +22,10 @@ constexpr const char* kFooter = R"(Examples:
   weft mesh part.stl --size 0.05 --growth 1.2 -o part.meshb
   weft mesh part.stl --background old.meshb --metric sizes.solb -o part.meshb
   weft mesh ball --size 0.1 -o ball.meshb
+  weft mesh wing.step --size 0.1 -o wing.meshb
 
-SURFACE is any mesh file with triangles. They must enclose one or several volumes; shared faces separate
+SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .egads), which is meshed
+within --hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
 materials, which get the tet references 1, 2 ... The triangles are kept, and sizes grow from theirs into
 the volume, faster than --growth where the triangles' sizes do. Repaired with a note: coincident points,
 degenerate and duplicate triangles, orientations; with --repair small gaps and holes too. Refused: open and
@@ -61,6 +63,16 @@ struct SurfaceCommand {
   VolumeRequest volume;
 };
 
+/// Triangles on a CAD model, remeshed on it while the volume is filled.
+int run_model(const SurfaceCommand& command) {
+  VolumeRequest volume = command.volume;
+  volume.fill.geometry.model = command.input;
+  volume.fill.remesh_surface = true;
+  TessellationOptions triangles;
+  triangles.sagitta = volume.fill.geometry.hausd;
+  return make_volume(command.input, tessellate(volume.fill.geometry, triangles), {}, volume);
+}
+
 int run_surface(const SurfaceCommand& command) {
   if (command.input.empty())
     throw CLI::RequiredError(
@@ -71,6 +83,7 @@ int run_surface(const SurfaceCommand& command) {
     throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
   if (command.volume.background.empty() != command.volume.metric.empty())
     throw CLI::ValidationError("--background", "requires --metric and the reverse");
+  if (is_model_name(command.input)) return run_model(command);
   RefNames names;
   const Mesh surface = read_mesh(command.input, &names);
   return make_volume(command.input, surface, names, command.volume);
@@ -108,6 +121,10 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
   sub.add_flag("--repair", volume.fill.run.repair, "close small gaps and holes, and say what was done")
       ->group("Surface");
   sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "adapt the surface too, within --hausd")
+      ->group("Surface");
+  sub.add_option("--geometry-scale", volume.fill.geometry.model_scale,
+                 "multiply a CAD model's lengths by this; default 1")
+      ->type_name("S")
       ->group("Surface");
   sub.add_option("--hausd", volume.fill.geometry.hausd,
                  "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
@@ -220,7 +237,8 @@ void add_mesh_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("mesh", "make an initial mesh of a surface or of a simple body");
   sub->footer(kFooter);
   auto command = std::make_shared<SurfaceCommand>();
-  sub->add_option("SURFACE", command->input, "closed triangles, in any format")->type_name("FILE");
+  sub->add_option("SURFACE", command->input, "closed triangles in any format, or a CAD model")
+      ->type_name("FILE");
   add_volume_output(*sub, command->volume);
   add_sizes(*sub, command->volume);
   add_surface_options(*sub, command->volume);

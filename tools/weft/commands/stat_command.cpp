@@ -12,6 +12,7 @@
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
+#include "tools/weft/options/model_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -25,6 +26,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
   weft stat wing.meshb --metric wing.solb --plot wing.pdf
+  weft stat wing.meshb --geometry wing.step
 
 Without a metric: counts, shapes of the tets, bounding box, volumes and areas by reference. With one:
 mean ratios of the tets and lengths of the edges in the metric, as `weft adapt` reports them.
@@ -33,6 +35,7 @@ mean ratios of the tets and lengths of the edges in the metric, as `weft adapt` 
 struct StatCommand {
   std::string mesh;
   MetricOptions metric;
+  GeometryOptions geometry;
   std::string plot;
   bool json = false, histogram = false;
   Verbosity verbosity;
@@ -135,11 +138,17 @@ int run_stat(const StatCommand& command) {
   Json json = json_of(mesh, geometry);
   std::string text = geometry_text(mesh, geometry);
   if (command.metric.given()) {
-    const Measures measures = measure(mesh, make_metric(mesh, command.metric, command.mesh).metric);
+    const Measures measures =
+        measure(mesh, make_metric(mesh, command.metric, command.geometry, command.mesh).metric);
     json["measures"] = Json::parse(to_json(measures));
     text = measures_table({{"", &measures}});
     if (command.histogram) text += "\n" + histograms_text(measures);
     if (!command.plot.empty()) plot(command, measures);
+  }
+  if (!command.geometry.model.empty()) {
+    const ModelAccount account = measure_on_model(mesh, command.geometry, command.mesh);
+    json["model"] = Json::parse(to_json(account));
+    text += "\n" + summary(account);
   }
   progress.finish();
   command.verbosity.print("{}", command.json ? json.dump(1) + "\n" : text);
@@ -155,6 +164,7 @@ void add_stat_command(CLI::App& app, Action& action) {
   auto command = std::make_shared<StatCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   add_metric_source(*sub, command->metric);
+  add_model(*sub, command->geometry);
   sub->add_flag("--json", command->json, "print everything as JSON, including histograms");
   sub->add_flag("--histogram", command->histogram, "also print histograms of quality and edge length");
   sub->add_option("--plot", command->plot, "draw the histograms: .png, .svg or .pdf")

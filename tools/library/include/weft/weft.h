@@ -99,6 +99,10 @@ class WEFT_API Metric {
 struct GeometryOptions {
   double ridge_angle = 45;  ///< degrees; boundary edges sharper than this are kept
   double hausd = 0;         ///< largest distance to the surface; 0: 0.1 % of the bounding box diagonal
+  /// A CAD model that the boundary lies on: .step, .stp, .iges, .igs, .brep, .egads. Empty: the surface is
+  /// reconstructed from the input's triangles. "carried": the model that the mesh file carries (ByteFlow).
+  std::string model;
+  double model_scale = 1;  ///< the model's lengths are multiplied by this: --geometry-scale
 };
 
 /// Where a metric comes from and what is done to it. Sources are intersected with each other (and with the
@@ -317,6 +321,7 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
+  std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the CAD model; null: there is none
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
   std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
   TransferMethod transfer = TransferMethod::linear;
@@ -447,6 +452,10 @@ struct MadeMetric {
 /// cores.
 WEFT_API MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const std::string& name = {},
                                 int threads = 0);
+/// The same with the boundary's curvature from the CAD model of `geometry`, if it names one.
+WEFT_API MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options,
+                                const GeometryOptions& geometry, const std::string& name = {},
+                                int threads = 0);
 /// The same with a metric in memory as one more source.
 WEFT_API MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
                                 const std::string& name = {}, int threads = 0);
@@ -467,6 +476,15 @@ struct Geometry {
   std::map<std::int32_t, double> volume_by_ref, area_by_ref;  ///< of tets and triangles by their references
 };
 WEFT_API Geometry measure_geometry(const Mesh& mesh);
+/// Classifies the boundary of `mesh` on the CAD model that `geometry` names and measures how it lies there.
+/// `deviations`: distance from the model of the centroid of each boundary triangle, in the order of the tets
+/// that have them as faces. Throws InputError where the model cannot be read or is another body's.
+WEFT_API ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
+                                       const std::string& name = {}, int threads = 0,
+                                       std::vector<double>* deviations = nullptr);
+/// The account as text, a line for each entity of the model.
+WEFT_API std::string summary(const ModelAccount& account);
+WEFT_API std::string to_json(const ModelAccount& account);
 /// The full check of a mesh with exact arithmetic; names at most `max_problems`.
 WEFT_API CheckReport verify(const Mesh& mesh, int max_problems = 20);
 /// Fields at the vertices of `from`, at those of `to`.
@@ -571,6 +589,17 @@ struct FillResult {
   bool cancelled = false;
   double grid_seconds = 0, fill_seconds = 0;
 };
+/// Whether the extension is one of a CAD model; those that are.
+WEFT_API bool is_model_name(const std::string& path);
+WEFT_API std::string model_extensions();
+struct TessellationOptions {
+  double sagitta = 0;  ///< largest distance of an edge from the model; 0: 0.1 % of the diagonal
+  double angle = 20;   ///< degrees that the normal turns along an edge
+};
+/// Triangles on a CAD model, conforming across its edges, with the ids of faces and edges as references and
+/// the nodes as corners, and associated with the model. Throws InputError naming the entity where they would
+/// not be watertight.
+WEFT_API Mesh tessellate(const GeometryOptions& geometry, const TessellationOptions& options = {});
 /// Fills the volumes that closed triangles bound with tets. Throws InputError naming triangles (1-based).
 WEFT_API FillResult fill(const Mesh& surface, const FillOptions& options = {});
 
