@@ -321,7 +321,8 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
-  std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the CAD model; null: there is none
+  std::shared_ptr<const ModelAccount>
+      model;  ///< of one mesh: how it lies on the CAD model; null: there is none
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
   std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
   TransferMethod transfer = TransferMethod::linear;
