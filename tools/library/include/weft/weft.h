@@ -189,7 +189,7 @@ struct DistributedOptions {
   enum class Freeze { vertices, tets };
 
   std::uint32_t subdomains = 0;  ///< 0: one mesh in one process, 4 for each thread on several ranks
-  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:thin]
+  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:fewer]
   Equal equal = Equal::work;     ///< what parts have equally of: predicted work or tets of the input
   int layers = 2;                ///< layers of tets handed over in the first shift
   LayersBy layers_by = LayersBy::points;
