@@ -123,6 +123,27 @@ class Results(Subdomains):
             self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", name, "--quiet")
             self.weft("verify", name, "--against", "box.meshb")
 
+    def test_ugrid_and_cgns_are_read_in_shares_and_names_are_kept(self):
+        box = self.box(4)
+        self.weft("convert", box, "in.lb8.ugrid")
+        (self.folder / "in.mapbc").write_text("2\n1 5000 inflow\n4 3000 the wall\n")
+        self.weft("convert", "in.lb8.ugrid", "in.cgns")
+        words = ("--metric-fn", "uniform:0.15", "--subdomains", 5, "--threads", 1, "--quiet")
+        for name, out in (("in.lb8.ugrid", "out.lb8.ugrid"), ("in.cgns", "out.cgns"), ("in.lb8.ugrid", "out.cgns")):
+            meshes = []
+            for ranks in (0, 1, 2, 4):
+                done = self.run_on(ranks, name, *words, "-o", out)
+                self.assertNotIn("rank 0 has read", done.stderr)
+                self.weft("convert", out, "out.msh")  # has references, names and no time of writing
+                meshes.append(self.bytes_of("out.msh")[0])
+                if out.endswith("ugrid"):
+                    self.assertEqual(*self.bytes_of("in.mapbc", "out.mapbc"))
+                    (self.folder / "out.mapbc").unlink()
+                else:
+                    self.assertIn(b'"inflow"', meshes[-1])
+                    self.assertIn(b'"the wall"', meshes[-1])
+            self.assertEqual(meshes, meshes[:1] * 4, f"{name} to {out}")
+
     def test_pieces(self):
         self.box(3)
         self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", "a.pvtu", "--quiet")

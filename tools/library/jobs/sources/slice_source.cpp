@@ -28,10 +28,10 @@ bool is_gmf(const std::string& file) {
   return extension == ".meshb" || extension == ".mesh" || extension == ".solb" || extension == ".sol";
 }
 
-/// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
+/// Whether every rank can do with its share of the points: nothing asks how the metric is elsewhere.
 bool only_scaled(const Files& files, const Options& options) {
   const MetricOptions& m = options.metric;
-  return !options.run.repair && is_gmf(files.input) && files.background.empty() && files.fields.empty() &&
+  return !options.run.repair && files.background.empty() && files.fields.empty() &&
          options.geometry.model != "carried" && scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) &&
          m.file.empty() != m.function.empty();
 }
@@ -61,26 +61,33 @@ meshing::LogMetricField metric_of_share(const MetricOptions& request, const Mesh
       request.file);
 }
 
-SliceInput read_share(Peers& peers, const Files& files, const Options& options) {
+/// The file's share of this rank.
+MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, Share points, Share tets,
+                        meshing::RefNames& names) {
+  if (size.tets == 0) throw InputError(file, "", "has no tetrahedra");
+  meshing::MeshContents part =
+      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count});
+  MeshSlice slice;
+  slice.num_points = size.points;
+  slice.num_tets = size.tets;
+  slice.first_point = points.first;
+  slice.first_tet = tets.first;
+  slice.boundary = std::move(part.mesh);
+  slice.points = std::exchange(slice.boundary.points, {});
+  slice.point_refs = std::exchange(slice.boundary.point_refs, {});
+  slice.tets = std::exchange(slice.boundary.tets, {});
+  slice.tet_refs = std::exchange(slice.boundary.tet_refs, {});
+  names = std::move(part.names);
+  return slice;
+}
+
+SliceInput read_share(Peers& peers, const Files& files, const Options& options, const meshing::MeshSize& size) {
   SliceInput input;
   partition::agree_on(peers, [&] {
-    const meshing::GmfLayout layout = meshing::read_gmf_layout(files.input);
-    MeshSlice& slice = input.slice;
-    slice.num_points = layout.num_points();
-    slice.num_tets = layout.num_tets();
-    if (slice.num_tets == 0) throw InputError(files.input, "", "has no tetrahedra");
-    const Share points = share_of(slice.num_points, peers.rank(), peers.ranks());
-    const Share tets = share_of(slice.num_tets, peers.rank(), peers.ranks());
-    slice.first_point = points.first;
-    slice.first_tet = tets.first;
-    meshing::GmfPoints p = meshing::read_gmf_points(files.input, layout, points.first, points.count);
-    slice.points = std::move(p.points);
-    slice.point_refs = std::move(p.refs);
-    meshing::GmfTets t = meshing::read_gmf_tets(files.input, layout, tets.first, tets.count);
-    slice.tets = std::move(t.tets);
-    slice.tet_refs = std::move(t.refs);
-    slice.boundary = meshing::read_gmf_boundary(files.input, layout);
-    slice.log_metrics = metric_of_share(options.metric, slice, points);
+    const Share points = share_of(size.points, peers.rank(), peers.ranks());
+    const Share tets = share_of(size.tets, peers.rank(), peers.ranks());
+    input.slice = slice_of_file(files.input, size, points, tets, input.names);
+    input.slice.log_metrics = metric_of_share(options.metric, input.slice, points);
   });
   input.target_complexity = options.metric.complexity;
   return input;
@@ -118,7 +125,7 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
     if (peers.rank() != 0) return;
     if (!files.background.empty() && files.background != files.input)
       throw InputError(files.background, "", "a background of its own is not possible in subdomains");
-    input.whole = meshing::read_mesh(files.input);
+    input.whole = meshing::read_mesh(files.input, &input.names);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
     RepairedMetric repaired;
     if (options.run.repair) {
@@ -136,7 +143,7 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: only GMF files whose metric is merely scaled are read in shares");
+        "rank 0 has read the whole mesh: only GMF, binary UGRID and CGNS files whose metric is merely scaled are read in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
@@ -191,8 +198,10 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
 }
 
 SliceInput read_slice(Peers& peers, const Files& files, const Options& options) {
-  return only_scaled(files, options) && peers.ranks() > 1 ? read_share(peers, files, options)
-                                                          : read_whole(peers, files, options);
+  std::optional<meshing::MeshSize> size;
+  if (peers.ranks() > 1 && only_scaled(files, options))
+    partition::agree_on(peers, [&] { size = meshing::size_for_ranges(files.input); });
+  return size ? read_share(peers, files, options, *size) : read_whole(peers, files, options);
 }
 
 meshing::MeshData gather_whole(Peers& peers, const MeshSlice& slice) {
