@@ -1,0 +1,93 @@
+// Every rank reads the values of its slice; owners of vertices get them from there.
+#include "tools/library/jobs/sources/metric_in_parts.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_slice.h"
+#include "meshing/metric/sources/hessian.h"
+#include "meshing/metric/sources/multiscale.h"
+#include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+#include "partition/metric/part_domain.h"
+#include "tools/common/naming.h"
+
+namespace weft::tools {
+namespace {
+
+using partition::MeshSlice;
+using partition::PartDomain;
+using partition::Peers;
+
+bool is_gmf_solution(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension();
+  return extension == ".solb" || extension == ".sol";
+}
+
+/// The values of a file at this rank's slice of points. `kind`: what it is called where it is of another mesh.
+Fields read_slice_of(const std::string& file, const MeshSlice& slice, const std::string& kind) {
+  const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
+  if (layout.num_solution_points() != slice.num_points)
+    throw InputError(file, "",
+                     kind + " of another mesh: it has " + std::to_string(layout.num_solution_points()) +
+                         " vertices, the mesh " + std::to_string(slice.num_points));
+  return meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size());
+}
+
+/// The scalar fields of a file, checked, at the vertices of the part.
+Fields read_fields(Peers& peers, const MeshSlice& slice, const PartDomain& domain, const std::string& file) {
+  Fields of_slice;
+  partition::agree_on(peers, [&] {
+    of_slice = read_slice_of(file, slice, "solution");
+    meshing::scalar_fields(of_slice, slice.points.size(), file, slice.first_point);
+  });
+  Fields of_part;
+  of_part.num_points = domain.mesh().points.size();
+  for (const Field& field : of_slice.fields)
+    if (field.kind == Field::Kind::scalar)
+      of_part.fields.push_back({field.kind, domain.from_slices(field.values), field.name});
+  return of_part;
+}
+
+meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const PartDomain& domain,
+                                    const std::string& file) {
+  meshing::LogMetricField of_slice;
+  partition::agree_on(peers, [&] { of_slice = metric_of_slice(file, slice); });
+  return domain.from_slices(of_slice);
+}
+
+}  // namespace
+
+bool can_be_made_in_parts(const MetricOptions& options) {
+  const std::vector<std::string> files = files_of(options);
+  return options.solutions.empty() && !has_demand(options) && std::ranges::all_of(files, is_gmf_solution);
+}
+
+meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice& slice) {
+  return meshing::metric_from_solution(read_slice_of(file, slice, "metric"), slice.points.size(), file,
+                                       slice.first_point);
+}
+
+LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,
+                                   const std::string& mesh_name) {
+  const PartDomain domain = naming(mesh_name, [&] {
+    return PartDomain(peers, slice, options.sol.empty() ? 1 : meshing::rings_of(options.recovery));
+  });
+  std::optional<meshing::LogMetricField> source;
+  const bool given = partition::max(peers, slice.log_metrics.empty() ? 0 : 1) != 0;
+  if (given) source = domain.from_slices(slice.log_metrics);
+  LogMetricMade made = make_log_metric(
+      options,
+      {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
+       [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
+       [] { return std::optional<meshing::LogMetricField>(); }, source ? &*source : nullptr},
+      mesh_name);
+  made.field = domain.to_slices(made.field);
+  return made;
+}
+
+}  // namespace weft::tools
