@@ -39,8 +39,15 @@ class PartDomain final : public meshing::MetricDomain {
   /// Values at this rank's slice of points become values at the vertices of the part.
   template <class T>
   std::vector<T> from_slices(const std::vector<T>& of_slice) const {
-    return fetch<T>(peers_, points_, numbers_, [&](std::size_t i) { return of_slice[i]; });
+    return from_slices(of_slice, numbers_);
   }
+  /// The same at the vertices that have these numbers (ascending) in the whole mesh.
+  template <class T>
+  std::vector<T> from_slices(const std::vector<T>& of_slice, const std::vector<std::uint32_t>& numbers) const {
+    return fetch<T>(peers_, points_, numbers, [&](std::size_t i) { return of_slice[i]; });
+  }
+  /// Of the part's vertices, in the whole mesh; ascending.
+  const std::vector<std::uint32_t>& numbers() const { return numbers_; }
   /// Values at the vertices of the part become values at this rank's slice of points.
   template <class T>
   std::vector<T> to_slices(const std::vector<T>& values) const;

@@ -60,11 +60,51 @@ meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const 
   return domain.from_slices(of_slice);
 }
 
+/// The whole boundary, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
+meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain, std::vector<std::uint32_t>& numbers) {
+  meshing::MeshData mesh = slice.boundary;
+  mesh.association = {};
+  numbers = domain.numbers();
+  for (const auto& triangle : mesh.triangles) numbers.insert(numbers.end(), triangle.begin(), triangle.end());
+  for (const auto& edge : mesh.edges) numbers.insert(numbers.end(), edge.begin(), edge.end());
+  numbers.insert(numbers.end(), mesh.corners.begin(), mesh.corners.end());
+  numbers.insert(numbers.end(), mesh.required_points.begin(), mesh.required_points.end());
+  std::ranges::sort(numbers);
+  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+  const auto renumber = [&](std::uint32_t& v) {
+    v = static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, v) - numbers.begin());
+  };
+  for (auto& triangle : mesh.triangles) std::ranges::for_each(triangle, renumber);
+  for (auto& edge : mesh.edges) std::ranges::for_each(edge, renumber);
+  std::ranges::for_each(mesh.corners, renumber);
+  std::ranges::for_each(mesh.required_points, renumber);
+  mesh.points = domain.from_slices(slice.points, numbers);
+  mesh.point_refs.resize(mesh.points.size());
+  return mesh;
+}
+
+/// The boundary is on every rank, and each looks at it from its own vertices.
+std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& options, const MeshSlice& slice,
+                                                      const PartDomain& domain) {
+  if (!has_demand(options)) return std::nullopt;
+  std::vector<std::uint32_t> numbers;
+  const meshing::MeshData mesh = boundary_with(slice, domain, numbers);
+  const meshing::LogMetricField demand = *boundary_demand(options, mesh, nullptr, domain.largest_size());
+  meshing::LogMetricField of_part;
+  auto at = numbers.begin();
+  for (const std::uint32_t number : domain.numbers()) {
+    at = std::lower_bound(at, numbers.end(), number);
+    of_part.push_back(demand[static_cast<std::size_t>(at - numbers.begin())]);
+  }
+  return of_part;
+}
+
 }  // namespace
 
-bool can_be_made_in_parts(const MetricOptions& options) {
+bool can_be_made_in_parts(const MetricOptions& options, const GeometryOptions& geometry) {
   const std::vector<std::string> files = files_of(options);
-  return options.solutions.empty() && !has_demand(options) && std::ranges::all_of(files, is_gmf_solution);
+  const bool of_model = !geometry.model.empty() && (options.curvature > 0 || options.sagitta > 0);
+  return options.solutions.empty() && !of_model && std::ranges::all_of(files, is_gmf_solution);
 }
 
 meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice& slice) {
@@ -84,7 +124,7 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
       options,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
-       [] { return std::optional<meshing::LogMetricField>(); }, source ? &*source : nullptr},
+       [&] { return demand_in_part(options, slice, domain); }, source ? &*source : nullptr},
       mesh_name);
   made.field = domain.to_slices(made.field);
   return made;

@@ -10,8 +10,8 @@
 
 namespace weft::tools {
 
-/// Whether make_metric_in_parts() can make it: files that are read are GMF, and the boundary demands nothing.
-bool can_be_made_in_parts(const MetricOptions& options);
+/// Whether make_metric_in_parts() can make it: files that are read are GMF, and there is no curvature of a model.
+bool can_be_made_in_parts(const MetricOptions& options, const GeometryOptions& geometry);
 
 /// The metric of a GMF file at the points of the slice.
 meshing::LogMetricField metric_of_slice(const std::string& file, const partition::MeshSlice& slice);

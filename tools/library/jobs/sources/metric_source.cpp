@@ -44,21 +44,6 @@ void add_solution(const MetricOptions& options, const Fields& solution, const st
   }
 }
 
-/// What the boundary asks for, or nothing where it was not asked.
-std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
-                                                       const meshing::MeshData& mesh,
-                                                       std::shared_ptr<const meshing::Model> model) {
-  std::optional<meshing::LogMetricField> field;
-  if (options.curvature > 0 || options.sagitta > 0) {
-    meshing::CurvatureOptions curvature;
-    curvature.per_turn = options.curvature;
-    curvature.sagitta = options.sagitta;
-    combine(meshing::curvature_metric(mesh, curvature, std::move(model)), field);
-  }
-  if (!options.wall.refs.empty()) combine(meshing::wall_metric(mesh, options.wall), field);
-  return field;
-}
-
 /// What the files, the formula and the solutions ask for, or nothing where there are none.
 std::optional<meshing::LogMetricField> given_metric(const MetricOptions& options, const MetricInputs& inputs) {
   std::optional<meshing::LogMetricField> field;
@@ -116,6 +101,21 @@ std::vector<std::string> files_of(const MetricOptions& options) {
 
 bool has_demand(const MetricOptions& options) {
   return options.curvature > 0 || options.sagitta > 0 || !options.wall.refs.empty();
+}
+
+std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
+                                                       const meshing::MeshData& mesh,
+                                                       std::shared_ptr<const meshing::Model> model,
+                                                       std::optional<double> largest) {
+  std::optional<meshing::LogMetricField> field;
+  if (options.curvature > 0 || options.sagitta > 0) {
+    meshing::CurvatureOptions curvature;
+    curvature.per_turn = options.curvature;
+    curvature.sagitta = options.sagitta;
+    combine(meshing::curvature_metric(mesh, curvature, std::move(model), largest), field);
+  }
+  if (!options.wall.refs.empty()) combine(meshing::wall_metric(mesh, options.wall, largest), field);
+  return field;
 }
 
 bool scaled_alone(const MetricOptions& options) {

@@ -37,7 +37,7 @@ bool only_scaled(const MetricOptions& m) {
 bool possible_in_shares(const Files& files, const Options& options) {
   return !options.run.repair && files.background.empty() && files.fields.empty() &&
          options.geometry.model != "carried" &&
-         (only_scaled(options.metric) || can_be_made_in_parts(options.metric));
+         (only_scaled(options.metric) || can_be_made_in_parts(options.metric, options.geometry));
 }
 
 struct Share {
@@ -159,8 +159,8 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor sizes of walls and curvature, fields and repair " 
-        "are read or made in shares");
+        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor a model's curvature, fields "
+        "and repair are read or made in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
