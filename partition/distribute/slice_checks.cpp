@@ -122,7 +122,7 @@ std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::u
 std::optional<InputIssue> find_inverted(const MeshSlice& slice,
                                         std::span<const std::array<const meshing::Point*, 4>> corners) {
   for (std::size_t t = 0; t < corners.size(); ++t)
-    if (const auto issue = inverted(slice.first_tet + t, slice.tets[t], corners[t])) return issue;
+    if (auto issue = inverted(slice.first_tet + t, slice.tets[t], corners[t])) return issue;
   return {};
 }
 

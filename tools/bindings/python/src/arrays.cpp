@@ -29,7 +29,7 @@ std::string at(const char* name, std::size_t row, std::size_t column) {
 }
 
 py::array array_of(const py::object& values, const char* name, const char* kinds, const char* wanted) {
-  const py::array array = py::array::ensure(values);
+  py::array array = py::array::ensure(values);
   if (!array) {
     PyErr_Clear();
     throw UsageError(std::string(name) + ": is no array of " + wanted);

@@ -28,7 +28,7 @@ py::object watched(Options& options, const py::object& progress, const std::shar
     const py::gil_scoped_release released;
     return std::make_shared<decltype(call())>(call());
   }();
-  const py::object wrapped = py::cast(std::move(result));
+  py::object wrapped = py::cast(std::move(result));
   bool interrupted = false;
   if (const std::exception_ptr raised = watch.raised(interrupted)) {
     if (interrupted) raise_interrupted(wrapped);
@@ -292,7 +292,7 @@ void add_runs(py::module_& module) {
       .def(
           "reset", [](Cancel& self) { self.wanted = false; }, "Before the object serves another run.")
       .def_property_readonly("wanted", [](const Cancel& self) { return self.wanted.load(); });
-  py::class_<PreparedPart, std::shared_ptr<PreparedPart>>(module, "_PreparedPart");
+  py::class_<PreparedPart, std::shared_ptr<PreparedPart>>(module, "_PreparedPart");  // NOLINT(bugprone-unused-raii)
   module.def("adapt", &run_adapt);
   module.def("prepare_part", &prepare_part);
   module.def("adapt_prepared", &run_adapt_prepared);
