@@ -13,6 +13,7 @@
 #include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
+#include "partition/output/piece_share.h"
 #include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
@@ -162,7 +163,23 @@ void warn_of_limit(engine::Runtime& runtime, EnginePeers& peers, const Adaptatio
                      " subdomains wanted " + std::to_string(wanting[1]) + " more vertices to be freed");
 }
 
-void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, DistributedResult& result) {
+/// The subdomains have been made pieces of: their vertices and boundary faces have these numbers.
+void account_on_model(engine::Runtime& runtime, EnginePeers& peers, const meshing::Surface& surface,
+                      DistributedResult& result) {
+  const std::vector<partition::PieceShare> shares = partition::shares_of(peers, result.pieces);
+  std::size_t p = 0;
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    const Subdomain& s = task.subdomain();
+    const partition::PieceShare& share = shares[p++];
+    meshing::ModelShare mine{share.on_nodes, share.on_model, share.triangles};
+    for (const auto& more : {share.on_edges, share.on_faces})
+      mine.records.insert(mine.records.end(), more.begin(), more.end());
+    result.on_model.push_back({s.id, meshing::sum_on_model(*s.mesh, surface, mine)});
+  });
+}
+
+void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::Geometry& geometry,
+                 DistributedResult& result) {
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
     Subdomain& s = task.subdomain();
     result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required));
@@ -173,8 +190,12 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
     result.was_interface.push_back(std::move(was));
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();
-    s = {};
+    if (!geometry.surface.model()) s = {};
   });
+  if (!geometry.surface.model()) return;
+  account_on_model(runtime, peers, geometry.surface, result);
+  dataflow::visit<SubdomainTask>(runtime,
+                                 [&](SubdomainTask::Ref, SubdomainTask& task) { task.subdomain() = {}; });
 }
 
 /// Several phases for an input that does not follow the metric and has more tets than the coarse mesh, of
@@ -280,7 +301,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);
   warn_of_limit(runtime, peers, plan, result.warnings);
-  take_pieces(runtime, *rank.geometry, result);
+  take_pieces(runtime, peers, *rank.geometry, result);
   return result;
 }
 
