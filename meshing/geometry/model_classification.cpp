@@ -371,7 +371,11 @@ std::uint32_t Classifier::edge_between(const std::array<std::uint32_t, 2>& v,
   const auto near = [&](std::uint32_t vertex, std::uint32_t e) {
     if (std::binary_search(edge_records_.begin(), edge_records_.end(), std::pair{vertex, e})) return true;
     const double d = model_.closest_on_edge(e, mesh_.points[vertex]).distance;
-    const double off = distance_[vertex] < kUnbounded ? distance_[vertex] : 0;
+    // Exactly on one of the faces between which the edge is, it may be off the other.
+    double off = distance_[vertex] < kUnbounded ? distance_[vertex] : 0;
+    if (faces.size() > 1)
+      for (const std::uint32_t f : faces)
+        off = std::max(off, model_.closest_within(f, mesh_.points[vertex]).distance);
     const double slack = off <= on() ? on() : std::min(reach(vertex), 2 * kNearlyAsNear * off);
     return d <= std::max(slack, 2 * model_.edge_tolerance(e));
   };
