@@ -16,6 +16,7 @@ MESHING = {
     "meshing/geometry": ["base", "mesh"],
     "meshing/cad": ["base", "mesh", "geometry"],
     "meshing/metric": ["base", "mesh", "geometry"],
+    "meshing/metric/sources": ["base", "mesh", "geometry", "metric"],
     "meshing/fields": ["base", "mesh", "metric"],
     "meshing/io/files": ["base", "mesh"],
     "meshing/io/gmf": ["base", "mesh", "io/files"],

@@ -337,7 +337,7 @@ class MpiTransport::Impl {
     impl->left_before_ = last;
     while (!last.compare_exchange_weak(impl->left_before_, impl.get())) {
     }
-    impl.release();
+    static_cast<void>(impl.release());  // in the list now
   }
 
  private:

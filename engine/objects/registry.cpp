@@ -78,6 +78,7 @@ const TypeInfo* Registry::find_type(std::uint32_t id) const {
 
 std::vector<std::string> Registry::method_names() const {
   std::vector<std::string> names;
+  names.reserve(methods_.size());
   for (const auto& method : methods_) names.push_back(method->name);
   return names;
 }

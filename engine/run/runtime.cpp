@@ -373,8 +373,9 @@ void Runtime::Implementation::tell_bulletin(TimePoint time) {
 
 void Runtime::Implementation::show_state(TimePoint time) {
   if (!state_requested_.exchange(false)) return;
+  const TimePoint tenths = (time - begin_) / (kSecond / 10);
   std::string lines = text("state of rank ", rank().value, " of ", ranks(), ", ",
-                           static_cast<double>((time - begin_) / (kSecond / 10)) / 10, " s into the run\n");
+                           static_cast<double>(tenths) / 10, " s into the run\n");
   const Exchange::Traffic traffic = exchange_.traffic();
   lines += text("  messages: ", traffic.unsent, " bytes to be sent, ", traffic.unhandled,
                 " received and not handled");

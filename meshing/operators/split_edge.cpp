@@ -88,9 +88,30 @@ Verdict judge_qualities(Worker& w, SplitPlan& plan, const IsEnough& is_enough) {
   return Verdict::accepted;
 }
 
+/// Would a triangle of a curved patch stand on the surface, its normal turned by more than 60 degrees from
+/// that of the surface at the new vertex, which the triangle that is split does not?
+bool bends_surface(const Worker& w, const SplitPlan& plan) {
+  const NewVertex& n = plan.vertex;
+  const Shell& shell = plan.shell;
+  if (n.on.kind != VertexKind::surface || w.kernel.surface.patches()[n.on.patch.value].planar) return false;
+  const Vec up =
+      w.kernel.surface.project_to_patch(n.on.patch, n.x, VertexKind::surface, n.surface_hint).normal;
+  const Point &a = w.mesh.point(shell.a), &b = w.mesh.point(shell.b);
+  const auto stands = [&](const Point& x, const Point& y, const Point& z) {
+    const Vec normal = cross(y - x, z - x);
+    return std::abs(dot(normal, up)) < 0.5 * norm(normal);
+  };
+  for (const VertexId r : {shell.ring[0], shell.ring[shell.size]}) {
+    const Point& c = w.mesh.point(r);
+    if ((stands(a, n.x, c) || stands(n.x, b, c)) && !stands(a, b, c)) return true;
+  }
+  return false;
+}
+
 /// Accepted: `plan` is complete.
 Verdict judge(Worker& w, const SplitBounds& bounds, SplitPlan& plan) {
   if (const Verdict r = judge_lengths(w, bounds.shortest, plan); r != Verdict::accepted) return r;
+  if (!plan.shell.closed && bends_surface(w, plan)) return Verdict::leaves_surface;
   double worst_before = 1;
   for (int i = 0; i < plan.shell.size; ++i)
     worst_before = std::min<double>(worst_before, w.mesh.quality(plan.shell.tets[i].tet));

@@ -17,7 +17,7 @@ namespace weft::partition {
 /// and commutative: integer sums, extremes.
 template <class T, class Combine>
 std::vector<T> reduce(Peers& peers, const std::vector<T>& mine, const Combine& combine) {
-  constexpr std::size_t kLongBytes = 1 << 16;
+  constexpr std::size_t kLongBytes = 1 << 12;
   if (mine.size() * sizeof(T) < kLongBytes) {
     return values_of<T>(peers.reduce(bytes_of(mine), [&](Bytes& sum, const Bytes& more) {
       std::vector<T> values = values_of<T>(sum);

@@ -18,25 +18,37 @@ std::vector<SubdomainId> as_subdomains(const Bricks& bricks) {
   return {bricks.numbers.begin(), bricks.numbers.end()};
 }
 
+/// Of slabs that are mostly interface: what they cost, and what would be better.
+std::string advice_on(const WorthwhileSlabs& worthwhile, const Slabs& asked) {
+  const Slabs& s = worthwhile.slabs;
+  return fmt::format(
+      "{}x{}x{} slabs have about {:.0f} % of the vertices in interfaces, which are adapted twice; as many "
+      "subdomains by the graph partitioner have about {:.0f} %, {}x{}x{} slabs at most {:.0f} % (`:fewer` "
+      "after the slabs makes these)",
+      asked[0], asked[1], asked[2], 100 * worthwhile.share_asked, 100 * worthwhile.share_cubes, s[0], s[1],
+      s[2], 100 * kMostShared);
+}
+
 Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
                   std::uint32_t num_subdomains, const Partitioner& partitioner) {
   const bool axes = partitioner.principal_axes;
   Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, axes);
-  if (partitioner.thin) return {as_subdomains(bricks), {}};
   const Slabs asked = bricks.slabs;
-  const Slabs left = worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
+  const WorthwhileSlabs worthwhile =
+      worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
+  const Slabs& left = worthwhile.slabs;
   if (left == asked) return {as_subdomains(bricks), {}};
+  if (!partitioner.fewer) return {as_subdomains(bricks), advice_on(worthwhile, asked)};
   const std::uint64_t bricks_left = num_bricks(left);
   bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, axes);
   // Bricks are spread over the numbers of subdomains, as subdomains are over the ranks.
   for (std::uint32_t& brick : bricks.numbers)
     brick = static_cast<std::uint32_t>(std::uint64_t{brick} * num_subdomains / bricks_left);
-  return {
-      as_subdomains(bricks),
-      fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of the "
-                  "vertices in interfaces, {6}x{7}x{8} are enough (`:thin` after the slabs keeps them)",
-                  num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
-                  100 * kMostShared, left[0], left[1], left[2])};
+  return {as_subdomains(bricks),
+          fmt::format("{0} of {1} subdomains stay empty: {2}x{3}x{4} slabs would have more than {5:.0f} % of "
+                      "the vertices in interfaces, {6}x{7}x{8} are enough",
+                      num_subdomains - bricks_left, num_subdomains, asked[0], asked[1], asked[2],
+                      100 * kMostShared, left[0], left[1], left[2])};
 }
 
 }  // namespace

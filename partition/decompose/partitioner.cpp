@@ -15,7 +15,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& text, const std::string& reason) {
   throw std::invalid_argument(fmt::format(
       "partitioner '{}': {} (allowed: bisection, graph, pqr, pqr:PxQxR with three numbers from 1, "
-      "each pqr also with :principal, :thin or :principal:thin at the end)",
+      "each pqr also with :principal, :fewer or :principal:fewer at the end)",
       text, reason));
 }
 
@@ -52,7 +52,7 @@ Partitioner parse_pqr(const std::string& text, std::vector<std::string_view> opt
     if (given) options.pop_back();
     return given;
   };
-  p.thin = take("thin");
+  p.fewer = take("fewer");
   p.principal_axes = take("principal");
   if (options.size() > 1) refuse(text, fmt::format("'{}' is not known", options.back()));
   if (options.size() == 1) p.slabs = parse_slabs(text, options[0]);

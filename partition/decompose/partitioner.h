@@ -17,12 +17,12 @@ struct Partitioner {
   Kind kind = Kind::graph;
   std::array<std::uint32_t, 3> slabs{0, 0, 0};  ///< of pqr: P, Q, R; zero: to be chosen by the shape
   bool principal_axes = false;                  ///< of pqr: along the work's principal axes, not x, y, z
-  bool thin = false;  ///< of pqr: as many slabs as that, however thin (thin_slabs.h)
+  bool fewer = false;  ///< of pqr: fewer where they would be mostly interface (thin_slabs.h)
 };
 
-/// Reads `bisection`, `graph`, or `pqr` followed by any of `:PxQxR`, `:principal` and `:thin`, in this order.
-/// `num_subdomains` (0: not given) must be P Q R where both are given. Throws std::invalid_argument that
-/// names what is wrong and what is allowed.
+/// Reads `bisection`, `graph`, or `pqr` followed by any of `:PxQxR`, `:principal` and `:fewer`, in this
+/// order. `num_subdomains` (0: not given) must be P Q R where both are given. Throws std::invalid_argument
+/// that names what is wrong and what is allowed.
 Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdomains = 0);
 
 }  // namespace weft::partition

@@ -129,13 +129,20 @@ std::uint32_t fewest_slabs(std::uint64_t num_subdomains) {
   return static_cast<std::uint32_t>(fewest);
 }
 
-Slabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span<const double> complexities,
-                       const Bricks& bricks) {
-  const std::uint32_t fewest = fewest_slabs(num_bricks(bricks.slabs));
-  if (*std::max_element(bricks.slabs.begin(), bricks.slabs.end()) <= fewest) return bricks.slabs;
+WorthwhileSlabs worthwhile_slabs(Peers& peers, const ItemFaces& faces, std::span<const double> complexities,
+                                 const Bricks& bricks) {
+  const std::uint64_t subdomains = num_bricks(bricks.slabs);
+  const std::uint32_t fewest = fewest_slabs(subdomains);
+  if (*std::max_element(bricks.slabs.begin(), bricks.slabs.end()) <= fewest) return {bricks.slabs};
   const double all = meshing::kVerticesPerComplexity * ordered_sum(peers, complexities);
-  if (!(all > 0)) return bricks.slabs;
-  return fewer_slabs(measure_cuts(peers, faces, bricks), bricks.slabs, kMostShared * all, fewest);
+  if (!(all > 0)) return {bricks.slabs};
+  const std::array<Cuts, 3> cuts = measure_cuts(peers, faces, bricks);
+  double shared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) shared += on_cuts(cuts[axis], bricks.slabs[axis]);
+  // A cube of n vertices has n^(2/3) on each of six sides, each shared by two.
+  const double cubes = 3 * std::cbrt(static_cast<double>(subdomains) / all);
+  return {fewer_slabs(cuts, bricks.slabs, kMostShared * all, fewest), std::min(shared / all, 1.0),
+          std::min(cubes, 1.0)};
 }
 
 }  // namespace weft::partition

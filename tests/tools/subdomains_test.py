@@ -87,12 +87,13 @@ class Results(Subdomains):
                         "out.meshb", "--quiet")
             self.weft("verify", "out.meshb", "--against", "box.meshb")
 
-    def test_thin_slabs_are_fewer(self):
+    def test_thin_slabs_stay_unless_fewer_are_asked_for(self):
         self.box(4)
-        for partitioner, fewer in (("pqr:20x1x1", True), ("pqr:20x1x1:thin", False)):
+        for partitioner, fewer in (("pqr:20x1x1:fewer", True), ("pqr:20x1x1", False)):
             for ranks in (0, 2):
                 done = self.run_on(ranks, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", partitioner, "-o", "out.meshb")
                 self.assertEqual("12 of 20 subdomains stay empty" in done.stdout + done.stderr, fewer)
+                self.assertEqual("by the graph partitioner have about" in done.stdout + done.stderr, not fewer)
                 self.assertIn(f"20 subdomains by {partitioner}", done.stdout)
                 self.weft("verify", "out.meshb", "--against", "box.meshb")
 

@@ -13,7 +13,7 @@
 #include "meshing/initial/initial_grid.h"
 #include "meshing/initial/shapes.h"
 #include "meshing/mesh/check_mesh.h"
-#include "meshing/metric/curvature_metric.h"
+#include "meshing/metric/sources/curvature_metric.h"
 
 namespace weft::meshing {
 namespace {

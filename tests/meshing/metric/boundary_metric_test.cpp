@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "meshing/base/error.h"
-#include "meshing/metric/curvature_metric.h"
-#include "meshing/metric/wall_metric.h"
+#include "meshing/metric/sources/curvature_metric.h"
+#include "meshing/metric/sources/wall_metric.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing {

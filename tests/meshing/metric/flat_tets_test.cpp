@@ -9,8 +9,8 @@
 #include "meshing/mesh/check_mesh.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/metric/background.h"
-#include "meshing/metric/implied_metric.h"
 #include "meshing/metric/measures.h"
+#include "meshing/metric/sources/implied_metric.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing {

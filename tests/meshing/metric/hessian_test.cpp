@@ -1,5 +1,5 @@
 // Tests of the recovery of Hessians.
-#include "meshing/metric/hessian.h"
+#include "meshing/metric/sources/hessian.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "meshing/mesh/adjacency.h"
-#include "meshing/metric/quadratic_fit.h"
+#include "meshing/metric/sources/quadratic_fit.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing {

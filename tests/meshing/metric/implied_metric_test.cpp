@@ -1,5 +1,5 @@
 // Tests of the metric that a mesh implies.
-#include "meshing/metric/implied_metric.h"
+#include "meshing/metric/sources/implied_metric.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests of multiscale metrics.
-#include "meshing/metric/multiscale.h"
+#include "meshing/metric/sources/multiscale.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

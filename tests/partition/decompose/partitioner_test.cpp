@@ -37,11 +37,11 @@ TEST(Partitioner, ReadsSlabsAndAxes) {
   EXPECT_THAT(parse_partitioner("pqr:2x3x4:principal").slabs, ElementsAre(2, 3, 4));
   EXPECT_TRUE(parse_partitioner("pqr:2x3x4:principal").principal_axes);
   EXPECT_TRUE(parse_partitioner("pqr:principal").principal_axes);
-  EXPECT_FALSE(parse_partitioner("pqr:principal").thin);
-  for (const char* text : {"pqr:thin", "pqr:2x3x4:thin", "pqr:2x3x4:principal:thin"})
-    EXPECT_TRUE(parse_partitioner(text).thin) << text;
-  EXPECT_FALSE(parse_partitioner("pqr:2x3x4:thin").principal_axes);
-  EXPECT_TRUE(parse_partitioner("pqr:2x3x4:principal:thin").principal_axes);
+  EXPECT_FALSE(parse_partitioner("pqr:principal").fewer);
+  for (const char* text : {"pqr:fewer", "pqr:2x3x4:fewer", "pqr:2x3x4:principal:fewer"})
+    EXPECT_TRUE(parse_partitioner(text).fewer) << text;
+  EXPECT_FALSE(parse_partitioner("pqr:2x3x4:fewer").principal_axes);
+  EXPECT_TRUE(parse_partitioner("pqr:2x3x4:principal:fewer").principal_axes);
 }
 
 TEST(Partitioner, SaysWhatIsWrongAndWhatIsAllowed) {

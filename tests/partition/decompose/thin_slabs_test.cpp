@@ -58,7 +58,8 @@ Slabs worthwhile_on(int ranks, const Scene& scene) {
       part.complexities.push_back(scene.complexities[i]);
       part.bricks.numbers.push_back(scene.bricks.numbers[i]);
     }
-    const Slabs found = worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks);
+    const Slabs found =
+        worthwhile_slabs(peers, {part.vertices, part.areas}, part.complexities, part.bricks).slabs;
     if (peers.rank() == 0) result = found;
   });
   return result;

@@ -321,23 +321,28 @@ TEST(DistributeWarnings, AreThoseOfTheImport) {
 TEST(DistributeWarnings, SayThatThinSlabsAreFewer) {
   MetricMesh whole{support::unit_cube(6), {}};
   whole.log_metrics.assign(whole.mesh.points.size(), {});
+  using ::testing::Each;
   using ::testing::ElementsAre;
+  using ::testing::Field;
   using ::testing::HasSubstr;
   using ::testing::IsEmpty;
-  const Distributed merged = distribute_on(3, whole, options_of(20, "pqr:1x20x1"));
+  using ::testing::Not;
+  const Distributed merged = distribute_on(3, whole, options_of(20, "pqr:1x20x1:fewer"));
   EXPECT_THAT(merged.warnings, ElementsAre(HasSubstr("1x8x1 are enough")));
   EXPECT_EQ(merged.starts.size(), 20u);
   EXPECT_EQ(std::count_if(merged.starts.begin(), merged.starts.end(),
                           [](const SubdomainStart& s) { return s.tets.empty(); }),
             12);
-  EXPECT_THAT(distribute_on(3, whole, options_of(20, "pqr:1x20x1:thin")).warnings, IsEmpty());
+  const Distributed all = distribute_on(3, whole, options_of(20, "pqr:1x20x1"));
+  EXPECT_THAT(all.warnings, ElementsAre(HasSubstr("`:fewer` after the slabs")));
+  EXPECT_THAT(all.starts, Each(Field(&SubdomainStart::tets, Not(IsEmpty()))));
 }
 
 TEST(DistributeBalance, DividesTheExpectedTets) {
   MetricMesh whole{support::unit_cube(8), {}};
   whole.log_metrics = support::random_metrics(whole.mesh, 2);
   for (const std::uint32_t n : {4u, 13u}) {
-    const Distributed d = distribute_on(4, whole, options_of(n, "pqr:" + std::to_string(n) + "x1x1:thin"));
+    const Distributed d = distribute_on(4, whole, options_of(n, "pqr:" + std::to_string(n) + "x1x1"));
     std::vector<double> work(n, 0);
     double total = 0, heaviest = 0;
     for (const SubdomainStart& start : d.starts)

@@ -7,8 +7,8 @@
 #include "meshing/io/vtk/pvtu.h"
 #include "meshing/mesh/structured_box.h"
 #include "tools/library/api/whole_mesh.h"
-#include "tools/library/jobs/field_source.h"
 #include "tools/library/jobs/outputs.h"
+#include "tools/library/jobs/sources/field_source.h"
 #include "weft/weft.h"
 
 namespace weft {

@@ -228,7 +228,7 @@ void add_subdomains(std::vector<Row>& rows) {
       "subdomains", "number of subdomains; 0: one mesh, on several ranks 4 a thread",
       [](Options & o) -> auto& { return o.distributed.subdomains; }));
   rows.push_back(word(
-      "partitioner", "graph, bisection or pqr:PxQxR[:principal][:thin]",
+      "partitioner", "graph, bisection or pqr:PxQxR[:principal][:fewer]",
       [](Options & o) -> auto& { return o.distributed.partitioner; }));
   rows.push_back(choice(
       "equal", "what subdomains have equally of", [](Options & o) -> auto& { return o.distributed.equal; },

@@ -5,7 +5,7 @@
 #include "meshing/mesh/repair_mesh.h"
 #include "meshing/metric/repair_metric.h"
 #include "tools/library/api/whole_mesh.h"
-#include "tools/library/jobs/repaired_input.h"
+#include "tools/library/jobs/sources/repaired_input.h"
 #include "weft/weft.h"
 
 namespace weft {

@@ -13,10 +13,10 @@
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 #include "tools/library/jobs/memory.h"
-#include "tools/library/jobs/metric_source.h"
-#include "tools/library/jobs/model_source.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/run_work.h"
+#include "tools/library/jobs/sources/metric_source.h"
+#include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/threads.h"
 #include "tools/library/report/run_record.h"
 

@@ -15,7 +15,6 @@
 namespace weft::tools {
 namespace {
 
-constexpr double kVerticesPerComplexity = 2;
 constexpr double kBytesPerTet = 250;
 
 std::string file_text(const std::filesystem::path& path) {
@@ -82,7 +81,7 @@ std::optional<double> address_space_room() {
 
 SizePrediction predict_size(double complexity, std::uint64_t input_vertices, std::uint64_t input_tets) {
   SizePrediction size;
-  size.vertices = std::max(kVerticesPerComplexity * complexity, static_cast<double>(input_vertices));
+  size.vertices = std::max(meshing::kVerticesPerComplexity * complexity, static_cast<double>(input_vertices));
   size.tets = std::max(meshing::kTetsPerComplexity * complexity, static_cast<double>(input_tets));
   size.bytes = kBytesPerTet * size.tets;
   return size;

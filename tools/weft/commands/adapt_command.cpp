@@ -200,7 +200,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
   sub.add_option("--partitioner", distributed.partitioner,
-                 "graph (default), bisection, or slabs: pqr:PxQxR[:principal][:thin]")
+                 "graph (default), bisection, or slabs: pqr:PxQxR[:principal][:fewer]")
       ->type_name("NAME")
       ->group(kGroup);
   static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};

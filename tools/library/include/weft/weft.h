@@ -189,7 +189,7 @@ struct DistributedOptions {
   enum class Freeze { vertices, tets };
 
   std::uint32_t subdomains = 0;  ///< 0: one mesh in one process, 4 for each thread on several ranks
-  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:thin]
+  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:fewer]
   Equal equal = Equal::work;     ///< what parts have equally of: predicted work or tets of the input
   int layers = 2;                ///< layers of tets handed over in the first shift
   LayersBy layers_by = LayersBy::points;
@@ -321,7 +321,8 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
-  std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the CAD model; null: there is none
+  std::shared_ptr<const ModelAccount>
+      model;  ///< of one mesh: how it lies on the CAD model; null: there is none
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
   std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
   TransferMethod transfer = TransferMethod::linear;

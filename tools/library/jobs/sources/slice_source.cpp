@@ -1,5 +1,5 @@
 // Shares of files, or of a mesh that rank 0 has.
-#include "tools/library/jobs/slice_source.h"
+#include "tools/library/jobs/sources/slice_source.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,10 +9,10 @@
 #include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
-#include "tools/library/jobs/field_source.h"
-#include "tools/library/jobs/metric_source.h"
-#include "tools/library/jobs/model_source.h"
-#include "tools/library/jobs/repaired_input.h"
+#include "tools/library/jobs/sources/field_source.h"
+#include "tools/library/jobs/sources/metric_source.h"
+#include "tools/library/jobs/sources/model_source.h"
+#include "tools/library/jobs/sources/repaired_input.h"
 
 namespace weft::tools {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "meshing/metric/hessian.h"
 #include "meshing/metric/metric_field.h"
+#include "meshing/metric/sources/hessian.h"
 #include "weft/data.h"
 
 namespace weft::meshing {

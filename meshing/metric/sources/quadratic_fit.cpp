@@ -1,5 +1,5 @@
 // The least-squares systems of quadratic fits, by Householder QR.
-#include "meshing/metric/quadratic_fit.h"
+#include "meshing/metric/sources/quadratic_fit.h"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "tools/library/jobs/field_source.h"
+#include "tools/library/jobs/sources/field_source.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // Reads, makes and processes the sources of a metric.
-#include "tools/library/jobs/metric_source.h"
+#include "tools/library/jobs/sources/metric_source.h"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,11 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
-#include "meshing/metric/curvature_metric.h"
-#include "meshing/metric/implied_metric.h"
 #include "meshing/metric/measures.h"
-#include "meshing/metric/multiscale.h"
-#include "meshing/metric/wall_metric.h"
+#include "meshing/metric/sources/curvature_metric.h"
+#include "meshing/metric/sources/implied_metric.h"
+#include "meshing/metric/sources/multiscale.h"
+#include "meshing/metric/sources/wall_metric.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 

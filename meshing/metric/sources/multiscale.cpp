@@ -1,5 +1,5 @@
 // Multiscale metrics from recovered Hessians.
-#include "meshing/metric/multiscale.h"
+#include "meshing/metric/sources/multiscale.h"
 
 #include <algorithm>
 #include <cmath>

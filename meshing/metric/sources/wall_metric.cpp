@@ -1,5 +1,5 @@
 // First layers at walls: distances and directions from the nearest wall triangle.
-#include "meshing/metric/wall_metric.h"
+#include "meshing/metric/sources/wall_metric.h"
 
 #include <algorithm>
 #include <cmath>

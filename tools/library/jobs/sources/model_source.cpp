@@ -1,5 +1,5 @@
 // Reads the model, scaled as asked.
-#include "tools/library/jobs/model_source.h"
+#include "tools/library/jobs/sources/model_source.h"
 
 #include "meshing/cad/load_model.h"
 

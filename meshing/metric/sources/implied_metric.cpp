@@ -1,5 +1,5 @@
 // Metrics of single tets and their means at vertices.
-#include "meshing/metric/implied_metric.h"
+#include "meshing/metric/sources/implied_metric.h"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Mesh first, then what is at its vertices.
-#include "tools/library/jobs/repaired_input.h"
+#include "tools/library/jobs/sources/repaired_input.h"
 
 #include <iterator>
 

@@ -1,5 +1,5 @@
 // Recovery of Hessians: quadratic fits over growing balls, and the double L2 projection.
-#include "meshing/metric/hessian.h"
+#include "meshing/metric/sources/hessian.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include "meshing/base/assert.h"
 #include "meshing/base/parallel.h"
 #include "meshing/mesh/adjacency.h"
-#include "meshing/metric/quadratic_fit.h"
+#include "meshing/metric/sources/quadratic_fit.h"
 
 namespace weft::meshing {
 namespace {

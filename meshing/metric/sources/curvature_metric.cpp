@@ -1,5 +1,5 @@
 // Sizes from the curvature of the boundary.
-#include "meshing/metric/curvature_metric.h"
+#include "meshing/metric/sources/curvature_metric.h"
 
 #include <algorithm>
 #include <cmath>
