@@ -19,7 +19,7 @@ namespace weft::meshing {
 /// says. Multithreaded; does not depend on the number of threads. Throws InputError for an index out of
 /// range.
 /// With a model the curvature is the model's, where the boundary lies on it; radii below 100 tolerances of a
-/// face are not believed.
+/// face are not believed, nor below a thousandth of the size of a face with a tip.
 LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
                                 std::shared_ptr<const Model> model = nullptr);
 
