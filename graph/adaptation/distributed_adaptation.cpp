@@ -198,18 +198,29 @@ void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::
                                  [&](SubdomainTask::Ref, SubdomainTask& task) { task.subdomain() = {}; });
 }
 
-/// Several phases for an input that does not follow the metric and has more tets than the coarse mesh, of
-/// which each subdomain should have some.
+bool is_curved(const partition::Geometry& geometry) {
+  return !std::ranges::all_of(geometry.surface.patches(), &meshing::Patch::planar);
+}
+
+/// Several phases, of which the first should have some tets in each subdomain, for two sorts of input. One
+/// does not follow the metric and has more tets than a coarse mesh: it becomes coarse. The other has curved
+/// boundary and fewer tets than wanted: edges of the boundary in the interface are chords that stay until
+/// a shift frees them, and should never be much longer than what is beside them, which is on the surface.
 void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
-  constexpr double kLeastTets = 20;
+  constexpr double kLeastTets = 20, kCoarsest = 4, kCoarsestOfCurved = 64;
   constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
-  const bool far = plan.subdomains > 1 && plan.most_shifts > 0 && d.mean_quality < meshing::kFarMean;
+  const bool far = d.mean_quality < meshing::kFarMean, curved = is_curved(*d.geometry);
+  const auto tets_of = [&](double coarseness) {
+    return meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
+  };
   double first = 1;
-  for (const double coarseness : {2.0, 4.0}) {
-    const double tets = meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
-    if (far && tets >= kLeastTets * plan.subdomains && tets < static_cast<double>(input_tets))
-      first = coarseness;
+  for (double coarseness = 2; coarseness <= kCoarsestOfCurved; coarseness *= 2) {
+    const double tets = tets_of(coarseness);
+    if (plan.subdomains < 2 || plan.most_shifts == 0 || tets < kLeastTets * plan.subdomains) break;
+    const bool coarser = tets < static_cast<double>(input_tets);
+    if (coarser ? far && coarseness <= kCoarsest : curved) first = coarseness;
   }
+  plan.coarsens = first > 1 && tets_of(first) < static_cast<double>(input_tets);
   plan.phases.clear();
   for (double coarseness = first; coarseness >= 1; coarseness /= 2)
     plan.phases.push_back({plan.phases.size() * kCoarseShifts, coarseness});
