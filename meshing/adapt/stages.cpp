@@ -13,6 +13,7 @@
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
 #include "meshing/metric/expectations.h"
+#include "meshing/operators/surface_fit.h"
 
 namespace weft::meshing {
 namespace {
@@ -221,8 +222,11 @@ class Adaptation {
     kernel_.limits.largest_bulge = wanted.largest_bulge * times;
   }
 
-  /// How many times an edge of curved boundary is as long as the largest size wanted at its ends; at least 1.
+  /// How many times an edge of curved boundary is as long as the largest size wanted at its ends; at least 1,
+  /// and 1 where most of it is exact already, and must stay so.
   double coarseness_of_curved_boundary() const {
+    constexpr double kFew = 0.25;
+    double off = 0, all = 0;
     const auto largest_size = [&](VertexId v) {
       const Eigen3 e = eigen_decomposition(mesh_.metric(v));
       return 1 / std::sqrt(*std::min_element(e.values.begin(), e.values.end()));
@@ -234,6 +238,8 @@ class Adaptation {
       for (int f = 0; f < 4; ++f) {
         const PatchId patch = mesh_.patch(t, f);
         if (!patch.valid() || kernel_.surface.patches()[patch.value].planar) continue;
+        off += surface_deviation(kernel_, patch, t, f) > kernel_.limits.hausd;
+        ++all;
         for (int k = 0; k < 3; ++k) {
           const VertexId a = mesh_.vertex(t, kTetFaces[f][k]), b = mesh_.vertex(t, kTetFaces[f][(k + 1) % 3]);
           most = std::max(most,
@@ -241,7 +247,7 @@ class Adaptation {
         }
       }
     }
-    return most;
+    return off > kFew * all ? most : 1;
   }
 
   /// Not where few tets would be left: they could not follow the domain.
