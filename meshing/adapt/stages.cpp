@@ -225,7 +225,7 @@ class Adaptation {
   /// How many times an edge of curved boundary is as long as the largest size wanted at its ends; at least 1,
   /// and 1 where most of it is exact already, and must stay so.
   double coarseness_of_curved_boundary() const {
-    constexpr double kFew = 0.25;
+    constexpr double kFew = 0.02, kClearly = 1.5;
     double off = 0, all = 0;
     const auto largest_size = [&](VertexId v) {
       const Eigen3 e = eigen_decomposition(mesh_.metric(v));
@@ -238,7 +238,7 @@ class Adaptation {
       for (int f = 0; f < 4; ++f) {
         const PatchId patch = mesh_.patch(t, f);
         if (!patch.valid() || kernel_.surface.patches()[patch.value].planar) continue;
-        off += surface_deviation(kernel_, patch, t, f) > kernel_.limits.hausd;
+        off += surface_deviation(kernel_, patch, t, f) > kClearly * kernel_.limits.hausd;
         ++all;
         for (int k = 0; k < 3; ++k) {
           const VertexId a = mesh_.vertex(t, kTetFaces[f][k]), b = mesh_.vertex(t, kTetFaces[f][(k + 1) % 3]);
