@@ -46,6 +46,7 @@ PARTITION = {
     "partition/decompose": ["communication", "subdomain"],
     "partition/refine": ["subdomain"],
     "partition/distribute": ["communication", "decompose", "refine", "subdomain"],
+    "partition/metric": ["communication", "distribute"],
     "partition/shift": ["subdomain"],
     "partition/output": ["communication", "subdomain"],
     "partition/verify": ["communication", "output", "subdomain"],

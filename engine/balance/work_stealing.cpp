@@ -95,7 +95,7 @@ class WorkStealing final : public Balancer {
     const double more = load.queued_seconds - their_seconds, wanted = more / 2;
     const std::optional<double> move_seconds = actions.move_seconds();
     const double worth_it = kLeastGain * move_seconds.value_or(0);
-    // None has moved as yet: the first shows what moving takes.
+    // None has moved yet: the first shows what moving takes.
     const std::ptrdiff_t most = move_seconds ? spare : 1;
     double given = 0;
     std::ptrdiff_t number = 0;

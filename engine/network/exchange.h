@@ -96,8 +96,8 @@ class Exchange {
 
   /// What is on its way, in bytes of tasks and objects.
   struct Traffic {
-    std::uint64_t unsent = 0;     ///< posted here, not sent as yet
-    std::uint64_t unhandled = 0;  ///< received here, not handled as yet
+    std::uint64_t unsent = 0;     ///< posted here, not yet sent
+    std::uint64_t unhandled = 0;  ///< received here, not yet handled
     std::vector<std::pair<Rank, std::uint64_t>>
         unconfirmed;  ///< sent, and for all that is known not handled there
   };

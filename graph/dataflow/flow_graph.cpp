@@ -46,7 +46,7 @@ struct FlowGraph::Implementation {
       error = std::current_exception();
       return;
     }
-    if (output.value.get() == nullptr) return;
+    if (output.value == nullptr) return;
     output.round = input.round;
     output.shared = structure.nodes()[node].local_edges.size() > 1;
     std::get<0>(ports).try_put(output);

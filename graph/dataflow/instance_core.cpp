@@ -71,7 +71,7 @@ Passed InstanceCore::run_node(NodeIndex node, const Token& input) {
   Passed output = call_body(node, input);
   if (recording_ == Recording::on) {
     log_.runs.back().end = engine::now();
-    if (output.value.get() != nullptr) record_local_uses(node, output.type, input.round);
+    if (output.value != nullptr) record_local_uses(node, output.type, input.round);
   }
   return output;
 }

@@ -29,7 +29,7 @@ Corner cut_point(const Corner& a, const Corner& b, double s, Cutting cutting, st
 class Cut {
  public:
   Cut(OverlapPiece tet, Cutting cutting, std::size_t k, std::vector<OverlapPiece>& pieces)
-      : tet_(std::move(tet)), cutting_(cutting), k_(k), pieces_(pieces) {
+      : tet_(tet), cutting_(cutting), k_(k), pieces_(pieces) {
     auto& c = tet_.corners;
     inside_ = static_cast<std::size_t>(
         std::partition(c.begin(), c.end(), [&](const Corner& x) { return (x.*cutting)[k] > 0; }) - c.begin());

@@ -114,14 +114,14 @@ std::vector<TensorColumns> append_eigenvalues(SolutionData& fields) {
   const std::size_t count = fields.fields.size();
   for (std::size_t f = 0; f < count; first += width(fields.fields[f++])) {
     if (!is_definite(fields.fields[f])) continue;
-    Field least{Field::Kind::scalar, std::vector<double>(fields.num_points), {}}, largest = least;
+    std::vector<double> least(fields.num_points), largest(fields.num_points);
     for_each_index(fields.num_points, [&](std::size_t v) {
       const Eigen3 e = eigen_decomposition(tensor_of(fields.fields[f], v));
-      least.values[v] = e.values[0];
-      largest.values[v] = e.values[2];
+      least[v] = e.values[0];
+      largest[v] = e.values[2];
     });
-    fields.fields.push_back(std::move(least));
-    fields.fields.push_back(std::move(largest));
+    fields.fields.push_back({Field::Kind::scalar, std::move(least), {}});
+    fields.fields.push_back({Field::Kind::scalar, std::move(largest), {}});
     tensors.push_back({first, end, end + 1});
     end += 2;
   }

@@ -17,6 +17,7 @@
 #include <iterator>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -92,6 +93,14 @@ constexpr int kBase = 1;
 // ---------------------------------------------------------------------------------------------------------
 // Reading
 
+/// One section of elements: its type and range.
+struct SectionHead {
+  std::string name;
+  CGNS_ENUMT(ElementType_t) type{};
+  cgsize_t start = 0;
+  std::uint64_t count = 0;
+};
+
 class ZoneReader {
  public:
   /// `most` bounds every count: each thing counted takes a byte of the file at least.
@@ -105,14 +114,32 @@ class ZoneReader {
 
   MeshPiece read() {
     read_size();
-    read_points();
-    int sections = 0;
-    library_.check(cg_nsections(library_.file(), kBase, zone_, &sections), zone_name_);
-    for (int s = 1; s <= sections; ++s) read_section(s);
-    read_boundaries();
+    range_ = {0, num_points_, 0, kAll};
+    read_mesh();
     read_solutions();
     contents().complete();
     return std::move(piece_);
+  }
+
+  /// Points and tets of the range only, and no fields.
+  MeshContents read(const MeshRange& range) {
+    read_size();
+    range_ = range;
+    read_mesh();
+    contents().complete();
+    return std::move(contents());
+  }
+
+  /// Nothing where tets may be among elements of other types.
+  std::optional<MeshSize> size() {
+    read_size();
+    MeshSize size{num_points_, 0};
+    for (int s = 1; s <= num_sections(); ++s) {
+      const SectionHead head = section_head(s);
+      if (head.type == CGNS_ENUMV(MIXED)) return std::nullopt;
+      if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
+    }
+    return size;
   }
 
  private:
@@ -138,46 +165,93 @@ class ZoneReader {
     num_points_ = checked(size[0], zone_name_);
   }
 
+  void read_mesh() {
+    read_points();
+    const int sections = num_sections();
+    for (int s = 1; s <= sections; ++s) read_section(s);
+    read_boundaries();
+  }
+
+  int num_sections() const {
+    int sections = 0;
+    library_.check(cg_nsections(library_.file(), kBase, zone_, &sections), zone_name_);
+    return sections;
+  }
+
   void read_points() {
-    mesh().points.resize(num_points_);
-    if (num_points_ == 0) return;
-    std::vector<double> values(num_points_);
+    const std::uint64_t count = range_.num_points;
+    mesh().points.resize(count);
+    if (count == 0) return;
+    std::vector<double> values(count);
     for (int c = 0; c < 3; ++c) {
       const char* name = kCoordinates[static_cast<std::size_t>(c)];
-      const cgsize_t first = 1, last = static_cast<cgsize_t>(num_points_);
+      const auto first = static_cast<cgsize_t>(range_.first_point + 1),
+                 last = static_cast<cgsize_t>(range_.first_point + count);
       library_.check(cg_coord_read(library_.file(), kBase, zone_, name, CGNS_ENUMV(RealDouble), &first, &last,
                                    values.data()),
                      zone_name_ + ", " + name);
-      for (std::size_t i = 0; i < num_points_; ++i) {
+      for (std::size_t i = 0; i < count; ++i) {
         if (!std::isfinite(values[i])) {
-          library_.fail(zone_name_ + ", point " + std::to_string(i + 1), "a coordinate is not finite");
+          library_.fail(zone_name_ + ", point " + std::to_string(range_.first_point + i + 1),
+                        "a coordinate is not finite");
         }
         mesh().points[i][c] = values[i];
       }
     }
   }
 
-  void read_section(int s) {
+  SectionHead section_head(int s) {
     Name name{};
-    CGNS_ENUMT(ElementType_t) type{};
-    cgsize_t start = 0, end = 0, size = 0;
+    SectionHead head;
+    cgsize_t end = 0;
     int boundary = 0, parent = 0;
-    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &type, &start, &end,
+    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &head.type, &head.start, &end,
                                    &boundary, &parent),
                    zone_name_ + ", section " + std::to_string(s));
     section_ = std::string("section ") + name.data();
     section_name_ = name.data();
-    if (start < 1 || end < start) library_.fail(section_, "its range of elements is damaged");
-    const std::uint64_t count = checked(std::int64_t{end} - start + 1, section_);
+    if (head.start < 1 || end < head.start) library_.fail(section_, "its range of elements is damaged");
+    head.count = checked(std::int64_t{end} - head.start + 1, section_);
+    return head;
+  }
+
+  void read_section(int s) {
+    const auto [name, type, start, count] = section_head(s);
     if (type == CGNS_ENUMV(NGON_n) || type == CGNS_ENUMV(NFACE_n)) {
       return type == CGNS_ENUMV(NFACE_n) ? contents().drop_volumes("polyhedra", count)
                                          : contents().drop("polygons", count);
     }
+    if (type == CGNS_ENUMV(TETRA_4)) return read_tets(s, start, count);
+    cgsize_t size = 0;
     library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
     std::vector<cgsize_t> data(checked(size, section_));
     if (data.empty()) library_.fail(section_, "has no elements");
     library_.check(cg_elements_read(library_.file(), kBase, zone_, s, data.data(), nullptr), section_);
     read_elements(type, start, count, data);
+  }
+
+  /// Those of the range; the section's name gets its reference whether there are any or none.
+  void read_tets(int s, cgsize_t start, std::uint64_t count) {
+    const std::int32_t ref = tet_refs_.ref(without(kTetPrefix, section_name_));
+    const std::uint64_t before = tets_passed_;
+    tets_passed_ += count;
+    const std::uint64_t first = std::max(before, range_.first_tet),
+                        end = std::min(tets_passed_, range_.num_tets > kAll - range_.first_tet
+                                                         ? kAll
+                                                         : range_.first_tet + range_.num_tets);
+    cgsize_t size = 0;
+    library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
+    if (checked(size, section_) != 4 * count) library_.fail(section_, "its data are not those of its range of elements");
+    if (first >= end) return;
+    std::vector<cgsize_t> data(4 * (end - first));
+    element_ = start + static_cast<std::int64_t>(first - before);
+    library_.check(cg_elements_partial_read(library_.file(), kBase, zone_, s, element_,
+                                            start + static_cast<cgsize_t>(end - before) - 1, data.data(), nullptr),
+                   section_);
+    for (std::size_t at = 0; at < data.size(); at += 4, ++element_) {
+      mesh().tets.push_back(nodes_of<4>(data.data() + at));
+      mesh().tet_refs.push_back(ref);
+    }
   }
 
   void read_elements(CGNS_ENUMT(ElementType_t) type, cgsize_t start, std::uint64_t count,
@@ -371,9 +445,13 @@ class ZoneReader {
 
   using Numbered = std::pair<std::int64_t, std::size_t>;  ///< element and triangle
 
+  static constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
+
   const Library& library_;
   int zone_;
   std::uint64_t most_, num_points_ = 0;
+  MeshRange range_;
+  std::uint64_t tets_passed_ = 0;  ///< in the sections read
   MeshPiece piece_;
   RefNumbering triangle_refs_, tet_refs_, edge_refs_;
   std::string zone_name_, section_, section_name_;
@@ -394,7 +472,8 @@ class NodeNames {
     name.resize(std::min(name.size(), kNameLength));
     for (int i = 2; !taken_.insert(name).second; ++i) {
       const std::string end = "_" + std::to_string(i);
-      name = name.substr(0, kNameLength - end.size()) + end;
+      name.resize(std::min(name.size(), kNameLength - end.size()));
+      name += end;
     }
     return name;
   }
@@ -552,31 +631,57 @@ void check_type(const std::filesystem::path& path) {
   throw InputError(path.string(), "", "not a CGNS file in HDF5");
 }
 
+std::uint64_t checked_size(const std::filesystem::path& path) {
+  const std::uint64_t size = InputFile(path).size();  // for its messages: the library's are poor
+  check_type(path);
+  return size;
+}
+
+/// A file that has a base of three dimensions with at least one zone.
+struct OpenFile {
+  explicit OpenFile(const std::filesystem::path& path)
+      : size(checked_size(path)), library(path, CG_MODE_READ, path.string()) {
+    int cell_dimension = 0, space_dimension = 0;
+    library.check(cg_nbases(library.file(), &bases), "");
+    if (bases < 1) library.fail("", "has no base");
+    Name name{};
+    library.check(cg_base_read(library.file(), kBase, name.data(), &cell_dimension, &space_dimension),
+                  "base 1");
+    if (space_dimension != 3) library.fail("base 1", "is not three-dimensional");
+    library.check(cg_nzones(library.file(), kBase, &zones), "base 1");
+    if (zones < 1) library.fail("base 1", "has no zone");
+  }
+
+  std::uint64_t size;
+  Library library;
+  int bases = 0, zones = 0;
+};
+
 }  // namespace
 
 MeshContents read_cgns(const std::filesystem::path& path) {
-  std::uint64_t size = 0;
-  {
-    const InputFile file(path);  // for its messages: the library's are poor
-    size = file.size();
-  }
-  check_type(path);
-  const Library library(path, CG_MODE_READ, path.string());
-  int bases = 0, zones = 0, cell_dimension = 0, space_dimension = 0;
-  library.check(cg_nbases(library.file(), &bases), "");
-  if (bases < 1) library.fail("", "has no base");
-  Name name{};
-  library.check(cg_base_read(library.file(), kBase, name.data(), &cell_dimension, &space_dimension),
-                "base 1");
-  if (space_dimension != 3) library.fail("base 1", "is not three-dimensional");
-  library.check(cg_nzones(library.file(), kBase, &zones), "base 1");
-  if (zones < 1) library.fail("base 1", "has no zone");
+  const OpenFile open(path);
   RefNames names;
   std::vector<MeshPiece> pieces;
-  for (int zone = 1; zone <= zones; ++zone) pieces.push_back(ZoneReader(library, zone, size, names).read());
+  for (int zone = 1; zone <= open.zones; ++zone)
+    pieces.push_back(ZoneReader(open.library, zone, open.size, names).read());
   MeshContents contents = merge_pieces(std::move(pieces));
   contents.names = std::move(names);
-  contents.drop("bases after the first", static_cast<std::uint64_t>(bases - 1));
+  contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
+  return contents;
+}
+
+std::optional<MeshSize> cgns_size(const std::filesystem::path& path) {
+  const OpenFile open(path);
+  RefNames names;
+  return open.zones == 1 ? ZoneReader(open.library, 1, open.size, names).size() : std::nullopt;
+}
+
+MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range) {
+  const OpenFile open(path);
+  RefNames names;
+  MeshContents contents = ZoneReader(open.library, 1, open.size, names).read(range);
+  contents.names = std::move(names);
   return contents;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "meshing/io/files/mesh_contents.h"
 
@@ -12,6 +13,14 @@ namespace weft::meshing {
 /// Solutions at vertices are fields (NAMEX, NAMEY, NAMEZ are a vector). Other elements and nodes of CGNS are
 /// dropped. Throws InputError.
 MeshContents read_cgns(const std::filesystem::path& path);
+
+/// How many points and tets there are; nothing for a file that is read whole only: of several zones, or with
+/// sections of mixed elements.
+std::optional<MeshSize> cgns_size(const std::filesystem::path& path);
+
+/// The points and tets of `range`, all triangles, edges and names, as read_cgns() reads them, but no fields;
+/// indices are those of the whole mesh. Of a file that cgns_size() has sized; reads no more of it.
+MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Writes one zone, whole or not at all: a section for each reference, and for triangles a boundary condition
 /// of the same name; names are cut to CGNS's 32 characters.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/cgns.h"
 #include "meshing/io/gmf/gmf.h"
+#include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/gmsh.h"
 #include "meshing/io/obj.h"
 #include "meshing/io/ply.h"
@@ -46,12 +48,31 @@ struct Format {
   unsigned keeps;
   MeshContents (*read)(const fs::path&);
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
+  std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
+  MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
 };
 
 MeshContents read_gmf(const fs::path& path) {
   MeshContents contents;
   contents.mesh = read_gmf_mesh(path);
   contents.fields.num_points = contents.mesh.points.size();
+  return contents;
+}
+std::optional<MeshSize> gmf_size(const fs::path& path) {
+  const GmfLayout layout = read_gmf_layout(path);
+  return MeshSize{layout.num_points(), layout.num_tets()};
+}
+MeshContents read_gmf_range(const fs::path& path, const MeshRange& range) {
+  const GmfLayout layout = read_gmf_layout(path);
+  MeshContents contents;
+  contents.mesh = read_gmf_boundary(path, layout);
+  GmfPoints points = read_gmf_points(path, layout, range.first_point, range.num_points);
+  contents.mesh.points = std::move(points.points);
+  contents.mesh.point_refs = std::move(points.refs);
+  GmfTets tets = read_gmf_tets(path, layout, range.first_tet, range.num_tets);
+  contents.mesh.tets = std::move(tets.tets);
+  contents.mesh.tet_refs = std::move(tets.refs);
+  contents.fields.num_points = range.num_points;
   return contents;
 }
 void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
@@ -61,15 +82,17 @@ constexpr unsigned kGmf =
     kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs | kAssociation;
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 constexpr std::array kFormats = {
-    Format{".meshb", kGmf, read_gmf, write_gmf},
-    Format{".mesh", kGmf, read_gmf, write_gmf},
+    Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
+    Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
     Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
            write_gmsh},
-    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid},
+    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid,
+           ugrid_size, read_ugrid_range},
     Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
     Format{".vtu", kVtu, read_vtu, write_vtu},
     Format{".pvtu", kVtu, read_pvtu, write_pvtu},
-    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns},
+    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns,
+           cgns_size, read_cgns_range},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},
@@ -123,17 +146,31 @@ std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
   }));
 }
 
+void refuse_foreign_volumes(const MeshContents& contents, const fs::path& path) {
+  if (contents.foreign_volumes == 0) return;
+  throw InputError(path.string(), "",
+                   "has " + std::to_string(contents.foreign_volumes) +
+                       " volume elements other than linear tetrahedra, which weft does not adapt");
+}
+
 }  // namespace
 
 MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
 
+std::optional<MeshSize> size_for_ranges(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.size ? format.size(path) : std::nullopt;
+}
+
+MeshContents read_mesh_range(const fs::path& path, const MeshRange& range) {
+  MeshContents contents = format_of(path).read_range(path, range);
+  refuse_foreign_volumes(contents, path);
+  return contents;
+}
+
 MeshData read_mesh(const fs::path& path, RefNames* names) {
   MeshContents contents = read_mesh_contents(path);
-  if (contents.foreign_volumes > 0) {
-    throw InputError(path.string(), "",
-                     "has " + std::to_string(contents.foreign_volumes) +
-                         " volume elements other than linear tetrahedra, which weft does not adapt");
-  }
+  refuse_foreign_volumes(contents, path);
   if (names) *names = std::move(contents.names);
   return std::move(contents.mesh);
 }

@@ -69,16 +69,30 @@ struct Counts {
 // ---------------------------------------------------------------------------------------------------------
 // Reading
 
+/// Optional data that are no volume IDs are refused.
+constexpr const char* kUnknownRest =
+    "the file is longer than its header says, or has optional data that are not read";
+
+void drop_foreign(const Counts& counts, MeshContents& contents) {
+  contents.drop("quadrilaterals", counts.quads);
+  contents.drop_volumes("pyramids", counts.pyramids);
+  contents.drop_volumes("prisms", counts.prisms);
+  contents.drop_volumes("hexahedra", counts.hexes);
+}
+
+/// Reads what lies at the cursor; indices are checked against `num_points`.
 class Reader {
  public:
-  Reader(Cursor& in, const Encoding& encoding, MeshContents& contents)
-      : in_(in), encoding_(encoding), mesh_(contents.mesh), contents_(contents) {
+  Reader(Cursor& in, const Encoding& encoding, MeshContents& contents, std::uint64_t num_points = 0)
+      : in_(in), encoding_(encoding), mesh_(contents.mesh), contents_(contents), num_points_(num_points) {
     in_.set_swapped(encoding.swapped);
   }
 
+  /// A whole file.
   void read() {
     refuse_binary_as_text();
     const Counts counts = read_counts();
+    num_points_ = counts.points;
     read_points(counts.points);
     read_elements("triangle", counts.triangles, mesh_.triangles);
     skip_elements("quadrilateral", counts.quads, 4);
@@ -88,11 +102,53 @@ class Reader {
     skip_elements("pyramid", counts.pyramids, 5);
     skip_elements("prism", counts.prisms, 6);
     skip_elements("hexahedron", counts.hexes, 8);
-    contents_.drop("quadrilaterals", counts.quads);
-    contents_.drop_volumes("pyramids", counts.pyramids);
-    contents_.drop_volumes("prisms", counts.prisms);
-    contents_.drop_volumes("hexahedra", counts.hexes);
+    drop_foreign(counts, contents_);
     read_volume_ids(counts);
+  }
+
+  // Parts of one; `first` is the number of the first row.
+
+  Counts read_counts() {
+    in_.enter("header");
+    std::array<std::uint64_t, 7> n;
+    for (std::uint64_t& count : n) {
+      const std::int64_t value = integer();
+      if (value < 0) in_.fail("a count is " + std::to_string(value) + ": damaged, or not what its name says");
+      count = in_.entity_count(static_cast<std::uint64_t>(value));
+    }
+    return {n[0], n[1], n[2], n[3], n[4], n[5], n[6]};
+  }
+
+  void read_points(std::uint64_t count, std::uint64_t first = 0) {
+    in_.enter("node", first);
+    in_.require(count, 3 * (encoding_.ascii ? 1 : encoding_.real_size));
+    mesh_.points.resize(count);
+    for (Point& p : mesh_.points) {
+      in_.next_row();
+      for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    }
+  }
+
+  template <std::size_t N>
+  void read_elements(const char* name, std::uint64_t count, std::vector<std::array<std::uint32_t, N>>& elements,
+                     std::uint64_t first = 0) {
+    in_.enter(name, first);
+    in_.require(count, N * integer_size());
+    elements.resize(count);
+    for (auto& element : elements) {
+      in_.next_row();
+      for (std::uint32_t& v : element) v = in_.index(integer(), 1, num_points_);
+    }
+  }
+
+  void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs, std::uint64_t first = 0) {
+    in_.enter(name, first);
+    in_.require(count, integer_size());
+    refs.resize(count);
+    for (std::int32_t& ref : refs) {
+      in_.next_row();
+      ref = in_.ref(integer());
+    }
   }
 
  private:
@@ -114,49 +170,6 @@ class Reader {
   /// The least bytes that a number can take; in text a digit.
   std::uint64_t integer_size() const { return encoding_.ascii ? 1 : encoding_.integer_size; }
 
-  Counts read_counts() {
-    in_.enter("header");
-    std::array<std::uint64_t, 7> n;
-    for (std::uint64_t& count : n) {
-      const std::int64_t value = integer();
-      if (value < 0) in_.fail("a count is " + std::to_string(value) + ": damaged, or not what its name says");
-      count = in_.entity_count(static_cast<std::uint64_t>(value));
-    }
-    return {n[0], n[1], n[2], n[3], n[4], n[5], n[6]};
-  }
-
-  void read_points(std::uint64_t count) {
-    in_.enter("node");
-    in_.require(count, 3 * (encoding_.ascii ? 1 : encoding_.real_size));
-    mesh_.points.resize(count);
-    for (Point& p : mesh_.points) {
-      in_.next_row();
-      for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
-    }
-  }
-
-  template <std::size_t N>
-  void read_elements(const char* name, std::uint64_t count,
-                     std::vector<std::array<std::uint32_t, N>>& elements) {
-    in_.enter(name);
-    in_.require(count, N * integer_size());
-    elements.resize(count);
-    for (auto& element : elements) {
-      in_.next_row();
-      for (std::uint32_t& v : element) v = in_.index(integer(), 1, mesh_.points.size());
-    }
-  }
-
-  void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs) {
-    in_.enter(name);
-    in_.require(count, integer_size());
-    refs.resize(count);
-    for (std::int32_t& ref : refs) {
-      in_.next_row();
-      ref = in_.ref(integer());
-    }
-  }
-
   void skip_elements(const char* name, std::uint64_t count, std::uint64_t nodes) {
     in_.enter(name);
     in_.require(count, nodes * integer_size());
@@ -177,7 +190,7 @@ class Reader {
     if (in_.at_end()) return;
     const bool fits = encoding_.ascii || in_.remaining() == (1 + counts.volumes()) * integer_size();
     if (!fits || counts.volumes() == 0) {
-      in_.fail("the file is longer than its header says, or has optional data that are not read");
+      in_.fail(kUnknownRest);
     }
     in_.enter("header of volume IDs");
     integer();
@@ -192,6 +205,71 @@ class Reader {
   const Encoding encoding_;
   MeshData& mesh_;
   MeshContents& contents_;
+  std::uint64_t num_points_;
+};
+
+/// A binary file of which ranges are read: its sections have known places.
+class RangeReader {
+ public:
+  explicit RangeReader(const fs::path& path) : file_(path), encoding_(encoding_of(path)) {
+    const std::uint64_t integer = encoding_.integer_size;
+    if (file_.size() < 7 * integer) throw InputError(file_.name(), "header", "the file is truncated");
+    MeshContents none;
+    at(0, 7, integer, none, [this](Reader& in) { counts_ = in.read_counts(); });
+    points_ = 7 * integer;
+    triangles_ = points_ + 3 * counts_.points * encoding_.real_size;
+    triangle_ids_ = triangles_ + (3 * counts_.triangles + 4 * counts_.quads) * integer;
+    tets_ = triangle_ids_ + (counts_.triangles + counts_.quads) * integer;
+    const std::uint64_t nodes = 4 * counts_.tets + 5 * counts_.pyramids + 6 * counts_.prisms + 8 * counts_.hexes;
+    find_volume_ids(tets_ + nodes * integer);
+  }
+
+  MeshSize size() const { return {counts_.points, counts_.tets}; }
+
+  void read(const MeshRange& range, MeshContents& out) const {
+    const std::uint64_t integer = encoding_.integer_size, real = 3 * encoding_.real_size;
+    at(points_ + range.first_point * real, range.num_points, real, out,
+       [&](Reader& in) { in.read_points(range.num_points, range.first_point); });
+    at(triangles_, counts_.triangles, 3 * integer, out,
+       [&](Reader& in) { in.read_elements("triangle", counts_.triangles, out.mesh.triangles); });
+    at(triangle_ids_, counts_.triangles, integer, out,
+       [&](Reader& in) { in.read_refs("surface ID", counts_.triangles, out.mesh.triangle_refs); });
+    at(tets_ + range.first_tet * 4 * integer, range.num_tets, 4 * integer, out,
+       [&](Reader& in) { in.read_elements("tet", range.num_tets, out.mesh.tets, range.first_tet); });
+    if (volume_ids_ > 0)
+      at(volume_ids_ + range.first_tet * integer, range.num_tets, integer, out,
+         [&](Reader& in) { in.read_refs("volume ID", range.num_tets, out.mesh.tet_refs, range.first_tet); });
+    drop_foreign(counts_, out);
+  }
+
+ private:
+  /// `end`: of the elements.
+  void find_volume_ids(std::uint64_t end) {
+    const std::uint64_t integer = encoding_.integer_size;
+    if (file_.size() < end)
+      throw InputError(file_.name(), "header", "the file is truncated, or a count is wrong: it has " +
+                                                   std::to_string(file_.size()) + " bytes of " + std::to_string(end));
+    if (file_.size() == end) return;
+    if (counts_.volumes() == 0 || file_.size() != end + (1 + counts_.volumes()) * integer)
+      throw InputError(file_.name(), "", kUnknownRest);
+    volume_ids_ = end + integer;
+  }
+
+  template <class Read>
+  void at(std::uint64_t position, std::uint64_t rows, std::uint64_t row_size, MeshContents& out,
+          const Read& read) const {
+    std::vector<char> bytes(rows * row_size);
+    file_.read_at(position, bytes.data(), bytes.size());
+    Cursor in(file_.name(), {bytes.data(), bytes.size()});
+    Reader reader(in, encoding_, out, counts_.points);
+    read(reader);
+  }
+
+  InputFile file_;
+  Encoding encoding_;
+  Counts counts_{};
+  std::uint64_t points_ = 0, triangles_ = 0, triangle_ids_ = 0, tets_ = 0;
+  std::uint64_t volume_ids_ = 0;  ///< 0: the file has none
 };
 
 /// A .mapbc: the number of lines, then lines of surface ID, boundary condition, name. Conditions are dropped.
@@ -302,11 +380,34 @@ MeshContents read_ugrid(const fs::path& path) {
   return contents;
 }
 
+std::optional<MeshSize> ugrid_size(const fs::path& path) {
+  if (encoding_of(path).ascii) return std::nullopt;
+  return RangeReader(path).size();
+}
+
+MeshContents read_ugrid_range(const fs::path& path, const MeshRange& range) {
+  MeshContents contents;
+  RangeReader(path).read(range, contents);
+  contents.complete();
+  if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);
+  return contents;
+}
+
 void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
   const Encoding encoding = encoding_of(path);
   if (!encoding.ascii && encoding.real_size == 4) refuse_rounded_tets(contents.mesh, path.string());
   Writer(path, contents.mesh).write();
+}
+
+void copy_mapbc(const fs::path& from, const fs::path& to) {
+  if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return;
+  const fs::path source = mapbc_beside(from), target = mapbc_beside(to);
+  if (!fs::exists(source) || fs::exists(target)) return;
+  const FileBytes bytes(source);
+  AtomicFile file(target);
+  file.write(bytes.bytes());
+  file.commit();
 }
 
 }  // namespace weft::meshing

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "meshing/io/files/mesh_contents.h"
 
@@ -15,8 +16,19 @@ namespace weft::meshing {
 /// InputError.
 MeshContents read_ugrid(const std::filesystem::path& path);
 
+/// How many points and tets a binary file has; nothing for ASCII, of which no range can be found.
+std::optional<MeshSize> ugrid_size(const std::filesystem::path& path);
+
+/// The points and tets of `range`, all triangles and all names, as read_ugrid() reads them; indices are those
+/// of the whole mesh. Of a binary file; reads no more of it.
+MeshContents read_ugrid_range(const std::filesystem::path& path, const MeshRange& range);
+
 /// Writes tets, triangles and their references, whole or not at all.
 void write_ugrid(const std::filesystem::path& path, const MeshView& contents,
                  const WriteOptions& options = {});
+
+/// Gives `to`, a mesh with the boundaries of `from`, the .mapbc that lies beside `from`: names and boundary
+/// conditions. Does nothing where either is no UGRID file, `from` has none, or `to` has one already.
+void copy_mapbc(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace weft::meshing

@@ -61,7 +61,8 @@ void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
   mean_ = mean;
   size_ = static_cast<int>(ball.tets.size());
   stride_ = (size_ + kLanes - 1) / kLanes * kLanes;
-  if (data_.size() < static_cast<std::size_t>(kRows * stride_)) data_.resize(kRows * stride_);
+  const auto needed = static_cast<std::size_t>(kRows) * static_cast<std::size_t>(stride_);
+  if (data_.size() < needed) data_.resize(needed);
   for (int k = 0; k < size_; ++k) {
     const auto [t, local] = ball.tets[k];
     const auto& f = kTetFaces[local];

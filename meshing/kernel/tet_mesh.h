@@ -35,7 +35,7 @@ struct TetFace {
 using TetVertices = std::array<VertexId, 4>;
 
 /// Work marks: what has to be looked at again. Set by whoever changes something, cleared by the sweep.
-/// kLongLater: has an edge to be split at a finer level. kFresh: nobody has looked at this tet as yet.
+/// kLongLater: has an edge to be split at a finer level. kFresh: not yet examined.
 enum TetMark : std::uint8_t {
   kCheckLong = 1,
   kCheckSwap = 2,

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -134,8 +135,9 @@ class MixedSpaceGrowth {
 template <class Growth>
 class Grading {
  public:
-  Grading(const MeshData& mesh, const VertexLists& neighbours, Growth growth, std::vector<Metric>& metrics)
-      : mesh_(mesh),
+  Grading(const MetricDomain& domain, const VertexLists& neighbours, Growth growth, std::vector<Metric>& metrics)
+      : domain_(domain),
+        points_(domain.mesh().points),
         neighbours_(neighbours),
         growth_(std::move(growth)),
         metrics_(metrics),
@@ -159,7 +161,7 @@ class Grading {
       Batch batch;
       for (const std::uint32_t p : neighbours_.of(q)) {
         if (!(state_[p] & kChanged)) continue;
-        batch.add(p, metrics_[p], mesh_.points[q] - mesh_.points[p]);
+        batch.add(p, metrics_[p], points_[q] - points_[p]);
         if (batch.size() == kLanes) changes_[i] |= meet(batch, next_[i]);
       }
       if (batch.size() > 0) changes_[i] |= meet(batch, next_[i]);
@@ -173,20 +175,27 @@ class Grading {
       state_[candidates[i]] |= kChanged | kEverChanged;
       changed_.push_back(candidates[i]);
     }
-    return !changed_.empty();
+    for (const std::uint32_t v : domain_.refresh_changed(changed_, metrics_)) {
+      state_[v] |= kChanged | kEverChanged;
+      changed_.push_back(v);
+    }
+    return domain_.any(!changed_.empty());
   }
   bool ever_changed(std::size_t v) const { return state_[v] & kEverChanged; }
 
  private:
   static constexpr std::uint8_t kChanged = 1, kEverChanged = 2, kCandidate = 4;
 
-  /// All neighbours of the vertices that changed last, once each.
+  /// All owned neighbours of the vertices that changed last, once each.
   std::vector<std::uint32_t> beside_changed() {
     std::vector<std::uint32_t> candidates;
-    if (changed_.size() == metrics_.size()) return changed_;
+    if (changed_.size() == metrics_.size()) {
+      std::ranges::copy_if(changed_, std::back_inserter(candidates), [&](std::uint32_t v) { return domain_.owns(v); });
+      return candidates;
+    }
     for (const std::uint32_t p : changed_)
       for (const std::uint32_t q : neighbours_.of(p)) {
-        if (state_[q] & kCandidate) continue;
+        if (state_[q] & kCandidate || !domain_.owns(q)) continue;
         state_[q] |= kCandidate;
         candidates.push_back(q);
       }
@@ -208,7 +217,8 @@ class Grading {
     return changed;
   }
 
-  const MeshData& mesh_;
+  const MetricDomain& domain_;
+  const std::vector<Point>& points_;
   const VertexLists& neighbours_;
   Growth growth_;
   std::vector<Metric>& metrics_;
@@ -219,13 +229,13 @@ class Grading {
 };
 
 template <class Growth>
-int grade(const MeshData& mesh, const VertexLists& neighbours, double beta, LogMetricField& field) {
+int grade(const MetricDomain& domain, const VertexLists& neighbours, double beta, LogMetricField& field) {
   std::vector<Metric> metrics(field.size());
   for_each_index(field.size(), [&](std::size_t i) { metrics[i] = exp_fast(field[i]); });
-  Grading<Growth> grading(mesh, neighbours, Growth(beta, field.size()), metrics);
+  Grading<Growth> grading(domain, neighbours, Growth(beta, field.size()), metrics);
   // A demand travels one edge a sweep and weakens on the way, so that none passes a vertex twice (Bellman and
   // Ford's argument, exact for isotropic sizes). Intersections of anisotropic ones may need a few more.
-  const std::size_t most = field.size() + 50;
+  const std::size_t most = domain.num_points() + 50;
   int sweeps = 0;
   while (static_cast<std::size_t>(sweeps) < most && grading.sweep()) ++sweeps;
   for_each_index(field.size(), [&](std::size_t i) {
@@ -236,20 +246,21 @@ int grade(const MeshData& mesh, const VertexLists& neighbours, double beta, LogM
 
 }  // namespace
 
-Gradation::Gradation(const MeshData& mesh, double beta, GradationSpace space)
-    : mesh_(mesh), beta_(beta), space_(space) {
-  if (beta > 1) neighbours_ = vertex_neighbours(mesh.tets, mesh.points.size());
+Gradation::Gradation(const MetricDomain& domain, double beta, GradationSpace space)
+    : domain_(domain), beta_(beta), space_(space) {
+  if (beta > 1) neighbours_ = vertex_neighbours(domain.mesh().tets, domain.mesh().points.size());
 }
 
 int Gradation::limit(LogMetricField& field) const {
-  WEFT_ASSERT_LIGHT(field.size() == mesh_.points.size(), "one metric a vertex");
+  WEFT_ASSERT_LIGHT(field.size() == domain_.mesh().points.size(), "one metric a vertex");
   if (!(beta_ > 1)) return 0;
-  return space_ == GradationSpace::metric ? grade<MetricSpaceGrowth>(mesh_, neighbours_, beta_, field)
-                                          : grade<MixedSpaceGrowth>(mesh_, neighbours_, beta_, field);
+  return space_ == GradationSpace::metric ? grade<MetricSpaceGrowth>(domain_, neighbours_, beta_, field)
+                                          : grade<MixedSpaceGrowth>(domain_, neighbours_, beta_, field);
 }
 
 int limit_gradation(const MeshData& mesh, double beta, LogMetricField& field, GradationSpace space) {
-  return Gradation(mesh, beta, space).limit(field);
+  const WholeDomain domain(mesh);
+  return Gradation(domain, beta, space).limit(field);
 }
 
 }  // namespace weft::meshing

@@ -4,16 +4,17 @@
 #include <cstdint>
 
 #include "meshing/mesh/adjacency.h"
+#include "meshing/metric/metric_domain.h"
 #include "meshing/metric/metric_field.h"
 #include "weft/data.h"
 
 namespace weft::meshing {
 
-/// Limits the gradation of metric fields on one mesh; the mesh's edges are found once.
+/// Limits the gradation of metric fields on one domain; the mesh's edges are found once.
 class Gradation {
  public:
-  /// `mesh` must outlive the object; beta <= 1 asks for nothing. Memory: 60 bytes a vertex.
-  Gradation(const MeshData& mesh, double beta, GradationSpace space);
+  /// `domain` must outlive the object; beta <= 1 asks for nothing. Memory: 60 bytes a vertex.
+  Gradation(const MetricDomain& domain, double beta, GradationSpace space);
   /// Intersects every metric with what its neighbours demand, in sweeps over all vertices, each from the
   /// state before it (so that their order does not matter), until no metric falls short of that by more than
   /// 0.1 %: at most as many sweeps as a chain of edges is long, each over the vertices that the last one left
@@ -22,13 +23,13 @@ class Gradation {
   int limit(LogMetricField& field) const;
 
  private:
-  const MeshData& mesh_;
+  const MetricDomain& domain_;
   double beta_;
   GradationSpace space_;
   VertexLists neighbours_;
 };
 
-/// Gradation(mesh, beta, space).limit(field).
+/// Gradation(WholeDomain(mesh), beta, space).limit(field).
 int limit_gradation(const MeshData& mesh, double beta, LogMetricField& field,
                     GradationSpace space = GradationSpace::metric);
 

@@ -1,8 +1,6 @@
 // Building and processing metric fields: reading, scaling, limiting.
 #include "meshing/metric/metric_field.h"
 
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,12 +9,9 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
-#include "meshing/metric/measures.h"
 
 namespace weft::meshing {
 namespace {
-
-using Range = tbb::blocked_range<std::size_t>;
 
 // --- Fields of files
 // -----------------------------------------------------------------------------------------
@@ -60,84 +55,10 @@ std::string reason_against(const Field& field, std::size_t i, std::size_t num_po
                   : "not positive definite";
 }
 
-// --- Scaling and limits
-// --------------------------------------------------------------------------------------
-
-/// Limits of the eigenvalues of log M, from those of the sizes.
-struct LogLimits {
-  double lo, hi;
-  LogLimits(double hmin, double hmax)
-      : lo(hmax > 0 ? -2 * std::log(hmax) : -std::numeric_limits<double>::infinity()),
-        hi(hmin > 0 ? -2 * std::log(hmin) : std::numeric_limits<double>::infinity()) {
-    if (lo > hi) throw InputError("", "hmin", "is larger than hmax");
-  }
-  double operator()(double v) const { return std::clamp(v, lo, hi); }
-};
-
-/// A quarter of the volumes of every vertex's tets.
-std::vector<double> vertex_volumes(const MeshData& mesh) {
-  std::vector<double> volumes(mesh.points.size(), 0);
-  for (const auto& [a, b, c, d] : mesh.tets) {
-    const auto& p = mesh.points;
-    const double quarter = six_volume(p[a], p[b], p[c], p[d]) / 24;
-    for (const std::uint32_t v : {a, b, c, d}) volumes[v] += quarter;
-  }
-  return volumes;
-}
-
-/// The complexity of limit_sizes(exp(shift) M) as a function of shift, which is monotone.
-class LimitedComplexity {
- public:
-  LimitedComplexity(const MeshData& mesh, const LogLimits& limits, const LogMetricField& field)
-      : limits_(limits), volumes_(vertex_volumes(mesh)), log_values_(field.size()) {
-    for_each_index(field.size(),
-                   [&](std::size_t i) { log_values_[i] = eigen_decomposition(field[i]).values; });
-  }
-  double operator()(double shift) const {
-    return tbb::parallel_deterministic_reduce(
-        Range(0, volumes_.size(), 4096), 0.0,
-        [&](const Range& range, double sum) {
-          for (std::size_t i = range.begin(); i < range.end(); ++i) sum += density(i, shift) * volumes_[i];
-          return sum;
-        },
-        std::plus<>());
-  }
-
- private:
-  double density(std::size_t i, double shift) const {
-    double log_det = 0;
-    for (const double v : log_values_[i]) log_det += limits_(v + shift);
-    return std::exp(0.5 * log_det);
-  }
-  LogLimits limits_;
-  std::vector<double> volumes_;
-  std::vector<std::array<double, 3>> log_values_;
-};
-
-void check_scalable(double complexity, double target) {
-  if (!(complexity > 0)) throw InputError("", "complexity", "cannot be scaled: the mesh has no volume");
-  if (!(target > 0)) throw InputError("", "complexity", "the target is not positive");
-}
-
-/// Solves complexity(shift) = target. The unlimited law C ~ exp(3/2 shift) gives the steps; bisection takes
-/// over where limits slow them down, and ends at an end of the bracket where they forbid the target.
-double solve_shift(const LimitedComplexity& complexity_at, double target) {
-  double lo = -100, hi = 100;  // sizes changed by e^50 at most
-  double shift = 0;
-  for (int step = 0; step < 60; ++step) {
-    const double c = complexity_at(shift);
-    if (std::abs(c - target) <= 1e-9 * target) break;
-    (c < target ? lo : hi) = shift;
-    const double next = shift + 2.0 / 3.0 * std::log(target / c);
-    shift = step < 6 && next > lo && next < hi ? next : 0.5 * (lo + hi);
-  }
-  return shift;
-}
-
 }  // namespace
 
 LogMetricField metric_from_solution(const SolutionData& solution, std::size_t num_points,
-                                    const std::string& file) {
+                                    const std::string& file, std::uint64_t first) {
   if (solution.num_points != num_points)
     throw InputError(file, "",
                      "metric of another mesh: it has " + std::to_string(solution.num_points) +
@@ -146,7 +67,7 @@ LogMetricField metric_from_solution(const SolutionData& solution, std::size_t nu
   WEFT_ASSERT_LIGHT(field.values.size() == num_points * components(field.kind), "one value a vertex");
   const std::size_t bad = find_first(num_points, [&](std::size_t i) { return !is_metric(field, i); });
   if (bad < num_points)
-    throw InputError(file, "vertex " + std::to_string(bad + 1), reason_against(field, bad, num_points));
+    throw InputError(file, "vertex " + std::to_string(first + bad + 1), reason_against(field, bad, num_points));
   LogMetricField log_metrics(num_points);
   for_each_index(num_points, [&](std::size_t i) {
     log_metrics[i] = field.kind == Field::Kind::scalar ? identity_tensor(-2 * std::log(field.values[i]))
@@ -180,25 +101,14 @@ LogMetricField sample(const AnalyticMetric& metric, const MeshData& mesh) {
   return field;
 }
 
-void scale_to_complexity(const MeshData& mesh, double target, LogMetricField& field) {
-  const double now = complexity(mesh, field);
-  check_scalable(now, target);
-  const LogMetric shift = identity_tensor(2.0 / 3.0 * std::log(target / now));
-  for_each_index(field.size(), [&](std::size_t i) { field[i] = field[i] + shift; });
-}
-
-double scale_to_complexity(const MeshData& mesh, double target, double hmin, double hmax,
-                           LogMetricField& field) {
-  const LimitedComplexity complexity_at(mesh, LogLimits(hmin, hmax), field);
-  check_scalable(complexity_at(0), target);
-  const LogMetric shift = identity_tensor(solve_shift(complexity_at, target));
-  for_each_index(field.size(), [&](std::size_t i) { field[i] = field[i] + shift; });
-  limit_sizes(hmin, hmax, field);
-  return complexity(mesh, field);
+LogSizeLimits::LogSizeLimits(double hmin, double hmax)
+    : lo(hmax > 0 ? -2 * std::log(hmax) : -std::numeric_limits<double>::infinity()),
+      hi(hmin > 0 ? -2 * std::log(hmin) : std::numeric_limits<double>::infinity()) {
+  if (lo > hi) throw InputError("", "hmin", "is larger than hmax");
 }
 
 void limit_sizes(double hmin, double hmax, LogMetricField& field) {
-  const LogLimits limits(hmin, hmax);
+  const LogSizeLimits limits(hmin, hmax);
   for_each_index(field.size(), [&](std::size_t i) {
     Eigen3 e = eigen_decomposition(field[i]);
     if (limits(e.values[0]) == e.values[0] && limits(e.values[2]) == e.values[2]) return;

@@ -3,6 +3,8 @@
 // adaptation.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,9 +24,9 @@ using LogMetricField = std::vector<LogMetric>;
 /// Throws InputError naming `file` and the vertex (1-based) when a value is NaN or infinite, a size is not
 /// positive, or a tensor is not positive definite (saying so when the row-wise order m11 m12 m13 m22 m23 m33
 /// would be definite everywhere), or when the number of vertices differs from `num_points` ("metric of
-/// another mesh").
+/// another mesh"). `first`: the number of the first vertex, for messages.
 LogMetricField metric_from_solution(const SolutionData& solution, std::size_t num_points,
-                                    const std::string& file);
+                                    const std::string& file, std::uint64_t first = 0);
 /// The other way: a tensor field to write.
 SolutionData solution_from_metric(std::span<const LogMetric> log_metrics);
 
@@ -40,6 +42,12 @@ void scale_to_complexity(const MeshData& mesh, double target, LogMetricField& fi
 /// complexity reached.
 double scale_to_complexity(const MeshData& mesh, double target, double hmin, double hmax,
                            LogMetricField& field);
+/// Limits of the eigenvalues of log M, from those of the sizes (0: none). Throws InputError when hmin > hmax > 0.
+struct LogSizeLimits {
+  double lo, hi;
+  LogSizeLimits(double hmin, double hmax);
+  double operator()(double v) const { return std::clamp(v, lo, hi); }
+};
 /// limit_sizes of every metric. Throws InputError when hmin > hmax > 0.
 void limit_sizes(double hmin, double hmax, LogMetricField& field);
 /// Brings the sizes of every metric down to at most `ratio` times its smallest: 1 makes it isotropic. Below

@@ -7,7 +7,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
-#include "meshing/metric/measures.h"
+#include "meshing/metric/metric_domain.h"
 
 namespace weft::meshing {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 /// Applies one set of limits to many fields on the same mesh.
 class Limiter {
  public:
-  Limiter(const MeshData& mesh, const MetricLimits& limits)
-      : limits_(limits), gradation_(mesh, limits.gradation, limits.space) {}
+  Limiter(const MetricDomain& domain, const MetricLimits& limits)
+      : limits_(limits), gradation_(domain, limits.gradation, limits.space) {}
 
   void operator()(LogMetricField& field) const {
     clamp(field);
@@ -78,41 +78,41 @@ constexpr double kOutOfReach = 100;
 struct Reach {
   double least = 0, most = std::numeric_limits<double>::infinity();
 };
-Reach reach_of(const MeshData& mesh, const MetricLimits& limits, const LogMetricField* demands) {
+Reach reach_of(const MetricDomain& domain, const MetricLimits& limits, const LogMetricField* demands) {
   Reach reach;
   const auto uniform = [&](double h) {
-    return complexity(mesh, LogMetricField(mesh.points.size(), identity_tensor(-2 * std::log(h))));
+    return domain.complexity(LogMetricField(domain.mesh().points.size(), identity_tensor(-2 * std::log(h))));
   };
   if (limits.hmin > 0) reach.most = uniform(limits.hmin);
   if (limits.hmax > 0) reach.least = uniform(limits.hmax);
   if (demands) {
     LogMetricField coarsest = *demands;
     if (limits.hmin > 0 || limits.hmax > 0) limit_sizes(limits.hmin, limits.hmax, coarsest);
-    reach.least = complexity(mesh, coarsest);
+    reach.least = domain.complexity(coarsest);
   }
   return reach;
 }
 
 }  // namespace
 
-void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricField& field) {
-  Limiter(mesh, limits)(field);
+void apply_limits(const MetricDomain& domain, const MetricLimits& limits, LogMetricField& field) {
+  Limiter(domain, limits)(field);
 }
 
-double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
+double fit_to_complexity(const MetricDomain& domain, double target, const MetricLimits& limits,
                          const LogMetricField* demands, LogMetricField& field) {
   constexpr int kMostTrials = 30;
-  scale_to_complexity(mesh, target, field);  // a good start where limits change little; checks its arguments
+  scale_to_complexity(domain, target, field);  // a good start where limits change little; checks its arguments
   const LogMetricField wanted = field;
-  const Limiter limit(mesh, limits);
+  const Limiter limit(domain, limits);
   const auto reached_at = [&](const LogMetricField& start, double x) {
     const LogMetric shift = identity_tensor(x);
     for_each_index(field.size(), [&](std::size_t v) { field[v] = start[v] + shift; });
     if (demands) intersect_with(*demands, field);
     limit(field);
-    return complexity(mesh, field);
+    return domain.complexity(field);
   };
-  const Reach reach = reach_of(mesh, limits, demands);
+  const Reach reach = reach_of(domain, limits, demands);
   if (target < reach.least * (1 - kComplexityTolerance)) return reached_at(wanted, -kOutOfReach);
   if (target > reach.most * (1 + kComplexityTolerance)) return reached_at(wanted, kOutOfReach);
   RootSearch search;
@@ -129,6 +129,15 @@ double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits
     search.step(error);
   }
   return reached;
+}
+
+void apply_limits(const MeshData& mesh, const MetricLimits& limits, LogMetricField& field) {
+  apply_limits(WholeDomain(mesh), limits, field);
+}
+
+double fit_to_complexity(const MeshData& mesh, double target, const MetricLimits& limits,
+                         const LogMetricField* demands, LogMetricField& field) {
+  return fit_to_complexity(WholeDomain(mesh), target, limits, demands, field);
 }
 
 }  // namespace weft::meshing

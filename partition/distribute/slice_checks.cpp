@@ -80,19 +80,20 @@ void check_boundary(const MeshData& m, std::uint64_t num_points, Checks& checks)
 }
 
 /// Decided alike on all ranks.
-void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets) {
+void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets, SliceMetric metric) {
   const bool mine = points.total() == slice.num_points && tets.total() == slice.num_tets &&
                     points.first(peers.rank()) == slice.first_point &&
                     tets.first(peers.rank()) == slice.first_tet &&
-                    slice.log_metrics.size() == slice.points.size();
+                    (slice.log_metrics.size() == slice.points.size() ||
+                     (metric == SliceMetric::missing && slice.log_metrics.empty()));
   for (const auto& good : allgather(peers, std::vector<char>{mine}))
     if (!good[0]) throw std::invalid_argument("the ranks' shares do not make up the mesh");
 }
 
 }  // namespace
 
-void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets) {
-  check_shares(peers, slice, points, tets);
+void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets, SliceMetric metric) {
+  check_shares(peers, slice, points, tets, metric);
   const MeshData& m = slice.boundary;
   Checks checks(slice.num_points);
   checks.size("vertices", slice.point_refs.size(), slice.points.size());
@@ -107,19 +108,21 @@ void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, co
   throw_first(peers, checks.first());
 }
 
+std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::uint32_t, 4>& vertices,
+                                   const std::array<const meshing::Point*, 4>& corners) {
+  const auto& [a, b, c, d] = corners;
+  const int sign = meshing::orientation(*a, *b, *c, *d);
+  if (sign > 0) return {};
+  const auto vertex = [&](std::size_t i) { return std::uint64_t{vertices[i]} + 1; };
+  return InputIssue{{number, 0, 0},
+                    fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
+                    sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
+}
+
 std::optional<InputIssue> find_inverted(const MeshSlice& slice,
                                         std::span<const std::array<const meshing::Point*, 4>> corners) {
-  for (std::size_t t = 0; t < corners.size(); ++t) {
-    const auto& [a, b, c, d] = corners[t];
-    const int sign = meshing::orientation(*a, *b, *c, *d);
-    if (sign > 0) continue;
-    const std::uint64_t number = slice.first_tet + t;
-    const auto vertex = [&](int i) { return std::uint64_t{slice.tets[t][i]} + 1; };
-    return InputIssue{
-        {number, 0, 0},
-        fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
-        sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
-  }
+  for (std::size_t t = 0; t < corners.size(); ++t)
+    if (const auto issue = inverted(slice.first_tet + t, slice.tets[t], corners[t])) return issue;
   return {};
 }
 

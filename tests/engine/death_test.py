@@ -97,32 +97,24 @@ class Death(unittest.TestCase):
             self.assert_named(1, errors)
             self.assertLess(seconds, 10)
 
-    def pause(self, ids, seconds):
+    def pause(self, ids):
         """Stops processes for longer than the silence after which a rank counts as dead."""
         for process in ids:
             os.kill(process, signal.SIGSTOP)
-        time.sleep(seconds)
+        time.sleep(8)
         for process in ids:
             os.kill(process, signal.SIGCONT)
         time.sleep(4)  # whoever counts the pause as silence says so now
 
-    def goes_on_after(self, run, ids, paused):
-        self.pause(paused, 8)
-        self.assertIsNone(run.poll())
-        os.kill(ids[0], signal.SIGTERM)
-        errors, _ = self.end_of(run)
-        self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
-
-    def test_a_job_that_is_suspended_goes_on(self):
-        for way in (["last"], ["apart", "last"]):
-            run = start(3, *way)
-            ids = processes_of(run, 3)
-            self.goes_on_after(run, ids, ids.values())
-
-    def test_a_rank_that_is_stopped_under_the_eyes_of_the_others_is_not_dead(self):
-        run = start(3, "last")
-        ids = processes_of(run, 3)
-        self.goes_on_after(run, ids, [ids[1]])
+    def test_a_job_that_is_suspended_goes_on_and_so_does_one_with_a_rank_stopped_under_the_eyes_of_the_others(self):
+        runs = [start(3, *way) for way in (["last"], ["apart", "last"], ["last"])]
+        ids = [processes_of(run, 3) for run in runs]
+        self.pause([*ids[0].values(), *ids[1].values(), ids[2][1]])
+        for run, its in zip(runs, ids):
+            self.assertIsNone(run.poll())
+            os.kill(its[0], signal.SIGTERM)
+            errors, _ = self.end_of(run)
+            self.assertEqual(self.messages(errors), ["error: stopped from outside (SIGTERM)"], errors)
 
     def test_a_rank_that_is_stopped_on_another_node_counts_as_dead(self):
         run = start(3, "apart", "last")

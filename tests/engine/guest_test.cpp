@@ -231,6 +231,7 @@ TEST(Guest, ARankWithoutMemoryForAPacketFailsTheNetworkInsteadOfWaitingForEver) 
 struct Counter {
   int calls = 0;
   void count(Context&) { ++calls; }
+  void fail(Context&) { throw std::runtime_error("too late"); }
   void last_until_stopped(Context& context) {
     while (!context.stop_requested()) std::this_thread::sleep_for(1ms);
   }
@@ -238,8 +239,10 @@ struct Counter {
 
 Registry counters() {
   Registry registry;
-  registry.type<Counter>("Counter").method<&Counter::count>("count").method<&Counter::last_until_stopped>(
-      "last_until_stopped");
+  registry.type<Counter>("Counter")
+      .method<&Counter::count>("count")
+      .method<&Counter::fail>("fail")
+      .method<&Counter::last_until_stopped>("last_until_stopped");
   return registry;
 }
 
@@ -347,9 +350,13 @@ TEST(RunOn, AHandlerThatDoesNotStopDoesNotEndTheProcess) {
     run_on(world_of_caller(), [&](Transport& transport) {
       const Registry registry = counters();
       Runtime runtime(transport, registry, {.grace = 100ms, .on_failure = {}});
+      // The last rank fails while rank 0 sleeps, not before.
+      const MobilePtr<Counter> failing{{Rank(world_size() - 1), 1}};
       runtime.run([&](Context& context) {
-        if (context.rank() == Rank(0)) std::this_thread::sleep_for(1s);
-        throw std::runtime_error("too late");
+        if (context.rank() == Rank(world_size() - 1)) context.create<Counter>();
+        if (context.rank() != Rank(0)) return;
+        context.invoke<&Counter::fail>(failing);
+        std::this_thread::sleep_for(1s);
       });
     });
     ADD_FAILURE() << "the run did not fail";

@@ -18,7 +18,7 @@ from command import WEFT, CommandTest
 
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 300  # far above what anything here takes
-KILLS = int(os.environ.get("WEFT_KILLS", "6"))
+KILLS = int(os.environ.get("WEFT_KILLS", "4"))
 SEED = int(os.environ.get("WEFT_SEED", "20261123"))
 COMPLEXITY = 4000
 RUN = ("box.meshb", "--metric-fn", "polar-2", "--subdomains", 9, "--threads", 1, "--quiet")

@@ -20,10 +20,10 @@ class Cursor {
  public:
   Cursor(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
 
-  /// What is read from here on; rows are counted anew.
-  void enter(std::string entity) {
+  /// What is read from here on; rows are counted anew, behind the first `passed` ones.
+  void enter(std::string entity, std::uint64_t passed = 0) {
     entity_ = std::move(entity);
-    row_ = 0;
+    row_ = passed;
   }
   void next_row() { ++row_; }
   std::uint64_t row() const { return row_; }

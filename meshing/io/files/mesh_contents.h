@@ -46,6 +46,17 @@ struct MeshContents {
   void complete();
 };
 
+/// How many points and tets the mesh of a file has.
+struct MeshSize {
+  std::uint64_t points = 0, tets = 0;
+};
+
+/// Contiguous ranges of a file's points and tets, counted from 0: what one of several readers keeps.
+struct MeshRange {
+  std::uint64_t first_point = 0, num_points = 0;
+  std::uint64_t first_tet = 0, num_tets = 0;
+};
+
 /// The same for writers, who need not own it.
 struct MeshView {
   MeshView(const MeshData& m, const SolutionData& f, const RefNames& n) : mesh(m), fields(f), names(n) {}

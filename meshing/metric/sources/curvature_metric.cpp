@@ -82,8 +82,7 @@ class CurvatureFit {
 
 class CurvatureSizes {
  public:
-  CurvatureSizes(const MeshData& mesh, const CurvatureOptions& options)
-      : options_(options), largest_(largest_size(mesh)) {}
+  CurvatureSizes(double largest, const CurvatureOptions& options) : options_(options), largest_(largest) {}
 
   double largest() const { return largest_; }
 
@@ -173,7 +172,7 @@ Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes
 }  // namespace
 
 LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
-                                std::shared_ptr<const Model> model) {
+                                std::shared_ptr<const Model> model, std::optional<double> largest) {
   const Surface surface(mesh, {options.ridge_angle_degrees},
                         model ? classify_on_model(mesh, model) : ModelClassification{});
   const std::vector<PatchEdge> edges = curved_patch_edges(mesh, surface);
@@ -181,7 +180,7 @@ LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& op
   for (std::size_t i = 0; i < edges.size(); ++i)
     if (i == 0 || edges[i].vertex != edges[i - 1].vertex) begins.push_back(i);
   begins.push_back(edges.size());
-  const CurvatureSizes sizes(mesh, options);
+  const CurvatureSizes sizes(largest.value_or(largest_size(mesh)), options);
   LogMetricField field(mesh.points.size(), identity_tensor(-2 * std::log(sizes.largest())));
   for_each_index(begins.size() - 1, [&](std::size_t i) {
     const std::span<const PatchEdge> at_vertex(&edges[begins[i]], begins[i + 1] - begins[i]);

@@ -86,12 +86,13 @@ class LeastSquares {
   VertexLists neighbours_;
 };
 
-std::vector<SymTensor> fit_hessians(const MeshData& mesh, std::span<const double> values) {
-  std::vector<SymTensor> hessians(mesh.points.size());
-  const LeastSquares fits(mesh, values);
+std::vector<SymTensor> fit_hessians(const MetricDomain& domain, std::span<const double> values) {
+  std::vector<SymTensor> hessians(domain.mesh().points.size());
+  const LeastSquares fits(domain.mesh(), values);
   for_each_index_with<FitScratch>(hessians.size(), [&](std::size_t v, FitScratch& scratch) {
-    hessians[v] = fits.at(static_cast<std::uint32_t>(v), scratch);
+    if (domain.owns(v)) hessians[v] = fits.at(static_cast<std::uint32_t>(v), scratch);
   });
+  domain.refresh(hessians);
   return hessians;
 }
 
@@ -148,12 +149,13 @@ std::vector<std::uint8_t> boundary_vertices(const MeshData& mesh) {
 
 /// Replaces the tensors of the vertices marked by the mean of their neighbours' that are not, layer by layer
 /// into the marked region; where all are marked, everything stays.
-void extrapolate(const VertexLists& neighbours, std::vector<std::uint8_t> marked,
+void extrapolate(const MetricDomain& domain, const VertexLists& neighbours, std::vector<std::uint8_t> marked,
                  std::vector<SymTensor>& tensors) {
+  domain.refresh(marked);
   for (bool any = true; any;) {
     std::vector<std::uint8_t> still_marked = marked;
     for_each_index(tensors.size(), [&](std::size_t v) {
-      if (!marked[v]) return;
+      if (!marked[v] || !domain.owns(v)) return;
       SymTensor sum;
       int count = 0;
       for (const std::uint32_t w : neighbours.of(v))
@@ -162,12 +164,15 @@ void extrapolate(const VertexLists& neighbours, std::vector<std::uint8_t> marked
       tensors[v] = (1.0 / count) * sum;
       still_marked[v] = 0;
     });
-    any = still_marked != marked;
+    domain.refresh(tensors);
+    domain.refresh(still_marked);
+    any = domain.any(still_marked != marked);
     marked.swap(still_marked);
   }
 }
 
-std::vector<SymTensor> project_hessians(const MeshData& mesh, std::span<const double> values) {
+std::vector<SymTensor> project_hessians(const MetricDomain& domain, std::span<const double> values) {
+  const MeshData& mesh = domain.mesh();
   std::vector<SymTensor> hessians(mesh.points.size());
   {
     const Projection projection(mesh);
@@ -180,17 +185,27 @@ std::vector<SymTensor> project_hessians(const MeshData& mesh, std::span<const do
                      z[v].z};
     });
   }
-  extrapolate(vertex_neighbours(mesh.tets, mesh.points.size()), boundary_vertices(mesh), hessians);
+  domain.refresh(hessians);
+  extrapolate(domain, vertex_neighbours(mesh.tets, mesh.points.size()), boundary_vertices(mesh), hessians);
   return hessians;
 }
 
 }  // namespace
 
+int rings_of(HessianRecovery recovery) {
+  return recovery == HessianRecovery::least_squares ? kMostRings : 2;
+}
+
+std::vector<SymTensor> recover_hessians(const MetricDomain& domain, std::span<const double> values,
+                                        HessianRecovery recovery) {
+  WEFT_ASSERT_LIGHT(values.size() == domain.mesh().points.size(), "one value a vertex");
+  return recovery == HessianRecovery::least_squares ? fit_hessians(domain, values)
+                                                    : project_hessians(domain, values);
+}
+
 std::vector<SymTensor> recover_hessians(const MeshData& mesh, std::span<const double> values,
                                         HessianRecovery recovery) {
-  WEFT_ASSERT_LIGHT(values.size() == mesh.points.size(), "one value a vertex");
-  return recovery == HessianRecovery::least_squares ? fit_hessians(mesh, values)
-                                                    : project_hessians(mesh, values);
+  return recover_hessians(WholeDomain(mesh), values, recovery);
 }
 
 }  // namespace weft::meshing

@@ -54,7 +54,10 @@ void fill_from_neighbours(const MeshData& mesh, const VertexLists& tets_at, std:
 
 }  // namespace
 
-LogMetricField implied_metric(const MeshData& mesh) {
+LogMetricField implied_metric(const MeshData& mesh) { return implied_metric(WholeDomain(mesh)); }
+
+LogMetricField implied_metric(const MetricDomain& domain) {
+  const MeshData& mesh = domain.mesh();
   const VertexLists tets_at = vertex_tets(mesh.tets, mesh.points.size());
   const auto& p = mesh.points;
   const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
@@ -63,7 +66,7 @@ LogMetricField implied_metric(const MeshData& mesh) {
   });
   if (bad < mesh.tets.size())
     throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted, so no metric");
-  LogMetricField field(p.size(), identity_tensor(-2 * std::log(largest_size(mesh))));
+  LogMetricField field(p.size(), identity_tensor(-2 * std::log(domain.largest_size())));
   std::vector<std::uint8_t> found(p.size(), 0);
   for_each_index(field.size(), [&](std::size_t vertex) {
     LogMetric sum;
@@ -81,7 +84,10 @@ LogMetricField implied_metric(const MeshData& mesh) {
     field[vertex] = (1 / weight) * sum;
     found[vertex] = 1;
   });
+  domain.refresh(field);
+  domain.refresh(found);
   fill_from_neighbours(mesh, tets_at, found, field);
+  domain.refresh(field);
   return field;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_domain.h"
 #include "meshing/metric/metric_field.h"
 
 namespace weft::meshing {
@@ -11,5 +12,7 @@ namespace weft::meshing {
 /// does not depend on the number of threads. Memory: 16 bytes a tet. Throws InputError naming the tet
 /// (1-based) that has no volume or is inverted. A vertex of no tet gets the bounding box's diagonal as size.
 LogMetricField implied_metric(const MeshData& mesh);
+/// On a part of a mesh: at all its vertices, from one ring of tets around those it owns.
+LogMetricField implied_metric(const MetricDomain& domain);
 
 }  // namespace weft::meshing

@@ -33,9 +33,10 @@ std::vector<double> rounding_floors(const MeshData& mesh) {
 }
 
 /// `values` over the largest of them, so that no difference or derivative of extreme ones overflows.
-std::vector<double> scaled_to_one(std::span<const double> values) {
+std::vector<double> scaled_to_one(const MetricDomain& domain, std::span<const double> values) {
   double largest = 0;
   for (const double v : values) largest = std::max(largest, std::abs(v));
+  largest = domain.max(largest);
   std::vector<double> scaled(values.begin(), values.end());
   if (largest > 0)
     for (double& v : scaled) v /= largest;
@@ -54,10 +55,11 @@ LogMetric normalised(const SymTensor& hessian, double floor, double exponent) {
   return from_eigen(e);
 }
 
-void check_finite(std::span<const double> values, const std::string& file, const std::string& field) {
+void check_finite(std::span<const double> values, const std::string& file, const std::string& field,
+                  std::uint64_t first = 0) {
   const std::size_t bad = find_first(values.size(), [&](std::size_t v) { return !std::isfinite(values[v]); });
   if (bad < values.size())
-    throw InputError(file, "vertex " + std::to_string(bad + 1),
+    throw InputError(file, "vertex " + std::to_string(first + bad + 1),
                      "the value" + field + " is not a finite number");
 }
 
@@ -65,20 +67,26 @@ void check_finite(std::span<const double> values, const std::string& file, const
 
 LogMetricField multiscale_metric(const MeshData& mesh, std::span<const double> values,
                                  const MultiscaleOptions& options) {
-  WEFT_ASSERT_LIGHT(values.size() == mesh.points.size(), "one value a vertex");
+  return multiscale_metric(WholeDomain(mesh), values, options);
+}
+
+LogMetricField multiscale_metric(const MetricDomain& domain, std::span<const double> values,
+                                 const MultiscaleOptions& options) {
+  WEFT_ASSERT_LIGHT(values.size() == domain.mesh().points.size(), "one value a vertex");
   if (!(options.norm >= 1)) throw InputError("", "norm", "is below 1");
   check_finite(values, "", "");
-  const std::vector<SymTensor> hessians = recover_hessians(mesh, scaled_to_one(values), options.recovery);
-  const std::vector<double> floors = rounding_floors(mesh);
+  const std::vector<SymTensor> hessians = recover_hessians(domain, scaled_to_one(domain, values), options.recovery);
+  const std::vector<double> floors = rounding_floors(domain.mesh());
   LogMetricField field(hessians.size());
   const double exponent = -1 / (2 * options.norm + 3);
   for_each_index(field.size(),
                  [&](std::size_t v) { field[v] = normalised(hessians[v], floors[v], exponent); });
+  domain.refresh(field);  // floors need all neighbours
   return field;
 }
 
 std::vector<std::span<const double>> scalar_fields(const SolutionData& solution, std::size_t num_points,
-                                                   const std::string& file) {
+                                                   const std::string& file, std::uint64_t first) {
   if (solution.num_points != num_points)
     throw InputError(file, "",
                      "solution of another mesh: it has " + std::to_string(solution.num_points) +
@@ -87,7 +95,7 @@ std::vector<std::span<const double>> scalar_fields(const SolutionData& solution,
   for (std::size_t i = 0; i < solution.fields.size(); ++i) {
     const Field& field = solution.fields[i];
     if (field.kind != Field::Kind::scalar) continue;
-    check_finite(field.values, file, " of field " + std::to_string(i + 1));
+    check_finite(field.values, file, " of field " + std::to_string(i + 1), first);
     scalars.emplace_back(field.values);
   }
   if (scalars.empty()) throw InputError(file, "", "holds no scalar field to take a metric from");

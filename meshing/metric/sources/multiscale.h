@@ -1,6 +1,7 @@
 // The multiscale metric: the one whose unit mesh of a given size interpolates a field best.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,13 +18,16 @@ namespace weft::meshing {
 /// square of the longest edge at the vertex) are raised to that, so that the metric is positive definite for
 /// any finite field, a constant one too. Does not depend on the field's units. Throws InputError for a value
 /// that is not finite (naming the vertex, 1-based) or a norm below 1. Cost: that of recover_hessians.
+/// On a part of a mesh: at all its vertices, from the rings of tets that rings_of() says around those it owns.
+LogMetricField multiscale_metric(const MetricDomain& domain, std::span<const double> values,
+                                 const MultiscaleOptions& options);
 LogMetricField multiscale_metric(const MeshData& mesh, std::span<const double> values,
                                  const MultiscaleOptions& options);
 
 /// The scalar fields of a solution, in its order. Throws InputError naming `file` when there is none, when
 /// the number of vertices is not `num_points` ("solution of another mesh"), and for a value that is not
-/// finite (naming field and vertex, 1-based).
+/// finite (naming field and vertex, 1-based). `first`: the number of the first vertex, for messages.
 std::vector<std::span<const double>> scalar_fields(const SolutionData& solution, std::size_t num_points,
-                                                   const std::string& file);
+                                                   const std::string& file, std::uint64_t first = 0);
 
 }  // namespace weft::meshing

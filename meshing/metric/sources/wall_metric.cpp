@@ -31,8 +31,8 @@ Metric layered(const Vec& n, double across, double along) {
 
 class Walls {
  public:
-  Walls(const MeshData& mesh, const WallOptions& options)
-      : mesh_(mesh), options_(options), largest_(largest_size(mesh)), begins_(mesh.points.size() + 1, 0) {
+  Walls(const MeshData& mesh, const WallOptions& options, double largest)
+      : mesh_(mesh), options_(options), largest_(largest), begins_(mesh.points.size() + 1, 0) {
     collect();
     file_by_vertex();
     std::vector<ClosestForest::Item> items;
@@ -122,14 +122,15 @@ class Walls {
 
 }  // namespace
 
-LogMetricField wall_metric(const MeshData& mesh, const WallOptions& options) {
+LogMetricField wall_metric(const MeshData& mesh, const WallOptions& options, std::optional<double> given) {
   check(options, mesh);
+  const double largest = given.value_or(largest_size(mesh));
   LogMetricField field(mesh.points.size());
   if (options.refs.empty()) {
-    std::ranges::fill(field, identity_tensor(-2 * std::log(largest_size(mesh))));
+    std::ranges::fill(field, identity_tensor(-2 * std::log(largest)));
     return field;
   }
-  const Walls walls(mesh, options);
+  const Walls walls(mesh, options, largest);
   for_each_index(field.size(),
                  [&](std::size_t v) { field[v] = walls.demand(static_cast<std::uint32_t>(v)); });
   return field;

@@ -1,6 +1,8 @@
 // The metric of first layers at walls.
 #pragma once
 
+#include <optional>
+
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "weft/data.h"
@@ -12,7 +14,9 @@ namespace weft::meshing {
 /// than largest_size. The direction across is that to the nearest point of the walls, on a wall its normal;
 /// where walls meet at an angle the demands of all of them are intersected. O((n + w) log w) for w wall
 /// triangles; multithreaded; does not depend on the number of threads. Throws InputError naming a reference
-/// that no triangle has, and for a height that is not positive or a growth below 1.
-LogMetricField wall_metric(const MeshData& mesh, const WallOptions& options);
+/// that no triangle has, and for a height that is not positive or a growth below 1. `largest`: largest_size of the
+/// whole mesh, where this is a part of it.
+LogMetricField wall_metric(const MeshData& mesh, const WallOptions& options,
+                           std::optional<double> largest = std::nullopt);
 
 }  // namespace weft::meshing

@@ -12,6 +12,7 @@
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
@@ -41,7 +42,18 @@ void make_metric_by_first(partition::Peers& peers, const MetricOptions& options,
   slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   if (peers.ranks() > 1)
-    warnings.emplace_back("rank 0 has made the metric of the whole mesh: only scaling is done in parts");
+    warnings.emplace_back("rank 0 has made the metric of the whole mesh, as a model's curvature, solutions in memory and files other than GMF want it");
+}
+
+/// In parts where that is possible.
+void make_metric(partition::Peers& peers, const Options& options,
+                 const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
+                 std::vector<std::string>& warnings) {
+  if (!tools::can_be_made_in_parts(options.metric, options.geometry))
+    return make_metric_by_first(peers, options.metric, model, slice, warnings);
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "");
+  slice.log_metrics = std::move(made.field);
+  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
 }
 
 PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric& metric,
@@ -53,7 +65,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   const auto model = run.read_model(part.mesh, "");
   double target = options.metric.complexity;
   if (!only_scaled(options.metric)) {
-    make_metric_by_first(run.peers(), options.metric, model, slice, result.warnings);
+    make_metric(run.peers(), options, model, slice, result.warnings);
     target = 0;
   }
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),

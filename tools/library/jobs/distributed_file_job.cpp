@@ -9,6 +9,7 @@
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
 #include "partition/communication/agreement.h"
 #include "partition/output/merge_pieces.h"
@@ -74,6 +75,7 @@ class DistributedFileJob {
     run_.read_model(input.whole ? *input.whole : meshing::MeshData{}, files_.input);
     account_.warnings = input.warnings;
     account_.mends = input.mends;
+    names_ = std::move(input.names);
     account_.input_counts = {input.slice.num_points, input.slice.num_tets,
                              input.slice.boundary.triangles.size(), input.slice.boundary.edges.size()};
     account_.times.read = watch_.lap();
@@ -116,7 +118,8 @@ class DistributedFileJob {
       const partition::MergedMesh merged = partition::merge_pieces(pieces);
       if (!files_.fields.empty()) carry_fields(merged.mesh);
       write_mesh_with_solution(account_.outputs, merged.mesh,
-                               meshing::solution_from_metric(merged.log_metrics), fields_);
+                               meshing::solution_from_metric(merged.log_metrics), fields_, names_);
+      meshing::copy_mapbc(files_.input, account_.outputs.mesh);
     });
   }
 
@@ -162,6 +165,7 @@ class DistributedFileJob {
   std::string report_error_;
   meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
+  meshing::RefNames names_;  ///< of the input's references; on rank 0 at least
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/io/ugrid.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
@@ -86,6 +87,7 @@ class FileJob {
     work.adapted(static_cast<double>(run_.output_counts.tets));
     monitor_.update("writing", work.at_writing(), run_.output_counts.tets);
     write_mesh_with_solution(run_.outputs, mesh_, metric_.fields(), fields_, names_);
+    meshing::copy_mapbc(files_.input, run_.outputs.mesh);
     run_.times.write = watch_.lap();
   }
 

@@ -1,11 +1,14 @@
 // The metric that options ask for: all sources intersected, scaled, limited and graded.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "meshing/geometry/model.h"
+#include "meshing/metric/metric_domain.h"
 #include "meshing/metric/metric_field.h"
 #include "meshing/metric/metric_limits.h"
 #include "weft/weft.h"
@@ -18,19 +21,38 @@ std::vector<std::string> files_of(const MetricOptions& options);
 /// Files and functions, for reports.
 std::string name_of(const MetricOptions& options);
 bool has_demand(const MetricOptions& options);
+/// What the boundary of the mesh asks for, or nothing where it was not asked. `largest`: largest_size of the whole mesh,
+/// where this is a part of it.
+std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options, const meshing::MeshData& mesh,
+                                                       std::shared_ptr<const meshing::Model> model,
+                                                       std::optional<double> largest = std::nullopt);
 /// Whether a given metric, a file or a function is scaled and nothing else: what each rank can do with its
 /// share.
 bool scaled_alone(const MetricOptions& options);
+
+/// Where a metric is made, and what is given there.
+struct MetricInputs {
+  const meshing::MetricDomain& domain;
+  /// Values of a file's fields, and the metric in a file, at the vertices of the domain.
+  std::function<Fields(const std::string& file)> read_fields;
+  std::function<meshing::LogMetricField(const std::string& file)> read_metric;
+  /// What curvature and walls ask for at the vertices of the domain; nothing where nothing is asked.
+  std::function<std::optional<meshing::LogMetricField>()> boundary_demand;
+  const meshing::LogMetricField* source = nullptr;  ///< one more metric, where not null
+};
 
 struct LogMetricMade {
   meshing::LogMetricField field;
   std::vector<std::string> warnings;  ///< for the user
 };
-/// The metric asked for, at the vertices of `mesh`, which errors call `mesh_name`: all that is given
-/// (`source` too, where not null), intersected, and scaled so that it has the complexity once it is as fine
+/// The metric asked for, at the vertices of the domain, which errors call `mesh_name`: all that is given,
+/// intersected, and scaled so that it has the complexity once it is as fine
 /// as the boundary demands, limited and graded. Metrics of solutions come in with that complexity, or with
-/// the mesh's own where none is requested. Curvature is that of `model`, where not null. Throws InputError
+/// the mesh's own where none is requested. Curvature is that of `model`, where not null. All parts of a mesh call
+/// together; what they read must be without faults then. Throws InputError
 /// naming file, entity and reason.
+LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs, const std::string& mesh_name);
+/// The same of a whole mesh.
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source = nullptr,
                               std::shared_ptr<const meshing::Model> model = nullptr);

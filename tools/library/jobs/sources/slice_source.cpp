@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "meshing/base/error.h"
-#include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
 #include "tools/library/jobs/sources/field_source.h"
+#include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
@@ -28,12 +28,16 @@ bool is_gmf(const std::string& file) {
   return extension == ".meshb" || extension == ".mesh" || extension == ".solb" || extension == ".sol";
 }
 
-/// Whether every rank can do with its share: nothing asks how the metric is elsewhere.
-bool only_scaled(const Files& files, const Options& options) {
-  const MetricOptions& m = options.metric;
-  return !options.run.repair && is_gmf(files.input) && files.background.empty() && files.fields.empty() &&
-         options.geometry.model != "carried" && scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) &&
-         m.file.empty() != m.function.empty();
+/// Whether nothing asks how the metric is elsewhere: every rank can do with its share of the points.
+bool only_scaled(const MetricOptions& m) {
+  return scaled_alone(m) && (m.file.empty() || is_gmf(m.file)) && m.file.empty() != m.function.empty();
+}
+
+/// Whether no rank needs the whole mesh, where ranges of the file can be read.
+bool possible_in_shares(const Files& files, const Options& options) {
+  return !options.run.repair && files.background.empty() && files.fields.empty() &&
+         options.geometry.model != "carried" &&
+         (only_scaled(options.metric) || can_be_made_in_parts(options.metric, options.geometry));
 }
 
 struct Share {
@@ -45,45 +49,64 @@ Share share_of(std::uint64_t total, int rank, int ranks) {
   return {first, total * (r + 1) / n - first};
 }
 
-meshing::LogMetricField metric_of_share(const MetricOptions& request, const MeshSlice& slice, Share share) {
+meshing::LogMetricField metric_of_share(const MetricOptions& request, const MeshSlice& slice) {
   if (!request.function.empty()) {
     MeshData points;
     points.points = slice.points;
     return meshing::sample(meshing::AnalyticMetric(request.function), points);
   }
-  const meshing::GmfLayout layout = meshing::read_gmf_layout(request.file);
-  if (layout.num_solution_points() != slice.num_points)
-    throw InputError(request.file, "",
-                     "is of another mesh: it has " + std::to_string(layout.num_solution_points()) +
-                         " vertices, the mesh " + std::to_string(slice.num_points));
-  return meshing::metric_from_solution(
-      meshing::read_gmf_solution_slice(request.file, layout, share.first, share.count), share.count,
-      request.file);
+  return metric_of_slice(request.file, slice);
 }
 
-SliceInput read_share(Peers& peers, const Files& files, const Options& options) {
+/// The file's share of this rank.
+MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, Share points, Share tets,
+                        meshing::RefNames& names) {
+  if (size.tets == 0) throw InputError(file, "", "has no tetrahedra");
+  meshing::MeshContents part =
+      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count});
+  MeshSlice slice;
+  slice.num_points = size.points;
+  slice.num_tets = size.tets;
+  slice.first_point = points.first;
+  slice.first_tet = tets.first;
+  slice.boundary = std::move(part.mesh);
+  slice.points = std::exchange(slice.boundary.points, {});
+  slice.point_refs = std::exchange(slice.boundary.point_refs, {});
+  slice.tets = std::exchange(slice.boundary.tets, {});
+  slice.tet_refs = std::exchange(slice.boundary.tet_refs, {});
+  names = std::move(part.names);
+  return slice;
+}
+
+SliceInput read_share(Peers& peers, const Files& files, const Options& options, const meshing::MeshSize& size) {
   SliceInput input;
   partition::agree_on(peers, [&] {
-    const meshing::GmfLayout layout = meshing::read_gmf_layout(files.input);
-    MeshSlice& slice = input.slice;
-    slice.num_points = layout.num_points();
-    slice.num_tets = layout.num_tets();
-    if (slice.num_tets == 0) throw InputError(files.input, "", "has no tetrahedra");
-    const Share points = share_of(slice.num_points, peers.rank(), peers.ranks());
-    const Share tets = share_of(slice.num_tets, peers.rank(), peers.ranks());
-    slice.first_point = points.first;
-    slice.first_tet = tets.first;
-    meshing::GmfPoints p = meshing::read_gmf_points(files.input, layout, points.first, points.count);
-    slice.points = std::move(p.points);
-    slice.point_refs = std::move(p.refs);
-    meshing::GmfTets t = meshing::read_gmf_tets(files.input, layout, tets.first, tets.count);
-    slice.tets = std::move(t.tets);
-    slice.tet_refs = std::move(t.refs);
-    slice.boundary = meshing::read_gmf_boundary(files.input, layout);
-    slice.log_metrics = metric_of_share(options.metric, slice, points);
+    const Share points = share_of(size.points, peers.rank(), peers.ranks());
+    const Share tets = share_of(size.tets, peers.rank(), peers.ranks());
+    input.slice = slice_of_file(files.input, size, points, tets, input.names);
+    if (only_scaled(options.metric))
+      input.slice.log_metrics = metric_of_share(options.metric, input.slice);
   });
-  input.target_complexity = options.metric.complexity;
+  if (only_scaled(options.metric)) {
+    input.target_complexity = options.metric.complexity;
+    return input;
+  }
+  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input);
+  input.slice.log_metrics = std::move(made.field);
+  input.warnings = std::move(made.warnings);
   return input;
+}
+
+/// On one rank, which has the whole mesh in its slice.
+void keep_whole(SliceInput& input) {
+  input.whole = input.slice.boundary;
+  input.whole->points = input.slice.points;
+  input.whole->point_refs = input.slice.point_refs;
+  input.whole->tets = input.slice.tets;
+  input.whole->tet_refs = input.slice.tet_refs;
+  input.whole_metric = input.slice.log_metrics;
+  if (input.target_complexity > 0)
+    scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
 }
 
 /// What is handed out of the whole mesh, as plain bytes.
@@ -113,12 +136,12 @@ void tell_all(Peers& peers, std::vector<T>& values) {
 SliceInput read_whole(Peers& peers, const Files& files, const Options& options) {
   SliceInput input;
   MetricOptions metric = options.metric;
-  if (only_scaled(files, options)) input.target_complexity = std::exchange(metric.complexity, 0);
+  if (only_scaled(metric)) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     if (!files.background.empty() && files.background != files.input)
       throw InputError(files.background, "", "a background of its own is not possible in subdomains");
-    input.whole = meshing::read_mesh(files.input);
+    input.whole = meshing::read_mesh(files.input, &input.names);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
     RepairedMetric repaired;
     if (options.run.repair) {
@@ -136,7 +159,8 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: only GMF files whose metric is merely scaled are read in shares");
+        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor a model's curvature, fields "
+        "and repair are read or made in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
@@ -191,8 +215,13 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
 }
 
 SliceInput read_slice(Peers& peers, const Files& files, const Options& options) {
-  return only_scaled(files, options) && peers.ranks() > 1 ? read_share(peers, files, options)
-                                                          : read_whole(peers, files, options);
+  std::optional<meshing::MeshSize> size;
+  if (possible_in_shares(files, options))
+    partition::agree_on(peers, [&] { size = meshing::size_for_ranges(files.input); });
+  if (!size) return read_whole(peers, files, options);
+  SliceInput input = read_share(peers, files, options, *size);
+  if (peers.ranks() == 1) keep_whole(input);
+  return input;
 }
 
 meshing::MeshData gather_whole(Peers& peers, const MeshSlice& slice) {

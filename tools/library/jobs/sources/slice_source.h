@@ -20,15 +20,16 @@ struct SliceInput {
   /// The whole input with its metric, where one rank has read it whole; only on rank 0.
   std::optional<meshing::MeshData> whole;
   meshing::LogMetricField whole_metric;
+  meshing::RefNames names;  ///< of the input's references; on rank 0 at least
   // Where the input was mended, on rank 0.
   std::vector<Mend> mends;
   std::optional<Fields> fields;  ///< those that are carried along
 };
 
-/// All ranks: reads the mesh and makes the metric. A mesh and a metric in GMF files that are only scaled are
-/// read in shares, no rank holds more. Anything else (other formats, metrics of solutions, gradation, limits)
-/// needs the whole mesh: rank 0 reads and prepares it, and hands out the shares. Throws meshing::InputError
-/// alike on all ranks.
+/// All ranks: reads the mesh and makes the metric. A mesh of which ranges can be read (meshing::size_for_ranges)
+/// and a metric that is only scaled are read in shares, no rank holds more. Anything else (other formats, metrics
+/// of solutions, gradation, limits) needs the whole mesh: rank 0 reads and prepares it, and hands out the shares.
+/// Throws meshing::InputError alike on all ranks.
 SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options);
 
 /// All ranks: the shares of a mesh that rank 0 has whole (elsewhere `mesh` is empty), with its metric.

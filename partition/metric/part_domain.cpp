@@ -1,0 +1,241 @@
+// Vertices are dealt out along a Morton curve; rings of tets are asked for at the owners of the outermost vertices.
+#include "partition/metric/part_domain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "meshing/base/box.h"
+#include "meshing/base/morton.h"
+#include "meshing/mesh/predicates.h"
+#include "partition/communication/input_issue.h"
+#include "partition/communication/reduce.h"
+#include "partition/distribute/slice_checks.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::Box;
+using meshing::Point;
+using meshing::SymTensor;
+
+template <class T>
+void sort_unique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
+  std::vector<T> all;
+  for (const std::vector<T>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+Box whole_box(Peers& peers, std::span<const Point> points) {
+  Box box;
+  for (const Point& p : points) box.include(p);
+  const std::vector<double> most =
+      partition::max(peers, std::vector{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
+}
+
+/// The place of each point along a Morton curve through the box.
+std::vector<std::uint64_t> morton_keys(std::span<const Point> points, const Box& box) {
+  constexpr double kCells = 1u << 21;
+  const meshing::Vec size = box.size();
+  const double side = std::max({size.x, size.y, size.z});
+  std::vector<std::uint64_t> keys;
+  keys.reserve(points.size());
+  for (const Point& p : points) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double cell = side > 0 ? (p[i] - box.lo[i]) / side * kCells : 0;
+      key |= meshing::spread_bits(static_cast<std::uint64_t>(std::clamp(cell, 0.0, kCells - 1))) << i;
+    }
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+/// The first key of every rank but the first: ranks get about equally many points, judged by samples.
+std::vector<std::uint64_t> splitters(Peers& peers, std::vector<std::uint64_t> keys) {
+  constexpr std::size_t kSamples = 64;
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint64_t> samples;
+  for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i) samples.push_back(keys[keys.size() * i / kSamples]);
+  samples = joined(allgather(peers, samples));
+  std::sort(samples.begin(), samples.end());
+  const auto ranks = static_cast<std::size_t>(peers.ranks());
+  std::vector<std::uint64_t> firsts;
+  for (std::size_t r = 1; r < ranks && !samples.empty(); ++r) firsts.push_back(samples[samples.size() * r / ranks]);
+  return firsts;
+}
+
+}  // namespace
+
+PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
+    : peers_(peers), points_(peers, slice.points.size()), me_(static_cast<std::uint32_t>(peers.rank())) {
+  check_slices(peers, slice, points_, Ranges(peers, slice.tets.size()), SliceMetric::missing);
+  choose_owners(slice);
+  std::vector<TetRecord> tets = first_ring(slice);
+  if (rings > 1) {
+    const std::vector<TetRecord> first = tets;
+    for (int ring = 1; ring < rings; ++ring) add_ring(first, tets);
+  }
+  build_mesh(slice, tets);
+  refuse_inverted(tets);
+  join_copies();
+  volumes_ = meshing::vertex_volumes(mesh_);
+}
+
+void PartDomain::choose_owners(const MeshSlice& slice) {
+  const Box box = whole_box(peers_, slice.points);
+  if (points_.total() > 0 && norm(box.size()) > 0) largest_size_ = norm(box.size());
+  const std::vector<std::uint64_t> keys = morton_keys(slice.points, box);
+  const std::vector<std::uint64_t> firsts = splitters(peers_, keys);
+  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  slice_owners_.reserve(keys.size());
+  for (std::size_t v = 0; v < keys.size(); ++v) {
+    const auto owner = std::upper_bound(firsts.begin(), firsts.end(), keys[v]) - firsts.begin();
+    slice_owners_.push_back(static_cast<std::uint32_t>(owner));
+    to_each[static_cast<std::size_t>(owner)].push_back(static_cast<std::uint32_t>(slice.first_point + v));
+  }
+  owned_numbers_ = joined(partition::all_to_all(peers_, to_each));  // ascending: so are slices with the ranks
+}
+
+std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice) const {
+  std::vector<std::uint32_t> vertices;
+  for (const auto& tet : slice.tets) vertices.insert(vertices.end(), tet.begin(), tet.end());
+  sort_unique(vertices);
+  const auto owners = fetch<std::uint32_t>(peers_, points_, vertices, [&](std::size_t i) { return slice_owners_[i]; });
+  std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
+    TetRecord record{slice.first_tet + t, slice.tets[t], {}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto at = std::lower_bound(vertices.begin(), vertices.end(), record.vertices[i]) - vertices.begin();
+      record.owners[i] = owners[static_cast<std::size_t>(at)];
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) == record.owners.begin() + i)
+        to_each[record.owners[i]].push_back(record);
+  }
+  return joined(partition::all_to_all(peers_, to_each));  // ascending
+}
+
+/// Adds the tets at all vertices of `tets`, which their owners have among their first rings.
+void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<TetRecord>& tets) const {
+  std::vector<std::vector<std::uint32_t>> wanted(static_cast<std::size_t>(peers_.ranks()));
+  for (const TetRecord& tet : tets)
+    for (std::size_t i = 0; i < 4; ++i)
+      if (tet.owners[i] != me_) wanted[tet.owners[i]].push_back(tet.vertices[i]);
+  for (auto& vertices : wanted) sort_unique(vertices);
+  wanted = partition::all_to_all(peers_, wanted);
+  std::vector<std::vector<TetRecord>> replies(wanted.size());
+  for (std::size_t r = 0; r < wanted.size(); ++r)
+    for (const TetRecord& tet : wanted[r].empty() ? std::vector<TetRecord>{} : first)
+      if (std::ranges::any_of(tet.vertices, [&](std::uint32_t v) {
+            return std::binary_search(wanted[r].begin(), wanted[r].end(), v);
+          }))
+        replies[r].push_back(tet);
+  const std::vector<TetRecord> more = joined(partition::all_to_all(peers_, replies));
+  tets.insert(tets.end(), more.begin(), more.end());
+  std::ranges::sort(tets, {}, &TetRecord::number);
+  const auto rest = std::ranges::unique(tets, {}, &TetRecord::number);
+  tets.erase(rest.begin(), rest.end());
+}
+
+std::uint32_t PartDomain::local(std::uint32_t number) const {
+  return static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), number) - numbers_.begin());
+}
+
+void PartDomain::build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets) {
+  std::vector<std::array<std::uint32_t, 2>> vertices;  // number and owner
+  for (const std::uint32_t number : owned_numbers_) vertices.push_back({number, me_});
+  for (const TetRecord& tet : tets)
+    for (std::size_t i = 0; i < 4; ++i)
+      if (tet.owners[i] != me_) vertices.push_back({tet.vertices[i], tet.owners[i]});
+  sort_unique(vertices);
+  for (const auto& [number, owner] : vertices) {
+    numbers_.push_back(number);
+    owners_.push_back(owner);
+  }
+  mesh_.points = from_slices(slice.points);
+  mesh_.tets.reserve(tets.size());
+  for (const TetRecord& tet : tets) {
+    std::array<std::uint32_t, 4>& corners = mesh_.tets.emplace_back();
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = local(tet.vertices[i]);
+  }
+  mesh_.point_refs.resize(mesh_.points.size());
+  mesh_.tet_refs.resize(mesh_.tets.size());
+}
+
+void PartDomain::refuse_inverted(const std::vector<TetRecord>& tets) const {
+  std::optional<InputIssue> first;
+  for (std::size_t t = 0; t < tets.size() && !first; ++t) {
+    std::array<const Point*, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) corners[i] = &mesh_.points[mesh_.tets[t][i]];
+    first = inverted(tets[t].number, tets[t].vertices, corners);
+  }
+  throw_first(peers_, first);
+}
+
+void PartDomain::join_copies() {
+  std::vector<std::vector<std::uint32_t>> wanted(static_cast<std::size_t>(peers_.ranks()));
+  taken_.resize(wanted.size());
+  for (std::uint32_t v = 0; v < owners_.size(); ++v)
+    if (owners_[v] != me_) {
+      wanted[owners_[v]].push_back(numbers_[v]);
+      taken_[owners_[v]].push_back(v);
+    }
+  given_ = partition::all_to_all(peers_, wanted);
+  for (std::uint32_t r = 0; r < given_.size(); ++r)
+    for (std::size_t i = 0; i < given_[r].size(); ++i) {
+      given_[r][i] = local(given_[r][i]);
+      copies_.push_back({given_[r][i], r, i});
+    }
+  std::sort(copies_.begin(), copies_.end());
+}
+
+double PartDomain::max(double mine) const { return partition::max(peers_, mine); }
+
+bool PartDomain::any(bool mine) const { return partition::max(peers_, mine ? 1 : 0) != 0; }
+
+double PartDomain::sum(const std::function<double(std::size_t)>& at) const {
+  std::vector<double> terms;
+  terms.reserve(owned_numbers_.size());
+  for (std::size_t v = 0; v < owners_.size(); ++v)
+    if (owns(v)) terms.push_back(std::max(0.0, at(v)));  // the volume of a flat tet may be computed as negative
+  return ordered_sum(peers_, terms);
+}
+
+double PartDomain::complexity(const meshing::LogMetricField& field) const {
+  return sum([&](std::size_t v) { return std::exp(0.5 * trace(field[v])) * volumes_[v]; });
+}
+
+std::vector<std::uint32_t> PartDomain::refresh_changed(std::span<const std::uint32_t> changed,
+                                                       std::vector<SymTensor>& values) const {
+  struct Change {
+    std::uint64_t place;
+    SymTensor value;
+  };
+  std::vector<std::vector<Change>> to_each(given_.size());
+  for (const std::uint32_t v : changed) {
+    auto copy = std::ranges::lower_bound(copies_, v, {}, &Copy::vertex);
+    for (; copy != copies_.end() && copy->vertex == v; ++copy) to_each[copy->rank].push_back({copy->place, values[v]});
+  }
+  std::vector<std::uint32_t> refreshed;
+  const std::vector<std::vector<Change>> from_each = partition::all_to_all(peers_, to_each);
+  for (std::size_t r = 0; r < from_each.size(); ++r)
+    for (const Change& change : from_each[r]) {
+      const std::uint32_t v = taken_[r][change.place];
+      values[v] = change.value;
+      refreshed.push_back(v);
+    }
+  return refreshed;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,108 @@
+// Ranges of mesh files: put together they are what the whole file is, in every format that knows them.
+#include "meshing/io/mesh_file.h"
+#include "meshing/mesh/structured_box.h"
+#include "tests/meshing/io/format_support.h"
+
+namespace weft::meshing {
+namespace {
+
+/// A box of two regions, with names.
+MeshContents named_box() {
+  MeshContents box;
+  box.mesh = structured_box({{3, 2, 2}, {0, 0, 0}, {3, 2, 2}});
+  for (std::size_t t = 0; t < box.mesh.tet_refs.size(); t += 3) box.mesh.tet_refs[t] = 5;
+  box.names.set(2, 1, "inflow");
+  box.names.set(3, 5, "solid");
+  box.complete();
+  return box;
+}
+
+template <class T>
+void append(std::vector<T>& all, const std::vector<T>& part) {
+  all.insert(all.end(), part.begin(), part.end());
+}
+
+/// The file in `parts` ranges.
+MeshContents read_in_parts(const fs::path& path, std::uint64_t parts) {
+  const std::optional<MeshSize> size = size_for_ranges(path);
+  if (!size) throw std::logic_error("no ranges of " + path.string());
+  MeshContents all;
+  for (std::uint64_t p = 0; p < parts; ++p) {
+    const std::uint64_t point = size->points * p / parts, tet = size->tets * p / parts;
+    MeshContents part = read_mesh_range(
+        path, {point, size->points * (p + 1) / parts - point, tet, size->tets * (p + 1) / parts - tet});
+    MeshData& mesh = part.mesh;
+    if (p > 0) {
+      mesh.points.swap(all.mesh.points), mesh.point_refs.swap(all.mesh.point_refs);
+      mesh.tets.swap(all.mesh.tets), mesh.tet_refs.swap(all.mesh.tet_refs);
+      append(mesh.points, all.mesh.points), append(mesh.point_refs, all.mesh.point_refs);
+      append(mesh.tets, all.mesh.tets), append(mesh.tet_refs, all.mesh.tet_refs);
+    }
+    all = std::move(part);
+  }
+  return all;
+}
+
+class MeshRanges : public testing::TestWithParam<std::string> {
+ protected:
+  TemporaryDirectory directory;
+};
+
+TEST_P(MeshRanges, TogetherAreTheWholeFile) {
+  const fs::path path = directory / GetParam();
+  write_mesh_contents(path, named_box());
+  const MeshContents whole = read_mesh_contents(path);
+  for (const std::uint64_t parts : {1u, 3u, 7u, 100u}) {
+    const MeshContents read = read_in_parts(path, parts);
+    expect_equal(read.mesh, whole.mesh);
+    EXPECT_EQ(read.names.all(), whole.names.all());
+    EXPECT_TRUE(read.fields.fields.empty());
+  }
+}
+
+TEST_P(MeshRanges, OfAFileCutShortAreRefused) {
+  const fs::path path = directory / GetParam();
+  write_mesh_contents(path, named_box());
+  const std::string bytes = bytes_of(path);
+  for (const std::size_t length : {std::size_t{0}, std::size_t{10}, bytes.size() / 2, bytes.size() - 200}) {
+    put_bytes(path, bytes.substr(0, length));
+    EXPECT_THROW(read_in_parts(path, 3), InputError) << length;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, MeshRanges,
+                         testing::Values("m.meshb", "m.mesh", "m.lb8.ugrid", "m.b8.ugrid", "m.b8l.ugrid", "m.lb4.ugrid",
+                                         "m.cgns"));
+
+TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "m.lb8.ugrid";
+  MeshContents box = named_box();
+  box.mesh.tets[40][2] = 1000;
+  write_mesh_contents(path, box);
+  EXPECT_NO_THROW(read_mesh_range(path, {0, 10, 0, 40}));
+  EXPECT_EQ(message_of([&] { read_mesh_range(path, {0, 10, 30, 20}); }), message_of([&] { read_mesh(path); }));
+}
+
+TEST(MeshRange, IsNotReadOfFormatsWithoutPlaces) {
+  const TemporaryDirectory directory;
+  for (const char* name : {"m.ugrid", "m.vtu", "m.msh", "m.su2"}) {
+    write_mesh_contents(directory / name, named_box());
+    EXPECT_FALSE(size_for_ranges(directory / name)) << name;
+  }
+}
+
+TEST(MeshRange, WithForeignVolumesIsRefusedAsTheWholeFile) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "m.lb8.ugrid";
+  std::string bytes;
+  const auto put = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const int count : {5, 0, 0, 1, 1, 0, 0}) put(count);
+  for (int c = 0; c < 15; ++c) put(double{1.5});
+  for (const int v : {1, 2, 3, 4, 1, 2, 3, 4, 5}) put(v);
+  put_bytes(path, bytes);
+  EXPECT_EQ(message_of([&] { read_mesh_range(path, {0, 5, 0, 1}); }), message_of([&] { read_mesh(path); }));
+}
+
+}  // namespace
+}  // namespace weft::meshing

@@ -1,0 +1,25 @@
+// The metric that options ask for, made by all ranks together: none holds the whole mesh.
+#pragma once
+
+#include <string>
+
+#include "partition/communication/peers.h"
+#include "partition/distribute/mesh_slice.h"
+#include "tools/library/jobs/sources/metric_source.h"
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+/// Whether make_metric_in_parts() can make it: files that are read are GMF, and there is no curvature of a model.
+bool can_be_made_in_parts(const MetricOptions& options, const GeometryOptions& geometry);
+
+/// The metric of a GMF file at the points of the slice.
+meshing::LogMetricField metric_of_slice(const std::string& file, const partition::MeshSlice& slice);
+
+/// All ranks: make_log_metric() of the mesh of all slices, at the points of this rank's slice; the same bits for any
+/// number of ranks and any shares. slice.log_metrics are one more source where there are any. Throws alike on all
+/// ranks.
+LogMetricMade make_metric_in_parts(partition::Peers& peers, const MetricOptions& options,
+                                   const partition::MeshSlice& slice, const std::string& mesh_name);
+
+}  // namespace weft::tools
