@@ -13,6 +13,7 @@
 #include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
 #include "partition/communication/reduce.h"
+#include "partition/output/piece_share.h"
 #include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
@@ -162,7 +163,23 @@ void warn_of_limit(engine::Runtime& runtime, EnginePeers& peers, const Adaptatio
                      " subdomains wanted " + std::to_string(wanting[1]) + " more vertices to be freed");
 }
 
-void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, DistributedResult& result) {
+/// The subdomains have been made pieces of: their vertices and boundary faces have these numbers.
+void account_on_model(engine::Runtime& runtime, EnginePeers& peers, const meshing::Surface& surface,
+                      DistributedResult& result) {
+  const std::vector<partition::PieceShare> shares = partition::shares_of(peers, result.pieces);
+  std::size_t p = 0;
+  dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
+    const Subdomain& s = task.subdomain();
+    const partition::PieceShare& share = shares[p++];
+    meshing::ModelShare mine{share.on_nodes, share.on_model, share.triangles};
+    for (const auto& more : {share.on_edges, share.on_faces})
+      mine.records.insert(mine.records.end(), more.begin(), more.end());
+    result.on_model.push_back({s.id, meshing::sum_on_model(*s.mesh, surface, mine)});
+  });
+}
+
+void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::Geometry& geometry,
+                 DistributedResult& result) {
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
     Subdomain& s = task.subdomain();
     result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required));
@@ -173,22 +190,37 @@ void take_pieces(engine::Runtime& runtime, const partition::Geometry& geometry, 
     result.was_interface.push_back(std::move(was));
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();
-    s = {};
+    if (!geometry.surface.model()) s = {};
   });
+  if (!geometry.surface.model()) return;
+  account_on_model(runtime, peers, geometry.surface, result);
+  dataflow::visit<SubdomainTask>(runtime,
+                                 [&](SubdomainTask::Ref, SubdomainTask& task) { task.subdomain() = {}; });
 }
 
-/// Several phases for an input that does not follow the metric and has more tets than the coarse mesh, of
-/// which each subdomain should have some.
+bool is_curved(const partition::Geometry& geometry) {
+  return !std::ranges::all_of(geometry.surface.patches(), &meshing::Patch::planar);
+}
+
+/// Several phases, of which the first should have some tets in each subdomain, for two sorts of input. One
+/// does not follow the metric and has more tets than a coarse mesh: it becomes coarse. The other has curved
+/// boundary and fewer tets than wanted: edges of the boundary in the interface are chords that stay until
+/// a shift frees them, and should never be much longer than what is beside them, which is on the surface.
 void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
-  constexpr double kLeastTets = 20;
+  constexpr double kLeastTets = 20, kCoarsest = 4, kCoarsestOfCurved = 64;
   constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
-  const bool far = plan.subdomains > 1 && plan.most_shifts > 0 && d.mean_quality < meshing::kFarMean;
+  const bool far = d.mean_quality < meshing::kFarMean, curved = is_curved(*d.geometry);
+  const auto tets_of = [&](double coarseness) {
+    return meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
+  };
   double first = 1;
-  for (const double coarseness : {2.0, 4.0}) {
-    const double tets = meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
-    if (far && tets >= kLeastTets * plan.subdomains && tets < static_cast<double>(input_tets))
-      first = coarseness;
+  for (double coarseness = 2; coarseness <= kCoarsestOfCurved; coarseness *= 2) {
+    const double tets = tets_of(coarseness);
+    if (plan.subdomains < 2 || plan.most_shifts == 0 || tets < kLeastTets * plan.subdomains) break;
+    const bool coarser = tets < static_cast<double>(input_tets);
+    if (coarser ? far && coarseness <= kCoarsest : curved) first = coarseness;
   }
+  plan.coarsens = first > 1 && tets_of(first) < static_cast<double>(input_tets);
   plan.phases.clear();
   for (double coarseness = first; coarseness >= 1; coarseness /= 2)
     plan.phases.push_back({plan.phases.size() * kCoarseShifts, coarseness});
@@ -280,7 +312,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);
   warn_of_limit(runtime, peers, plan, result.warnings);
-  take_pieces(runtime, *rank.geometry, result);
+  take_pieces(runtime, peers, *rank.geometry, result);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "graph/adaptation/subdomain_task.h"
 #include "graph/dataflow/execution_log.h"
 #include "partition/distribute/distribute.h"
+#include "partition/output/sum_on_model.h"
 #include "partition/subdomain/mesh_piece.h"
 
 namespace weft::graph::adaptation {
@@ -61,6 +62,7 @@ struct DistributedResult {
   std::vector<partition::MeshPiece> pieces;
   std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
   std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
+  std::vector<partition::PieceOnModel> on_model;         ///< of each piece, where the boundary has a model
   meshing::OperationCounts counts;                       ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks

@@ -165,7 +165,7 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   partition::InterfaceRefinement refinement(subdomain_, *rank.geometry);
   meshing::BeforeLevel before_level;
   engine::TimePoint refining = 0;
-  const bool makes_coarse = round == 0 && rank.plan.is_coarse(round);
+  const bool makes_coarse = round == 0 && rank.plan.coarsens;
   if (rank.plan.refine_interface && !makes_coarse)
     before_level = [&](double long_edge, meshing::MetricMean mean) {
       const engine::TimePoint begin = engine::now();
@@ -194,13 +194,15 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   const std::uint64_t round = context.round();
   const bool coarse = rank.plan.is_coarse(round);
   meshing::Limits limits;
-  limits.hausd = rank.plan.hausd;
-  limits = limits.coarser(rank.plan.phase_of(round).coarseness);
+  const double coarseness = rank.plan.phase_of(round).coarseness;
+  limits.hausd = rank.plan.hausd * coarseness * coarseness;  // as bulges of longer edges are
+  limits.largest_bulge *= coarseness;
+  limits = limits.coarser(coarseness);
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
   // An interface that is not to be moved soon would stay fine.
-  options.coarsen = (coarse && round == 0) || neighbours(context).empty();
+  options.coarsen = (rank.plan.coarsens && round == 0) || neighbours(context).empty();
   options.repair_at_frozen =
       !coarse && next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;

@@ -12,7 +12,8 @@
 //
 // There is one phase; more where the input is far from its metric. Then the first makes all of it coarse, the
 // interface with it, which only shifts can, and each later one finer, until the last is as one alone would
-// be. All but the last have a fixed number of shifts, the same for all subdomains.
+// be. Likewise, but for the first, where curved boundary is coarser than wanted. All but the last have a
+// fixed number of shifts, the same for all subdomains.
 #pragma once
 
 #include <atomic>
@@ -50,6 +51,7 @@ struct AdaptationPlan {
   std::uint32_t most_shifts = 12;
   partition::ShiftOptions shift;
   std::vector<Phase> phases{{0, 1}};
+  bool coarsens = false;  ///< the first phase is coarser than the input
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   double hausd = 0;                  ///< meshing::AdaptOptions, not 0

@@ -13,6 +13,7 @@
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
 #include "meshing/metric/expectations.h"
+#include "meshing/operators/surface_fit.h"
 
 namespace weft::meshing {
 namespace {
@@ -148,7 +149,11 @@ class Adaptation {
     else
       judge_by(MetricMean::arithmetic);
     mark_what_is_wrong();
+    const Limits wanted = kernel_.limits;
+    times_too_coarse_ = share_long_ > kCoarse || first_level_ > 1 ? coarseness_of_curved_boundary() : 1;
+    let_bulge(wanted, first_level_);
     if (share_long_ > kCoarse) resolve_curved_boundary();
+    kernel_.limits = wanted;
     if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
     begin_pass(predict_work(tets(), expected_tets_).collapse / std::max(1.0, tets()));
     collapse_pass(crew_);
@@ -195,6 +200,8 @@ class Adaptation {
       kernel_.limits.long_edge = wanted.long_edge * level;
       kernel_.limits.split_shortest = wanted.split_shortest * level;
       kernel_.limits.collapse_longest = wanted.collapse_longest * level;
+      let_bulge(wanted, level);
+      if (level < first_level_) retry_curved_boundary();
       if (level == 1 && first_level_ > 1) judge_by(MetricMean::arithmetic);
       const bool coarsens = level > 1 && is_too_fine_for(level);
       if (coarsens) coarsen(wanted.short_edge * level);
@@ -204,6 +211,43 @@ class Adaptation {
       if (level > 1) mark_later();
     }
     kernel_.limits = wanted;
+  }
+
+  /// The boundary is as exact as edges of a level's length make it, and not yet as exact as wanted: its
+  /// triangles would stand beside long chords. But where long edges are so in one direction only, nothing is
+  /// gained: later it is divided among needles.
+  void let_bulge(const Limits& wanted, double level) {
+    const double times = std::min(level, times_too_coarse_);
+    kernel_.limits.hausd = wanted.hausd * times * times;
+    kernel_.limits.largest_bulge = wanted.largest_bulge * times;
+  }
+
+  /// How many times an edge of curved boundary is as long as the largest size wanted at its ends; at least 1,
+  /// and 1 where most of it is exact already, and must stay so.
+  double coarseness_of_curved_boundary() const {
+    constexpr double kFew = 0.02, kClearly = 1.5;
+    double off = 0, all = 0;
+    const auto largest_size = [&](VertexId v) {
+      const Eigen3 e = eigen_decomposition(mesh_.metric(v));
+      return 1 / std::sqrt(*std::min_element(e.values.begin(), e.values.end()));
+    };
+    double most = 1;
+    for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
+      const TetId t(i);
+      if (!mesh_.alive(t)) continue;
+      for (int f = 0; f < 4; ++f) {
+        const PatchId patch = mesh_.patch(t, f);
+        if (!patch.valid() || kernel_.surface.patches()[patch.value].planar) continue;
+        off += surface_deviation(kernel_, patch, t, f) > kClearly * kernel_.limits.hausd;
+        ++all;
+        for (int k = 0; k < 3; ++k) {
+          const VertexId a = mesh_.vertex(t, kTetFaces[f][k]), b = mesh_.vertex(t, kTetFaces[f][(k + 1) % 3]);
+          most = std::max(most,
+                          norm(mesh_.point(b) - mesh_.point(a)) / std::min(largest_size(a), largest_size(b)));
+        }
+      }
+    }
+    return off > kFew * all ? most : 1;
   }
 
   /// Not where few tets would be left: they could not follow the domain.
@@ -485,6 +529,7 @@ class Adaptation {
   double pass_work_ = 0, told_share_ = 0;
   double expected_tets_ = 0;  ///< in the end, as far as is known now
   double first_level_ = 1, next_level_ = 1, share_long_ = 0;
+  double times_too_coarse_ = 1;  ///< coarseness_of_curved_boundary()
   double tets_of_far_mesh_ = 0;  ///< at the start; 0 for a mesh that is not far from its metric
   double wanted_tets_ = 0;
   std::uint32_t renumbered_at_ = 0;

@@ -13,9 +13,11 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/cad/lay_triangles.h"
 
 namespace weft::meshing {
 namespace {
@@ -102,15 +104,35 @@ class Joiner {
       mesh_.association.faces.push_back({v, id, uv.X(), uv.Y(), static_cast<double>(id)});
     }
     const bool turned = face.Orientation() == TopAbs_REVERSED;
+    std::vector<FaceTriangle> of_face;
     for (int i = 1; i <= triangles->NbTriangles(); ++i) {
       int a, b, c;
       triangles->Triangle(i).Get(a, b, c);
       if (turned) std::swap(b, c);
       const auto of = [&](int k) { return number[static_cast<std::size_t>(k - 1)]; };
+      const auto at = [&](int k) {
+        const gp_Pnt2d uv = triangles->UVNode(k);
+        return Parameters{uv.X(), uv.Y()};
+      };
       if (of(a) == of(b) || of(b) == of(c) || of(c) == of(a)) continue;  // upon a pole
-      mesh_.triangles.push_back({of(a), of(b), of(c)});
+      of_face.push_back({{of(a), of(b), of(c)}, {at(a), at(b), at(c)}});
+    }
+    lay_down(static_cast<std::uint32_t>(id - 1), of_face);
+    for (const FaceTriangle& t : of_face) {
+      mesh_.triangles.push_back(t.v);
       mesh_.triangle_refs.push_back(id);
     }
+  }
+
+  void lay_down(std::uint32_t face, std::vector<FaceTriangle>& triangles) const {
+    std::set<VertexPair> fixed;
+    std::set<std::uint32_t> poles;
+    for (const EdgeUse& use : model_.faces()[face].border) {
+      const std::vector<std::uint32_t>& points = edge_points_[use.edge];
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) fixed.insert(std::minmax(points[i], points[i + 1]));
+      if (model_.edges()[use.edge].degenerate) poles.insert(model_.edges()[use.edge].nodes[0]);
+    }
+    lay_triangles(model_, face, mesh_.points, fixed, poles, triangles);
   }
 
   void list_edges() {

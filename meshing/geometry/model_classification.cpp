@@ -72,6 +72,7 @@ class Classifier {
   void find_nodes();
   void find_edges();
   void consider_edge(std::size_t begin, std::size_t end, bool listed);
+  bool is_end_of(std::uint32_t v, std::uint32_t e) const;
   std::uint32_t edge_between(const std::array<std::uint32_t, 2>& v, std::span<const std::uint32_t> faces,
                              std::array<double, 2>& t) const;
   std::array<double, 2> parameters_along(std::uint32_t e, const std::array<std::uint32_t, 2>& v) const;
@@ -362,6 +363,13 @@ std::array<double, 2> Classifier::parameters_along(std::uint32_t e,
   return t;
 }
 
+/// Whether a vertex is on one of the edge's nodes.
+bool Classifier::is_end_of(std::uint32_t v, std::uint32_t e) const {
+  const auto at = std::lower_bound(c_.nodes.begin(), c_.nodes.end(), std::pair{v, std::uint32_t{0}});
+  if (at == c_.nodes.end() || at->first != v) return false;
+  return std::ranges::find(model_.edge(e).nodes, at->second) != model_.edge(e).nodes.end();
+}
+
 /// The model's edge that a mesh edge lies on: both ends and, nearest, the middle; bordering all of `faces`.
 std::uint32_t Classifier::edge_between(const std::array<std::uint32_t, 2>& v,
                                        std::span<const std::uint32_t> faces, std::array<double, 2>& t) const {
@@ -370,8 +378,14 @@ std::uint32_t Classifier::edge_between(const std::array<std::uint32_t, 2>& v,
   double best_distance = kUnbounded;
   const auto near = [&](std::uint32_t vertex, std::uint32_t e) {
     if (std::binary_search(edge_records_.begin(), edge_records_.end(), std::pair{vertex, e})) return true;
+    // Curves end short of their nodes, by as much as the nodes' tolerance.
+    if (is_end_of(vertex, e)) return true;
     const double d = model_.closest_on_edge(e, mesh_.points[vertex]).distance;
-    const double off = distance_[vertex] < kUnbounded ? distance_[vertex] : 0;
+    // Exactly on one of the faces between which the edge is, it may be off the other.
+    double off = distance_[vertex] < kUnbounded ? distance_[vertex] : 0;
+    if (faces.size() > 1)
+      for (const std::uint32_t f : faces)
+        off = std::max(off, model_.closest_within(f, mesh_.points[vertex]).distance);
     const double slack = off <= on() ? on() : std::min(reach(vertex), 2 * kNearlyAsNear * off);
     return d <= std::max(slack, 2 * model_.edge_tolerance(e));
   };

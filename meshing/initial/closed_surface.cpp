@@ -142,7 +142,15 @@ class Cleaning {
     return flat ? apex : -1;
   }
 
-  /// A triangle (a, b, c) with c on edge ab gives way: its neighbours beyond ab are split at c.
+  bool is_between(const Triangle& t, int apex) const {
+    const auto& p = input_.points;
+    const Point &a = p[t[(apex + 1) % 3]], &b = p[t[(apex + 2) % 3]], &c = p[t[apex]];
+    return std::max(norm(c - a), norm(c - b)) < norm(b - a);
+  }
+
+  /// A triangle (a, b, c) with c on edge ab gives way: its neighbours beyond ab are split at c. What is
+  /// beyond may itself give way (a fan from a cone's tip along a straight line): then who is beyond that is
+  /// split at the vertices of both.
   void mend_degenerate() {
     constexpr int kMostRounds = 20;
     std::size_t count = 0;
@@ -160,18 +168,18 @@ class Cleaning {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const Triangle& t = triangles_[i];
       const int apex = corner_on_edge(t);
-      if (apex < 0) continue;
+      if (apex < 0 || !is_between(t, apex)) continue;
       drop[i] = splits.try_emplace(key(t[(apex + 1) % 3], t[(apex + 2) % 3]), t[apex]).second;
     }
     if (splits.empty()) return 0;
-    const std::size_t before = triangles_.size();
-    for (std::size_t i = 0; i < before; ++i)
-      if (!drop[i]) split_at(i, splits, drop);
+    for (std::size_t i = 0; i < triangles_.size(); ++i)
+      while (!drop[i] && split_at(i, splits, drop)) continue;
     erase(drop);
     return splits.size();
   }
 
-  void split_at(std::size_t i, const std::unordered_map<std::uint64_t, std::uint32_t>& splits,
+  /// Whether it was split: the parts, which have shorter edges, may have one more to be split at.
+  bool split_at(std::size_t i, const std::unordered_map<std::uint64_t, std::uint32_t>& splits,
                 std::vector<bool>& drop) {
     const Triangle t = triangles_[i];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -180,15 +188,16 @@ class Cleaning {
       if (at == splits.end()) continue;
       if (at->second == c) {
         drop[i] = true;
-        return;
+        return false;
       }
       triangles_[i] = {a, at->second, c};
       triangles_.push_back({at->second, b, c});
       refs_.push_back(refs_[i]);
       source_.push_back(source_[i]);
       drop.push_back(false);
-      return;
+      return true;
     }
+    return false;
   }
 
   void merge_repeated() {

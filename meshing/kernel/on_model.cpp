@@ -95,25 +95,24 @@ std::vector<Place> places_on_nodes(const TetMesh& mesh, const Surface& surface) 
 }
 
 /// Entities by kind and id, each with what is known of it.
-class Accounts {
+class EntityTable {
  public:
-  explicit Accounts(const Model& model) : model_(model) {
+  explicit EntityTable(const Model& model) {
     add(Kind::node, model.num_nodes());
     add(Kind::edge, model.num_edges());
     add(Kind::face, model.num_faces());
   }
-  ModelEntityAccount& of(Kind kind, std::uint32_t entity) {
+  ModelEntitySums& of(Kind kind, std::uint32_t entity) {
     return all_[begin_[static_cast<std::size_t>(kind)] + entity];
   }
   void add(const Place& p) {
-    ModelEntityAccount& a = of(p.kind, p.entity);
+    ModelEntitySums& a = of(p.kind, p.entity);
     ++a.vertices;
-    a.mean += p.distance;
+    a.distance += p.distance;
     a.largest = std::max(a.largest, p.distance);
   }
-  std::vector<ModelEntityAccount> take() {
-    std::erase_if(all_, [](const ModelEntityAccount& a) { return a.vertices == 0; });
-    for (ModelEntityAccount& a : all_) a.mean /= static_cast<double>(a.vertices);
+  std::vector<ModelEntitySums> take() {
+    std::erase_if(all_, [](const ModelEntitySums& a) { return a.vertices == 0 && a.measured == 0; });
     return std::move(all_);
   }
 
@@ -121,93 +120,117 @@ class Accounts {
   void add(Kind kind, std::size_t count) {
     begin_[static_cast<std::size_t>(kind)] = all_.size();
     for (std::uint32_t i = 0; i < count; ++i) {
-      ModelEntityAccount a;
+      ModelEntitySums a;
       a.kind = kind;
-      a.id = static_cast<std::int32_t>(i + 1);
-      a.tolerance = kind == Kind::node   ? model_.node_tolerance(i)
-                    : kind == Kind::edge ? model_.edge_tolerance(i)
-                                         : model_.face_tolerance(i);
+      a.entity = i;
       all_.push_back(a);
     }
   }
-  const Model& model_;
-  std::vector<ModelEntityAccount> all_;
+  std::vector<ModelEntitySums> all_;
   std::array<std::size_t, 3> begin_{};
 };
 
 /// Deviation and normals of boundary faces.
 void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<BoundaryFace>& faces,
-                 Accounts& accounts, ModelAccount& total, std::vector<double>* deviations) {
-  struct Turn {
-    std::uint32_t face;
-    double cosine;
-  };
-  std::vector<Turn> turns;
-  std::vector<double> sides(surface.model()->num_faces(), 0);
-  for (const BoundaryFace& f : faces) {
+                 const ModelShare& share, EntityTable& entities, ModelSums& sums,
+                 std::vector<double>* deviations) {
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const BoundaryFace& f = faces[i];
     if (deviations) deviations->push_back(0);
+    if (!share.triangles.empty() && !share.triangles[i]) continue;
     if (surface.faces(f.patch).empty()) {
-      ++total.unclassified_triangles;
+      ++sums.unclassified_triangles;
       continue;
     }
-    ++total.triangles;
+    ++sums.triangles;
     const Point &a = mesh.point(f.v[0]), &b = mesh.point(f.v[1]), &c = mesh.point(f.v[2]);
     const auto q = surface.closest_on_model(f.patch, (1.0 / 3) * (a + b + c), mesh.kind(f.v[0]),
                                             mesh.surface_hint(f.v[0]));
     if (deviations) deviations->back() = q.at.distance;
-    ModelEntityAccount& account = accounts.of(Kind::face, q.face);
-    account.deviation = std::max(account.deviation, q.at.distance);
+    ModelEntitySums& entity = entities.of(Kind::face, q.face);
+    ++entity.measured;
+    entity.deviation = std::max(entity.deviation, q.at.distance);
     const Vec n = cross(b - a, c - a);
     if (norm(n) == 0 || norm(q.at.normal) == 0) continue;
-    turns.push_back({q.face, dot(n, q.at.normal) / norm(n)});
-    sides[q.face] += dot(n, q.at.normal);
-  }
-  // Which way a face looks is what most of its triangles say: interfaces have two sides.
-  for (const Turn& t : turns) {
-    double& least = accounts.of(Kind::face, t.face).least_normal;
-    least = std::min(least, sides[t.face] < 0 ? -t.cosine : t.cosine);
+    const double cosine = dot(n, q.at.normal) / norm(n);
+    entity.least_cosine = std::min(entity.least_cosine, cosine);
+    entity.largest_cosine = std::max(entity.largest_cosine, cosine);
+    entity.side += dot(n, q.at.normal);
   }
 }
 
-void judge_edges(const TetMesh& mesh, const Surface& surface, Accounts& accounts) {
+void judge_edges(const TetMesh& mesh, const Surface& surface, EntityTable& entities) {
   for (const TetMesh::FeatureEdge& e : mesh.feature_edges()) {
     if (surface.edge(e.curve) == kNoEntity) continue;
     const OnEdge q = surface.closest_on_model(e.curve, midpoint(mesh.point(e.a), mesh.point(e.b)),
                                               mesh.kind(e.a), mesh.surface_hint(e.a));
-    ModelEntityAccount& account = accounts.of(Kind::edge, surface.edge(e.curve));
-    account.deviation = std::max(account.deviation, q.distance);
+    ModelEntitySums& entity = entities.of(Kind::edge, surface.edge(e.curve));
+    ++entity.measured;
+    entity.deviation = std::max(entity.deviation, q.distance);
   }
 }
 
+double tolerance_of(const Model& model, Kind kind, std::uint32_t entity) {
+  return kind == Kind::node   ? model.node_tolerance(entity)
+         : kind == Kind::edge ? model.edge_tolerance(entity)
+                              : model.face_tolerance(entity);
+}
+
 /// The totals over vertices, each with its own entity: a node, else an edge, else a face.
-void judge_vertices(std::vector<Place> places, const Model& model, ModelAccount& total) {
+void judge_vertices(std::vector<Place> places, const Model& model, ModelSums& sums) {
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
     return std::tuple(a.vertex, a.kind, a.distance) < std::tuple(b.vertex, b.kind, b.distance);
   });
-  std::vector<std::pair<double, std::uint32_t>> off;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& p = places[i];
     if (i > 0 && places[i - 1].vertex == p.vertex) continue;
-    ++total.vertices;
-    total.mean += p.distance;
-    total.largest = std::max(total.largest, p.distance);
-    const double tolerance = p.kind == Kind::node   ? model.node_tolerance(p.entity)
-                             : p.kind == Kind::edge ? model.edge_tolerance(p.entity)
-                                                    : model.face_tolerance(p.entity);
-    if (p.distance > std::max(total.tolerance, tolerance)) off.emplace_back(p.distance, p.vertex.value);
+    ++sums.vertices;
+    sums.distance += p.distance;
+    sums.largest = std::max(sums.largest, p.distance);
+    if (p.distance > std::max(kOn * model.size(), tolerance_of(model, p.kind, p.entity)))
+      sums.listed.emplace_back(p.distance, p.vertex.value);
   }
-  if (total.vertices > 0) total.mean /= static_cast<double>(total.vertices);
-  std::sort(off.begin(), off.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  });
-  total.off = off.size();
-  for (std::size_t i = 0; i < std::min(off.size(), kMostListed); ++i) total.listed.push_back(off[i].second);
+  sums.off = sums.listed.size();
+}
+
+ModelEntityAccount account_of(const Model& model, const ModelEntitySums& sums) {
+  ModelEntityAccount a;
+  a.kind = sums.kind;
+  a.id = static_cast<std::int32_t>(sums.entity + 1);
+  a.tolerance = tolerance_of(model, sums.kind, sums.entity);
+  a.vertices = sums.vertices;
+  a.mean = sums.distance / static_cast<double>(sums.vertices);
+  a.largest = sums.largest;
+  a.deviation = sums.deviation;
+  // Which way a face looks is what most of its triangles say: interfaces have two sides.
+  a.least_normal = std::min(1.0, sums.side < 0 ? -sums.largest_cosine : sums.least_cosine);
+  return a;
 }
 
 }  // namespace
 
-ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface, std::vector<double>* deviations) {
-  const Model& model = *surface.model();
+ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelShare& share,
+                       std::vector<double>* deviations) {
+  ModelSums sums;
+  const std::vector<BoundaryFace> faces = boundary_faces(mesh);
+  EntityTable entities(*surface.model());
+  std::vector<Place> all;
+  std::size_t record = 0;
+  for (const auto& places : {places_on_nodes(mesh, surface), places_on_edges(mesh, surface),
+                             places_on_faces(mesh, surface, faces)})
+    for (const Place& p : places) {
+      if (share.records.empty() || share.records[record]) entities.add(p);
+      ++record;
+      if (share.vertices.empty() || share.vertices[p.vertex.value]) all.push_back(p);
+    }
+  judge_faces(mesh, surface, faces, share, entities, sums, deviations);
+  judge_edges(mesh, surface, entities);
+  judge_vertices(std::move(all), *surface.model(), sums);
+  sums.entities = entities.take();
+  return sums;
+}
+
+ModelAccount account_of(const Model& model, ModelSums sums) {
   ModelAccount total;
   total.model = model.geometry().name();
   total.unit = model.geometry().unit();
@@ -217,24 +240,28 @@ ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface, std::
   total.edges = model.num_edges();
   total.faces = model.num_faces();
   total.tolerance = kOn * model.size();
-  const std::vector<BoundaryFace> faces = boundary_faces(mesh);
-  Accounts accounts(model);
-  std::vector<Place> all;
-  for (const auto& places : {places_on_nodes(mesh, surface), places_on_edges(mesh, surface),
-                             places_on_faces(mesh, surface, faces)})
-    for (const Place& p : places) {
-      accounts.add(p);
-      all.push_back(p);
-    }
-  judge_faces(mesh, surface, faces, accounts, total, deviations);
-  judge_edges(mesh, surface, accounts);
-  judge_vertices(std::move(all), model, total);
-  total.entities = accounts.take();
+  total.vertices = sums.vertices;
+  total.triangles = sums.triangles;
+  total.unclassified_triangles = sums.unclassified_triangles;
+  total.largest = sums.largest;
+  if (sums.vertices > 0) total.mean = sums.distance / static_cast<double>(sums.vertices);
+  std::sort(sums.listed.begin(), sums.listed.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  total.off = sums.off;
+  for (std::size_t i = 0; i < std::min(sums.listed.size(), kMostListed); ++i)
+    total.listed.push_back(sums.listed[i].second);
+  for (const ModelEntitySums& entity : sums.entities)
+    if (entity.vertices > 0) total.entities.push_back(account_of(model, entity));
   for (const ModelEntityAccount& a : total.entities) {
     total.deviation = std::max(total.deviation, a.deviation);
     total.least_normal = std::min(total.least_normal, a.least_normal);
   }
   return total;
+}
+
+ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface, std::vector<double>* deviations) {
+  return account_of(*surface.model(), sum_on_model(mesh, surface, {}, deviations));
 }
 
 Association associate(const TetMesh& mesh, const Surface& surface) {

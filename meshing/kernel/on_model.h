@@ -1,6 +1,8 @@
 // How a mesh lies on the CAD model of its surface, and what is recorded of that.
 #pragma once
 
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "meshing/geometry/surface.h"
@@ -8,6 +10,37 @@
 #include "weft/data.h"
 
 namespace weft::meshing {
+
+/// What is known of one entity of the model; of several parts of a mesh it adds up.
+struct ModelEntitySums {
+  ModelEntityAccount::Kind kind = ModelEntityAccount::Kind::node;
+  std::uint32_t entity = 0;
+  std::uint64_t vertices = 0, measured = 0;         ///< `measured`: triangles or mesh edges
+  double distance = 0, largest = 0, deviation = 0;  ///< distances of vertices: the sum, the largest
+  double side = 0;                                  ///< of its triangles' normals: along its own, or against
+  double least_cosine = 1, largest_cosine = -1;
+};
+
+/// An account before it is closed.
+struct ModelSums {
+  std::uint64_t vertices = 0, triangles = 0, unclassified_triangles = 0;
+  std::uint64_t off = 0;  ///< vertices off the model
+  double distance = 0, largest = 0;
+  std::vector<std::pair<double, std::uint32_t>> listed;  ///< (distance, vertex) of those off
+  std::vector<ModelEntitySums> entities;                 ///< by kind and entity
+};
+
+/// What of a part of a mesh counts, where other parts have some of it too: flags for the records of
+/// associate() (nodes, edges, faces) for their entities' sums, for vertices in the totals, and for boundary
+/// faces in the order of export_mesh(). Empty: everything.
+struct ModelShare {
+  std::vector<std::uint8_t> records, vertices, triangles;
+};
+
+/// The surface has a model.
+ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelShare& share = {},
+                       std::vector<double>* deviations = nullptr);
+ModelAccount account_of(const Model& model, ModelSums sums);
 
 /// Distances of boundary vertices from their entities, deviations of faces and edges. A vertex is off the
 /// model beyond 1e-8 of the model's size and its entity's tolerance. `deviations`: where not null, the

@@ -35,6 +35,14 @@ void append_narrow(const std::vector<std::array<std::uint64_t, N>>& from,
   }
 }
 
+void append_on_model(const OwnEntities& own, meshing::Association& to) {
+  const auto vertex = [](const meshing::gmf::ModelRow& r) { return static_cast<std::uint32_t>(r.vertex); };
+  for (const auto& r : own.on_nodes) to.nodes.push_back({vertex(r), r.id});
+  for (const auto& r : own.on_edges) to.edges.push_back({vertex(r), r.id, r.reals[0], r.reals[1]});
+  for (const auto& r : own.on_faces)
+    to.faces.push_back({vertex(r), r.id, r.reals[0], r.reals[1], r.reals[2]});
+}
+
 void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, MergedMesh& whole) {
   meshing::MeshData& mesh = whole.mesh;
   append(own.points, mesh.points);
@@ -51,6 +59,7 @@ void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, M
   append_narrow(own.ridges, mesh.ridges);
   append_narrow(own.required_edges, mesh.required_edges);
   append_narrow(own.required_triangles, mesh.required_triangles);
+  append_on_model(own, mesh.association);
 }
 
 }  // namespace

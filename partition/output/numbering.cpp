@@ -24,7 +24,10 @@ constexpr std::uint64_t MeshCounts::*kKinds[] = {&MeshCounts::points,
                                                  &MeshCounts::ridges,
                                                  &MeshCounts::required_points,
                                                  &MeshCounts::required_edges,
-                                                 &MeshCounts::required_triangles};
+                                                 &MeshCounts::required_triangles,
+                                                 &MeshCounts::on_nodes,
+                                                 &MeshCounts::on_edges,
+                                                 &MeshCounts::on_faces};
 
 std::string complaint_about(const MeshPiece& piece) {
   const meshing::MeshData& mesh = piece.mesh;
@@ -55,7 +58,10 @@ MeshCounts own_counts(const meshing::MeshData& mesh, const PieceShare& share) {
           .ridges = count_set(mesh.ridges, share.edges),
           .required_points = count_set(share.required_points),
           .required_edges = count_set(mesh.required_edges, share.edges),
-          .required_triangles = count_set(mesh.required_triangles, share.triangles)};
+          .required_triangles = count_set(mesh.required_triangles, share.triangles),
+          .on_nodes = count_set(share.on_nodes),
+          .on_edges = count_set(share.on_edges),
+          .on_faces = count_set(share.on_faces)};
 }
 
 struct SubdomainCounts {

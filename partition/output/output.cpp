@@ -61,6 +61,9 @@ void write_rows(GmfSliceWriter& out, const OwnEntities& own, const std::vector<s
   out.indices(kRequiredVertices, first.required_points, own.required_points);
   out.indices(kRequiredEdges, first.required_edges, own.required_edges);
   out.indices(kRequiredTriangles, first.required_triangles, own.required_triangles);
+  out.on_model(kVerticesOnNodes, first.on_nodes, own.on_nodes);
+  out.on_model(kVerticesOnEdges, first.on_edges, own.on_edges);
+  out.on_model(kVerticesOnFaces, first.on_faces, own.on_faces);
 }
 
 /// The metrics of the vertices that a piece owns.

@@ -52,6 +52,16 @@ std::vector<std::uint64_t> pick_marks(const std::vector<std::uint32_t>& marked, 
   return picked;
 }
 
+template <class Record, class Reals>
+std::vector<meshing::gmf::ModelRow> pick_records(const std::vector<Record>& records, const Flags& own,
+                                                 const std::vector<std::uint64_t>& numbers,
+                                                 const Reals& reals) {
+  std::vector<meshing::gmf::ModelRow> picked;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (own[i]) picked.push_back({numbers[records[i].vertex], records[i].id, reals(records[i])});
+  return picked;
+}
+
 }  // namespace
 
 OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers) {
@@ -73,6 +83,18 @@ OwnEntities own_entities(const MeshPiece& piece, const PieceNumbers& numbers) {
   own.ridges = pick_marks(mesh.ridges, share.edges, numbers.first.edges);
   own.required_edges = pick_marks(mesh.required_edges, share.edges, numbers.first.edges);
   own.required_triangles = pick_marks(mesh.required_triangles, share.triangles, numbers.first.triangles);
+  using On = meshing::Association;
+  using Reals = std::array<double, 3>;
+  own.on_nodes = pick_records(mesh.association.nodes, share.on_nodes, numbers.points,
+                              [](const On::OnNode&) { return Reals{}; });
+  own.on_edges =
+      pick_records(mesh.association.edges, share.on_edges, numbers.points, [](const On::OnEdge& r) {
+        return Reals{r.t, r.last};
+      });
+  own.on_faces =
+      pick_records(mesh.association.faces, share.on_faces, numbers.points, [](const On::OnFace& r) {
+        return Reals{r.u, r.v, r.last};
+      });
   return own;
 }
 

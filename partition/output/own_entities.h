@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/output/numbering.h"
 #include "partition/subdomain/mesh_piece.h"
@@ -25,6 +26,7 @@ struct OwnEntities {
   std::vector<std::uint64_t> corners, required_points;  ///< numbers of points
   std::vector<std::uint64_t> ridges, required_edges;    ///< numbers of edges
   std::vector<std::uint64_t> required_triangles;        ///< numbers of triangles
+  std::vector<meshing::gmf::ModelRow> on_nodes, on_edges, on_faces;
 };
 
 /// Tet references are those of the piece.

@@ -49,6 +49,52 @@ class Candidates {
   std::vector<std::uint8_t*> flags_;
 };
 
+/// Where vertices lie on the model: records of pieces here that other pieces may have too.
+class ModelCandidates {
+ public:
+  void add(const MeshPiece& piece, const std::vector<std::uint8_t>& shared, PieceShare& share) {
+    const meshing::Association& on = piece.mesh.association;
+    std::vector<std::uint64_t> kinds(shared.size(), kNone);
+    std::uint64_t kind = 0;
+    const auto add_records = [&](const auto& records, std::vector<std::uint8_t>& flags) {
+      flags.assign(records.size(), 1);
+      for (std::size_t i = 0; i < records.size(); ++i) {
+        const auto& r = records[i];
+        kinds[r.vertex] = std::min(kinds[r.vertex], kind);
+        if (!shared[r.vertex]) continue;
+        const auto entity = GlobalId::from_value(kind << 32 | static_cast<std::uint32_t>(r.id));
+        records_.push_back({{piece.ids[r.vertex], entity}, piece.subdomain.value});
+        record_flags_.push_back(&flags[i]);
+      }
+      ++kind;
+    };
+    add_records(on.nodes, share.on_nodes);
+    add_records(on.edges, share.on_edges);
+    add_records(on.faces, share.on_faces);
+    share.on_model.assign(shared.size(), 0);
+    for (std::size_t v = 0; v < shared.size(); ++v) {
+      if (kinds[v] == kNone) continue;
+      share.on_model[v] = 1;
+      if (!shared[v]) continue;
+      vertices_.push_back({{piece.ids[v]}, kinds[v] << 32 | piece.subdomain.value});  // the lowest kind first
+      vertex_flags_.push_back(&share.on_model[v]);
+    }
+  }
+
+  void decide(Peers& peers) {
+    const std::vector<std::uint8_t> records = held_by_no_lower<2>(peers, records_);
+    for (std::size_t i = 0; i < records.size(); ++i) *record_flags_[i] = records[i];
+    const std::vector<std::uint8_t> vertices = held_by_no_lower<1>(peers, vertices_);
+    for (std::size_t i = 0; i < vertices.size(); ++i) *vertex_flags_[i] = vertices[i];
+  }
+
+ private:
+  static constexpr std::uint64_t kNone = 3;
+  std::vector<Holding<2>> records_;
+  std::vector<Holding<1>> vertices_;
+  std::vector<std::uint8_t*> record_flags_, vertex_flags_;
+};
+
 std::vector<std::array<std::uint32_t, 1>> as_entities(const std::vector<std::uint32_t>& points) {
   std::vector<std::array<std::uint32_t, 1>> entities;
   for (const std::uint32_t point : points) entities.push_back({point});
@@ -68,6 +114,7 @@ std::vector<PieceShare> shares_of(Peers& peers, std::span<const MeshPiece> mine)
   Candidates<3> triangles;
   Candidates<2> edges;
   Candidates<1> corners, required_points;
+  ModelCandidates on_model;
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const meshing::MeshData& mesh = mine[p].mesh;
     const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
@@ -76,11 +123,13 @@ std::vector<PieceShare> shares_of(Peers& peers, std::span<const MeshPiece> mine)
     edges.add(mine[p], shared, mesh.edges, shares[p].edges);
     corners.add(mine[p], shared, as_entities(mesh.corners), shares[p].corners);
     required_points.add(mine[p], shared, as_entities(mesh.required_points), shares[p].required_points);
+    on_model.add(mine[p], shared, shares[p]);
   }
   triangles.decide(peers);
   edges.decide(peers);
   corners.decide(peers);
   required_points.decide(peers);
+  on_model.decide(peers);
   return shares;
 }
 

@@ -20,6 +20,11 @@ struct PieceShare {
   std::vector<std::uint8_t> edges;
   std::vector<std::uint8_t> corners;
   std::vector<std::uint8_t> required_points;
+  std::vector<std::uint8_t> on_nodes, on_edges, on_faces;  ///< of the records of meshing::Association
+  /// Of the vertices: 1 where the piece has a record of the vertex's own kind of entity (a node before an
+  /// edge, an edge before a face) and no lower one has such a record of it. Who has only other tets at a
+  /// vertex may know less of it, or nothing.
+  std::vector<std::uint8_t> on_model;
 };
 
 /// All ranks: the shares of the pieces here, in their order. No two pieces on any rank have the same

@@ -514,6 +514,41 @@ TEST(Phases, GiveTheQualityOfOneMesh) {
   EXPECT_GT(parts.quality_q01, 0.96 * one.quality_q01);
 }
 
+MetricMesh coarse_ball(double size) {
+  MetricMesh whole{support::ball(1, 2), {}};
+  const double l = -2 * std::log(size);
+  whole.log_metrics.assign(whole.mesh.points.size(), {l, 0, l, 0, 0, l});
+  return whole;
+}
+
+TEST(Phases, AreSeveralWhereACurvedInputIsCoarserThanWanted) {
+  EXPECT_THAT(coarseness_of_phases(coarse_ball(0.1), 4), ElementsAre(4, 2, 1));
+  EXPECT_FALSE(plan_for(coarse_ball(0.1), 4).coarsens);
+  EXPECT_THAT(coarseness_of_phases(coarse_ball(0.05), 4), ElementsAre(8, 4, 2, 1));
+  EXPECT_THAT(coarseness_of_phases(coarse_ball(0.1), 1), ElementsAre(1));
+  EXPECT_TRUE(plan_for(far_from_its_metric(10, 3000), 4).coarsens);
+}
+
+/// Chords of the boundary that stay in the interface bend the fine triangles beside them.
+TEST(Phases, LeaveNoPoorTetsAtACurvedBoundaryThatWasCoarse) {
+  const MetricMesh whole = coarse_ball(0.08);
+  Setting setting;
+  setting.subdomains = 8;
+  engine::LoopbackNetwork network(1);
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
+    const meshing::Measures measures = partition::measure_pieces(rank.peers, rank.result.pieces);
+    EXPECT_GT(measures.quality_min, 0.1);
+    EXPECT_GT(measures.quality_q01, 0.68);
+    EXPECT_GT(measures.edges_unit, 0.96);
+    std::size_t largest = 0, all = 0;
+    for (const MeshPiece& piece : rank.result.pieces) {
+      largest = std::max(largest, piece.mesh.tets.size());
+      all += piece.mesh.tets.size();
+    }
+    EXPECT_LT(largest, all / 2) << "nobody gets it all";
+  });
+}
+
 /// Pauses and checks change nothing, with one phase and with several, and see every shift.
 TEST_P(AdaptationOnRanks, ChecksAfterEveryRoundLeaveTheBytesAsTheyAre) {
   for (const bool coarse_first : {false, true}) {

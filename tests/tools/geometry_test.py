@@ -2,10 +2,14 @@
 
 import json
 import os
+import shlex
+import shutil
+import subprocess
 import unittest
 
-from command import DATA, CommandTest
+from command import DATA, WEFT, CommandTest
 
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 MODEL = DATA / "models" / "cylinder.brep"  # radius 1, height 2, made by OpenCASCADE
 
 
@@ -43,11 +47,65 @@ class Geometry(CommandTest):
         report = json.loads((self.folder / "report" / "report.json").read_text())
         self.assertEqual(report["model"]["off"], 0)
 
-    def test_subdomains_stay_on_the_model(self):
+    def on_ranks(self, ranks, *words, before=""):
+        """`weft` on so many ranks, each of which first runs a line of shell."""
+        line = before + shlex.join(["exec", str(WEFT), *map(str, words)])
+        return subprocess.run([*MPIRUN, "-n", str(ranks), "sh", "-c", line], cwd=self.folder, capture_output=True, text=True,
+                              timeout=200)
+
+    def test_subdomains_stay_on_the_model_and_report_what_stat_finds(self):
+        self.start()
+        self.weft("adapt", "start.meshb", "--geometry", MODEL, "--metric-fn", "uniform:0.2", "--subdomains", 4, "-o",
+                  "parts.meshb", "--report", "report", expect=(0, 1))
+        found = self.assert_on_model("parts.meshb")
+        told = json.loads((self.folder / "report" / "report.json").read_text())["model"]
+        counts = ("vertices", "triangles", "unclassified_triangles", "off", "faces", "edges", "nodes")
+        self.assertEqual([told[key] for key in counts], [found[key] for key in counts])
+        self.assertEqual([(e["kind"], e["id"], e["vertices"]) for e in told["entities"]],
+                         [(e["kind"], e["id"], e["vertices"]) for e in found["entities"]])
+        self.assertAlmostEqual(told["deviation"], found["deviation"], delta=1e-9)
+
+    def test_subdomains_record_where_vertices_lie(self):
         self.start()
         self.weft("adapt", "start.meshb", "--geometry", MODEL, "--metric-fn", "uniform:0.2", "--subdomains", 4, "-o",
                   "parts.meshb", expect=(0, 1))
-        self.assert_on_model("parts.meshb")
+        self.weft("convert", "parts.meshb", "parts.mesh")
+        words = (self.folder / "parts.mesh").read_text().split()
+        model = self.model("parts.meshb")
+        for keyword, kind in (("VerticesOnGeometricVertices", "node"), ("VerticesOnGeometricEdges", "edge"),
+                              ("VerticesOnGeometricTriangles", "face")):
+            recorded = int(words[words.index(keyword) + 1])
+            self.assertEqual(recorded, sum(e["vertices"] for e in model["entities"] if e["kind"] == kind), keyword)
+
+    def test_ranks_give_the_same_bytes(self):
+        self.start()
+        words = ["adapt", "start.meshb", "--geometry", MODEL, "--curvature", 24, "--complexity", 800, "--subdomains", 4,
+                 "--threads", 1, "--quiet", "-o", "out.meshb"]
+        results = []
+        for ranks in (1, 2, 3):
+            done = self.on_ranks(ranks, *words)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            results.append((self.folder / "out.meshb").read_bytes())
+            (self.folder / "out.meshb").unlink()
+        self.assertTrue(results[0] == results[1] == results[2])
+
+    def test_a_model_that_one_rank_cannot_read_ends_all_and_names_the_rank(self):
+        start = self.folder / self.start()
+        shutil.copy(MODEL, self.folder / "model.brep")
+        (self.folder / "elsewhere").mkdir()
+        done = self.on_ranks(2, "adapt", start, "--geometry", "model.brep", "--metric-fn", "uniform:0.3", "--subdomains", 2,
+                             "--quiet", "-o", self.folder / "x.meshb",
+                             before='[ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" = 0 ] || cd elsewhere; ')
+        self.assertNotIn(done.returncode, (0, 1), done.stderr)
+        self.assertIn("rank 1: model.brep", done.stderr)
+        self.assertFalse((self.folder / "x.meshb").exists())
+
+    def test_a_truncated_model_is_refused(self):
+        self.start()
+        whole = MODEL.read_bytes()
+        (self.folder / "half.brep").write_bytes(whole[:len(whole) // 2])
+        self.assert_fails("adapt", "start.meshb", "--geometry", "half.brep", "--metric-fn", "uniform:0.3", "-o", "x.meshb",
+                          says="half.brep")
 
     def test_a_wrong_unit_is_refused_with_the_factor(self):
         self.start()

@@ -68,6 +68,17 @@ void GmfSliceWriter::indices(Keyword section, std::uint64_t first,
   if (begin_rows(section, first, indices.size())) write_indices(out_, indices);
 }
 
+void GmfSliceWriter::on_model(Keyword section, std::uint64_t first, const std::vector<ModelRow>& rows) {
+  if (!begin_rows(section, first, rows.size())) return;
+  const std::size_t reals = find_keyword(section)->reals;
+  for (const ModelRow& row : rows) {
+    out_.index(static_cast<std::int64_t>(row.vertex) + 1);
+    out_.index(row.id);
+    for (std::size_t i = 0; i < reals; ++i) out_.real(row.reals[i]);
+    out_.end_row();
+  }
+}
+
 void GmfSliceWriter::solution(std::uint64_t first, const SolutionData& part) {
   if (begin_rows(kSolAtVertices, first, part.num_points)) write_solution_rows(out_, part);
 }

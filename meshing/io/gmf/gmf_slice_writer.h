@@ -16,6 +16,15 @@
 
 namespace weft::meshing {
 
+namespace gmf {
+/// A vertex on an entity of a CAD model: Association's records with a number of the whole mesh.
+struct ModelRow {
+  std::uint64_t vertex;
+  std::int32_t id;
+  std::array<double, 3> reals;  ///< as many as the section's rows have
+};
+}  // namespace gmf
+
 /// What one file will be: its version and the places of its sections. It follows from the counts of the whole
 /// mesh alone, so that all writers have the same. Files are those of write_gmf_mesh and write_gmf_solution.
 class GmfPlan {
@@ -60,6 +69,7 @@ class GmfSliceWriter {
     gmf::write_elements(out_, elements, refs);
   }
   void indices(gmf::Keyword section, std::uint64_t first, const std::vector<std::uint64_t>& indices);
+  void on_model(gmf::Keyword section, std::uint64_t first, const std::vector<gmf::ModelRow>& rows);
   void solution(std::uint64_t first, const SolutionData& part);
   /// Everything to the disk. Nothing may be written afterwards.
   void finish() { file_.finish(); }

@@ -114,20 +114,35 @@ class CurvatureSizes {
   double largest_;
 };
 
-/// The model's curvature at a vertex of a patch; none where the patch is reconstructed or the model has none
-/// there.
-std::optional<SurfaceCurvature> model_curvature(const Surface& surface, PatchId patch, const Point& p,
-                                                std::uint32_t vertex) {
-  constexpr double kTolerances = 100;
+/// The least radius of a face that is believed. Towards a tip, where the face's parameters end in a point,
+/// curvature may grow without end, and each mesh would ask for a finer one there.
+double least_radius(const Model& model, std::uint32_t face) {
+  constexpr double kTolerances = 100, kOfFaceAtTip = 1e-3;
+  const ModelFace& f = model.face(face);
+  const bool tip =
+      f.form.kind == SurfaceForm::Kind::cone ||
+      std::ranges::any_of(f.border, [&](const EdgeUse& u) { return model.edge(u.edge).degenerate; });
+  const double least = tip ? kOfFaceAtTip * norm(model.face_box(face).size()) : 0;
+  return std::max({least, kTolerances * model.face_tolerance(face), std::numeric_limits<double>::min()});
+}
+
+/// What is asked for at a vertex of a patch on the model; none where the model has no curvature there, but a
+/// normal. A tip, which has neither, asks for nothing: its neighbours do, and gradation carries that to it.
+std::optional<Metric> model_demand(const Surface& surface, PatchId patch, const Point& p,
+                                   std::uint32_t vertex, const CurvatureSizes& sizes) {
   if (surface.faces(patch).empty()) return std::nullopt;
+  const Model& model = *surface.model();
   const auto q = surface.closest_on_model(patch, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex));
-  std::optional<SurfaceCurvature> c = surface.model()->curvature(q.face, q.at.at);
-  if (!c) return c;
-  const double most =
-      1 / std::max(kTolerances * surface.model()->face_tolerance(q.face), std::numeric_limits<double>::min());
+  std::optional<SurfaceCurvature> c = model.curvature(q.face, q.at.at);
+  if (!c) {
+    if (model.face(q.face).form.kind == SurfaceForm::Kind::cone || norm(q.at.normal) == 0)
+      return identity_tensor(1 / (sizes.largest() * sizes.largest()));
+    return std::nullopt;
+  }
+  const double most = 1 / least_radius(model, q.face);
   c->largest = std::clamp(c->largest, -most, most);
   c->least = std::clamp(c->least, -most, most);
-  return c;
+  return sizes.metric(*c);
 }
 
 /// What the edges of one vertex, of one or more patches, ask for.
@@ -139,8 +154,8 @@ Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes
   for (auto begin = edges.begin(); begin != edges.end();) {
     const std::uint32_t patch = begin->patch;
     const auto end = std::find_if(begin, edges.end(), [&](const PatchEdge& e) { return e.patch != patch; });
-    if (const auto known = model_curvature(surface, PatchId{patch}, p, vertex)) {
-      metric = intersect(metric, sizes.metric(*known));
+    if (const auto known = model_demand(surface, PatchId{patch}, p, vertex, sizes)) {
+      metric = intersect(metric, *known);
       begin = end;
       continue;
     }

@@ -20,7 +20,8 @@ namespace weft::meshing {
 /// says. Multithreaded; does not depend on the number of threads. Throws InputError for an index out of
 /// range.
 /// With a model the curvature is the model's, where the boundary lies on it; radii below 100 tolerances of a
-/// face are not believed. `largest`: largest_size of the whole mesh, where this is a part of it.
+/// face are not believed, nor below a thousandth of the size of a face with a tip. `largest`: largest_size of
+/// the whole mesh, where this is a part of it.
 LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
                                 std::shared_ptr<const Model> model = nullptr,
                                 std::optional<double> largest = std::nullopt);

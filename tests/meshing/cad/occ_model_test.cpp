@@ -209,6 +209,37 @@ TEST_F(OccModels, AreTessellatedWithoutGaps) {
   }
 }
 
+/// The part of a cone between two planes through its axis: a tip where two straight edges end.
+TopoDS_Shape slice_of_a_cone(double angle) { return BRepPrimAPI_MakeCone(0.5, 0, 1, angle).Shape(); }
+
+TEST_F(OccModels, HaveTrianglesThatLieOnTheirFacesAtPolesToo) {
+  const std::map<std::string, TopoDS_Shape> bodies = {
+      {"quarter of a cone", slice_of_a_cone(1.5707)},
+      {"half a cone", slice_of_a_cone(3.14)},
+      {"cone", BRepPrimAPI_MakeCone(1, 0, 2).Shape()},
+      {"sphere", BRepPrimAPI_MakeSphere(2).Shape()},
+      {"slice of a sphere", BRepPrimAPI_MakeSphere(2, 1.0).Shape()}};
+  for (const auto& [name, body] : bodies)
+    for (const double sagitta : {0.003, 0.03}) {
+      SCOPED_TRACE(name + " " + std::to_string(sagitta));
+      const std::string path = brep(body);
+      const auto geometry = load_model(path);
+      const MeshData mesh = tessellate_model(path, *geometry, {sagitta, 20});
+      expect_closed(mesh, 2);
+      const Model model(geometry);
+      for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto f = static_cast<std::uint32_t>(mesh.triangle_refs[i] - 1);
+        const auto& t = mesh.triangles[i];
+        const Point &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+        const Vec n = cross(b - a, c - a);
+        ASSERT_GT(norm(n), 1e-9);
+        const Vec normal = model.closest_within(f, (1.0 / 3) * (a + b + c)).normal;
+        const Vec up = (model.face(f).reversed ? -1.0 : 1.0) * normal;
+        EXPECT_GT(dot(n, up) / norm(n), 0.5) << "triangle " << i << " of face " << f + 1;
+      }
+    }
+}
+
 TEST_F(OccModels, ThatAreOpenAreTessellatedWithAnErrorThatNamesTheEdge) {
   TopoDS_Shell shell;
   BRep_Builder builder;

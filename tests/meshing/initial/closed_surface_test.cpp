@@ -49,6 +49,28 @@ TEST(ClosedSurface, GivesDegenerateTrianglesToTheirNeighbours) {
   EXPECT_EQ(closed.mesh.points.size(), 9u);
 }
 
+TEST(ClosedSurface, GivesAFanOfDegenerateTrianglesToItsNeighbour) {
+  // As tessellations of cones have them: a line to the tip, and triangles of its pieces with the tip.
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);
+  const auto [a, b, c] = box.triangles[0];
+  constexpr int kPieces = 30;
+  std::uint32_t before = a;
+  for (int i = 1; i < kPieces; ++i) {
+    const auto v = static_cast<std::uint32_t>(box.points.size());
+    box.points.push_back(box.points[a] + (double(i) / kPieces) * (box.points[b] - box.points[a]));
+    box.point_refs.push_back(0);
+    box.triangles.push_back({before, v, c});  // this side knows all pieces
+    if (i > 1) box.triangles.push_back({v, before, a});
+    before = v;
+  }
+  box.triangles[0] = {before, b, c};
+  box.triangles.push_back({b, before, a});
+  box.triangle_refs.assign(box.triangles.size(), 1);
+  const ClosedSurface closed = close_surface(box, {});
+  EXPECT_EQ(closed.mesh.points.size(), 8u + kPieces - 1);
+  EXPECT_EQ(closed.mesh.triangles.size(), 12u + 2 * (kPieces - 1));
+}
+
 TEST(ClosedSurface, MergesTheCommonFaceOfTouchingSolids) {
   const MeshData pair = together(box_surface({0, 0, 0}, {1, 1, 1}, 2), box_surface({1, 0, 0}, {2, 1, 1}, 2));
   // The diagonals of the common squares agree because both faces are cut alike, seen from their own outside.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "meshing/base/error.h"
+#include "meshing/geometry/analytic_model.h"
 #include "meshing/metric/sources/curvature_metric.h"
 #include "meshing/metric/sources/wall_metric.h"
 #include "tests/support/meshes.h"
@@ -49,6 +50,54 @@ TEST(CurvatureMetric, SizesACylinderRoundItOnly) {
     EXPECT_NEAR(size_along(field[v], round) / h, 1, 0.05);
     EXPECT_NEAR(size_along(field[v], across) / h, 1, 0.05);
     EXPECT_GT(size_along(field[v], {0, 0, 1}), 3 * h);
+  }
+}
+
+/// A cone of radius 1 and height 1: rings of 12 at these heights, the tip, the centre of the base.
+MeshData cone(const std::vector<double>& heights) {
+  constexpr std::uint32_t kRing = 12;
+  MeshData m;
+  for (const double z : heights)
+    for (std::uint32_t k = 0; k < kRing; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kRing;
+      m.points.push_back({(1 - z) * std::cos(angle), (1 - z) * std::sin(angle), z});
+    }
+  const auto tip = static_cast<std::uint32_t>(m.points.size());
+  m.points.push_back({0, 0, 1});
+  m.points.push_back({0, 0, 0});
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t ref) {
+    m.triangles.push_back({a, b, c});
+    m.triangle_refs.push_back(ref);
+  };
+  for (std::uint32_t k = 0; k < kRing; ++k) {
+    const std::uint32_t n = (k + 1) % kRing;
+    add(n, k, tip + 1, 2);
+    for (std::uint32_t r = 0; r + 1 < heights.size(); ++r) {
+      add(kRing * r + k, kRing * r + n, kRing * (r + 1) + n, 1);
+      add(kRing * r + k, kRing * (r + 1) + n, kRing * (r + 1) + k, 1);
+    }
+    add(tip - kRing + k, tip - kRing + n, tip, 1);
+  }
+  m.point_refs.assign(m.points.size(), 0);
+  return m;
+}
+
+TEST(CurvatureMetric, AsksAtATipForNoMoreThanAThousandthOfTheFace) {
+  const auto model = std::make_shared<const Model>(frustum_model({}, 1, 0, 1));
+  for (const double last : {0.9, 0.99, 0.9999, 1 - 1e-6}) {
+    const MeshData mesh = cone({0, 0.5, last});
+    const auto field = curvature_metric(mesh, {20, 0, 45}, model);
+    double least = largest_size(mesh);
+    for (const LogMetric& l : field)
+      for (const Vec& axis : {Vec{1, 0, 0}, Vec{0, 1, 0}}) {
+        ASSERT_TRUE(std::isfinite(size_along(l, axis)));
+        least = std::min(least, size_along(l, axis));
+      }
+    // Across the axis a cone of 45 degrees has the curvature cos 45 / r.
+    const double radius = std::max((1 - last) * std::numbers::sqrt2, 1e-3 * norm(Vec{2, 2, 1}));
+    EXPECT_NEAR(least / (2 * std::numbers::pi / 20 * radius), 1, 0.2) << last;
+    const Vec x{1, 0, 0};
+    EXPECT_NEAR(size_along(field[field.size() - 2], x), largest_size(mesh), 1e-9) << "the tip itself";
   }
 }
 

@@ -132,6 +132,45 @@ TEST(WritePieces, BytesAreThoseOfTheMergedMeshForAnyRanks) {
   }
 }
 
+/// Every vertex of a piece's triangles on the face that has the triangle's reference, of its edges likewise.
+void put_on_model(MeshPiece& piece) {
+  meshing::MeshData& m = piece.mesh;
+  std::set<std::pair<std::uint32_t, std::int32_t>> on_faces, on_edges;
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    for (const std::uint32_t v : m.triangles[t]) on_faces.emplace(v, m.triangle_refs[t]);
+  for (std::size_t e = 0; e < m.edges.size(); ++e)
+    for (const std::uint32_t v : m.edges[e]) on_edges.emplace(v, m.edge_refs[e]);
+  for (const auto& [v, id] : on_faces)
+    m.association.faces.push_back({v, id, m.points[v].x, m.points[v].y, static_cast<double>(id)});
+  for (const auto& [v, id] : on_edges) m.association.edges.push_back({v, id, m.points[v].z, 0.5});
+  for (const std::uint32_t v : m.corners) m.association.nodes.push_back({v, 7});
+}
+
+TEST(WritePieces, WhereVerticesLieOnAModelIsWrittenOnceForAnyRanks) {
+  for (unsigned seed = 0; seed < 14; ++seed) {
+    SCOPED_TRACE(seed);
+    CutMesh cut = random_cut(seed);
+    for (MeshPiece& piece : cut.pieces) put_on_model(piece);
+    const MergedMesh merged = merge_pieces(cut.pieces);
+    MeshPiece whole;
+    whole.mesh = merged.mesh;
+    whole.mesh.association = {};
+    put_on_model(whole);
+    const meshing::Association &found = merged.mesh.association, &expected = whole.mesh.association;
+    EXPECT_FALSE(expected.faces.empty());
+    const auto sorted = [](auto records) {
+      std::ranges::sort(records, {}, [](const auto& r) { return std::pair(r.vertex, r.id); });
+      return records;
+    };
+    EXPECT_EQ(sorted(found.faces), sorted(expected.faces));
+    EXPECT_EQ(sorted(found.edges), sorted(expected.edges));
+    EXPECT_EQ(sorted(found.nodes), sorted(expected.nodes));
+    const TemporaryDirectory directory;
+    write_gmf_mesh(directory / "m.meshb", merged.mesh, 0);
+    EXPECT_TRUE(bytes_for_all_ranks(cut.pieces, 0).first == bytes_of(directory / "m.meshb"));
+  }
+}
+
 TEST(WritePieces, WritesTheMeshAlone) {
   const CutMesh cut = random_cut(5);
   const TemporaryDirectory directory;

@@ -13,6 +13,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/output/measure_pieces.h"
+#include "partition/output/sum_on_model.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
@@ -257,6 +258,9 @@ void DistributedRun::measure(Report& report) {
   report.after = partition::measure_pieces(*peers_, result_.pieces);
   stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
   report.output_counts = {report.after.num_vertices, report.after.num_tets, report.after.num_triangles, 0};
+  if (model_)
+    report.model = std::make_shared<const ModelAccount>(
+        meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model)));
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
 }
 

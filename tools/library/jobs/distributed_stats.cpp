@@ -126,9 +126,7 @@ std::string subdomains_text(const DistributedStats& a) {
                         grouped(s.moved), grouped(s.receivers), grouped(s.thawed), coarse ? "  coarse" : "");
   }
   if (a.coarse_shifts > 0)
-    text +=
-        "the input was far from its metric: it was made coarse, interfaces included, before it was made "
-        "fine\n";
+    text += "adapted to coarser metrics first, so that interfaces follow the metric and the boundary too\n";
   if (a.checks > 0)
     text += fmt::format(
         "all invariants checked {} times, and held: after the decomposition, the interior adaptation and "

@@ -29,7 +29,7 @@
     const row = (s) => [stepName(s), weft.count(s.subdomains), ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => weft.count(s[part][what])))];
     const figure = (s) => ["", `left.${s.step}.subdomains`, ...parts.flatMap(([part]) => ["tets", ...wrong.map(([what]) => what)].map((what) => `left.${s.step}.${part}.${what}`))];
     return weft.card("Remaining defects", lines("Remaining defects", ["after", "in the whole mesh"], left.map(stepName), datasets),
-      begins.length > 1 ? make("p", { class: "note" }, "The input was far from its metric. The first phase coarsened everything, including the interfaces; each later phase adapted everything to a finer metric, the last to the requested one, to which all counts refer.") : null,
+      begins.length > 1 ? make("p", { class: "note" }, "The first phase adapted everything, including the interfaces, to a coarser metric; each later phase to a finer one, the last to the requested one, to which all counts refer.") : null,
       make("p", { class: "note" }, "Long and short: beyond √2 and 1/√2 in the metric, estimated from the edges of some hundred vertices of each subdomain. Poor: quality below 0.4, which the last stage of an adaptation repairs. Interface (dashed): tets and edges with a vertex that is or was on an interface. An edge on the current interface counts in each of its subdomains."),
       weft.table(head, left.map(row), { figures: left.map(figure) }));
   }

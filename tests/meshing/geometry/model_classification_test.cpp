@@ -1,0 +1,107 @@
+// What of a mesh lies on which edge of a model, where the mesh or the model is inexact.
+#include "meshing/geometry/model_classification.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "meshing/geometry/analytic_model.h"
+
+namespace weft::meshing {
+namespace {
+
+constexpr std::uint32_t kRing = 24;
+
+/// A cylinder of radius 1 and height 2: vertex k of the lower ring is k, above it kRing + k; then the
+/// centres.
+MeshData cylinder() {
+  MeshData m;
+  for (const double z : {0.0, 2.0})
+    for (std::uint32_t k = 0; k < kRing; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kRing;
+      m.points.push_back({std::cos(angle), std::sin(angle), z});
+    }
+  m.points.push_back({0, 0, 0});
+  m.points.push_back({0, 0, 2});
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t ref) {
+    m.triangles.push_back({a, b, c});
+    m.triangle_refs.push_back(ref);
+  };
+  for (std::uint32_t k = 0; k < kRing; ++k) {
+    const std::uint32_t n = (k + 1) % kRing;
+    add(k, n, kRing + n, 1);
+    add(k, kRing + n, kRing + k, 1);
+    add(n, k, 2 * kRing, 2);
+    add(kRing + k, kRing + n, 2 * kRing + 1, 3);
+  }
+  m.point_refs.assign(m.points.size(), 0);
+  return m;
+}
+
+void expect_rings_on_edges(const ModelClassification& c) {
+  std::array<std::size_t, 2> found{};
+  for (const ModelClassification::Edge& e : c.edges)
+    if (e.vertices[1] < kRing || (e.vertices[0] >= kRing && e.vertices[1] < 2 * kRing))
+      if (e.edge < 2) ++found[e.edge];
+  EXPECT_EQ(found[0], kRing);
+  EXPECT_EQ(found[1], kRing);
+  for (std::uint32_t f = 0; f < c.face_group.size(); ++f) EXPECT_EQ(c.face_group[f], f);
+}
+
+TEST(ModelClassification, FindsTheEdgesBetweenFaces) {
+  expect_rings_on_edges(
+      classify_on_model(cylinder(), std::make_shared<const Model>(frustum_model({}, 1, 1, 2))));
+}
+
+TEST(ModelClassification, FindsTheEdgeOfVerticesThatAreExactlyOnOneFaceAndOffTheOther) {
+  MeshData m = cylinder();
+  for (std::uint32_t k = 0; k < kRing; k += 3) m.points[k].x *= 1 - 2e-5, m.points[k].y *= 1 - 2e-5;
+  expect_rings_on_edges(classify_on_model(m, std::make_shared<const Model>(frustum_model({}, 1, 1, 2))));
+}
+
+/// The first edge of another model runs beside its faces, by as much as the tolerance of its node.
+class LooseEdge : public GeometryModel {
+ public:
+  static constexpr double kGap = 8e-6;
+  explicit LooseEdge(std::shared_ptr<const GeometryModel> model) : model_(std::move(model)) {
+    nodes_.assign(model_->nodes().begin(), model_->nodes().end());
+    edges_.assign(model_->edges().begin(), model_->edges().end());
+    nodes_[0].tolerance = 1e-5;
+    edges_[0].form = {};
+  }
+  std::span<const ModelNode> nodes() const override { return nodes_; }
+  std::span<const ModelEdge> edges() const override { return edges_; }
+  std::span<const ModelFace> faces() const override { return model_->faces(); }
+  CurveJet curve(std::uint32_t edge, double t) const override {
+    CurveJet jet = model_->curve(edge, t);
+    if (edge == 0) jet.x.x *= 1 - kGap, jet.x.y *= 1 - kGap;
+    return jet;
+  }
+  SurfaceJet surface(std::uint32_t face, const Parameters& at) const override {
+    return model_->surface(face, at);
+  }
+  Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const override {
+    return model_->on_face(face, use, t);
+  }
+  const std::string& name() const override { return model_->name(); }
+  const std::string& unit() const override { return model_->unit(); }
+  std::span<const std::string> warnings() const override { return model_->warnings(); }
+
+ private:
+  std::shared_ptr<const GeometryModel> model_;
+  std::vector<ModelNode> nodes_;
+  std::vector<ModelEdge> edges_;
+};
+
+TEST(ModelClassification, FindsTheEdgeAtANodeFromWhichItsCurveIsOff) {
+  const auto model = std::make_shared<LooseEdge>(frustum_model({}, 1, 1, 2));
+  MeshData m = cylinder();
+  // The node's vertex is on all faces there, as the node is; the others are on the curve.
+  for (std::uint32_t k = 1; k < kRing; ++k)
+    m.points[k].x *= 1 - LooseEdge::kGap, m.points[k].y *= 1 - LooseEdge::kGap;
+  expect_rings_on_edges(classify_on_model(m, std::make_shared<const Model>(model)));
+}
+
+}  // namespace
+}  // namespace weft::meshing
