@@ -215,9 +215,12 @@ class Adaptation {
 
   /// The boundary is as exact as edges of a level's length make it, and not yet as exact as wanted: its
   /// triangles would stand beside long chords. But where long edges are so in one direction only, nothing is
-  /// gained: later it is divided among needles.
+  /// gained: later it is divided among needles. A boundary that is little too coarse is exact before the last
+  /// level.
   void let_bulge(const Limits& wanted, double level) {
-    const double times = std::min(level, times_too_coarse_);
+    constexpr double kLittle = 2;
+    const double exact_from = times_too_coarse_ < kLittle ? 2 : 1;
+    const double times = level > exact_from ? std::min(level, times_too_coarse_) : 1;
     kernel_.limits.hausd = wanted.hausd * times * times;
     kernel_.limits.largest_bulge = wanted.largest_bulge * times;
   }

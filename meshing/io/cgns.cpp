@@ -205,8 +205,8 @@ class ZoneReader {
     SectionHead head;
     cgsize_t end = 0;
     int boundary = 0, parent = 0;
-    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &head.type, &head.start, &end,
-                                   &boundary, &parent),
+    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &head.type, &head.start,
+                                   &end, &boundary, &parent),
                    zone_name_ + ", section " + std::to_string(s));
     section_ = std::string("section ") + name.data();
     section_name_ = name.data();
@@ -241,13 +241,15 @@ class ZoneReader {
                                                          : range_.first_tet + range_.num_tets);
     cgsize_t size = 0;
     library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
-    if (checked(size, section_) != 4 * count) library_.fail(section_, "its data are not those of its range of elements");
+    if (checked(size, section_) != 4 * count)
+      library_.fail(section_, "its data are not those of its range of elements");
     if (first >= end) return;
     std::vector<cgsize_t> data(4 * (end - first));
     element_ = start + static_cast<std::int64_t>(first - before);
-    library_.check(cg_elements_partial_read(library_.file(), kBase, zone_, s, element_,
-                                            start + static_cast<cgsize_t>(end - before) - 1, data.data(), nullptr),
-                   section_);
+    library_.check(
+        cg_elements_partial_read(library_.file(), kBase, zone_, s, element_,
+                                 start + static_cast<cgsize_t>(end - before) - 1, data.data(), nullptr),
+        section_);
     for (std::size_t at = 0; at < data.size(); at += 4, ++element_) {
       mesh().tets.push_back(nodes_of<4>(data.data() + at));
       mesh().tet_refs.push_back(ref);

@@ -21,13 +21,13 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
-/// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone. Nothing
-/// for any other, which is read whole.
+/// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone.
+/// Nothing for any other, which is read whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,
-/// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as far as
-/// it reads it.
+/// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as
+/// far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Reads .solb or .sol, or the fields in a mesh file that has some.

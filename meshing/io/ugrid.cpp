@@ -130,8 +130,8 @@ class Reader {
   }
 
   template <std::size_t N>
-  void read_elements(const char* name, std::uint64_t count, std::vector<std::array<std::uint32_t, N>>& elements,
-                     std::uint64_t first = 0) {
+  void read_elements(const char* name, std::uint64_t count,
+                     std::vector<std::array<std::uint32_t, N>>& elements, std::uint64_t first = 0) {
     in_.enter(name, first);
     in_.require(count, N * integer_size());
     elements.resize(count);
@@ -141,7 +141,8 @@ class Reader {
     }
   }
 
-  void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs, std::uint64_t first = 0) {
+  void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs,
+                 std::uint64_t first = 0) {
     in_.enter(name, first);
     in_.require(count, integer_size());
     refs.resize(count);
@@ -220,7 +221,8 @@ class RangeReader {
     triangles_ = points_ + 3 * counts_.points * encoding_.real_size;
     triangle_ids_ = triangles_ + (3 * counts_.triangles + 4 * counts_.quads) * integer;
     tets_ = triangle_ids_ + (counts_.triangles + counts_.quads) * integer;
-    const std::uint64_t nodes = 4 * counts_.tets + 5 * counts_.pyramids + 6 * counts_.prisms + 8 * counts_.hexes;
+    const std::uint64_t nodes =
+        4 * counts_.tets + 5 * counts_.pyramids + 6 * counts_.prisms + 8 * counts_.hexes;
     find_volume_ids(tets_ + nodes * integer);
   }
 
@@ -247,8 +249,9 @@ class RangeReader {
   void find_volume_ids(std::uint64_t end) {
     const std::uint64_t integer = encoding_.integer_size;
     if (file_.size() < end)
-      throw InputError(file_.name(), "header", "the file is truncated, or a count is wrong: it has " +
-                                                   std::to_string(file_.size()) + " bytes of " + std::to_string(end));
+      throw InputError(file_.name(), "header",
+                       "the file is truncated, or a count is wrong: it has " + std::to_string(file_.size()) +
+                           " bytes of " + std::to_string(end));
     if (file_.size() == end) return;
     if (counts_.volumes() == 0 || file_.size() != end + (1 + counts_.volumes()) * integer)
       throw InputError(file_.name(), "", kUnknownRest);

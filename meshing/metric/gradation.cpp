@@ -135,7 +135,8 @@ class MixedSpaceGrowth {
 template <class Growth>
 class Grading {
  public:
-  Grading(const MetricDomain& domain, const VertexLists& neighbours, Growth growth, std::vector<Metric>& metrics)
+  Grading(const MetricDomain& domain, const VertexLists& neighbours, Growth growth,
+          std::vector<Metric>& metrics)
       : domain_(domain),
         points_(domain.mesh().points),
         neighbours_(neighbours),
@@ -190,7 +191,8 @@ class Grading {
   std::vector<std::uint32_t> beside_changed() {
     std::vector<std::uint32_t> candidates;
     if (changed_.size() == metrics_.size()) {
-      std::ranges::copy_if(changed_, std::back_inserter(candidates), [&](std::uint32_t v) { return domain_.owns(v); });
+      std::ranges::copy_if(changed_, std::back_inserter(candidates),
+                           [&](std::uint32_t v) { return domain_.owns(v); });
       return candidates;
     }
     for (const std::uint32_t p : changed_)

@@ -17,10 +17,7 @@ namespace {
 class LimitedComplexity {
  public:
   LimitedComplexity(const MetricDomain& domain, const LogSizeLimits& limits, const LogMetricField& field)
-      : domain_(domain),
-        limits_(limits),
-        volumes_(vertex_volumes(domain.mesh())),
-        log_values_(field.size()) {
+      : domain_(domain), limits_(limits), volumes_(vertex_volumes(domain.mesh())), log_values_(field.size()) {
     for_each_index(field.size(),
                    [&](std::size_t i) { log_values_[i] = eigen_decomposition(field[i]).values; });
   }

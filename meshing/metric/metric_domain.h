@@ -12,9 +12,10 @@
 
 namespace weft::meshing {
 
-/// Points and tets are in the order of the whole mesh, so that what is computed of a vertex's tets or neighbours
-/// has the same bits wherever it is computed. Of vertices that are not owned somebody else makes the values; they
-/// are taken from there by refresh(). All parts call the functions that are not const of values together.
+/// Points and tets are in the order of the whole mesh, so that what is computed of a vertex's tets or
+/// neighbours has the same bits wherever it is computed. Of vertices that are not owned somebody else makes
+/// the values; they are taken from there by refresh(). All parts call the functions that are not const of
+/// values together.
 class MetricDomain {
  public:
   virtual ~MetricDomain() = default;
@@ -38,7 +39,8 @@ class MetricDomain {
   /// Values at vertices that are not owned become those of their owners.
   virtual void refresh(std::vector<SymTensor>& values) const = 0;
   virtual void refresh(std::vector<std::uint8_t>& values) const = 0;
-  /// The same where only these owned vertices have new values: returns the vertices that have new ones by this.
+  /// The same where only these owned vertices have new values: returns the vertices that have new ones by
+  /// this.
   virtual std::vector<std::uint32_t> refresh_changed(std::span<const std::uint32_t> changed,
                                                      std::vector<SymTensor>& values) const = 0;
 };

@@ -67,7 +67,8 @@ LogMetricField metric_from_solution(const SolutionData& solution, std::size_t nu
   WEFT_ASSERT_LIGHT(field.values.size() == num_points * components(field.kind), "one value a vertex");
   const std::size_t bad = find_first(num_points, [&](std::size_t i) { return !is_metric(field, i); });
   if (bad < num_points)
-    throw InputError(file, "vertex " + std::to_string(first + bad + 1), reason_against(field, bad, num_points));
+    throw InputError(file, "vertex " + std::to_string(first + bad + 1),
+                     reason_against(field, bad, num_points));
   LogMetricField log_metrics(num_points);
   for_each_index(num_points, [&](std::size_t i) {
     log_metrics[i] = field.kind == Field::Kind::scalar ? identity_tensor(-2 * std::log(field.values[i]))

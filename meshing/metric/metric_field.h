@@ -42,7 +42,8 @@ void scale_to_complexity(const MeshData& mesh, double target, LogMetricField& fi
 /// complexity reached.
 double scale_to_complexity(const MeshData& mesh, double target, double hmin, double hmax,
                            LogMetricField& field);
-/// Limits of the eigenvalues of log M, from those of the sizes (0: none). Throws InputError when hmin > hmax > 0.
+/// Limits of the eigenvalues of log M, from those of the sizes (0: none). Throws InputError when hmin > hmax
+/// > 0.
 struct LogSizeLimits {
   double lo, hi;
   LogSizeLimits(double hmin, double hmax);

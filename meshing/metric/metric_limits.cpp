@@ -102,7 +102,8 @@ void apply_limits(const MetricDomain& domain, const MetricLimits& limits, LogMet
 double fit_to_complexity(const MetricDomain& domain, double target, const MetricLimits& limits,
                          const LogMetricField* demands, LogMetricField& field) {
   constexpr int kMostTrials = 30;
-  scale_to_complexity(domain, target, field);  // a good start where limits change little; checks its arguments
+  scale_to_complexity(domain, target,
+                      field);  // a good start where limits change little; checks its arguments
   const LogMetricField wanted = field;
   const Limiter limit(domain, limits);
   const auto reached_at = [&](const LogMetricField& start, double x) {

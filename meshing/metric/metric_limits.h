@@ -15,9 +15,9 @@ void apply_limits(const MetricDomain& domain, const MetricLimits& limits, LogMet
 /// M <- limits(s M intersected with `demands`), with the one factor s for which the complexity is `target`
 /// within 0.05 %, or the closest that 30 trials find where limits and demands forbid it. `demands`, where not
 /// null, is a metric that is not to be scaled, such as that of first layers at walls. Returns the complexity
-/// reached, the same on all parts of a mesh. Cost: that of apply_limits for every trial, three to eight of them, one where the sizes' limits
-/// or the demands alone forbid the target. Throws InputError for a mesh without volume and a target that is
-/// not positive.
+/// reached, the same on all parts of a mesh. Cost: that of apply_limits for every trial, three to eight of
+/// them, one where the sizes' limits or the demands alone forbid the target. Throws InputError for a mesh
+/// without volume and a target that is not positive.
 double fit_to_complexity(const MetricDomain& domain, double target, const MetricLimits& limits,
                          const LogMetricField* demands, LogMetricField& field);
 

@@ -33,9 +33,10 @@ struct VertexOnEdge {
   std::uint32_t background_hint = 0, surface_hint = 0;
 };
 
-/// Splits edge (a, b) at `at`, without quality checks: `fans` holds one tet of each set of tets that are joined around the
-/// edge in this mesh (several when others have the tets between them). Everything must be free to be claimed.
-/// Returns the new vertex, or an invalid one and no change when a tet would not be positive.
+/// Splits edge (a, b) at `at`, without quality checks: `fans` holds one tet of each set of tets that are
+/// joined around the edge in this mesh (several when others have the tets between them). Everything must be
+/// free to be claimed. Returns the new vertex, or an invalid one and no change when a tet would not be
+/// positive.
 VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId> fans,
                        const VertexOnEdge& at);
 

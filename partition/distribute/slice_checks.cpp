@@ -80,7 +80,8 @@ void check_boundary(const MeshData& m, std::uint64_t num_points, Checks& checks)
 }
 
 /// Decided alike on all ranks.
-void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets, SliceMetric metric) {
+void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
+                  SliceMetric metric) {
   const bool mine = points.total() == slice.num_points && tets.total() == slice.num_tets &&
                     points.first(peers.rank()) == slice.first_point &&
                     tets.first(peers.rank()) == slice.first_tet &&
@@ -92,7 +93,8 @@ void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, co
 
 }  // namespace
 
-void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets, SliceMetric metric) {
+void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
+                  SliceMetric metric) {
   check_shares(peers, slice, points, tets, metric);
   const MeshData& m = slice.boundary;
   Checks checks(slice.num_points);
@@ -114,9 +116,10 @@ std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::u
   const int sign = meshing::orientation(*a, *b, *c, *d);
   if (sign > 0) return {};
   const auto vertex = [&](std::size_t i) { return std::uint64_t{vertices[i]} + 1; };
-  return InputIssue{{number, 0, 0},
-                    fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
-                    sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
+  return InputIssue{
+      {number, 0, 0},
+      fmt::format("tet {} ({} {} {} {})", number + 1, vertex(0), vertex(1), vertex(2), vertex(3)),
+      sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
 }
 
 std::optional<InputIssue> find_inverted(const MeshSlice& slice,

@@ -23,7 +23,8 @@ enum class SliceMetric { given, missing };
 void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
                   SliceMetric metric = SliceMetric::given);
 
-/// What is wrong with a tet that is inverted or flat, by its number and those of its vertices in the whole mesh.
+/// What is wrong with a tet that is inverted or flat, by its number and those of its vertices in the whole
+/// mesh.
 std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::uint32_t, 4>& vertices,
                                    const std::array<const meshing::Point*, 4>& corners);
 

@@ -1,4 +1,5 @@
-// Vertices are dealt out along a Morton curve; rings of tets are asked for at the owners of the outermost vertices.
+// Vertices are dealt out along a Morton curve; rings of tets are asked for at the owners of the outermost
+// vertices.
 #include "partition/metric/part_domain.h"
 
 #include <fmt/format.h>
@@ -66,12 +67,14 @@ std::vector<std::uint64_t> splitters(Peers& peers, std::vector<std::uint64_t> ke
   constexpr std::size_t kSamples = 64;
   std::sort(keys.begin(), keys.end());
   std::vector<std::uint64_t> samples;
-  for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i) samples.push_back(keys[keys.size() * i / kSamples]);
+  for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i)
+    samples.push_back(keys[keys.size() * i / kSamples]);
   samples = joined(allgather(peers, samples));
   std::sort(samples.begin(), samples.end());
   const auto ranks = static_cast<std::size_t>(peers.ranks());
   std::vector<std::uint64_t> firsts;
-  for (std::size_t r = 1; r < ranks && !samples.empty(); ++r) firsts.push_back(samples[samples.size() * r / ranks]);
+  for (std::size_t r = 1; r < ranks && !samples.empty(); ++r)
+    firsts.push_back(samples[samples.size() * r / ranks]);
   return firsts;
 }
 
@@ -111,16 +114,19 @@ std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice
   std::vector<std::uint32_t> vertices;
   for (const auto& tet : slice.tets) vertices.insert(vertices.end(), tet.begin(), tet.end());
   sort_unique(vertices);
-  const auto owners = fetch<std::uint32_t>(peers_, points_, vertices, [&](std::size_t i) { return slice_owners_[i]; });
+  const auto owners =
+      fetch<std::uint32_t>(peers_, points_, vertices, [&](std::size_t i) { return slice_owners_[i]; });
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     TetRecord record{slice.first_tet + t, slice.tets[t], {}};
     for (std::size_t i = 0; i < 4; ++i) {
-      const auto at = std::lower_bound(vertices.begin(), vertices.end(), record.vertices[i]) - vertices.begin();
+      const auto at =
+          std::lower_bound(vertices.begin(), vertices.end(), record.vertices[i]) - vertices.begin();
       record.owners[i] = owners[static_cast<std::size_t>(at)];
     }
     for (std::size_t i = 0; i < 4; ++i)
-      if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) == record.owners.begin() + i)
+      if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) ==
+          record.owners.begin() + i)
         to_each[record.owners[i]].push_back(record);
   }
   return joined(partition::all_to_all(peers_, to_each));  // ascending
@@ -149,7 +155,8 @@ void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<TetRe
 }
 
 std::uint32_t PartDomain::local(std::uint32_t number) const {
-  return static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), number) - numbers_.begin());
+  return static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), number) -
+                                    numbers_.begin());
 }
 
 void PartDomain::build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets) {
@@ -208,7 +215,8 @@ double PartDomain::sum(const std::function<double(std::size_t)>& at) const {
   std::vector<double> terms;
   terms.reserve(owned_numbers_.size());
   for (std::size_t v = 0; v < owners_.size(); ++v)
-    if (owns(v)) terms.push_back(std::max(0.0, at(v)));  // the volume of a flat tet may be computed as negative
+    if (owns(v))
+      terms.push_back(std::max(0.0, at(v)));  // the volume of a flat tet may be computed as negative
   return ordered_sum(peers_, terms);
 }
 
@@ -225,7 +233,8 @@ std::vector<std::uint32_t> PartDomain::refresh_changed(std::span<const std::uint
   std::vector<std::vector<Change>> to_each(given_.size());
   for (const std::uint32_t v : changed) {
     auto copy = std::ranges::lower_bound(copies_, v, {}, &Copy::vertex);
-    for (; copy != copies_.end() && copy->vertex == v; ++copy) to_each[copy->rank].push_back({copy->place, values[v]});
+    for (; copy != copies_.end() && copy->vertex == v; ++copy)
+      to_each[copy->rank].push_back({copy->place, values[v]});
   }
   std::vector<std::uint32_t> refreshed;
   const std::vector<std::vector<Change>> from_each = partition::all_to_all(peers_, to_each);

@@ -14,13 +14,14 @@
 
 namespace weft::partition {
 
-/// Vertices that lie together belong to one rank, whatever their order in the input; a rank has the tets around its
-/// vertices in as many rings as are asked for. What is made of them has the same bits for any number of ranks.
-/// All ranks call every function but mesh(), owns(), num_points() and largest_size() together.
+/// Vertices that lie together belong to one rank, whatever their order in the input; a rank has the tets
+/// around its vertices in as many rings as are asked for. What is made of them has the same bits for any
+/// number of ranks. All ranks call every function but mesh(), owns(), num_points() and largest_size()
+/// together.
 class PartDomain final : public meshing::MetricDomain {
  public:
-  /// Throws meshing::InputError, the same on all ranks, for what check_slices() and find_inverted() refuse. Memory: 130
-  /// bytes a tet of the part, and twice that for a moment.
+  /// Throws meshing::InputError, the same on all ranks, for what check_slices() and find_inverted() refuse.
+  /// Memory: 130 bytes a tet of the part, and twice that for a moment.
   PartDomain(Peers& peers, const MeshSlice& slice, int rings);
 
   const meshing::MeshData& mesh() const override { return mesh_; }
@@ -43,7 +44,8 @@ class PartDomain final : public meshing::MetricDomain {
   }
   /// The same at the vertices that have these numbers (ascending) in the whole mesh.
   template <class T>
-  std::vector<T> from_slices(const std::vector<T>& of_slice, const std::vector<std::uint32_t>& numbers) const {
+  std::vector<T> from_slices(const std::vector<T>& of_slice,
+                             const std::vector<std::uint32_t>& numbers) const {
     return fetch<T>(peers_, points_, numbers, [&](std::size_t i) { return of_slice[i]; });
   }
   /// Of the part's vertices, in the whole mesh; ascending.
@@ -77,8 +79,9 @@ class PartDomain final : public meshing::MetricDomain {
   std::vector<std::uint32_t> slice_owners_;   ///< of this rank's slice of points
   std::vector<std::uint32_t> owned_numbers_;  ///< in the whole mesh, ascending
   meshing::MeshData mesh_;
-  std::vector<std::uint32_t> numbers_, owners_;  ///< of the part's vertices: in the whole mesh, ascending; ranks
-  std::vector<double> volumes_;                  ///< quarters of those of tets at vertices
+  std::vector<std::uint32_t> numbers_,
+      owners_;                   ///< of the part's vertices: in the whole mesh, ascending; ranks
+  std::vector<double> volumes_;  ///< quarters of those of tets at vertices
 
   /// Of each rank: the vertices here whose values it gets, and those whose values come from it, in one order.
   std::vector<std::vector<std::uint32_t>> given_, taken_;
@@ -94,7 +97,8 @@ class PartDomain final : public meshing::MetricDomain {
 template <class T>
 std::vector<T> PartDomain::to_slices(const std::vector<T>& values) const {
   std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers_.ranks()));
-  for (const std::uint32_t number : owned_numbers_) to_each[points_.rank_of(number)].push_back(values[local(number)]);
+  for (const std::uint32_t number : owned_numbers_)
+    to_each[points_.rank_of(number)].push_back(values[local(number)]);
   const std::vector<std::vector<T>> from_each = partition::all_to_all(peers_, to_each);
   std::vector<std::size_t> next(from_each.size(), 0);
   std::vector<T> of_slice;

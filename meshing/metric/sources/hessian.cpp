@@ -192,9 +192,7 @@ std::vector<SymTensor> project_hessians(const MetricDomain& domain, std::span<co
 
 }  // namespace
 
-int rings_of(HessianRecovery recovery) {
-  return recovery == HessianRecovery::least_squares ? kMostRings : 2;
-}
+int rings_of(HessianRecovery recovery) { return recovery == HessianRecovery::least_squares ? kMostRings : 2; }
 
 std::vector<SymTensor> recover_hessians(const MetricDomain& domain, std::span<const double> values,
                                         HessianRecovery recovery) {

@@ -18,7 +18,8 @@ int rings_of(HessianRecovery recovery);
 /// belong to a tet or gets zero. Multithreaded on TBB in the caller's arena; the result does not depend on
 /// the number of threads. About 15 us a vertex by least_squares, 5 us by double_projection; temporaries of
 /// 200 and 370 bytes a vertex. Throws InputError for tets whose vertices are out of range.
-/// On a part of a mesh: at all its vertices, from the rings of tets that rings_of() says around those it owns.
+/// On a part of a mesh: at all its vertices, from the rings of tets that rings_of() says around those it
+/// owns.
 std::vector<SymTensor> recover_hessians(const MetricDomain& domain, std::span<const double> values,
                                         HessianRecovery recovery);
 std::vector<SymTensor> recover_hessians(const MeshData& mesh, std::span<const double> values,

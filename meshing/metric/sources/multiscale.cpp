@@ -75,7 +75,8 @@ LogMetricField multiscale_metric(const MetricDomain& domain, std::span<const dou
   WEFT_ASSERT_LIGHT(values.size() == domain.mesh().points.size(), "one value a vertex");
   if (!(options.norm >= 1)) throw InputError("", "norm", "is below 1");
   check_finite(values, "", "");
-  const std::vector<SymTensor> hessians = recover_hessians(domain, scaled_to_one(domain, values), options.recovery);
+  const std::vector<SymTensor> hessians =
+      recover_hessians(domain, scaled_to_one(domain, values), options.recovery);
   const std::vector<double> floors = rounding_floors(domain.mesh());
   LogMetricField field(hessians.size());
   const double exponent = -1 / (2 * options.norm + 3);

@@ -18,7 +18,8 @@ namespace weft::meshing {
 /// square of the longest edge at the vertex) are raised to that, so that the metric is positive definite for
 /// any finite field, a constant one too. Does not depend on the field's units. Throws InputError for a value
 /// that is not finite (naming the vertex, 1-based) or a norm below 1. Cost: that of recover_hessians.
-/// On a part of a mesh: at all its vertices, from the rings of tets that rings_of() says around those it owns.
+/// On a part of a mesh: at all its vertices, from the rings of tets that rings_of() says around those it
+/// owns.
 LogMetricField multiscale_metric(const MetricDomain& domain, std::span<const double> values,
                                  const MultiscaleOptions& options);
 LogMetricField multiscale_metric(const MeshData& mesh, std::span<const double> values,

@@ -71,8 +71,8 @@ TEST_P(MeshRanges, OfAFileCutShortAreRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, MeshRanges,
-                         testing::Values("m.meshb", "m.mesh", "m.lb8.ugrid", "m.b8.ugrid", "m.b8l.ugrid", "m.lb4.ugrid",
-                                         "m.cgns"));
+                         testing::Values("m.meshb", "m.mesh", "m.lb8.ugrid", "m.b8.ugrid", "m.b8l.ugrid",
+                                         "m.lb4.ugrid", "m.cgns"));
 
 TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
   const TemporaryDirectory directory;
@@ -81,7 +81,10 @@ TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
   box.mesh.tets[40][2] = 1000;
   write_mesh_contents(path, box);
   EXPECT_NO_THROW(read_mesh_range(path, {0, 10, 0, 40}));
-  EXPECT_EQ(message_of([&] { read_mesh_range(path, {0, 10, 30, 20}); }), message_of([&] { read_mesh(path); }));
+  EXPECT_EQ(message_of([&] {
+              read_mesh_range(path, {0, 10, 30, 20});
+            }),
+            message_of([&] { read_mesh(path); }));
 }
 
 TEST(MeshRange, IsNotReadOfFormatsWithoutPlaces) {

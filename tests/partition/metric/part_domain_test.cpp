@@ -27,7 +27,8 @@ using meshing::MetricDomain;
 
 using Make = std::function<LogMetricField(const MetricDomain&, const std::vector<double>& values)>;
 
-/// A box whose vertices are numbered at random, so that shares of the file lie everywhere; one vertex has no tets.
+/// A box whose vertices are numbered at random, so that shares of the file lie everywhere; one vertex has no
+/// tets.
 MeshData shuffled_box() {
   MeshData mesh = support::layered_box(5, 5, 2);
   std::vector<std::uint32_t> numbers(mesh.points.size());
@@ -64,7 +65,8 @@ LogMetricField made_on(int ranks, unsigned seed, int rings, const Make& make) {
     const PartDomain domain(peers, slice, rings);
     const auto first = values.begin() + static_cast<std::ptrdiff_t>(slice.first_point);
     const std::vector<double> of_slice(first, first + static_cast<std::ptrdiff_t>(slice.points.size()));
-    of_rank[static_cast<std::size_t>(peers.rank())] = domain.to_slices(make(domain, domain.from_slices(of_slice)));
+    of_rank[static_cast<std::size_t>(peers.rank())] =
+        domain.to_slices(make(domain, domain.from_slices(of_slice)));
   });
   LogMetricField all;
   for (const LogMetricField& field : of_rank) all.insert(all.end(), field.begin(), field.end());
@@ -79,7 +81,8 @@ LogMetricField made_of_the_whole(const Make& make) {
 void expect_bits_of_the_whole(int rings, const Make& make) {
   const LogMetricField whole = made_of_the_whole(make);
   for (const int ranks : support::kNumbersOfRanks)
-    for (const unsigned seed : {0u, 5u}) EXPECT_EQ(made_on(ranks, seed, rings, make), whole) << ranks << " ranks";
+    for (const unsigned seed : {0u, 5u})
+      EXPECT_EQ(made_on(ranks, seed, rings, make), whole) << ranks << " ranks";
 }
 
 /// The same bits on all numbers of ranks, and to rounding those of the whole mesh.
@@ -89,22 +92,25 @@ void expect_same_everywhere(int rings, const Make& make) {
   ASSERT_EQ(one.size(), whole.size());
   for (std::size_t v = 0; v < one.size(); ++v)
     EXPECT_LT(std::abs(trace(one[v] - whole[v])), 1e-6) << "vertex " << v;
-  for (const int ranks : support::kNumbersOfRanks) EXPECT_EQ(made_on(ranks, 3, rings, make), one) << ranks << " ranks";
+  for (const int ranks : support::kNumbersOfRanks)
+    EXPECT_EQ(made_on(ranks, 3, rings, make), one) << ranks << " ranks";
 }
 
-LogMetricField multiscale(const MetricDomain& domain, const std::vector<double>& values, HessianRecovery recovery) {
+LogMetricField multiscale(const MetricDomain& domain, const std::vector<double>& values,
+                          HessianRecovery recovery) {
   return meshing::multiscale_metric(domain, values, {recovery, 2});
 }
 
 TEST(PartDomain, HasTheMultiscaleMetricOfTheWholeMeshToTheBit) {
   for (const auto recovery : {HessianRecovery::least_squares, HessianRecovery::double_projection})
-    expect_bits_of_the_whole(meshing::rings_of(recovery), [&](const MetricDomain& domain, const auto& values) {
-      return multiscale(domain, values, recovery);
-    });
+    expect_bits_of_the_whole(
+        meshing::rings_of(recovery),
+        [&](const MetricDomain& domain, const auto& values) { return multiscale(domain, values, recovery); });
 }
 
 TEST(PartDomain, HasTheImpliedMetricOfTheWholeMeshToTheBit) {
-  expect_bits_of_the_whole(1, [](const MetricDomain& domain, const auto&) { return meshing::implied_metric(domain); });
+  expect_bits_of_the_whole(
+      1, [](const MetricDomain& domain, const auto&) { return meshing::implied_metric(domain); });
 }
 
 TEST(PartDomain, GradesAsTheWholeMeshToTheBit) {

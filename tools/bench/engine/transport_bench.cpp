@@ -57,7 +57,8 @@ double round_trip(engine::MpiTransport& transport, Packet packet, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     if (first) transport.send(Rank(1), std::move(packet));
     packet = await_packet(transport);
-    if (!first) transport.send(Rank(0), std::move(packet));  // a fresh one each round: NOLINT(bugprone-use-after-move)
+    if (!first)
+      transport.send(Rank(0), std::move(packet));  // a fresh one each round: NOLINT(bugprone-use-after-move)
   }
   while (transport.unsent(Rank(first ? 1 : 0)) > 0) transport.poll([](auto&&...) {});
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / rounds;

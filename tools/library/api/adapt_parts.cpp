@@ -42,7 +42,9 @@ void make_metric_by_first(partition::Peers& peers, const MetricOptions& options,
   slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   if (peers.ranks() > 1)
-    warnings.emplace_back("rank 0 has made the metric of the whole mesh, as a model's curvature, solutions in memory and files other than GMF want it");
+    warnings.emplace_back(
+        "rank 0 has made the metric of the whole mesh, as a model's curvature, solutions in memory and files "
+        "other than GMF want it");
 }
 
 /// In parts where that is possible.

@@ -28,7 +28,8 @@ bool is_gmf_solution(const std::string& file) {
   return extension == ".solb" || extension == ".sol";
 }
 
-/// The values of a file at this rank's slice of points. `kind`: what it is called where it is of another mesh.
+/// The values of a file at this rank's slice of points. `kind`: what it is called where it is of another
+/// mesh.
 Fields read_slice_of(const std::string& file, const MeshSlice& slice, const std::string& kind) {
   const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
   if (layout.num_solution_points() != slice.num_points)
@@ -61,7 +62,8 @@ meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const 
 }
 
 /// The whole boundary, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
-meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain, std::vector<std::uint32_t>& numbers) {
+meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain,
+                                std::vector<std::uint32_t>& numbers) {
   meshing::MeshData mesh = slice.boundary;
   mesh.association = {};
   numbers = domain.numbers();

@@ -45,7 +45,8 @@ void add_solution(const MetricOptions& options, const Fields& solution, const st
 }
 
 /// What the files, the formula and the solutions ask for, or nothing where there are none.
-std::optional<meshing::LogMetricField> given_metric(const MetricOptions& options, const MetricInputs& inputs) {
+std::optional<meshing::LogMetricField> given_metric(const MetricOptions& options,
+                                                    const MetricInputs& inputs) {
   std::optional<meshing::LogMetricField> field;
   const meshing::MetricDomain& domain = inputs.domain;
   if (inputs.source) field = *inputs.source;
@@ -134,7 +135,8 @@ std::string name_of(const MetricOptions& options) {
   return fmt::format("{}", fmt::join(parts, " + "));
 }
 
-LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs, const std::string& mesh_name) {
+LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs,
+                              const std::string& mesh_name) {
   std::optional<meshing::LogMetricField> field = given_metric(options, inputs);
   return naming(mesh_name, [&]() -> LogMetricMade {
     if (options.implied) combine(meshing::implied_metric(inputs.domain), field);

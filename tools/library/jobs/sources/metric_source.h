@@ -21,9 +21,10 @@ std::vector<std::string> files_of(const MetricOptions& options);
 /// Files and functions, for reports.
 std::string name_of(const MetricOptions& options);
 bool has_demand(const MetricOptions& options);
-/// What the boundary of the mesh asks for, or nothing where it was not asked. `largest`: largest_size of the whole mesh,
-/// where this is a part of it.
-std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options, const meshing::MeshData& mesh,
+/// What the boundary of the mesh asks for, or nothing where it was not asked. `largest`: largest_size of the
+/// whole mesh, where this is a part of it.
+std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
+                                                       const meshing::MeshData& mesh,
                                                        std::shared_ptr<const meshing::Model> model,
                                                        std::optional<double> largest = std::nullopt);
 /// Whether a given metric, a file or a function is scaled and nothing else: what each rank can do with its
@@ -48,10 +49,11 @@ struct LogMetricMade {
 /// The metric asked for, at the vertices of the domain, which errors call `mesh_name`: all that is given,
 /// intersected, and scaled so that it has the complexity once it is as fine
 /// as the boundary demands, limited and graded. Metrics of solutions come in with that complexity, or with
-/// the mesh's own where none is requested. Curvature is that of `model`, where not null. All parts of a mesh call
-/// together; what they read must be without faults then. Throws InputError
-/// naming file, entity and reason.
-LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs, const std::string& mesh_name);
+/// the mesh's own where none is requested. Curvature is that of `model`, where not null. All parts of a mesh
+/// call together; what they read must be without faults then. Throws InputError naming file, entity and
+/// reason.
+LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs,
+                              const std::string& mesh_name);
 /// The same of a whole mesh.
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source = nullptr,

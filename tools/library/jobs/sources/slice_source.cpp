@@ -78,14 +78,14 @@ MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, 
   return slice;
 }
 
-SliceInput read_share(Peers& peers, const Files& files, const Options& options, const meshing::MeshSize& size) {
+SliceInput read_share(Peers& peers, const Files& files, const Options& options,
+                      const meshing::MeshSize& size) {
   SliceInput input;
   partition::agree_on(peers, [&] {
     const Share points = share_of(size.points, peers.rank(), peers.ranks());
     const Share tets = share_of(size.tets, peers.rank(), peers.ranks());
     input.slice = slice_of_file(files.input, size, points, tets, input.names);
-    if (only_scaled(options.metric))
-      input.slice.log_metrics = metric_of_share(options.metric, input.slice);
+    if (only_scaled(options.metric)) input.slice.log_metrics = metric_of_share(options.metric, input.slice);
   });
   if (only_scaled(options.metric)) {
     input.target_complexity = options.metric.complexity;
@@ -159,7 +159,8 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor a model's curvature, fields "
+        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor a model's "
+        "curvature, fields "
         "and repair are read or made in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)

@@ -26,10 +26,10 @@ struct SliceInput {
   std::optional<Fields> fields;  ///< those that are carried along
 };
 
-/// All ranks: reads the mesh and makes the metric. A mesh of which ranges can be read (meshing::size_for_ranges)
-/// and a metric that is only scaled are read in shares, no rank holds more. Anything else (other formats, metrics
-/// of solutions, gradation, limits) needs the whole mesh: rank 0 reads and prepares it, and hands out the shares.
-/// Throws meshing::InputError alike on all ranks.
+/// All ranks: reads the mesh and makes the metric. A mesh of which ranges can be read
+/// (meshing::size_for_ranges) and a metric that is only scaled are read in shares, no rank holds more.
+/// Anything else (other formats, metrics of solutions, gradation, limits) needs the whole mesh: rank 0 reads
+/// and prepares it, and hands out the shares. Throws meshing::InputError alike on all ranks.
 SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options);
 
 /// All ranks: the shares of a mesh that rank 0 has whole (elsewhere `mesh` is empty), with its metric.
