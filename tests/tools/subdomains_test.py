@@ -160,6 +160,14 @@ class Results(Subdomains):
                     self.assertIn(b'"the wall"', meshes[-1])
             self.assertEqual(meshes, meshes[:1] * 4, f"{name} to {out}")
 
+    def test_what_one_rank_does_is_done_once(self):
+        self.box(2)
+        for ranks in (1, 3):
+            done = subprocess.run([*MPIRUN, "-n", str(ranks), str(WEFT), "stat", "box.meshb"], cwd=self.folder, capture_output=True,
+                                  text=True, timeout=SECONDS)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout.count("vertices"), 1, done.stdout)
+
     def test_pieces(self):
         self.box(3)
         self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", "a.pvtu", "--quiet")

@@ -6,8 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/arguments.h"
@@ -64,6 +66,14 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kUsage;
 }
 
+/// Under mpirun only `adapt` and the solver's loop around it work on all ranks; anything else is done once, by the first.
+bool is_for_another_rank(const std::string& subcommand) {
+  if (subcommand == "adapt" || subcommand == "loop" || !under_mpirun()) return false;
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"})
+    if (const char* rank = std::getenv(name)) return std::string_view(rank) != "0";
+  return false;
+}
+
 int run_action(const Action& action) {
   try {
     return action();
@@ -102,6 +112,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_replay_command(app, action);
   add_report_command(app, action);
   add_loop_command(app, action);
+  if (!arguments.empty() && is_for_another_rank(arguments[0])) return kDone;
   if (arguments.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kUsage;
