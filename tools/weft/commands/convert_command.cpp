@@ -61,7 +61,7 @@ std::vector<Dropped> write(const ConvertCommand& command, const MeshFile& conten
       !contents.fields.fields.empty() && holds_volumes(command.output) && !holds_fields(command.output);
   const std::string file = fields_beside(command.output);
   if (beside) check_writable(file);
-  const std::vector<Dropped> dropped = write_mesh_file(command.output, contents, command.options);
+  std::vector<Dropped> dropped = write_mesh_file(command.output, contents, command.options);
   if (beside) write_fields(file, contents.fields);
   return dropped;
 }

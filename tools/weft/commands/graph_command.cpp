@@ -31,7 +31,7 @@ struct GraphCommand {
 std::string format_of(const GraphCommand& command) {
   if (!command.format.empty()) return command.format;
   if (command.output.empty()) return "dot";
-  const std::string named = graph_format(command.output);
+  std::string named = graph_format(command.output);
   if (!named.empty()) return named;
   throw CLI::ValidationError("--out", "'" + command.output + "' must end in .dot, .graphml, .json or .svg");
 }
