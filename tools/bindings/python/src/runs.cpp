@@ -292,8 +292,8 @@ void add_runs(py::module_& module) {
       .def(
           "reset", [](Cancel& self) { self.wanted = false; }, "Before the object serves another run.")
       .def_property_readonly("wanted", [](const Cancel& self) { return self.wanted.load(); });
-  py::class_<PreparedPart, std::shared_ptr<PreparedPart>>(module,
-                                                          "_PreparedPart");  // NOLINT(bugprone-unused-raii)
+  // NOLINTNEXTLINE(bugprone-unused-raii)
+  py::class_<PreparedPart, std::shared_ptr<PreparedPart>>(module, "_PreparedPart");
   module.def("adapt", &run_adapt);
   module.def("prepare_part", &prepare_part);
   module.def("adapt_prepared", &run_adapt_prepared);
