@@ -43,17 +43,17 @@ void make_metric_by_first(partition::Peers& peers, const MetricOptions& options,
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   if (peers.ranks() > 1)
     warnings.emplace_back(
-        "rank 0 has made the metric of the whole mesh, as a model's curvature, solutions in memory and files "
-        "other than GMF want it");
+        "rank 0 has made the metric of the whole mesh, as solutions in memory and files other than GMF want "
+        "it");
 }
 
 /// In parts where that is possible.
 void make_metric(partition::Peers& peers, const Options& options,
                  const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
                  std::vector<std::string>& warnings) {
-  if (!tools::can_be_made_in_parts(options.metric, options.geometry))
+  if (!tools::can_be_made_in_parts(options.metric))
     return make_metric_by_first(peers, options.metric, model, slice, warnings);
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "");
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", model);
   slice.log_metrics = std::move(made.field);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
 }

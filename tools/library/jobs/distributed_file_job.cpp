@@ -71,8 +71,10 @@ class DistributedFileJob {
  private:
   SliceInput read() {
     run_.monitor().update("reading", 0, 0);
-    SliceInput input = read_slice(run_.peers(), files_, options_);
-    run_.read_model(input.whole ? *input.whole : meshing::MeshData{}, files_.input);
+    const bool carried = options_.geometry.model == "carried";
+    SliceInput input = read_slice(run_.peers(), files_, options_,
+                                  carried ? nullptr : run_.read_model(meshing::MeshData{}, files_.input));
+    if (carried) run_.read_model(input.whole ? *input.whole : meshing::MeshData{}, files_.input);
     account_.warnings = input.warnings;
     account_.mends = input.mends;
     names_ = std::move(input.names);

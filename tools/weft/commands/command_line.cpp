@@ -66,7 +66,8 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kUsage;
 }
 
-/// Under mpirun only `adapt` and the solver's loop around it work on all ranks; anything else is done once, by the first.
+/// Under mpirun only `adapt` and the solver's loop around it work on all ranks; anything else is done once,
+/// by the first.
 bool is_for_another_rank(const std::string& subcommand) {
   if (subcommand == "adapt" || subcommand == "loop" || !under_mpirun()) return false;
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"})

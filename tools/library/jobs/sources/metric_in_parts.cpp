@@ -87,11 +87,12 @@ meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain
 
 /// The boundary is on every rank, and each looks at it from its own vertices.
 std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& options, const MeshSlice& slice,
-                                                      const PartDomain& domain) {
+                                                      const PartDomain& domain,
+                                                      const std::shared_ptr<const meshing::Model>& model) {
   if (!has_demand(options)) return std::nullopt;
   std::vector<std::uint32_t> numbers;
   const meshing::MeshData mesh = boundary_with(slice, domain, numbers);
-  const meshing::LogMetricField demand = *boundary_demand(options, mesh, nullptr, domain.largest_size());
+  const meshing::LogMetricField demand = *boundary_demand(options, mesh, model, domain.largest_size());
   meshing::LogMetricField of_part;
   auto at = numbers.begin();
   for (const std::uint32_t number : domain.numbers()) {
@@ -103,10 +104,9 @@ std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& optio
 
 }  // namespace
 
-bool can_be_made_in_parts(const MetricOptions& options, const GeometryOptions& geometry) {
+bool can_be_made_in_parts(const MetricOptions& options) {
   const std::vector<std::string> files = files_of(options);
-  const bool of_model = !geometry.model.empty() && (options.curvature > 0 || options.sagitta > 0);
-  return options.solutions.empty() && !of_model && std::ranges::all_of(files, is_gmf_solution);
+  return options.solutions.empty() && std::ranges::all_of(files, is_gmf_solution);
 }
 
 meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice& slice) {
@@ -115,7 +115,8 @@ meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice
 }
 
 LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,
-                                   const std::string& mesh_name) {
+                                   const std::string& mesh_name,
+                                   const std::shared_ptr<const meshing::Model>& model) {
   const PartDomain domain = naming(mesh_name, [&] {
     return PartDomain(peers, slice, options.sol.empty() ? 1 : meshing::rings_of(options.recovery));
   });
@@ -126,7 +127,7 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
       options,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
-       [&] { return demand_in_part(options, slice, domain); }, source ? &*source : nullptr},
+       [&] { return demand_in_part(options, slice, domain, model); }, source ? &*source : nullptr},
       mesh_name);
   made.field = domain.to_slices(made.field);
   return made;

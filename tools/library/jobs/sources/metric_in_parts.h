@@ -1,6 +1,7 @@
 // The metric that options ask for, made by all ranks together: none holds the whole mesh.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "partition/communication/peers.h"
@@ -10,9 +11,8 @@
 
 namespace weft::tools {
 
-/// Whether make_metric_in_parts() can make it: files that are read are GMF, and there is no curvature of a
-/// model.
-bool can_be_made_in_parts(const MetricOptions& options, const GeometryOptions& geometry);
+/// Whether make_metric_in_parts() can make it: files that are read are GMF, and solutions are not in memory.
+bool can_be_made_in_parts(const MetricOptions& options);
 
 /// The metric of a GMF file at the points of the slice.
 meshing::LogMetricField metric_of_slice(const std::string& file, const partition::MeshSlice& slice);
@@ -21,6 +21,7 @@ meshing::LogMetricField metric_of_slice(const std::string& file, const partition
 /// for any number of ranks and any shares. slice.log_metrics are one more source where there are any. Throws
 /// alike on all ranks.
 LogMetricMade make_metric_in_parts(partition::Peers& peers, const MetricOptions& options,
-                                   const partition::MeshSlice& slice, const std::string& mesh_name);
+                                   const partition::MeshSlice& slice, const std::string& mesh_name,
+                                   const std::shared_ptr<const meshing::Model>& model);
 
 }  // namespace weft::tools

@@ -37,7 +37,7 @@ bool only_scaled(const MetricOptions& m) {
 bool possible_in_shares(const Files& files, const Options& options) {
   return !options.run.repair && files.background.empty() && files.fields.empty() &&
          options.geometry.model != "carried" &&
-         (only_scaled(options.metric) || can_be_made_in_parts(options.metric, options.geometry));
+         (only_scaled(options.metric) || can_be_made_in_parts(options.metric));
 }
 
 struct Share {
@@ -78,8 +78,8 @@ MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, 
   return slice;
 }
 
-SliceInput read_share(Peers& peers, const Files& files, const Options& options,
-                      const meshing::MeshSize& size) {
+SliceInput read_share(Peers& peers, const Files& files, const Options& options, const meshing::MeshSize& size,
+                      const std::shared_ptr<const meshing::Model>& model) {
   SliceInput input;
   partition::agree_on(peers, [&] {
     const Share points = share_of(size.points, peers.rank(), peers.ranks());
@@ -91,7 +91,7 @@ SliceInput read_share(Peers& peers, const Files& files, const Options& options,
     input.target_complexity = options.metric.complexity;
     return input;
   }
-  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input);
+  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input, model);
   input.slice.log_metrics = std::move(made.field);
   input.warnings = std::move(made.warnings);
   return input;
@@ -133,7 +133,8 @@ void tell_all(Peers& peers, std::vector<T>& values) {
 
 /// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has
 /// read it.
-SliceInput read_whole(Peers& peers, const Files& files, const Options& options) {
+SliceInput read_whole(Peers& peers, const Files& files, const Options& options,
+                      const std::shared_ptr<const meshing::Model>& model) {
   SliceInput input;
   MetricOptions metric = options.metric;
   if (only_scaled(metric)) input.target_complexity = std::exchange(metric.complexity, 0);
@@ -153,15 +154,17 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options) 
     const bool curved = metric.curvature > 0 || metric.sagitta > 0;  // else nobody asks the model here
     LogMetricMade made =
         make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr,
-                        curved ? model_of(options.geometry, *input.whole, files.input) : nullptr);
+                        !curved ? nullptr
+                        : model ? model
+                                : model_of(options.geometry, *input.whole, files.input));
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor a model's "
-        "curvature, fields "
-        "and repair are read or made in shares");
+        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor carried "
+        "models, fields and "
+        "repair are read or made in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
@@ -215,12 +218,13 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   return slice;
 }
 
-SliceInput read_slice(Peers& peers, const Files& files, const Options& options) {
+SliceInput read_slice(Peers& peers, const Files& files, const Options& options,
+                      const std::shared_ptr<const meshing::Model>& model) {
   std::optional<meshing::MeshSize> size;
   if (possible_in_shares(files, options))
     partition::agree_on(peers, [&] { size = meshing::size_for_ranges(files.input); });
-  if (!size) return read_whole(peers, files, options);
-  SliceInput input = read_share(peers, files, options, *size);
+  if (!size) return read_whole(peers, files, options, model);
+  SliceInput input = read_share(peers, files, options, *size, model);
   if (peers.ranks() == 1) keep_whole(input);
   return input;
 }

@@ -1,10 +1,12 @@
 // Every rank's share of the input mesh with its metric.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "meshing/geometry/model.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/peers.h"
@@ -30,7 +32,8 @@ struct SliceInput {
 /// (meshing::size_for_ranges) and a metric that is only scaled are read in shares, no rank holds more.
 /// Anything else (other formats, metrics of solutions, gradation, limits) needs the whole mesh: rank 0 reads
 /// and prepares it, and hands out the shares. Throws meshing::InputError alike on all ranks.
-SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options);
+SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options,
+                      const std::shared_ptr<const meshing::Model>& model);
 
 /// All ranks: the shares of a mesh that rank 0 has whole (elsewhere `mesh` is empty), with its metric.
 partition::MeshSlice deal_out(partition::Peers& peers, const meshing::MeshData& mesh,
