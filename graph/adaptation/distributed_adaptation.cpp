@@ -273,7 +273,8 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.most_shifts = options.most_shifts;
   plan.shift = options.shift;
   plan_phases(d, input_tets, plan);
-  plan.refine_interface = options.refine_interface;
+  plan.refine_interface = options.refine_interface && options.allowed.insert;
+  plan.allowed = options.allowed;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : meshing::kHausdOfDiagonal * norm(d.box.size());
   plan.expected_complexity = d.complexity;

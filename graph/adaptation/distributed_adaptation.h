@@ -23,6 +23,7 @@ struct DistributedOptions {
   std::uint32_t most_shifts = 12;
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
+  meshing::AllowedOperations allowed = {};
   double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
   int threads = 1;                   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;

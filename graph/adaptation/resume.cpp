@@ -28,6 +28,9 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
                                       plan.shift.by_faces,
                                       plan.refine_interface,
                                       plan.tets_at_frozen_stay,
+                                      plan.allowed.insert,
+                                      plan.allowed.swap,
+                                      plan.allowed.move,
                                       std::bit_cast<std::uint64_t>(plan.hausd),
                                       std::bit_cast<std::uint64_t>(plan.expected_complexity)};
   for (const Phase& phase : plan.phases) {

@@ -201,6 +201,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   meshing::AdaptOptions options;
   options.threads = rank.plan.threads_of_subdomain;
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
+  options.allowed = rank.plan.allowed;
   // An interface that is not to be moved soon would stay fine.
   options.coarsen = (rank.plan.coarsens && round == 0) || neighbours(context).empty();
   options.repair_at_frozen =

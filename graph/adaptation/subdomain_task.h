@@ -54,6 +54,7 @@ struct AdaptationPlan {
   bool coarsens = false;  ///< the first phase is coarser than the input
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
+  meshing::AllowedOperations allowed = {};
   double hausd = 0;                  ///< meshing::AdaptOptions, not 0
   double expected_complexity = 0;    ///< of the whole result
   int threads_of_subdomain = 1;      ///< that one adaptation may use

@@ -26,6 +26,7 @@ struct AdaptOptions {
                      ///< 0: 0.1 % of the bounding box diagonal
   std::shared_ptr<const Model> model;  ///< that the boundary lies on; null: the surface is reconstructed
   bool tets_at_frozen_stay = false;    ///< as in the paper; else only frozen vertices themselves stay
+  AllowedOperations allowed = {};
   bool coarsen = true;           ///< a mesh that is far from its metric is made coarse before it is made fine
   bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.

@@ -240,8 +240,12 @@ Verdict split_any(Worker& w, TetId t) {
 
 Verdict improve(Worker& w, TetId t, double quality) {
   if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
-  for (const auto& operation : {swap_any, relocate_any, collapse_any, split_any})
+  const AllowedOperations& may = w.kernel.policy.allowed;
+  for (const auto& [allowed, operation] : {std::pair(may.swap, &swap_any), std::pair(may.move, &relocate_any),
+                                           std::pair(may.insert, &collapse_any), std::pair(may.insert, &split_any)}) {
+    if (!allowed) continue;
     if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
+  }
   return Verdict::worsens_quality;
 }
 
@@ -268,6 +272,7 @@ void make_room(Worker& w, VertexId v) {
 }  // namespace
 
 std::uint64_t snap_pass(WorkerPool& pool) {
+  if (!pool.allowed().move) return 0;
   std::atomic<std::uint64_t> off{0};
   pool.sweep_all_vertices([&](Worker& w, VertexId v) {
     if (w.mesh.kind(v) == VertexKind::interior) return Verdict::not_needed;
@@ -285,6 +290,7 @@ std::uint64_t snap_pass(WorkerPool& pool) {
 }
 
 std::uint64_t resolve_curved_pass(WorkerPool& pool) {
+  if (!pool.allowed().insert) return 0;
   return pool.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
     Verdict r = w.claims.claim_tet(t);
     if (r == Verdict::accepted) {
@@ -296,15 +302,20 @@ std::uint64_t resolve_curved_pass(WorkerPool& pool) {
   });
 }
 
-std::uint64_t split_pass(WorkerPool& pool) { return pool.sweep_tets(kCheckLong, split_longest); }
+std::uint64_t split_pass(WorkerPool& pool) {
+  if (!pool.allowed().insert) return 0;
+  return pool.sweep_tets(kCheckLong, split_longest);
+}
 
 std::uint64_t collapse_pass(WorkerPool& pool) {
+  if (!pool.allowed().insert) return 0;
   return pool.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
     return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
   });
 }
 
 std::uint64_t swap_pass(WorkerPool& pool, double quality, double quality_at_frozen) {
+  if (!pool.allowed().swap) return 0;
   return pool.sweep_tets(kCheckSwap, [quality, quality_at_frozen](Worker& w, TetId t) {
     if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
     if (w.mesh.quality(t) >= quality_at_frozen && has_frozen(w.mesh, t)) return Verdict::not_needed;
@@ -313,11 +324,13 @@ std::uint64_t swap_pass(WorkerPool& pool, double quality, double quality_at_froz
 }
 
 std::uint64_t smooth_pass(WorkerPool& pool) {
+  if (!pool.allowed().move) return 0;
   return pool.sweep_vertices(
       kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
 }
 
 std::uint64_t smooth_poor(WorkerPool& pool, double quality) {
+  if (!pool.allowed().move) return 0;
   return pool.sweep_tets(kCheckSwap, [quality](Worker& w, TetId t) {
     if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
     Verdict any = Verdict::not_needed;

@@ -51,6 +51,7 @@ class Adaptation {
 
   void run() {
     kernel_.policy.frozen = frozen_policy();
+    kernel_.policy.allowed = options_.allowed;
     if (options_.progress) predict();
     if (kernel_.surface.model() && extent_ == Extent::everything)
       stage("snap to model", [&] {

@@ -76,6 +76,7 @@ class WorkerPool {
   OperationCounts take_counts();
   /// Free slots are forgotten: renumbering has closed the holes.
   void forget_free_slots();
+  const AllowedOperations& allowed() const { return kernel_.policy.allowed; }
   bool interrupted() const { return is_set(interrupt_) || is_set(abandon_); }
 
  private:

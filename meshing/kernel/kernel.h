@@ -14,6 +14,7 @@
 #include "meshing/kernel/tet_mesh.h"
 #include "meshing/kernel/verdict.h"
 #include "meshing/metric/background.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
@@ -51,6 +52,7 @@ inline Limits Limits::coarser(double factor) const {
 struct Policy {
   MetricMean mean = MetricMean::arithmetic;
   FrozenPolicy frozen = FrozenPolicy::claimable;
+  AllowedOperations allowed = {};
 };
 
 struct Kernel {

@@ -57,6 +57,17 @@ class Subdomains(CommandTest):
 
 
 class Results(Subdomains):
+    def test_operations_that_are_ruled_out_are_done_nowhere(self):
+        self.box(4)
+        words = ("box.meshb", "--metric-fn", "uniform:0.15", "--subdomains", 4, "--report", "r", "-o", "out.meshb", "--quiet")
+        for option, operators in (("--no-insert", ("split", "collapse")), ("--no-swap", ("swap_edge", "swap_face")),
+                                  ("--no-move", ("smooth", "relocate"))):
+            with self.subTest(option):
+                self.run_on(2, *words, option, expect=(0, 1))
+                counts = json.loads((self.folder / "r" / "report.json").read_text())["operations"]
+                self.assertEqual([counts[name]["done"] for name in operators], [0, 0], counts)
+                self.assertGreater(sum(counts[name]["done"] for name in counts), 0, counts)
+
     def test_same_bytes_on_any_number_of_ranks(self):
         self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5)
         self.weft("verify", "out.meshb", "--against", "box.meshb")

@@ -376,6 +376,65 @@ TEST(Adapt, InterruptedOnTheWayGivesAValidMesh) {
 
 // --- bad input ---
 
+std::uint64_t done(const AdaptResult& result, std::initializer_list<Operator> operators) {
+  std::uint64_t sum = 0;
+  for (const Operator op : operators) sum += result.report.counts(op, Verdict::accepted);
+  return sum;
+}
+
+/// Coordinates of all vertices, in the order of their values.
+std::vector<std::array<double, 3>> places(const MeshData& mesh) {
+  std::vector<std::array<double, 3>> all;
+  for (const Point& p : mesh.points) all.push_back({p.x, p.y, p.z});
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST(AdaptAllowed, WithoutInsertionTheVerticesStayAndMove) {
+  const MeshData cube = unit_cube(6);
+  AdaptOptions options;
+  options.allowed.insert = false;
+  const AdaptResult result = adapted(cube, sampled(cube, layer), options);
+  expect_same_domain(result.mesh, cube);
+  EXPECT_EQ(result.mesh.points.size(), cube.points.size());
+  EXPECT_EQ(done(result, {Operator::split, Operator::collapse}), 0);
+  EXPECT_GT(done(result, {Operator::swap_edge}), 0);
+  EXPECT_GT(done(result, {Operator::smooth}), 0);
+}
+
+TEST(AdaptAllowed, WithoutMovementVerticesComeAndGoButDoNotMove) {
+  const MeshData cube = unit_cube(6);
+  AdaptOptions options;
+  options.allowed.move = false;
+  const AdaptResult result = adapted(cube, sampled(cube, layer), options);
+  expect_same_domain(result.mesh, cube);
+  EXPECT_EQ(done(result, {Operator::smooth, Operator::relocate}), 0);
+  EXPECT_GT(result.mesh.points.size(), cube.points.size());
+}
+
+TEST(AdaptAllowed, WithoutSwapsThereAreNone) {
+  const MeshData cube = unit_cube(6);
+  AdaptOptions options;
+  options.allowed.swap = false;
+  const AdaptResult result = adapted(cube, sampled(cube, layer), options);
+  expect_same_domain(result.mesh, cube);
+  EXPECT_EQ(done(result, {Operator::swap_edge, Operator::swap_face}), 0);
+  EXPECT_GT(done(result, {Operator::split}), 0);
+}
+
+TEST(AdaptAllowed, WithSwapsAloneEveryVertexStaysWhereItIs) {
+  const MeshData cube = unit_cube(6);
+  AdaptOptions options;
+  options.allowed = {.insert = false, .swap = true, .move = false};
+  // Small along the diagonals that the cells' faces have in the plane z = 0, large across.
+  const double small = -2 * std::log(0.05), large = -2 * std::log(0.4), mean = (small + large) / 2;
+  const LogMetric along_diagonals{mean, (small - large) / 2, mean, 0, 0, large};
+  const AdaptResult result = adapted(cube, LogMetricField(cube.points.size(), along_diagonals), options);
+  expect_same_domain(result.mesh, cube);
+  EXPECT_EQ(places(result.mesh), places(cube));
+  EXPECT_GT(done(result, {Operator::swap_edge, Operator::swap_face}), 0);
+}
+
 TEST(AdaptInput, NoTets) {
   MeshData mesh;
   EXPECT_THAT(refusal(mesh), HasSubstr("Tetrahedra"));

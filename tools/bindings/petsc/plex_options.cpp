@@ -23,21 +23,13 @@ PetscErrorCode is_said(DM dm, const char* option, Value value, Value unsaid, boo
   PetscFunctionReturn(0);
 }
 
-/// What weft cannot do is refused: a mesh that was changed in a way that the user has ruled out is worse than
-/// none.
-PetscErrorCode refuse_unknown(DM dm) {
+PetscErrorCode allowed_operations(DM dm, PlexOptions& options) {
   PetscBool insertion = PETSC_FALSE, swapping = PETSC_FALSE, movement = PETSC_FALSE;
   PetscFunctionBegin;
-  MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(dm));
   PetscCall(DMPlexMetricNoInsertion(dm, &insertion));
   PetscCall(DMPlexMetricNoSwapping(dm, &swapping));
   PetscCall(DMPlexMetricNoMovement(dm, &movement));
-  constexpr const char* kText =
-      "weft always %s: it has no equal of %s; leave the option out, or use another -dm_adaptor";
-  PetscCheck(!insertion, comm, PETSC_ERR_SUP, kText, "inserts and removes vertices",
-             "-dm_plex_metric_no_insert");
-  PetscCheck(!swapping, comm, PETSC_ERR_SUP, kText, "swaps edges and faces", "-dm_plex_metric_no_swap");
-  PetscCheck(!movement, comm, PETSC_ERR_SUP, kText, "moves vertices", "-dm_plex_metric_no_move");
+  options.weft.allowed = {!insertion, !swapping, !movement};
   PetscFunctionReturn(0);
 }
 
@@ -84,7 +76,7 @@ PetscErrorCode own_options(DM dm, PlexOptions& options) {
 
 PetscErrorCode options_of_plex(DM dm, PlexOptions& options) {
   PetscFunctionBegin;
-  PetscCall(refuse_unknown(dm));
+  PetscCall(allowed_operations(dm, options));
   PetscCall(metric_options(dm, options));
   PetscCall(own_options(dm, options));
   PetscFunctionReturn(0);

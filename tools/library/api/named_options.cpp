@@ -186,6 +186,23 @@ void add_boundary(std::vector<Row>& rows) {
       [](Options & o) -> auto& { return o.geometry.model_scale; }));
 }
 
+/// An option whose name begins with "no-".
+template <class Place>
+Row ban(const char* name, const char* text, Place place) {
+  return {{name, "yes or no", text, true}, [place](Options& options, const std::string& option, const std::string& value) {
+            place(options) = !yes_or_no(option, value);
+          }};
+}
+
+void add_operations(std::vector<Row>& rows) {
+  rows.push_back(ban(
+      "no-insert", "neither split nor collapse edges", [](Options & o) -> auto& { return o.allowed.insert; }));
+  rows.push_back(ban(
+      "no-swap", "swap no edges and faces", [](Options & o) -> auto& { return o.allowed.swap; }));
+  rows.push_back(ban(
+      "no-move", "move no vertices", [](Options & o) -> auto& { return o.allowed.move; }));
+}
+
 void add_run(std::vector<Row>& rows) {
   rows.push_back(choice(
       "transfer", "how fields are carried along", [](Options & o) -> auto& { return o.transfer; },
@@ -252,10 +269,9 @@ void add_subdomains(std::vector<Row>& rows) {
       "freeze", "what is frozen at an interface", [](Options & o) -> auto& { return o.distributed.freeze; },
       Words<Distributed::Freeze>{
           {{"vertices", Distributed::Freeze::vertices}, {"tets", Distributed::Freeze::tets}}}));
-  rows.push_back({{"no-interface-refinement", "yes or no", "leave the interface as it is at first", true},
-                  [](Options& o, const std::string& option, const std::string& text) {
-                    o.distributed.interface_refinement = !yes_or_no(option, text);
-                  }});
+  rows.push_back(ban(
+      "no-interface-refinement", "leave the interface as it is at first",
+      [](Options & o) -> auto& { return o.distributed.interface_refinement; }));
   rows.push_back(flag(
       "ghosts", "results in parts get a layer of ghost tets",
       [](Options & o) -> auto& { return o.distributed.ghosts; }, false));
@@ -266,6 +282,7 @@ const std::vector<Row>& table() {
     std::vector<Row> all;
     add_metric(all);
     add_boundary(all);
+    add_operations(all);
     add_run(all);
     add_subdomains(all);
     return all;

@@ -85,6 +85,7 @@ class OneMesh {
     kernel.ridge_angle_degrees = options_.geometry.ridge_angle;
     kernel.hausd = options_.geometry.hausd;
     kernel.model = model_;
+    kernel.allowed = options_.allowed;
     kernel.interrupt = &monitor_.flag();
     kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, work_->at_adaptation(done), tets);

@@ -133,6 +133,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   if (asked.shifts) method.most_shifts = *asked.shifts;
   method.refine_interface = asked.interface_refinement;
   method.tets_at_frozen_stay = asked.freeze == DistributedOptions::Freeze::tets;
+  method.allowed = options_.allowed;
   method.hausd = options_.geometry.hausd;
   method.check = options_.run.check;
   method.threads = threads_;

@@ -117,6 +117,16 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->group("Geometry");
 }
 
+void add_operations(CLI::App& sub, AdaptCommand& command) {
+  AllowedOperations& allowed = command.options.allowed;
+  const auto ban = [&sub](const char* name, bool& member, const char* text) {
+    sub.add_flag_callback(name, [&member] { member = false; }, text)->group("Operations");
+  };
+  ban("--no-insert", allowed.insert, "neither split nor collapse edges: the vertices stay (also -noinsert)");
+  ban("--no-swap", allowed.swap, "swap no edges and faces (also -noswap)");
+  ban("--no-move", allowed.move, "move no vertices (also -nomove)");
+}
+
 void add_report_options(CLI::App& sub, AdaptCommand& command) {
   constexpr const char* kGroup = "Report";
   static const CLI::Validator graph_name(
@@ -257,6 +267,7 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   add_metric_processing(*sub, command->options.metric);
   add_field_options(*sub, command->fields, "IN", "Fields");
   add_geometry(*sub, *command);
+  add_operations(*sub, *command);
   add_subdomains(*sub, *command);
   add_checkpoints(*sub, *command);
   add_run(*sub, *command);

@@ -11,7 +11,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAliases = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kAliases = {{
     {"-met", "--metric"},
     {"-sol", "--metric"},
     {"-out", "--out"},
@@ -20,6 +20,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAliases 
     {"-hmax", "--hmax"},
     {"-hausd", "--hausd"},
     {"-ar", "--ridge-angle"},
+    {"-noinsert", "--no-insert"},
+    {"-noswap", "--no-swap"},
+    {"-nomove", "--no-move"},
 }};
 
 }  // namespace

@@ -206,6 +206,7 @@ struct DistributedOptions {
 struct Options {
   GeometryOptions geometry;
   MetricOptions metric;
+  AllowedOperations allowed;                         ///< --no-insert, --no-swap, --no-move
   TransferMethod transfer = TransferMethod::linear;  ///< of the fields that are carried along
   RunOptions run;
   DistributedOptions distributed;
