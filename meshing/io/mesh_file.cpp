@@ -174,6 +174,10 @@ MeshData read_mesh(const fs::path& path, RefNames* names) {
   return std::move(contents.mesh);
 }
 
+Association read_carried_model(const fs::path& path) {
+  return format_of(path).read == &read_gmf ? read_gmf_model(path, read_gmf_layout(path)) : Association{};
+}
+
 SolutionData read_solution(const fs::path& path) {
   if (is_gmf_solution(path)) return read_gmf_solution(path);
   if (!holds_fields(path)) fail_extension(path, ".solb, .sol and mesh files that hold fields");

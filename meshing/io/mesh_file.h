@@ -30,6 +30,9 @@ std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 /// far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range);
 
+/// The CAD model that a mesh file carries, without the records of vertices on it; empty where it has none.
+Association read_carried_model(const std::filesystem::path& path);
+
 /// Reads .solb or .sol, or the fields in a mesh file that has some.
 SolutionData read_solution(const std::filesystem::path& path);
 

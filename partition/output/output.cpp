@@ -75,9 +75,21 @@ meshing::SolutionData own_metrics(const MeshPiece& piece, const PieceNumbers& nu
   return meshing::solution_from_metric(own);
 }
 
-void write_parts(bool first, std::span<const MeshPiece> mine, const Numbering& numbering, CommonFile& mesh,
-                 CommonFile* solution) {
+/// With the carried model, whose length rank 0 knows.
+MeshCounts with_model(Peers& peers, MeshCounts totals, const meshing::Association& carried) {
+  meshing::MeshData carrier;
+  if (peers.rank() == 0) carrier.association = carried;
+  const MeshCounts mine = counts_of(carrier);
+  const auto of_first = allgather(peers, std::vector<std::uint64_t>{mine.model_rows, mine.model_in_words})[0];
+  totals.model_rows = of_first[0];
+  totals.model_in_words = of_first[1] != 0;
+  return totals;
+}
+
+void write_parts(bool first, std::span<const MeshPiece> mine, const Numbering& numbering,
+                 const meshing::Association& carried, CommonFile& mesh, CommonFile* solution) {
   mesh.write_part(first, [&](GmfSliceWriter& out) {
+    if (first) out.model(carried);
     for (std::size_t p = 0; p < mine.size(); ++p) {
       const PieceNumbers& numbers = numbering.pieces[p];
       write_rows(out, own_entities(mine[p], numbers), mine[p].mesh.tet_refs, numbers.first);
@@ -93,11 +105,12 @@ void write_parts(bool first, std::span<const MeshPiece> mine, const Numbering& n
 }  // namespace
 
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
-                  const std::filesystem::path& solution, int version) {
+                  const std::filesystem::path& solution, const meshing::Association& carried, int version) {
   const Numbering numbering = number_pieces(peers, mine);
+  const MeshCounts counts = with_model(peers, numbering.totals, carried);
   std::optional<CommonFile> mesh_file, solution_file;
   agree_on(peers, [&] {
-    mesh_file.emplace(GmfPlan::of_mesh(mesh, numbering.totals, version));
+    mesh_file.emplace(GmfPlan::of_mesh(mesh, counts, version));
     if (solution.empty()) return;
     solution_file.emplace(
         GmfPlan::of_solution(solution, numbering.totals.points, {meshing::Field::Kind::tensor}, version));
@@ -105,7 +118,8 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
   mesh_file->create(peers);
   if (solution_file) solution_file->create(peers);
   agree_on(peers, [&] {
-    write_parts(peers.rank() == 0, mine, numbering, *mesh_file, solution_file ? &*solution_file : nullptr);
+    write_parts(peers.rank() == 0, mine, numbering, carried, *mesh_file,
+                solution_file ? &*solution_file : nullptr);
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;

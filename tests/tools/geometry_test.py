@@ -77,6 +77,28 @@ class Geometry(CommandTest):
             recorded = int(words[words.index(keyword) + 1])
             self.assertEqual(recorded, sum(e["vertices"] for e in model["entities"] if e["kind"] == kind), keyword)
 
+    def test_a_carried_model_is_read_in_shares_and_stays_in_the_file(self):
+        self.start()
+        self.weft("convert", "start.meshb", "start.mesh")
+        model = MODEL.read_bytes()
+        padded = model + bytes(-len(model) % 4)
+        words = [int.from_bytes(padded[i:i + 4], "little", signed=True) for i in range(0, len(padded), 4)]
+        section = f"ByteFlow\n{1 + len(words)}\n" + "\n".join(map(str, [len(model), *words])) + "\nEnd\n"
+        text = (self.folder / "start.mesh").read_text()
+        self.write("carrier.mesh", text[:text.rindex("End")] + section)
+        self.weft("convert", "carrier.mesh", "carrier.meshb")
+        results = []
+        for geometry, mesh, ranks in ((MODEL, "carrier.meshb", 1), ("carried", "carrier.meshb", 1),
+                                      ("carried", "carrier.meshb", 3)):
+            done = self.on_ranks(ranks, "adapt", mesh, "--geometry", geometry, "--metric-fn", "uniform:0.3", "--subdomains", 4,
+                                 "--threads", 1, "-o", "out.meshb")
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            self.assertNotIn("has read the whole mesh", done.stdout + done.stderr)
+            results.append((self.folder / "out.meshb").read_bytes())
+        self.assertTrue(results[0] == results[1] == results[2])
+        self.assertIn(model, results[0])
+        self.weft("stat", "out.meshb", "--geometry", "carried")
+
     def test_ranks_give_the_same_bytes(self):
         self.start()
         words = ["adapt", "start.meshb", "--geometry", MODEL, "--curvature", 24, "--complexity", 800, "--subdomains", 4,

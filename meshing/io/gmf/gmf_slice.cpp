@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "meshing/io/gmf/gmf_association.h"
 #include "meshing/io/gmf/gmf_binary_file.h"
 #include "meshing/io/gmf/gmf_rows.h"
 #include "meshing/io/gmf/gmf_text_file.h"
@@ -60,6 +61,14 @@ MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& l
     MeshData mesh;
     read_boundary(file, mesh);
     return mesh;
+  });
+}
+
+Association read_gmf_model(const std::filesystem::path& path, const GmfLayout& layout) {
+  return read_with(path, layout, [](const auto& file) {
+    Association association;
+    read_model(file, association);
+    return association;
   });
 }
 

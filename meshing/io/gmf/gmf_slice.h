@@ -40,6 +40,9 @@ GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout
 /// nor tets.
 MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout);
 
+/// The CAD model that the file carries, none of the records; empty where it has none.
+Association read_gmf_model(const std::filesystem::path& path, const GmfLayout& layout);
+
 /// The values of all fields at the vertices `first` to `first + count - 1`; num_points is `count`.
 SolutionData read_gmf_solution_slice(const std::filesystem::path& path, const GmfLayout& layout,
                                      std::uint64_t first, std::uint64_t count);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_association.h"
 
 namespace weft::meshing {
 
@@ -31,7 +32,7 @@ std::uint64_t GmfPlan::row_position(Keyword section, std::uint64_t row) const {
   for (const SectionShape& shape : shapes_) {
     if (shape.code == section && row <= shape.count) {
       return position + section_head_size(encoding, shape) +
-             row * encoding.row_size(shape.reals, shape.indices);
+             row * (shape.bytes + encoding.row_size(shape.reals, shape.indices));
     }
     position += section_size(encoding, shape);
   }
@@ -77,6 +78,10 @@ void GmfSliceWriter::on_model(Keyword section, std::uint64_t first, const std::v
     for (std::size_t i = 0; i < reals; ++i) out_.real(row.reals[i]);
     out_.end_row();
   }
+}
+
+void GmfSliceWriter::model(const Association& carried) {
+  if (begin_rows(kByteFlow, 0, carried.model.empty() ? 0 : 1)) write_model(out_, carried, carried.model_in_words);
 }
 
 void GmfSliceWriter::solution(std::uint64_t first, const SolutionData& part) {

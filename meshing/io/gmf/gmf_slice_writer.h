@@ -70,6 +70,8 @@ class GmfSliceWriter {
   }
   void indices(gmf::Keyword section, std::uint64_t first, const std::vector<std::uint64_t>& indices);
   void on_model(gmf::Keyword section, std::uint64_t first, const std::vector<gmf::ModelRow>& rows);
+  /// The CAD model that the file carries, whole: by one of the writers.
+  void model(const Association& carried);
   void solution(std::uint64_t first, const SolutionData& part);
   /// Everything to the disk. Nothing may be written afterwards.
   void finish() { file_.finish(); }

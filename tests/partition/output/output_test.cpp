@@ -107,7 +107,7 @@ std::pair<std::string, std::string> bytes_for_all_ranks(const std::vector<MeshPi
     const TemporaryDirectory directory;
     const auto hands = deal(pieces, ranks, static_cast<unsigned>(ranks));
     run_on_ranks(ranks, [&](Peers& peers) {
-      write_pieces(peers, hands[peers.rank()], directory / "m.meshb", directory / "m.solb", version);
+      write_pieces(peers, hands[peers.rank()], directory / "m.meshb", directory / "m.solb", {}, version);
     });
     EXPECT_EQ(directory.num_entries(), 2u);
     const std::pair bytes{bytes_of(directory / "m.meshb"), bytes_of(directory / "m.solb")};
@@ -200,7 +200,7 @@ std::string common_complaint(const std::vector<std::vector<MeshPiece>>& hands, c
   run_on_ranks(static_cast<int>(hands.size()), [&](Peers& peers) {
     std::string complaint = "none";
     try {
-      write_pieces(peers, hands[peers.rank()], mesh, solution, version);
+      write_pieces(peers, hands[peers.rank()], mesh, solution, {}, version);
     } catch (const InputError& error) {
       complaint = error.what();
     }

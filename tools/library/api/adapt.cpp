@@ -48,6 +48,10 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
     }
     partition::MergedMesh merged = partition::merge_pieces(run.pieces());
     result.mesh = std::move(merged.mesh);
+    if (!options.geometry.model.empty()) {
+      result.mesh.association.model = input.mesh.association.model;
+      result.mesh.association.model_in_words = input.mesh.association.model_in_words;
+    }
     result.metric = Metric::from_logarithms(std::move(merged.log_metrics));
   });
   result.output_counts = tools::count(result.mesh);

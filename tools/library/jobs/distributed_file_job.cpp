@@ -71,10 +71,12 @@ class DistributedFileJob {
  private:
   SliceInput read() {
     run_.monitor().update("reading", 0, 0);
-    const bool carried = options_.geometry.model == "carried";
-    SliceInput input = read_slice(run_.peers(), files_, options_,
-                                  carried ? nullptr : run_.read_model(meshing::MeshData{}, files_.input));
-    if (carried) run_.read_model(input.whole ? *input.whole : meshing::MeshData{}, files_.input);
+    meshing::MeshData carrier;  // whatever model there is, the one that the file carries stays in it
+    partition::agree_on(run_.peers(), [&] {
+      if (run_.first() && !options_.geometry.model.empty()) carried_ = meshing::read_carried_model(files_.input);
+    });
+    carrier.association.model = carried_.model;
+    SliceInput input = read_slice(run_.peers(), files_, options_, run_.read_model(carrier, files_.input));
     account_.warnings = input.warnings;
     account_.mends = input.mends;
     names_ = std::move(input.names);
@@ -107,7 +109,7 @@ class DistributedFileJob {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh);
       account_.outputs.solution = account_.outputs.mesh;
     } else {
-      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution);
+      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_);
     }
     account_.times.write = watch_.lap();
   }
@@ -117,7 +119,9 @@ class DistributedFileJob {
     const std::vector<partition::MeshPiece> pieces = gather_pieces(run_.exchange(), std::move(run_.pieces()));
     partition::agree_on(run_.peers(), [&] {
       if (!run_.first()) return;
-      const partition::MergedMesh merged = partition::merge_pieces(pieces);
+      partition::MergedMesh merged = partition::merge_pieces(pieces);
+      merged.mesh.association.model = carried_.model;
+      merged.mesh.association.model_in_words = carried_.model_in_words;
       if (!files_.fields.empty()) carry_fields(merged.mesh);
       write_mesh_with_solution(account_.outputs, merged.mesh,
                                meshing::solution_from_metric(merged.log_metrics), fields_, names_);
@@ -167,6 +171,7 @@ class DistributedFileJob {
   std::string report_error_;
   meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
+  meshing::Association carried_;  ///< the CAD model in the input, on rank 0
   meshing::RefNames names_;  ///< of the input's references; on rank 0 at least
 };
 

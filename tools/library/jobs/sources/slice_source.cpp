@@ -36,7 +36,6 @@ bool only_scaled(const MetricOptions& m) {
 /// Whether no rank needs the whole mesh, where ranges of the file can be read.
 bool possible_in_shares(const Files& files, const Options& options) {
   return !options.run.repair && files.background.empty() && files.fields.empty() &&
-         options.geometry.model != "carried" &&
          (only_scaled(options.metric) || can_be_made_in_parts(options.metric));
 }
 
@@ -154,17 +153,14 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options,
     const bool curved = metric.curvature > 0 || metric.sagitta > 0;  // else nobody asks the model here
     LogMetricMade made =
         make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr,
-                        !curved ? nullptr
-                        : model ? model
-                                : model_of(options.geometry, *input.whole, files.input));
+                        curved ? model : nullptr);
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor carried "
-        "models, fields and "
-        "repair are read or made in shares");
+        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor fields "
+        "and repair are read or made in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
