@@ -12,6 +12,7 @@
 #include "graph/adaptation/resume.h"
 #include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
+#include "meshing/operators/surface_fit.h"
 #include "partition/communication/reduce.h"
 #include "partition/output/piece_share.h"
 #include "partition/verify/check_subdomains.h"
@@ -92,7 +93,12 @@ class CheckedRun {
   /// After make_subdomains(). Returns the number of checks.
   std::uint32_t run(const Made& made) {
     const partition::PiecesReport at_first = check("after the decomposition");
-    totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd);
+    double deviation = 0;
+    dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
+      deviation = std::max(
+          deviation, meshing::largest_surface_deviation(*task.subdomain().mesh, rank_.geometry->surface));
+    });
+    totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd + partition::max(peers_, deviation));
     runtime_.run([&](engine::Context& context) { start_tasks(context, made); });
     while (const std::optional<Pause> pause = next_pause()) {
       const bool after_interiors = !pause->begins_phase && rank_.plan.begins_phase(pause->round);

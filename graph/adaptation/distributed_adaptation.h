@@ -24,8 +24,8 @@ struct DistributedOptions {
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
-  double hausd = 0;                  ///< 0: 0.1 % of the bounding box diagonal
-  int threads = 1;                   ///< of this rank
+  double hausd = 0;  ///< 0: 0.1 % of the bounding box diagonal
+  int threads = 1;   ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
   ProgressBoard* news = nullptr;  ///< of this rank
   /// Called when the decomposition is done and the plan made; may throw on all ranks alike.

@@ -55,9 +55,9 @@ struct AdaptationPlan {
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
-  double hausd = 0;                  ///< meshing::AdaptOptions, not 0
-  double expected_complexity = 0;    ///< of the whole result
-  int threads_of_subdomain = 1;      ///< that one adaptation may use
+  double hausd = 0;                ///< meshing::AdaptOptions, not 0
+  double expected_complexity = 0;  ///< of the whole result
+  int threads_of_subdomain = 1;    ///< that one adaptation may use
   /// Every subdomain pauses after its interior adaptation and after every shift, until
   /// SubdomainTask::release: so a run of the engine ends there, and what subdomains have can be checked.
   bool pauses = false;

@@ -27,17 +27,6 @@ double bounding_box_diagonal(const MeshData& m) {
   return norm(box.size());
 }
 
-double largest_surface_deviation(const Kernel& k) {
-  double largest = 0;
-  for (std::uint32_t i = 0; i < k.mesh.tet_slots(); ++i)
-    for (int f = 0; f < 4; ++f) {
-      const PatchId patch = k.mesh.patch(TetId(i), f);
-      if (patch.valid() && !k.surface.patches()[patch.value].planar)
-        largest = std::max(largest, surface_deviation(k, patch, TetId(i), f));
-    }
-  return largest;
-}
-
 /// Address space for many times the predicted size: holes and a mesh that must first grow cost slots.
 std::size_t capacity(double predicted, std::size_t input) {
   constexpr double kMost = (1u << 30) - 1;
@@ -83,7 +72,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       kernel.limits.hausd =
           options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
       adapt_in_place(kernel, options, Extent::everything, result.report);
-      result.report.surface_deviation = largest_surface_deviation(kernel);
+      result.report.surface_deviation = largest_surface_deviation(*imported.mesh, *imported.surface);
       if (options.model)
         result.report.model =
             std::make_shared<const ModelAccount>(account_on_model(*imported.mesh, *imported.surface));

@@ -241,8 +241,9 @@ Verdict split_any(Worker& w, TetId t) {
 Verdict improve(Worker& w, TetId t, double quality) {
   if (!w.mesh.alive(t) || w.mesh.quality(t) >= quality) return Verdict::not_needed;
   const AllowedOperations& may = w.kernel.policy.allowed;
-  for (const auto& [allowed, operation] : {std::pair(may.swap, &swap_any), std::pair(may.move, &relocate_any),
-                                           std::pair(may.insert, &collapse_any), std::pair(may.insert, &split_any)}) {
+  for (const auto& [allowed, operation] :
+       {std::pair(may.swap, &swap_any), std::pair(may.move, &relocate_any),
+        std::pair(may.insert, &collapse_any), std::pair(may.insert, &split_any)}) {
     if (!allowed) continue;
     if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
   }

@@ -242,7 +242,7 @@ class Adaptation {
       for (int f = 0; f < 4; ++f) {
         const PatchId patch = mesh_.patch(t, f);
         if (!patch.valid() || kernel_.surface.patches()[patch.value].planar) continue;
-        off += surface_deviation(kernel_, patch, t, f) > kClearly * kernel_.limits.hausd;
+        off += surface_deviation(mesh_, kernel_.surface, patch, t, f) > kClearly * kernel_.limits.hausd;
         ++all;
         for (int k = 0; k < 3; ++k) {
           const VertexId a = mesh_.vertex(t, kTetFaces[f][k]), b = mesh_.vertex(t, kTetFaces[f][(k + 1) % 3]);

@@ -27,13 +27,22 @@ Vec bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
 
 }  // namespace
 
-double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face) {
-  const TetMesh& mesh = k.mesh;
+double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId patch, TetId t, int face) {
   Point centroid;
   for (const int i : kTetFaces[face]) centroid += (1.0 / 3) * mesh.point(mesh.vertex(t, i));
   const VertexId near = mesh.vertex(t, kTetFaces[face][0]);
   return norm(centroid -
-              k.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
+              surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near)).x);
+}
+
+double largest_surface_deviation(const TetMesh& mesh, const Surface& surface) {
+  double largest = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    for (int f = 0; f < 4 && mesh.alive(TetId(i)); ++f)
+      if (const PatchId patch = mesh.patch(TetId(i), f);
+          patch.valid() && !surface.patches()[patch.value].planar)
+        largest = std::max(largest, surface_deviation(mesh, surface, patch, TetId(i), f));
+  return largest;
 }
 
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {

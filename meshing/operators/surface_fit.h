@@ -20,6 +20,8 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
                   const std::array<VertexId, 3>& old);
 
 /// Distance from the centroid of a boundary face to the reference surface of `patch`.
-double surface_deviation(const Kernel& k, PatchId patch, TetId t, int face);
+double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId patch, TetId t, int face);
+/// The largest of all boundary triangles; 0 where the boundary is planar.
+double largest_surface_deviation(const TetMesh& mesh, const Surface& surface);
 
 }  // namespace weft::meshing

@@ -119,7 +119,7 @@ void InterfaceSnapshot::check(const Subdomain& s) const {
   }
 }
 
-ExpectedTotals totals_to_keep(const PiecesReport& at_first, const Geometry& geometry, double hausd) {
+ExpectedTotals totals_to_keep(const PiecesReport& at_first, const Geometry& geometry, double distance) {
   const auto planar = [](const meshing::Patch& p) { return p.planar; };
   const auto straight = [](const meshing::Curve& c) { return c.straight; };
   ExpectedTotals totals;
@@ -131,7 +131,7 @@ ExpectedTotals totals_to_keep(const PiecesReport& at_first, const Geometry& geom
   }
   double area = 0;
   for (const auto& [ref, of_ref] : at_first.area_by_ref) area += of_ref;
-  totals.volume_tolerance = 2 * hausd * area;  // the area may grow too
+  totals.volume_tolerance = 2 * distance * area;  // the area may grow too
   totals.areas_known = false;
   return totals;
 }

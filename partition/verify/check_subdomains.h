@@ -48,8 +48,8 @@ class InterfaceSnapshot {
 };
 
 /// Volume and areas that later checks are to find again. Areas, and the volume to rounding, only where the
-/// boundary is planar with straight features; elsewhere the volume to what moving the surface by `hausd` may
-/// change.
-ExpectedTotals totals_to_keep(const PiecesReport& at_first, const Geometry& geometry, double hausd);
+/// boundary is planar with straight features; elsewhere the volume to what moving the surface by `distance`
+/// may change.
+ExpectedTotals totals_to_keep(const PiecesReport& at_first, const Geometry& geometry, double distance);
 
 }  // namespace weft::partition

@@ -350,8 +350,8 @@ enum class Operator : std::uint8_t { collapse, split, swap_edge, swap_face, smoo
 inline constexpr std::array<std::string_view, static_cast<std::size_t>(Operator::count_)> kOperatorNames = {
     "collapse", "split", "swap_edge", "swap_face", "smooth", "relocate"};
 
-/// What an adaptation may do to a mesh. What is ruled out is done nowhere; the result is valid, and conforms to the
-/// metric as well as the rest can make it.
+/// What an adaptation may do to a mesh. What is ruled out is done nowhere; the result is valid, and conforms
+/// to the metric as well as the rest can make it.
 struct AllowedOperations {
   bool insert = true;  ///< split and collapse edges: else all vertices of the input stay, and no other comes
   bool swap = true;    ///< edges and faces

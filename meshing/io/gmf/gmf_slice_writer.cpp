@@ -81,7 +81,8 @@ void GmfSliceWriter::on_model(Keyword section, std::uint64_t first, const std::v
 }
 
 void GmfSliceWriter::model(const Association& carried) {
-  if (begin_rows(kByteFlow, 0, carried.model.empty() ? 0 : 1)) write_model(out_, carried, carried.model_in_words);
+  if (begin_rows(kByteFlow, 0, carried.model.empty() ? 0 : 1))
+    write_model(out_, carried, carried.model_in_words);
 }
 
 void GmfSliceWriter::solution(std::uint64_t first, const SolutionData& part) {

@@ -189,14 +189,16 @@ void add_boundary(std::vector<Row>& rows) {
 /// An option whose name begins with "no-".
 template <class Place>
 Row ban(const char* name, const char* text, Place place) {
-  return {{name, "yes or no", text, true}, [place](Options& options, const std::string& option, const std::string& value) {
+  return {{name, "yes or no", text, true},
+          [place](Options& options, const std::string& option, const std::string& value) {
             place(options) = !yes_or_no(option, value);
           }};
 }
 
 void add_operations(std::vector<Row>& rows) {
   rows.push_back(ban(
-      "no-insert", "neither split nor collapse edges", [](Options & o) -> auto& { return o.allowed.insert; }));
+      "no-insert", "neither split nor collapse edges",
+      [](Options & o) -> auto& { return o.allowed.insert; }));
   rows.push_back(ban(
       "no-swap", "swap no edges and faces", [](Options & o) -> auto& { return o.allowed.swap; }));
   rows.push_back(ban(

@@ -73,7 +73,8 @@ class DistributedFileJob {
     run_.monitor().update("reading", 0, 0);
     meshing::MeshData carrier;  // whatever model there is, the one that the file carries stays in it
     partition::agree_on(run_.peers(), [&] {
-      if (run_.first() && !options_.geometry.model.empty()) carried_ = meshing::read_carried_model(files_.input);
+      if (run_.first() && !options_.geometry.model.empty())
+        carried_ = meshing::read_carried_model(files_.input);
     });
     carrier.association.model = carried_.model;
     SliceInput input = read_slice(run_.peers(), files_, options_, run_.read_model(carrier, files_.input));
@@ -172,7 +173,7 @@ class DistributedFileJob {
   meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
   meshing::SolutionData fields_;
   meshing::Association carried_;  ///< the CAD model in the input, on rank 0
-  meshing::RefNames names_;  ///< of the input's references; on rank 0 at least
+  meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
 };
 
 }  // namespace

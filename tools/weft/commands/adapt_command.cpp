@@ -120,7 +120,9 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
 void add_operations(CLI::App& sub, AdaptCommand& command) {
   AllowedOperations& allowed = command.options.allowed;
   const auto ban = [&sub](const char* name, bool& member, const char* text) {
-    sub.add_flag_callback(name, [&member] { member = false; }, text)->group("Operations");
+    sub.add_flag_callback(
+           name, [&member] { member = false; }, text)
+        ->group("Operations");
   };
   ban("--no-insert", allowed.insert, "neither split nor collapse edges: the vertices stay (also -noinsert)");
   ban("--no-swap", allowed.swap, "swap no edges and faces (also -noswap)");
