@@ -8,6 +8,7 @@ namespace weft::engine {
 Rank Context::rank() const { return scheduler_.rank(); }
 int Context::ranks() const { return scheduler_.ranks(); }
 ObjectId Context::self() const { return self_.id; }
+int Context::idle_workers() const { return scheduler_.idle_workers(); }
 bool Context::stop_requested() const { return scheduler_.stopping(); }
 const std::atomic<bool>& Context::stop_flag() const { return scheduler_.stop_flag(); }
 const void* Context::local_data() const { return scheduler_.local(); }

@@ -100,6 +100,10 @@ class Context {
     send(Request::migrate, target.id, 0, static_cast<std::uint64_t>(to.value), {}, {});
   }
 
+  /// Workers of this rank that have nothing to do now. Parallel loops of oneTBB inside the handler run on
+  /// them too.
+  int idle_workers() const;
+
   /// The run has failed or was interrupted: a long handler should return soon.
   bool stop_requested() const;
   /// The same as a flag, for what is to look at it often; it lives as long as the runtime.

@@ -643,6 +643,11 @@ std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
 
 // --- Looking from outside
 
+int Scheduler::idle_workers() const {
+  const Lock lock(mutex_);
+  return std::max(0, options_.threads - busy_ - static_cast<int>(ready_.size()));
+}
+
 Load Scheduler::load() const {
   const Lock lock(mutex_);
   return {options_.threads, busy_, ready_.size(), std::max(0.0, queued_seconds_), handled_};

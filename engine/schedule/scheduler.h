@@ -55,6 +55,7 @@ class Scheduler {
   const void* local() const { return options_.local; }
   bool stopping() const { return stopping_.load(std::memory_order_relaxed); }
   const std::atomic<bool>& stop_flag() const { return stopping_; }
+  int idle_workers() const;
   ObjectId add_object(const TypeInfo& type, void* object);
   void send(Cell& from, Request request, ObjectId target, std::uint32_t method, std::uint64_t round,
             double expected, Payload payload);

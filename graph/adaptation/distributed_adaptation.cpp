@@ -284,8 +284,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : meshing::kHausdOfDiagonal * norm(d.box.size());
   plan.expected_complexity = d.complexity;
-  const int here = static_cast<int>(std::max<std::size_t>(d.starts.size(), 1));
-  plan.threads_of_subdomain = std::max(1, options.threads / here);
+  plan.threads = std::max(1, options.threads);
   plan.pauses = options.check;
   plan.home_ranks = options.resume ? options.resume->manifest.home_ranks : peers.ranks();
   rank.geometry = d.geometry;

@@ -199,7 +199,8 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   limits.largest_bulge *= coarseness;
   limits = limits.coarser(coarseness);
   meshing::AdaptOptions options;
-  options.threads = rank.plan.threads_of_subdomain;
+  options.threads = rank.plan.threads;
+  options.idle_threads = [&] { return context.engine().idle_workers(); };
   options.tets_at_frozen_stay = rank.plan.tets_at_frozen_stay;
   options.allowed = rank.plan.allowed;
   // An interface that is not to be moved soon would stay fine.

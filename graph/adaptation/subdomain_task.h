@@ -57,7 +57,7 @@ struct AdaptationPlan {
   meshing::AllowedOperations allowed = {};
   double hausd = 0;                ///< meshing::AdaptOptions, not 0
   double expected_complexity = 0;  ///< of the whole result
-  int threads_of_subdomain = 1;    ///< that one adaptation may use
+  int threads = 1;                 ///< of this rank: an adaptation helps itself to those that are idle
   /// Every subdomain pauses after its interior adaptation and after every shift, until
   /// SubdomainTask::release: so a run of the engine ends there, and what subdomains have can be checked.
   bool pauses = false;

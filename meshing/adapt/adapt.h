@@ -21,6 +21,9 @@ namespace weft::meshing {
 /// What the user may set. The defaults are right for nearly everyone.
 struct AdaptOptions {
   int threads = 1;
+  /// How many others of the current TBB arena's `threads` have nothing to do now: asked before each pass,
+  /// which they help with. Empty: the adaptation has `threads` of its own.
+  std::function<int()> idle_threads;
   double ridge_angle_degrees = 45;
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
                      ///< 0: 0.1 % of the bounding box diagonal

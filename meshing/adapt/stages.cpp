@@ -43,7 +43,7 @@ class Adaptation {
              const BeforeLevel& before_level)
       : kernel_(kernel),
         mesh_(kernel.mesh),
-        crew_(kernel, std::max(1, options.threads), options.interrupt, options.abandon),
+        crew_(kernel, std::max(1, options.threads), options.interrupt, options.abandon, options.idle_threads),
         options_(options),
         extent_(extent),
         report_(report),

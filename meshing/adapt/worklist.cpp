@@ -1,16 +1,41 @@
 // The pool of workers.
 #include "meshing/adapt/worklist.h"
 
+#include <utility>
+
 namespace weft::meshing {
 
 WorkerPool::WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt,
-                       const std::atomic<bool>* abandon)
-    : kernel_(kernel), arena_(threads), interrupt_(interrupt), abandon_(abandon) {
-  for (int i = 0; i < threads; ++i)
-    workers_.push_back(std::make_unique<Worker>(kernel, static_cast<std::uint32_t>(i) + 1, threads == 1));
+                       const std::atomic<bool>* abandon, std::function<int()> idle_threads)
+    : kernel_(kernel),
+      idle_threads_(std::move(idle_threads)),
+      arena_(threads),
+      threads_(static_cast<std::size_t>(threads)),
+      interrupt_(interrupt),
+      abandon_(abandon) {
+  if (idle_threads_ && threads > 1) {
+    arena_.initialize(tbb::attach());
+    threads_ = static_cast<std::size_t>(arena_.max_concurrency());
+  }
+  grow_to(idle_threads_ ? 1 : threads_);
   const TetMesh& mesh = kernel.mesh;
   for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) dead_tets_ += !mesh.alive(TetId(i));
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i) dead_vertices_ += !mesh.alive(VertexId(i));
+}
+
+void WorkerPool::grow_to(std::size_t workers) {
+  while (workers_.size() < workers) {
+    const auto owner = static_cast<std::uint32_t>(workers_.size()) + 1;
+    workers_.push_back(std::make_unique<Worker>(kernel_, owner, threads_ == 1));
+  }
+}
+
+bool WorkerPool::works_alone(std::uint32_t slots) {
+  if (threads_ == 1) return true;
+  const bool alone = idle_threads_ && (slots <= kGrain || idle_threads_() == 0);
+  if (!alone) grow_to(threads_);
+  for (auto& worker : workers_) worker->claims.work_alone(alone);
+  return alone;
 }
 
 OperationCounts WorkerPool::take_counts() {

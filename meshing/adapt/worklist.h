@@ -20,9 +20,9 @@ namespace weft::meshing {
 /// The threads of one adaptation, with a Worker each.
 class WorkerPool {
  public:
-  /// The pool is interrupted when either flag, unless null, is set.
+  /// The pool is interrupted when either flag, unless null, is set. `idle_threads`: see AdaptOptions.
   WorkerPool(Kernel& kernel, int threads, const std::atomic<bool>* interrupt,
-             const std::atomic<bool>* abandon = nullptr);
+             const std::atomic<bool>* abandon = nullptr, std::function<int()> idle_threads = {});
 
   /// Calls operation(worker, tet) -> Verdict for every live tet that has mark `mark`; returns how many were
   /// accepted.
@@ -82,6 +82,11 @@ class WorkerPool {
  private:
   static constexpr std::uint32_t kGrain = 2048;
 
+  void grow_to(std::size_t workers);
+
+  /// Before a sweep: whether the calling thread makes it by itself, without claims.
+  bool works_alone(std::uint32_t slots);
+
   static bool is_set(const std::atomic<bool>* flag) { return flag && flag->load(std::memory_order_relaxed); }
 
   template <class Visit>
@@ -100,7 +105,7 @@ class WorkerPool {
       if (watcher_ && std::this_thread::get_id() == caller)
         watcher_(static_cast<double>(visited) / static_cast<double>(slots));
     };
-    if (workers_.size() == 1) {
+    if (works_alone(slots)) {
       for (std::uint32_t i = 0; i < slots && !interrupted(); i += kGrain)
         body(*workers_[0], i, std::min(slots, i + kGrain));
     } else {
@@ -118,8 +123,11 @@ class WorkerPool {
   }
 
   Kernel& kernel_;
+  std::function<int()> idle_threads_;
   tbb::task_arena arena_;
-  std::vector<std::unique_ptr<Worker>> workers_;
+  std::vector<std::unique_ptr<Worker>>
+      workers_;  ///< by thread of the arena; of borrowed threads when first needed
+  std::size_t threads_;
   const std::atomic<bool>* interrupt_;
   const std::atomic<bool>* abandon_;
   std::function<void(double)> watcher_;

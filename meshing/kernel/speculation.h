@@ -25,6 +25,9 @@ class Claims {
     held_.reserve(512);
   }
 
+  /// Whether the owner is a sole one from now on. Not while any owner holds anything.
+  void work_alone(bool sole) { sole_ = sole; }
+
   /// accepted (held now, or already), conflict, or frozen (FrozenPolicy::untouchable).
   Verdict claim(VertexId v) {
     if (sole_) return untouchable(v) ? Verdict::frozen : Verdict::accepted;

@@ -41,6 +41,13 @@ extern "C" {
 #define WEFT_C_API
 #endif
 
+/* Any number may come from C: with its type said a C++ compiler allows it too. */
+#ifdef __cplusplus
+#define WEFT_C_ENUM(name) enum name : unsigned int
+#else
+#define WEFT_C_ENUM(name) enum name
+#endif
+
 typedef struct weft_mesh weft_mesh;
 typedef struct weft_metric weft_metric;
 typedef struct weft_fields weft_fields;
@@ -48,7 +55,7 @@ typedef struct weft_options weft_options;
 typedef struct weft_part weft_part;
 typedef struct weft_result weft_result;
 
-typedef enum weft_status {
+typedef WEFT_C_ENUM(weft_status) {
   WEFT_OK = 0,
   WEFT_MISUSE = 1,       /* a NULL or freed handle, one of another kind, wrong sizes */
   WEFT_INPUT_ERROR = 2,  /* data that cannot be used; the text names file, entity and reason */
@@ -73,7 +80,7 @@ WEFT_C_API int64_t weft_handles(void);
 /* ------------------------------------------------------------------------------------------------ Meshes */
 
 /* The arrays of a mesh beside points and tets, by the numbers of a row. */
-typedef enum weft_array {
+typedef WEFT_C_ENUM(weft_array) {
   WEFT_TETS = 0,               /* 4: indices of points */
   WEFT_TET_REFS = 1,           /* 1 */
   WEFT_TRIANGLES = 2,          /* 3: indices of points */
@@ -117,7 +124,7 @@ WEFT_C_API weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_me
 /* ----------------------------------------------------------------------------------------------- Metrics */
 
 /* Which of the components of a symmetric tensor is where. */
-typedef enum weft_tensor_order {
+typedef WEFT_C_ENUM(weft_tensor_order) {
   WEFT_ORDER_SOL = 1,  /* 11 12 22 13 23 33: as in .sol files and in <weft/weft.h> */
   WEFT_ORDER_ROWS = 2, /* 11 12 13 22 23 33: the upper triangle row by row, as in Mmg's interface */
   WEFT_ORDER_VOIGT = 3 /* 11 22 33 23 13 12 */
