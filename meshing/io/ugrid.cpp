@@ -13,6 +13,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/cursor.h"
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/single_precision.h"
 #include "meshing/io/files/text_output.h"
@@ -296,15 +297,27 @@ void read_mapbc(const fs::path& path, MeshContents& contents) {
 // ---------------------------------------------------------------------------------------------------------
 // Writing
 
+/// `most`: of the counts.
+void check_integers(const std::string& name, const Encoding& encoding, std::uint64_t most) {
+  if (encoding.integer_size == 4 && !std::in_range<std::int32_t>(most))
+    throw InputError(name, "", "too large for the 32-bit integers of this UGRID encoding: use .lb8l.ugrid");
+}
+
+template <class File, class T>
+void write_value(File& file, const Encoding& encoding, T value) {
+  file.write_value(encoding.swapped ? byte_swapped(value) : value);
+}
+template <class File>
+void write_integer(File& file, const Encoding& encoding, std::int64_t number) {
+  encoding.integer_size == 8 ? write_value(file, encoding, number)
+                             : write_value(file, encoding, static_cast<std::int32_t>(number));
+}
+
 class Writer {
  public:
   Writer(const fs::path& path, const MeshData& mesh)
       : name_(path.string()), file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
-    const std::uint64_t most = std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()});
-    if (encoding_.integer_size == 4 && !std::in_range<std::int32_t>(most)) {
-      throw InputError(name_, "",
-                       "too large for the 32-bit integers of this UGRID encoding: use .lb8l.ugrid");
-    }
+    check_integers(name_, encoding_, std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
   }
 
   void write() {
@@ -329,21 +342,17 @@ class Writer {
   }
 
  private:
-  template <class T>
-  void value(T value) {
-    file_.write_value(encoding_.swapped ? byte_swapped(value) : value);
-  }
   void integer(std::int64_t number) {
     if (encoding_.ascii) return text_.number(number);
-    encoding_.integer_size == 8 ? value(number) : value(static_cast<std::int32_t>(number));
+    write_integer(file_, encoding_, number);
   }
   void real(double number) {
     if (encoding_.ascii) return text_.number(number);
-    if (encoding_.real_size == 8) return value(number);
+    if (encoding_.real_size == 8) return write_value(file_, encoding_, number);
     if (std::abs(number) > std::numeric_limits<float>::max()) {
       throw InputError(name_, "", "a coordinate is too large for 32-bit reals");
     }
-    value(static_cast<float>(number));
+    write_value(file_, encoding_, static_cast<float>(number));
   }
   void end_row() {
     if (encoding_.ascii) text_.end_line();
@@ -402,6 +411,77 @@ void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOpti
   if (!encoding.ascii && encoding.real_size == 4) refuse_rounded_tets(contents.mesh, path.string());
   Writer(path, contents.mesh).write();
 }
+
+bool is_ugrid_for_parts(const fs::path& path) {
+  if (path.extension() != ".ugrid") return false;
+  const Encoding encoding = encoding_of(path);
+  return !encoding.ascii && encoding.real_size == 8;
+}
+
+struct UgridSliceWriter::Impl {
+  Impl(const fs::path& path, const fs::path& name, const Counts& of_whole)
+      : file(path, name.string()), encoding(encoding_of(name)), counts(of_whole) {
+    check_integers(name.string(), encoding, std::max({counts.points, counts.triangles, counts.tets}));
+    const std::uint64_t integer = encoding.integer_size;
+    points = 7 * integer;
+    triangles = points + 3 * counts.points * encoding.real_size;
+    surface_ids = triangles + 3 * counts.triangles * integer;
+    tets = surface_ids + counts.triangles * integer;
+    volume_ids = tets + 4 * counts.tets * integer;  // behind the number of tets in boundary layers
+  }
+
+  template <std::size_t N>
+  void elements(std::uint64_t begin, std::uint64_t first,
+                std::span<const std::array<std::uint64_t, N>> rows) {
+    file.seek(begin + first * N * encoding.integer_size);
+    for (const auto& row : rows)
+      for (const std::uint64_t v : row) write_integer(file, encoding, static_cast<std::int64_t>(v) + 1);
+  }
+  void refs(std::uint64_t begin, std::uint64_t first, std::span<const std::int32_t> refs) {
+    file.seek(begin + first * encoding.integer_size);
+    for (const std::int32_t ref : refs) write_integer(file, encoding, ref);
+  }
+
+  FilePart file;
+  Encoding encoding;
+  Counts counts;
+  std::uint64_t points, triangles, surface_ids, tets, volume_ids;  ///< where they begin
+};
+
+UgridSliceWriter::UgridSliceWriter(const fs::path& file, const fs::path& name, const Counts& counts)
+    : impl_(std::make_unique<Impl>(file, name, counts)) {}
+UgridSliceWriter::~UgridSliceWriter() = default;
+
+void UgridSliceWriter::frame() {
+  impl_->file.seek(0);
+  const Counts& n = impl_->counts;
+  for (const std::uint64_t count : {n.points, n.triangles, std::uint64_t{0}, n.tets, std::uint64_t{0},
+                                    std::uint64_t{0}, std::uint64_t{0}})
+    write_integer(impl_->file, impl_->encoding, static_cast<std::int64_t>(count));
+  if (!n.tet_refs) return;
+  impl_->file.seek(impl_->volume_ids);
+  write_integer(impl_->file, impl_->encoding, 0);
+}
+
+void UgridSliceWriter::points(std::uint64_t first, std::span<const Point> points) {
+  impl_->file.seek(impl_->points + 3 * first * impl_->encoding.real_size);
+  for (const Point& p : points)
+    for (int c = 0; c < 3; ++c) write_value(impl_->file, impl_->encoding, p[c]);
+}
+
+void UgridSliceWriter::triangles(std::uint64_t first, std::span<const std::array<std::uint64_t, 3>> triangles,
+                                 std::span<const std::int32_t> refs) {
+  impl_->elements(impl_->triangles, first, triangles);
+  impl_->refs(impl_->surface_ids, first, refs);
+}
+
+void UgridSliceWriter::tets(std::uint64_t first, std::span<const std::array<std::uint64_t, 4>> tets,
+                            std::span<const std::int32_t> refs) {
+  impl_->elements(impl_->tets, first, tets);
+  if (impl_->counts.tet_refs) impl_->refs(impl_->volume_ids + impl_->encoding.integer_size, first, refs);
+}
+
+void UgridSliceWriter::finish() { impl_->file.finish(); }
 
 void copy_mapbc(const fs::path& from, const fs::path& to) {
   if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return;

@@ -1,6 +1,7 @@
-// Counts make the plan, the plan gives every row its place, every rank writes its rows.
+// Counts give every row its place, and every rank writes its rows.
 #include "partition/output/output.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,8 +9,10 @@
 
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
+#include "meshing/io/ugrid.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
 
@@ -24,30 +27,30 @@ using meshing::GmfSliceWriter;
 /// One file that all ranks write: rank 0 creates it and makes it appear.
 class CommonFile {
  public:
-  explicit CommonFile(GmfPlan plan) : plan_(std::move(plan)) {}
+  explicit CommonFile(std::filesystem::path name) : name_(std::move(name)) {}
 
   /// All ranks.
   void create(Peers& peers) {
     agree_on(peers, [&] {
-      if (peers.rank() == 0) file_ = std::make_unique<AtomicFile>(plan_.name());
+      if (peers.rank() == 0) file_ = std::make_unique<AtomicFile>(name_);
     });
     temporary_ = text_of_first(peers, file_ ? file_->temporary().string() : "");
   }
-  /// write(writer) writes this rank's rows; `first` is for one of the ranks.
-  template <class Write>
-  void write_part(bool first, const Write& write) {
-    GmfSliceWriter writer(temporary_, plan_);
-    if (first) writer.frame();
-    write(writer);
-    writer.finish();
-  }
+  const std::filesystem::path& name() const { return name_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
   /// On rank 0, when all have written.
   void commit() { file_->commit(); }
 
  private:
-  GmfPlan plan_;
-  std::filesystem::path temporary_;
+  std::filesystem::path name_, temporary_;
   std::unique_ptr<AtomicFile> file_;  ///< on rank 0
+};
+
+/// This rank's pieces and where they go.
+struct Share {
+  bool first;  ///< the rank that writes what is of no piece
+  std::span<const MeshPiece> pieces;
+  const Numbering& numbering;
 };
 
 void write_rows(GmfSliceWriter& out, const OwnEntities& own, const std::vector<std::int32_t>& tet_refs,
@@ -86,20 +89,51 @@ MeshCounts with_model(Peers& peers, MeshCounts totals, const meshing::Associatio
   return totals;
 }
 
-void write_parts(bool first, std::span<const MeshPiece> mine, const Numbering& numbering,
-                 const meshing::Association& carried, CommonFile& mesh, CommonFile* solution) {
-  mesh.write_part(first, [&](GmfSliceWriter& out) {
-    if (first) out.model(carried);
-    for (std::size_t p = 0; p < mine.size(); ++p) {
-      const PieceNumbers& numbers = numbering.pieces[p];
-      write_rows(out, own_entities(mine[p], numbers), mine[p].mesh.tet_refs, numbers.first);
-    }
-  });
-  if (!solution) return;
-  solution->write_part(first, [&](GmfSliceWriter& out) {
-    for (std::size_t p = 0; p < mine.size(); ++p)
-      out.solution(numbering.pieces[p].first.points, own_metrics(mine[p], numbering.pieces[p]));
-  });
+void write_as_gmf(const Share& share, const meshing::Association& carried, const CommonFile& file,
+                  const GmfPlan& plan) {
+  GmfSliceWriter out(file.temporary(), plan);
+  if (share.first) {
+    out.frame();
+    out.model(carried);
+  }
+  for (std::size_t p = 0; p < share.pieces.size(); ++p) {
+    const PieceNumbers& numbers = share.numbering.pieces[p];
+    write_rows(out, own_entities(share.pieces[p], numbers), share.pieces[p].mesh.tet_refs, numbers.first);
+  }
+  out.finish();
+}
+
+void write_as_ugrid(const Share& share, const meshing::UgridSliceWriter::Counts& counts,
+                    const CommonFile& file) {
+  meshing::UgridSliceWriter out(file.temporary(), file.name(), counts);
+  if (share.first) out.frame();
+  for (std::size_t p = 0; p < share.pieces.size(); ++p) {
+    const PieceNumbers& numbers = share.numbering.pieces[p];
+    const OwnEntities own = own_entities(share.pieces[p], numbers);
+    out.points(numbers.first.points, own.points);
+    out.triangles(numbers.first.triangles, own.triangles, own.triangle_refs);
+    out.tets(numbers.first.tets, own.tets, share.pieces[p].mesh.tet_refs);
+  }
+  out.finish();
+}
+
+void write_metrics(const Share& share, const CommonFile& file, const GmfPlan& plan) {
+  GmfSliceWriter out(file.temporary(), plan);
+  if (share.first) out.frame();
+  for (std::size_t p = 0; p < share.pieces.size(); ++p)
+    out.solution(share.numbering.pieces[p].first.points,
+                 own_metrics(share.pieces[p], share.numbering.pieces[p]));
+  out.finish();
+}
+
+/// All ranks.
+meshing::UgridSliceWriter::Counts ugrid_counts(Peers& peers, std::span<const MeshPiece> mine,
+                                               const MeshCounts& totals) {
+  const auto has_refs = [](const MeshPiece& piece) {
+    return std::ranges::any_of(piece.mesh.tet_refs, [](std::int32_t ref) { return ref != 0; });
+  };
+  const int any = max(peers, static_cast<int>(std::ranges::any_of(mine, has_refs)));
+  return {totals.points, totals.triangles, totals.tets, any != 0};
 }
 
 }  // namespace
@@ -107,24 +141,28 @@ void write_parts(bool first, std::span<const MeshPiece> mine, const Numbering& n
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
                   const std::filesystem::path& solution, const meshing::Association& carried, int version) {
   const Numbering numbering = number_pieces(peers, mine);
+  const bool ugrid = meshing::is_ugrid_for_parts(mesh);
   const MeshCounts counts = with_model(peers, numbering.totals, carried);
-  std::optional<CommonFile> mesh_file, solution_file;
+  const auto in_ugrid = ugrid_counts(peers, mine, numbering.totals);
+  std::optional<GmfPlan> mesh_plan, solution_plan;
   agree_on(peers, [&] {
-    mesh_file.emplace(GmfPlan::of_mesh(mesh, counts, version));
-    if (solution.empty()) return;
-    solution_file.emplace(
-        GmfPlan::of_solution(solution, numbering.totals.points, {meshing::Field::Kind::tensor}, version));
+    if (!ugrid) mesh_plan = GmfPlan::of_mesh(mesh, counts, version);
+    if (!solution.empty())
+      solution_plan =
+          GmfPlan::of_solution(solution, numbering.totals.points, {meshing::Field::Kind::tensor}, version);
   });
-  mesh_file->create(peers);
-  if (solution_file) solution_file->create(peers);
+  CommonFile mesh_file(mesh), solution_file(solution);
+  mesh_file.create(peers);
+  if (solution_plan) solution_file.create(peers);
   agree_on(peers, [&] {
-    write_parts(peers.rank() == 0, mine, numbering, carried, *mesh_file,
-                solution_file ? &*solution_file : nullptr);
+    const Share share{peers.rank() == 0, mine, numbering};
+    ugrid ? write_as_ugrid(share, in_ugrid, mesh_file) : write_as_gmf(share, carried, mesh_file, *mesh_plan);
+    if (solution_plan) write_metrics(share, solution_file, *solution_plan);
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
-    mesh_file->commit();
-    if (solution_file) solution_file->commit();
+    mesh_file.commit();
+    if (solution_plan) solution_file.commit();
   });
 }
 

@@ -13,6 +13,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/gmf/gmf.h"
+#include "meshing/io/ugrid.h"
 #include "tests/meshing/io/format_support.h"
 #include "tests/partition/output/piece_support.h"
 
@@ -168,6 +169,46 @@ TEST(WritePieces, WhereVerticesLieOnAModelIsWrittenOnceForAnyRanks) {
     const TemporaryDirectory directory;
     write_gmf_mesh(directory / "m.meshb", merged.mesh, 0);
     EXPECT_TRUE(bytes_for_all_ranks(cut.pieces, 0).first == bytes_of(directory / "m.meshb"));
+  }
+}
+
+TEST(WritePieces, UgridFilesAreThoseOfTheMergedMeshForAnyRanks) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const CutMesh cut = random_cut(seed);
+    const MergedMesh merged = merge_pieces(cut.pieces);
+    const std::string name = std::array{"m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid"}[seed % 3];
+    const TemporaryDirectory expected;
+    const meshing::SolutionData no_fields{merged.mesh.points.size(), {}};
+    const meshing::RefNames no_names;
+    meshing::write_ugrid(expected / name, {merged.mesh, no_fields, no_names});
+    for (const int ranks : kRankCounts) {
+      const TemporaryDirectory directory;
+      const auto hands = deal(cut.pieces, ranks, static_cast<unsigned>(ranks));
+      run_on_ranks(ranks, [&](Peers& peers) { write_pieces(peers, hands[peers.rank()], directory / name); });
+      EXPECT_EQ(directory.num_entries(), 1u);
+      EXPECT_TRUE(bytes_of(directory / name) == bytes_of(expected / name)) << ranks << " ranks";
+    }
+  }
+}
+
+TEST(WritePieces, ACarriedModelIsInTheFileForAnyRanks) {
+  const CutMesh cut = random_cut(3);
+  MergedMesh merged = merge_pieces(cut.pieces);
+  for (const bool in_words : {false, true}) {
+    merged.mesh.association.model = {1, 2, 3, 250, 251, 252, 253};
+    merged.mesh.association.model_in_words = in_words;
+    const TemporaryDirectory directory;
+    write_gmf_mesh(directory / "m.meshb", merged.mesh, 0);
+    for (const int ranks : kRankCounts) {
+      const auto hands = deal(cut.pieces, ranks, static_cast<unsigned>(ranks));
+      run_on_ranks(ranks, [&](Peers& peers) {
+        const meshing::Association none;
+        write_pieces(peers, hands[peers.rank()], directory / "p.meshb", {},
+                     peers.rank() == 0 ? merged.mesh.association : none);
+      });
+      EXPECT_TRUE(bytes_of(directory / "p.meshb") == bytes_of(directory / "m.meshb")) << ranks << " ranks";
+    }
   }
 }
 

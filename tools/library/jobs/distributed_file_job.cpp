@@ -98,7 +98,8 @@ class DistributedFileJob {
 
   bool written_by_all() const {
     const fs::path mesh = account_.outputs.mesh;
-    return files_.fields.empty() && (mesh.extension() == ".pvtu" || mesh.extension() == ".meshb");
+    return files_.fields.empty() &&
+           (mesh.extension() == ".pvtu" || mesh.extension() == ".meshb" || meshing::is_ugrid_for_parts(mesh));
   }
 
   void write() {
@@ -111,6 +112,9 @@ class DistributedFileJob {
       account_.outputs.solution = account_.outputs.mesh;
     } else {
       partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_);
+      partition::agree_on(run_.peers(), [&] {
+        if (run_.first()) meshing::copy_mapbc(files_.input, mesh);
+      });
     }
     account_.times.write = watch_.lap();
   }

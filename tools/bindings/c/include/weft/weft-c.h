@@ -55,14 +55,14 @@ typedef struct weft_options weft_options;
 typedef struct weft_part weft_part;
 typedef struct weft_result weft_result;
 
-typedef WEFT_C_ENUM(weft_status) {
-  WEFT_OK = 0,
-  WEFT_MISUSE = 1,       /* a NULL or freed handle, one of another kind, wrong sizes */
-  WEFT_INPUT_ERROR = 2,  /* data that cannot be used; the text names file, entity and reason */
-  WEFT_OPTION_ERROR = 3, /* an option that is unknown, makes no sense or contradicts another */
-  WEFT_RUN_ERROR = 4,    /* a run on several ranks came to no end */
-  WEFT_OUT_OF_MEMORY = 5,
-  WEFT_INTERNAL_ERROR = 6 /* a fault of weft */
+typedef WEFT_C_ENUM(weft_status){
+    WEFT_OK = 0,
+    WEFT_MISUSE = 1,       /* a NULL or freed handle, one of another kind, wrong sizes */
+    WEFT_INPUT_ERROR = 2,  /* data that cannot be used; the text names file, entity and reason */
+    WEFT_OPTION_ERROR = 3, /* an option that is unknown, makes no sense or contradicts another */
+    WEFT_RUN_ERROR = 4,    /* a run on several ranks came to no end */
+    WEFT_OUT_OF_MEMORY = 5,
+    WEFT_INTERNAL_ERROR = 6 /* a fault of weft */
 } weft_status;
 
 /* "0.1.0" */
@@ -80,19 +80,19 @@ WEFT_C_API int64_t weft_handles(void);
 /* ------------------------------------------------------------------------------------------------ Meshes */
 
 /* The arrays of a mesh beside points and tets, by the numbers of a row. */
-typedef WEFT_C_ENUM(weft_array) {
-  WEFT_TETS = 0,               /* 4: indices of points */
-  WEFT_TET_REFS = 1,           /* 1 */
-  WEFT_TRIANGLES = 2,          /* 3: indices of points */
-  WEFT_TRIANGLE_REFS = 3,      /* 1 */
-  WEFT_EDGES = 4,              /* 2: indices of points */
-  WEFT_EDGE_REFS = 5,          /* 1 */
-  WEFT_POINT_REFS = 6,         /* 1 */
-  WEFT_CORNERS = 7,            /* 1: index of a point */
-  WEFT_REQUIRED_POINTS = 8,    /* 1: index of a point */
-  WEFT_RIDGES = 9,             /* 1: index of an edge */
-  WEFT_REQUIRED_EDGES = 10,    /* 1: index of an edge */
-  WEFT_REQUIRED_TRIANGLES = 11 /* 1: index of a triangle */
+typedef WEFT_C_ENUM(weft_array){
+    WEFT_TETS = 0,               /* 4: indices of points */
+    WEFT_TET_REFS = 1,           /* 1 */
+    WEFT_TRIANGLES = 2,          /* 3: indices of points */
+    WEFT_TRIANGLE_REFS = 3,      /* 1 */
+    WEFT_EDGES = 4,              /* 2: indices of points */
+    WEFT_EDGE_REFS = 5,          /* 1 */
+    WEFT_POINT_REFS = 6,         /* 1 */
+    WEFT_CORNERS = 7,            /* 1: index of a point */
+    WEFT_REQUIRED_POINTS = 8,    /* 1: index of a point */
+    WEFT_RIDGES = 9,             /* 1: index of an edge */
+    WEFT_REQUIRED_EDGES = 10,    /* 1: index of an edge */
+    WEFT_REQUIRED_TRIANGLES = 11 /* 1: index of a triangle */
 } weft_array;
 
 /* Of points x y z, x y z, ... and tets of four indices each. Both counts may be 0. */
@@ -124,10 +124,10 @@ WEFT_C_API weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_me
 /* ----------------------------------------------------------------------------------------------- Metrics */
 
 /* Which of the components of a symmetric tensor is where. */
-typedef WEFT_C_ENUM(weft_tensor_order) {
-  WEFT_ORDER_SOL = 1,  /* 11 12 22 13 23 33: as in .sol files and in <weft/weft.h> */
-  WEFT_ORDER_ROWS = 2, /* 11 12 13 22 23 33: the upper triangle row by row, as in Mmg's interface */
-  WEFT_ORDER_VOIGT = 3 /* 11 22 33 23 13 12 */
+typedef WEFT_C_ENUM(weft_tensor_order){
+    WEFT_ORDER_SOL = 1,  /* 11 12 22 13 23 33: as in .sol files and in <weft/weft.h> */
+    WEFT_ORDER_ROWS = 2, /* 11 12 13 22 23 33: the upper triangle row by row, as in Mmg's interface */
+    WEFT_ORDER_VOIGT = 3 /* 11 22 33 23 13 12 */
 } weft_tensor_order;
 
 /* Metric tensors at `count` vertices, or wanted sizes (the same in all directions). */
