@@ -5,13 +5,10 @@
 #include <cgnslib.h>
 #include <fcntl.h>
 #include <hdf5.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -26,6 +23,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/files/atomic_file.h"
+#include "meshing/io/files/child_process.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/merge_pieces.h"
 
@@ -49,18 +47,13 @@ std::mutex& library_mutex() {
   return mutex;
 }
 
-/// An open file; closed when it goes.
+/// An open file; closed when it goes. Who has one holds the library's mutex.
 class Library {
  public:
   /// `shown` is what messages call the file.
-  Library(const std::filesystem::path& path, int mode, std::string shown)
-      : lock_(library_mutex()), name_(std::move(shown)) {
+  Library(const std::filesystem::path& path, int mode, std::string shown) : name_(std::move(shown)) {
     cg_set_file_type(CG_FILE_HDF5);
-    if (cg_open(path.c_str(), mode, &file_) != CG_OK) {
-      const std::string reason = cg_get_error();
-      cgio_cleanup();  // closes what it forgot
-      fail("", reason);
-    }
+    if (cg_open(path.c_str(), mode, &file_) != CG_OK) fail("", cg_get_error());
     open_ = true;
   }
   ~Library() {
@@ -82,7 +75,6 @@ class Library {
   }
 
  private:
-  std::lock_guard<std::mutex> lock_;
   std::string name_;
   int file_ = 0;
   bool open_ = false;
@@ -600,42 +592,28 @@ void sync_file(const std::filesystem::path& path, const Library& library) {
   if (!synced) library.fail("", "cannot write: the data did not reach the disk");
 }
 
-/// Opens the file in a child process: HDF5 1.10 itself can crash on damaged structure (it frees link tables
-/// that it has not filled). The child begins with the same memory as we, so what it survives we survive.
-bool opening_crashes(const std::filesystem::path& path) {
+/// Opens the file in another process first: HDF5 1.10 itself can crash on damaged structure (it frees link
+/// tables that it has not filled), and keeps open what it could not read. The other process begins with the
+/// same memory as this one, so what it survives this one survives.
+void check_that_it_opens(const std::filesystem::path& path) {
   constexpr unsigned kPatienceSeconds = 60;
-  const pid_t child = ::fork();
-  if (child < 0) return false;  // no way to know
-  if (child == 0) {
-    const int nowhere = ::open("/dev/null", O_WRONLY);
-    if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
-    const rlimit no_core{0, 0};
-    ::setrlimit(RLIMIT_CORE, &no_core);
-    ::alarm(kPatienceSeconds);
-    int file = 0;
-    if (cg_open(path.c_str(), CG_MODE_READ, &file) == CG_OK) cg_close(file);
-    ::_exit(0);
-  }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status != 0;
-}
-
-void check_type(const std::filesystem::path& path) {
-  const std::lock_guard lock(library_mutex());
-  if (opening_crashes(path)) {
-    throw InputError(path.string(), "", "the file is damaged: the CGNS library crashes on it");
-  }
-  int type = CG_FILE_NONE;
-  if (cg_is_cgns(path.c_str(), &type) == CG_OK && type == CG_FILE_HDF5) return;
-  cgio_cleanup();
-  throw InputError(path.string(), "", "not a CGNS file in HDF5");
+  const auto complaint = complaint_of_child(
+      [&]() -> std::string {
+        int file = 0, type = CG_FILE_NONE;
+        if (cg_is_cgns(path.c_str(), &type) != CG_OK || type != CG_FILE_HDF5)
+          return "not a CGNS file in HDF5";
+        if (cg_open(path.c_str(), CG_MODE_READ, &file) != CG_OK) return cg_get_error();
+        cg_close(file);
+        return "";
+      },
+      kPatienceSeconds);
+  if (!complaint) throw InputError(path.string(), "", "the file is damaged: the CGNS library crashes on it");
+  if (!complaint->empty()) throw InputError(path.string(), "", *complaint);
 }
 
 std::uint64_t checked_size(const std::filesystem::path& path) {
   const std::uint64_t size = InputFile(path).size();  // for its messages: the library's are poor
-  check_type(path);
+  check_that_it_opens(path);
   return size;
 }
 
@@ -654,6 +632,7 @@ struct OpenFile {
     if (zones < 1) library.fail("base 1", "has no zone");
   }
 
+  std::lock_guard<std::mutex> lock{library_mutex()};
   std::uint64_t size;
   Library library;
   int bases = 0, zones = 0;
@@ -690,12 +669,21 @@ MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange&
 void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
   AtomicFile file(path);
-  {
-    Library library(file.temporary(), CG_MODE_WRITE, path.string());
-    Writer(library, contents).write();
-    library.close();
-    sync_file(file.temporary(), library);
-  }
+  // A full disk keeps HDF5 from closing the file, and a later file would meet what is left of it: it is left
+  // in another process. Its end closes the file, too.
+  const std::lock_guard lock(library_mutex());
+  const auto complaint = complaint_of_child(
+      [&]() -> std::string {
+        Library library(file.temporary(), CG_MODE_WRITE, path.string());
+        Writer(library, contents).write();
+        library.close();
+        sync_file(file.temporary(), library);
+        return "";
+      },
+      0);
+  if (!complaint)
+    throw InputError(path.string(), "", "cannot write: the CGNS library did not get to its end");
+  if (!complaint->empty()) throw InputError("", "", *complaint);
   file.commit();
 }
 
