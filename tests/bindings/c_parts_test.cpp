@@ -99,6 +99,36 @@ TEST(CParts, AdaptAndComeBackNumberedAndOwned) {
   weft_free(part);
 }
 
+TEST(CParts, SolutionsOfThePartsMakeTheMetric) {
+  const OnRank me;
+  Input in;
+  make(me, in);
+  int64_t points = 0;
+  weft_mesh_num_points(in.mesh, &points);
+  const double* x = nullptr;
+  if (points > 0) {
+    ASSERT_EQ(weft_mesh_points(in.mesh, &x), WEFT_OK);
+  }
+  std::vector<double> values;
+  for (int64_t i = 0; i < points; ++i)
+    values.push_back(x[3 * i] * x[3 * i] + 2 * x[3 * i + 1] * x[3 * i + 1] + 3 * x[3 * i + 2] * x[3 * i + 2]);
+  weft_fields* solution = nullptr;
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_fields_create(points, &solution), WEFT_OK);
+  ASSERT_EQ(weft_fields_add(solution, "u", 1, values.data()), WEFT_OK) << weft_last_error();
+  weft_options_add_solution(in.options, solution);
+  weft_options_set(in.options, "complexity", "300");
+  ASSERT_EQ(weft_adapt_parts(MPI_COMM_WORLD, in.part, nullptr, in.options, &result), WEFT_OK)
+      << weft_last_error();
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  weft_result_measures(result, &measures);
+  EXPECT_NEAR(measures.volume, 1, 1e-12);
+  EXPECT_NEAR(static_cast<double>(measures.vertices), 600, 250);
+  weft_free(result);
+  weft_free(solution);
+}
+
 TEST(CParts, WhatOneRankDoesWrongAllHearOf) {
   const OnRank me;
   const bool last = me.rank == me.ranks - 1;

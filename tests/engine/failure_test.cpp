@@ -258,6 +258,9 @@ void start_too_many_threads() {
 
 TEST(Failure, WithoutThreadsThereIsAnExceptionAndNoEnd) {
   if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer needs the address space that is limited here";
+#endif
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(start_too_many_threads(), ::testing::ExitedWithCode(7), "");
 }

@@ -222,6 +222,25 @@ TEST(Door, MakesMetricsOfSolutionsInMemory) {
   EXPECT_NEAR(complexity(mesh, made.metric), 400, 4);
 }
 
+TEST(Door, MetricsOfSolutionsAskForNoEdgesLongerThanTheDomain) {
+  const Mesh mesh = box_of(8);
+  Field u{Field::Kind::scalar, {}, "u"};
+  for (const Point& p : mesh.points) u.values.push_back(p.x * p.x);  // nothing to resolve in y and z
+  MetricOptions options;
+  options.solutions = {{mesh.points.size(), {u}}};
+  options.complexity = 400;
+  const auto least_of = [&] {
+    const MadeMetric made = make_metric(mesh, options);
+    EXPECT_NEAR(complexity(mesh, made.metric), 400, 4);
+    double least = 1e300;
+    for (std::size_t v = 0; v < made.metric.size(); ++v) least = std::min(least, made.metric.tensor(v).yy);
+    return least;
+  };
+  EXPECT_GE(least_of(), (1 - 1e-9) / 3);  // the diagonal of the box is the square root of 3
+  options.hmax = 1000;
+  EXPECT_LT(least_of(), 0.1);
+}
+
 TEST(Door, FillsAClosedSurface) {
   BallOptions ball;
   ball.size = 0.4;

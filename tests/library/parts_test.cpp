@@ -249,6 +249,34 @@ TEST(Parts, MetricsThatAreGradedAreMadeOfTheWholeMesh) {
   EXPECT_NEAR(fine.after.complexity, 800, 120);
 }
 
+/// A layer across the box.
+double layer(const Point& x) { return std::tanh(20 * (x.x + 0.3 * x.y - 0.6)); }
+
+Fields layer_of(const Mesh& mesh) {
+  Fields fields{mesh.points.size(), {{Field::Kind::scalar, {}, "layer"}}};
+  for (const Point& x : mesh.points) fields.fields[0].values.push_back(layer(x));
+  return fields;
+}
+
+TEST(Parts, MetricsOfSolutionsAreThoseOfTheWholeMesh) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const auto with = [](const Mesh& mesh) {
+    Options options = options_of(8);
+    options.metric.complexity = 700;
+    options.metric.hgrad = 1.5;
+    if (!mesh.points.empty()) options.metric.solutions = {layer_of(mesh)};
+    return options;
+  };
+  const Part part = part_of(whole, split.rank, dealt(split.ranks));
+  const PartResult fine = adapt(split.communicator, part, with(part.mesh));
+  const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
+  const PartResult alone = adapt(MPI_COMM_SELF, all, with(all.mesh));
+  EXPECT_EQ(shape_of(fine, split.communicator), shape_of(alone, MPI_COMM_SELF));
+  EXPECT_EQ(12 * adapt(whole, with(whole)).mesh.tets.size(), shape_of(alone, MPI_COMM_SELF).size());
+  EXPECT_NEAR(fine.after.complexity, 700, 70);
+}
+
 /// What all ranks throw, which must be the same.
 std::string common_error(const Split& split, const std::function<void()>& call) {
   std::string text;
@@ -292,6 +320,40 @@ TEST(Parts, WrongOnesAreRefusedOnAllRanksNamingRankAndEntity) {
          }),
          "is another point than on rank");
   }
+}
+
+TEST(Parts, WrongSolutionsAreRefusedOnAllRanks) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  const int last = split.ranks - 1;
+  const auto refused = [&](const std::function<void(std::vector<Fields>&)>& spoil) {
+    Options options = options_of(8);
+    options.metric.complexity = 700;
+    options.metric.solutions = {layer_of(part.mesh)};
+    if (split.rank == last) spoil(options.metric.solutions);
+    return common_error(split, [&] { adapt(split.communicator, part, options); });
+  };
+  const std::string rank = "rank " + std::to_string(last) + ": ";
+  const auto says = [](const std::string& text, const std::string& what) {
+    EXPECT_NE(text.find(what), std::string::npos) << text;
+  };
+  says(refused([](auto& s) { s[0].fields[0].values[3] = std::nan(""); }), rank);
+  says(refused([](auto& s) { s[0].fields[0].kind = Field::Kind::vector; }), rank);
+  says(common_error(split, [&] { adapt(split.communicator, part, options_of(8)); }), "no metric is given");
+  if (split.ranks == 1) return;
+  says(refused([](auto& s) { s.push_back(s[0]); }), "of the same number of scalar fields");
+  says(refused([](auto& s) {
+         for (double& value : s[0].fields[0].values) value += 1;
+       }),
+       "different values of a solution");
+  const std::string text = common_error(split, [&] {
+    if (split.rank == last)
+      adapt(split.communicator, part, metric_of(part), options_of(8));
+    else
+      adapt(split.communicator, part, options_of(8));
+  });
+  says(text, "some ranks give one");
 }
 
 TEST(Parts, CancelEndsWithAValidMesh) {

@@ -79,11 +79,22 @@ def check_what_one_rank_does_wrong_all_hear_of():
     fails(weft.InputError, "ids[0]: -5 is negative", **{**good, "ids": ids - 5})
     fails(weft.InputError, "metric[0]: is not a size above 0", **{**good, "metric": np.zeros(len(points))})
     fails(weft.InputError, "metric of another mesh", **{**good, "metric": np.ones(len(points) + 1)})
-    fails(weft.UsageError, "metric: is needed with comm", **{**good, "metric": None})
+    fails(weft.OptionError, "no metric: give one", **{**good, "metric": None})
     fails(weft.UsageError, "ids: are needed with comm", **{**good, "ids": None})
     fails(weft.OptionError, "--hgrad: is not a number", **good, hgrad=float("nan"))
     fails(weft.OptionError, "--nonsense: is not an option", **good, nonsense=1)
     fails(weft.UsageError, "mesh: is a str", **{**good, "mesh": "a mesh"})
+
+
+def check_metrics_of_solutions_are_made_in_parts():
+    mine = part(COMM.rank, COMM.size)
+    x = np.asarray(mine["mesh"][0])
+    mine.pop("metric")
+    fine = weft.adapt(comm=COMM, **mine, solutions={"u": x @ [1, 2, 3] + x**2 @ [1, 2, 3]}, complexity=500, threads=1,
+                      subdomains=4)
+    tets = COMM.allreduce(fine.num_own_tets)
+    assert 2000 < tets < 8000 and COMM.bcast(tets) == tets
+    assert not any("rank 0 has made" in text for text in fine.warnings)
 
 
 def check_cancel_on_all_ranks_leaves_a_valid_mesh():

@@ -41,7 +41,7 @@ PartCall check_part_call(const weft_part* part, const weft_metric* metric, const
   require_place(result, "result");
   PartCall call;
   call.part = object_of<PartObject>(part, "part")->part;
-  call.metric = object_of<MetricObject>(metric, "metric")->metric;
+  if (metric || !options.metric.given()) call.metric = object_of<MetricObject>(metric, "metric")->metric;
   validate(options);
   return call;
 }
@@ -82,7 +82,9 @@ weft_status adapt_parts(MPI_Comm communicator, const weft_part* part, const weft
   }
   const Asked asked(options);
   auto object = std::make_shared<ResultObject>();
-  object->part = std::make_shared<PartResult>(adapt(communicator, *call.part, *call.metric, *asked));
+  object->part =
+      std::make_shared<PartResult>(call.metric ? adapt(communicator, *call.part, *call.metric, *asked)
+                                               : adapt(communicator, *call.part, *asked));
   give(result, std::move(object));
   return WEFT_OK;
 }

@@ -170,6 +170,7 @@ module weft
       integer(c_int) :: weft_adapt
     end function
     !> All ranks of a communicator of mpif.h or module mpi (comm%mpi_val of mpi_f08) call it; all get the same status.
+    !> `metric`: at the points of the part, or c_null_ptr on all ranks: options make one.
     function weft_adapt_parts(communicator, part, metric, options, result) bind(c, name="weft_adapt_parts_f")
       import; integer(c_int), value :: communicator; type(c_ptr), value :: part, metric, options
       type(c_ptr), intent(inout) :: result; integer(c_int) :: weft_adapt_parts

@@ -19,6 +19,7 @@
 #include "tools/library/parts/part_fields.h"
 #include "tools/library/parts/part_input.h"
 #include "tools/library/parts/part_output.h"
+#include "tools/library/parts/part_solutions.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -30,35 +31,38 @@ bool only_scaled(const MetricOptions& options) {
 }
 
 /// Rank 0 makes the metric of the whole mesh, and deals it out again.
-void make_metric_by_first(partition::Peers& peers, const MetricOptions& options,
+void make_metric_by_first(partition::Peers& peers, MetricOptions options,
                           const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
                           std::vector<std::string>& warnings) {
   Mesh whole = tools::gather_whole(peers, slice);
   tools::LogMetricMade made;
-  std::vector<Tensor> source = tools::gather_to_first(peers, slice.log_metrics);
+  const std::vector<Tensor> source = tools::gather_to_first(peers, slice.log_metrics);
+  for (Fields& solution : options.solutions) {
+    for (Field& field : solution.fields) field.values = tools::gather_to_first(peers, field.values);
+    solution.num_points = whole.points.size();
+  }
   partition::agree_on(peers, [&] {
-    if (peers.rank() == 0) made = tools::make_log_metric(options, whole, "", &source, model);
+    if (peers.rank() == 0)
+      made = tools::make_log_metric(options, whole, "", source.empty() ? nullptr : &source, model);
   });
   slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
   if (peers.ranks() > 1)
-    warnings.emplace_back(
-        "rank 0 has made the metric of the whole mesh, as solutions in memory and files other than GMF want "
-        "it");
+    warnings.emplace_back("rank 0 has made the metric of the whole mesh, as files other than GMF want it");
 }
 
-/// In parts where that is possible.
-void make_metric(partition::Peers& peers, const Options& options,
+/// In parts where that is possible. `options`: with solutions at the slice's points.
+void make_metric(partition::Peers& peers, const MetricOptions& options,
                  const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
                  std::vector<std::string>& warnings) {
-  if (!tools::can_be_made_in_parts(options.metric))
-    return make_metric_by_first(peers, options.metric, model, slice, warnings);
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", model);
+  if (!tools::can_be_made_in_parts(options))
+    return make_metric_by_first(peers, options, model, slice, warnings);
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, "", model);
   slice.log_metrics = std::move(made.field);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
 }
 
-PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric& metric,
+PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric* metric,
                       const Options& options) {
   tools::Stopwatch watch, total;
   tools::DistributedRun run(options, transport);
@@ -66,8 +70,11 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, metric);
   const auto model = run.read_model(part.mesh, "");
   double target = options.metric.complexity;
-  if (!only_scaled(options.metric)) {
-    make_metric(run.peers(), options, model, slice, result.warnings);
+  if (!metric || !only_scaled(options.metric)) {
+    MetricOptions of_slice = options.metric;
+    if (partition::max(run.peers(), of_slice.solutions.empty() ? 0 : 1) != 0)
+      of_slice.solutions = {tools::solutions_of_slices(run.peers(), part, options.metric.solutions)};
+    make_metric(run.peers(), of_slice, model, slice, result.warnings);
     target = 0;
   }
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
@@ -88,9 +95,8 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   return result;
 }
 
-}  // namespace
-
-PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
+PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Metric* metric,
+                         const Options& options) {
   validate(options);
   if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
   if (options.transfer != TransferMethod::linear && !part.fields.fields.empty())
@@ -100,6 +106,16 @@ PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, 
     result = adapt_part(transport, part, metric, options);
   });
   return result;
+}
+
+}  // namespace
+
+PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
+  return adapt_checked(communicator, part, &metric, options);
+}
+
+PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options) {
+  return adapt_checked(communicator, part, nullptr, options);
 }
 
 Complaint first_complaint(MPI_Comm communicator, const std::string& complaint) {

@@ -13,6 +13,7 @@
 #include "partition/communication/agreement.h"
 #include "partition/communication/ranges.h"
 #include "tools/library/api/whole_mesh.h"
+#include "tools/library/parts/naming_rank.h"
 #include "tools/library/parts/part_faces.h"
 #include "tools/library/parts/part_numbers.h"
 
@@ -30,10 +31,10 @@ std::string text(const Pieces&... pieces) {
 }
 
 /// What a part must be by itself.
-void check_part(const Part& part, const Metric& metric) {
+void check_part(const Part& part, const Metric* metric) {
   const WholeMesh whole(part.mesh);
   check_length(part.mesh, part.ids.size(), "list of ids");
-  check_length(part.mesh, metric.size(), "metric");
+  if (metric) check_length(part.mesh, metric->size(), "metric");
   check_fields(part.mesh, part.fields);
   if (!part.tet_ids.empty() && part.tet_ids.size() != part.mesh.tets.size())
     throw InputError("", "tet ids", text(part.tet_ids.size(), " for ", part.mesh.tets.size(), " tets"));
@@ -41,18 +42,6 @@ void check_part(const Part& part, const Metric& metric) {
   std::ranges::sort(ids);
   const auto twice = std::ranges::adjacent_find(ids);
   if (twice != ids.end()) throw InputError("", text("vertex id ", *twice), "stands for two of its vertices");
-}
-
-/// All ranks: call() on each; the complaint of the lowest rank that has one is thrown on all, naming it.
-template <class Call>
-void agree_naming_rank(Peers& peers, const Call& call) {
-  std::string complaint;
-  try {
-    call();
-  } catch (const InputError& error) {
-    complaint = text("rank ", peers.rank(), ": ", error.what());
-  }
-  partition::agree(peers, complaint);
 }
 
 struct PointRecord {
@@ -74,13 +63,12 @@ struct Arrived {
 
 /// All ranks: fills the slice's points; returns the number of each of the part's points in the whole mesh.
 std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const Mesh& mesh,
-                                         const Metric& metric, MeshSlice& slice) {
-  std::uint64_t largest = 0;
-  for (const std::uint64_t id : part.ids) largest = std::max(largest, id);
-  const IdHomes homes(peers, largest);
+                                         const Metric* metric, MeshSlice& slice) {
+  const IdHomes homes(peers, largest_id(part.ids));
   IdMail<PointRecord> mail(peers, homes);
   for (std::size_t v = 0; v < part.ids.size(); ++v)
-    mail.add(part.ids[v], {part.ids[v], mesh.points[v], metric.logarithms()[v], mesh.point_refs[v]});
+    mail.add(part.ids[v],
+             {part.ids[v], mesh.points[v], metric ? metric->logarithms()[v] : Tensor{}, mesh.point_refs[v]});
   const auto from_each = mail.deliver();
   std::vector<Arrived> all;
   std::vector<std::vector<std::uint64_t>> numbers(from_each.size());
@@ -96,7 +84,7 @@ std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const M
       first = i;
       slice.points.push_back(record.x);
       slice.point_refs.push_back(static_cast<std::int32_t>(record.ref));
-      slice.log_metrics.push_back(record.log_metric);
+      if (metric) slice.log_metrics.push_back(record.log_metric);
     } else if (complaint.empty() && !same(record, all[first].record)) {
       complaint = text("rank ", all[i].rank, ": vertex id ", record.id, ": is another point than on rank ",
                        all[first].rank, ", or has another metric or reference");
@@ -261,9 +249,17 @@ void gather_edges(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_
   boundary.required_edges.assign(required.begin(), required.end());
 }
 
+/// A rank gives a metric where all do.
+void agree_on_metric(Peers& peers, const Metric* metric) {
+  const auto all = partition::allgather(peers, std::vector<char>{metric ? char{1} : char{0}});
+  for (const auto& of_rank : all)
+    if (of_rank[0] != all[0][0]) throw InputError("", "metric", "some ranks give one, others do not");
+}
+
 }  // namespace
 
-MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric& metric) {
+MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric* metric) {
+  agree_on_metric(peers, metric);
   agree_naming_rank(peers, [&] { check_part(part, metric); });
   const WholeMesh whole(part.mesh);
   MeshSlice slice;

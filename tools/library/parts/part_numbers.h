@@ -10,6 +10,11 @@
 
 namespace weft::tools {
 
+/// 0 where there are none.
+inline std::uint64_t largest_id(const std::vector<std::uint64_t>& ids) {
+  return ids.empty() ? 0 : std::ranges::max(ids);
+}
+
 /// The rank at which all records of an id meet: ids ascend with the ranks.
 class IdHomes {
  public:

@@ -37,6 +37,13 @@ py::object watched(Options& options, const py::object& progress, const std::shar
   return wrapped;
 }
 
+void check_that_a_metric_is_given(const std::shared_ptr<Metric>& metric, const Options& options) {
+  if (!metric && !options.metric.given())
+    throw OptionError("--metric",
+                      "no metric: give one, solutions, or an option that makes one (metric_fn, "
+                      "implied, curvature, ...)");
+}
+
 py::object run_adapt(const Mesh& mesh, const std::shared_ptr<Metric>& metric, const py::dict& values,
                      const py::object& fields, const py::object& solutions,
                      const std::optional<std::string>& order, const std::shared_ptr<Mesh>& background,
@@ -45,10 +52,7 @@ py::object run_adapt(const Mesh& mesh, const std::shared_ptr<Metric>& metric, co
   const Fields carried = fields_of(fields, mesh.points.size(), order);
   if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, mesh.points.size(), order)};
   if (background && !metric) throw OptionError("--background", "needs the metric that belongs to it");
-  if (!metric && !options.metric.given())
-    throw OptionError("--metric",
-                      "no metric: give one, solutions, or an option that makes one (metric_fn, "
-                      "implied, curvature, ...)");
+  check_that_a_metric_is_given(metric, options);
   return watched(options, progress, cancel, [&] {
     if (background) return adapt(mesh, *background, *metric, options, carried);
     return metric ? adapt(mesh, *metric, options, carried) : adapt(mesh, options, carried);
@@ -80,11 +84,11 @@ std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
                                            const py::object& fields, const py::object& solutions,
                                            const std::optional<std::string>& order) {
   if (ids.is_none() && !mesh->points.empty()) throw UsageError("ids: are needed with comm");
-  if (!metric) throw UsageError("metric: is needed with comm");
   auto prepared = std::make_shared<PreparedPart>();
   prepared->options = options_of(values);
   if (!solutions.is_none())
-    throw OptionError("--sol", "solutions are not possible in parts: give their metric");
+    prepared->options.metric.solutions = {fields_of(solutions, mesh->points.size(), order)};
+  check_that_a_metric_is_given(metric, prepared->options);
   validate(prepared->options);
   prepared->part.ids = ids_of(ids, mesh->points.size(), "ids");
   prepared->part.tet_ids = ids_of(tet_ids, mesh->tets.size(), "tet_ids");
@@ -97,8 +101,10 @@ std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
 py::object run_adapt_prepared(int comm, PreparedPart& prepared, const py::object& progress,
                               const std::shared_ptr<Cancel>& cancel) {
   const MPI_Comm communicator = communicator_of(comm);
-  return watched(prepared.options, progress, cancel,
-                 [&] { return adapt(communicator, prepared.part, *prepared.metric, prepared.options); });
+  return watched(prepared.options, progress, cancel, [&] {
+    return prepared.metric ? adapt(communicator, prepared.part, *prepared.metric, prepared.options)
+                           : adapt(communicator, prepared.part, prepared.options);
+  });
 }
 
 std::pair<int, std::string> run_first_complaint(int comm, const std::string& complaint) {

@@ -113,7 +113,7 @@ struct MetricOptions {
   std::string file;               ///< --metric
   std::string function;           ///< --metric-fn: polar-1, polar-2, linear, uniform:H
   std::vector<std::string> sol;   ///< files of solutions to resolve: all their scalar fields
-  std::vector<Fields> solutions;  ///< the same, in memory
+  std::vector<Fields> solutions;  ///< the same, in memory: at the vertices of the mesh, or of the part
   double norm = 2;                ///< p of the Lp norm of the interpolation error
   HessianRecovery recovery = HessianRecovery::least_squares;
   bool implied = false;  ///< the metric in which the input mesh is unit
@@ -122,10 +122,12 @@ struct MetricOptions {
   double sagitta = 0;    ///< distance of an edge's middle from the surface; 0: any
   WallOptions wall;      ///< --wall, --wall-height, --wall-growth, --wall-size
   // Processing.
-  double complexity = 0;      ///< wanted; 0: as the metric is
-  double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
-  double aspect = 0;          ///< largest ratio of sizes at a vertex; 0: none
-  double hgrad = 0;           ///< largest growth of sizes per unit edge; <= 1: none
+  double complexity = 0;  ///< wanted; 0: as the metric is
+  /// Smallest and largest size; 0: none, but for solutions, whose metric has no size above the diagonal of
+  /// the mesh's bounding box.
+  double hmin = 0, hmax = 0;
+  double aspect = 0;  ///< largest ratio of sizes at a vertex; 0: none
+  double hgrad = 0;   ///< largest growth of sizes per unit edge; <= 1: none
   GradationSpace hgrad_space = GradationSpace::metric;
 
   /// Whether any source or demand is given.
@@ -396,6 +398,9 @@ struct PartResult : Report {
 /// mean different points, holes between parts, wrong lengths, and whatever adapt() refuses.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
+
+/// To the metric that options.metric makes: of solutions at the vertices of the parts, for instance.
+WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options);
 
 /// For programs that check data of their own before a call that all ranks make together. All ranks of the
 /// communicator call it: the complaint of the lowest rank whose complaint is not empty, on all ranks, and

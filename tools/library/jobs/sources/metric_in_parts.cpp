@@ -39,6 +39,15 @@ Fields read_slice_of(const std::string& file, const MeshSlice& slice, const std:
   return meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size());
 }
 
+/// The scalar fields at the vertices of the part.
+Fields of_part(const PartDomain& domain, const Fields& of_slice) {
+  Fields fields{domain.mesh().points.size(), {}};
+  for (const Field& field : of_slice.fields)
+    if (field.kind == Field::Kind::scalar)
+      fields.fields.push_back({field.kind, domain.from_slices(field.values), field.name});
+  return fields;
+}
+
 /// The scalar fields of a file, checked, at the vertices of the part.
 Fields read_fields(Peers& peers, const MeshSlice& slice, const PartDomain& domain, const std::string& file) {
   Fields of_slice;
@@ -46,12 +55,7 @@ Fields read_fields(Peers& peers, const MeshSlice& slice, const PartDomain& domai
     of_slice = read_slice_of(file, slice, "solution");
     meshing::scalar_fields(of_slice, slice.points.size(), file, slice.first_point);
   });
-  Fields of_part;
-  of_part.num_points = domain.mesh().points.size();
-  for (const Field& field : of_slice.fields)
-    if (field.kind == Field::Kind::scalar)
-      of_part.fields.push_back({field.kind, domain.from_slices(field.values), field.name});
-  return of_part;
+  return of_part(domain, of_slice);
 }
 
 meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const PartDomain& domain,
@@ -105,8 +109,7 @@ std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& optio
 }  // namespace
 
 bool can_be_made_in_parts(const MetricOptions& options) {
-  const std::vector<std::string> files = files_of(options);
-  return options.solutions.empty() && std::ranges::all_of(files, is_gmf_solution);
+  return std::ranges::all_of(files_of(options), is_gmf_solution);
 }
 
 meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice& slice) {
@@ -118,13 +121,16 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
                                    const std::string& mesh_name,
                                    const std::shared_ptr<const meshing::Model>& model) {
   const PartDomain domain = naming(mesh_name, [&] {
-    return PartDomain(peers, slice, options.sol.empty() ? 1 : meshing::rings_of(options.recovery));
+    const bool resolves = !options.sol.empty() || !options.solutions.empty();
+    return PartDomain(peers, slice, resolves ? meshing::rings_of(options.recovery) : 1);
   });
+  MetricOptions here = options;
+  for (Fields& solution : here.solutions) solution = of_part(domain, solution);
   std::optional<meshing::LogMetricField> source;
   const bool given = partition::max(peers, slice.log_metrics.empty() ? 0 : 1) != 0;
   if (given) source = domain.from_slices(slice.log_metrics);
   LogMetricMade made = make_log_metric(
-      options,
+      here,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
        [&] { return demand_in_part(options, slice, domain, model); }, source ? &*source : nullptr},

@@ -3,12 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/metric/metric.h"
 #include "meshing/metric/sources/curvature_metric.h"
 #include "meshing/metric/sources/implied_metric.h"
 #include "meshing/metric/sources/multiscale.h"
@@ -59,6 +61,18 @@ std::optional<meshing::LogMetricField> given_metric(const MetricOptions& options
     add_solution(options, inputs.read_fields(file), file, domain, target, field);
   for (const Fields& solution : options.solutions) add_solution(options, solution, "", domain, target, field);
   return field;
+}
+
+/// Where a solution does not vary in a direction, its metric asks for edges longer than the domain, whose
+/// density no mesh can have: the complexity then counts vertices that cannot be left out, and what there is
+/// of it goes to needles in the others.
+bool asks_for_more_than_the_domain(const meshing::MetricDomain& domain,
+                                   const meshing::LogMetricField& field) {
+  const double least = -2 * std::log(domain.largest_size());
+  bool any = false;
+  for (const meshing::LogMetric& log_metric : field)
+    any = any || meshing::eigen_decomposition(log_metric).values[0] < least;
+  return domain.any(any);
 }
 
 /// Returns the complexity reached.
@@ -139,11 +153,15 @@ LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& 
                               const std::string& mesh_name) {
   std::optional<meshing::LogMetricField> field = given_metric(options, inputs);
   return naming(mesh_name, [&]() -> LogMetricMade {
+    MetricOptions limited = options;
+    const bool resolves = !options.sol.empty() || !options.solutions.empty();
+    if (resolves && options.hmax == 0 && asks_for_more_than_the_domain(inputs.domain, *field))
+      limited.hmax = std::max(inputs.domain.largest_size(), options.hmin);
     if (options.implied) combine(meshing::implied_metric(inputs.domain), field);
     std::optional<meshing::LogMetricField> demands = inputs.boundary_demand();
     if (!field) field = std::exchange(demands, std::nullopt);
     if (!field) throw InputError("", "", "no metric is given");
-    std::vector<std::string> warnings = process(options, inputs.domain, demands, *field);
+    std::vector<std::string> warnings = process(limited, inputs.domain, demands, *field);
     return {std::move(*field), std::move(warnings)};
   });
 }

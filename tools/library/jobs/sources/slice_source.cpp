@@ -36,7 +36,8 @@ bool only_scaled(const MetricOptions& m) {
 /// Whether no rank needs the whole mesh, where ranges of the file can be read.
 bool possible_in_shares(const Files& files, const Options& options) {
   return !options.run.repair && files.background.empty() && files.fields.empty() &&
-         (only_scaled(options.metric) || can_be_made_in_parts(options.metric));
+         (only_scaled(options.metric) ||
+          (options.metric.solutions.empty() && can_be_made_in_parts(options.metric)));
 }
 
 struct Share {
@@ -236,6 +237,10 @@ meshing::MeshData gather_whole(Peers& peers, const MeshSlice& slice) {
 }
 
 std::vector<meshing::LogMetric> gather_to_first(Peers& peers, const std::vector<meshing::LogMetric>& mine) {
+  return concentrate(peers, mine);
+}
+
+std::vector<double> gather_to_first(Peers& peers, const std::vector<double>& mine) {
   return concentrate(peers, mine);
 }
 

@@ -44,6 +44,7 @@ meshing::MeshData gather_whole(partition::Peers& peers, const partition::MeshSli
 /// All ranks: the values of all ranks on rank 0, in their order; elsewhere none.
 std::vector<meshing::LogMetric> gather_to_first(partition::Peers& peers,
                                                 const std::vector<meshing::LogMetric>& mine);
+std::vector<double> gather_to_first(partition::Peers& peers, const std::vector<double>& mine);
 /// All ranks: of values at the whole mesh's points, which rank 0 has, those at the slice's points.
 std::vector<meshing::LogMetric> deal_by_slices(partition::Peers& peers,
                                                const std::vector<meshing::LogMetric>& whole,

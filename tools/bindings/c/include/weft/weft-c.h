@@ -227,7 +227,7 @@ WEFT_C_API weft_status weft_part_create(weft_mesh* mesh, const int64_t* point_id
                                         const weft_fields* fields, weft_part** part);
 /* Adapts a mesh in parts. All ranks of the communicator call it; all return the same status. A rank whose own
    preparations have failed passes NULL as its part, so that nobody waits for it. `metric`: at the points of
-   the part. */
+   the part, or NULL on all ranks: options make one, of solutions at the points of the parts for instance. */
 WEFT_C_API weft_status weft_adapt_parts(MPI_Comm communicator, const weft_part* part,
                                         const weft_metric* metric, const weft_options* options,
                                         weft_result** result);
