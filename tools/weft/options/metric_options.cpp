@@ -116,8 +116,7 @@ void add_metric_processing(CLI::App& command, MetricOptions& options) {
                "scale the metric to this complexity, about half the number of vertices", "C", kGroup);
   add_positive(command, "--hmin", options.hmin, "smallest size of the metric (also -hmin)", "H", kGroup);
   add_positive(command, "--hmax", options.hmax,
-               "largest size of the metric (also -hmax); of solutions by default the domain's diagonal", "H",
-               kGroup);
+               "largest size of the metric (also -hmax); default for solutions: the diagonal", "H", kGroup);
   add_positive(command, "--aspect", options.aspect, "largest ratio of sizes at a vertex; 1: isotropic", "A",
                kGroup);
   command

@@ -34,35 +34,6 @@ double solution_complexity(const MetricOptions& options, const meshing::MetricDo
   return options.complexity > 0 ? options.complexity : domain.complexity(meshing::implied_metric(domain));
 }
 
-/// The intersection of the multiscale metrics of all scalar fields, each of the complexity `target`.
-void add_solution(const MetricOptions& options, const Fields& solution, const std::string& file,
-                  const meshing::MetricDomain& domain, double target,
-                  std::optional<meshing::LogMetricField>& field) {
-  for (const auto& values : meshing::scalar_fields(solution, domain.mesh().points.size(), file)) {
-    meshing::LogMetricField metric =
-        meshing::multiscale_metric(domain, values, {options.recovery, options.norm});
-    meshing::scale_to_complexity(domain, target, metric);
-    combine(std::move(metric), field);
-  }
-}
-
-/// What the files, the formula and the solutions ask for, or nothing where there are none.
-std::optional<meshing::LogMetricField> given_metric(const MetricOptions& options,
-                                                    const MetricInputs& inputs) {
-  std::optional<meshing::LogMetricField> field;
-  const meshing::MetricDomain& domain = inputs.domain;
-  if (inputs.source) field = *inputs.source;
-  if (!options.function.empty())
-    combine(meshing::sample(meshing::AnalyticMetric(options.function), domain.mesh()), field);
-  if (!options.file.empty()) combine(inputs.read_metric(options.file), field);
-  const bool resolves = !options.sol.empty() || !options.solutions.empty();
-  const double target = resolves ? solution_complexity(options, domain) : 0;
-  for (const std::string& file : options.sol)
-    add_solution(options, inputs.read_fields(file), file, domain, target, field);
-  for (const Fields& solution : options.solutions) add_solution(options, solution, "", domain, target, field);
-  return field;
-}
-
 /// Where a solution does not vary in a direction, its metric asks for edges longer than the domain, whose
 /// density no mesh can have: the complexity then counts vertices that cannot be left out, and what there is
 /// of it goes to needles in the others.
@@ -73,6 +44,42 @@ bool asks_for_more_than_the_domain(const meshing::MetricDomain& domain,
   for (const meshing::LogMetric& log_metric : field)
     any = any || meshing::eigen_decomposition(log_metric).values[0] < least;
   return domain.any(any);
+}
+
+/// What the files, the formula and the solutions ask for.
+struct GivenMetric {
+  std::optional<meshing::LogMetricField> field;  ///< empty where there are none
+  double hmax = 0;                               ///< which solutions ask to exceed; 0: none does
+};
+
+/// Adds the multiscale metrics of all scalar fields, each of the complexity `target`.
+void add_solution(const MetricOptions& options, const Fields& solution, const std::string& file,
+                  const meshing::MetricDomain& domain, double target, GivenMetric& given) {
+  for (const auto& values : meshing::scalar_fields(solution, domain.mesh().points.size(), file)) {
+    meshing::LogMetricField metric =
+        meshing::multiscale_metric(domain, values, {options.recovery, options.norm});
+    meshing::scale_to_complexity(domain, target, metric);
+    if (options.hmax == 0 && asks_for_more_than_the_domain(domain, metric)) {
+      given.hmax = std::max(domain.largest_size(), options.hmin);
+      meshing::scale_to_complexity(domain, target, 0, given.hmax, metric);
+    }
+    combine(std::move(metric), given.field);
+  }
+}
+
+GivenMetric given_metric(const MetricOptions& options, const MetricInputs& inputs) {
+  GivenMetric given;
+  const meshing::MetricDomain& domain = inputs.domain;
+  if (inputs.source) given.field = *inputs.source;
+  if (!options.function.empty())
+    combine(meshing::sample(meshing::AnalyticMetric(options.function), domain.mesh()), given.field);
+  if (!options.file.empty()) combine(inputs.read_metric(options.file), given.field);
+  const bool resolves = !options.sol.empty() || !options.solutions.empty();
+  const double target = resolves ? solution_complexity(options, domain) : 0;
+  for (const std::string& file : options.sol)
+    add_solution(options, inputs.read_fields(file), file, domain, target, given);
+  for (const Fields& solution : options.solutions) add_solution(options, solution, "", domain, target, given);
+  return given;
 }
 
 /// Returns the complexity reached.
@@ -151,12 +158,10 @@ std::string name_of(const MetricOptions& options) {
 
 LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs,
                               const std::string& mesh_name) {
-  std::optional<meshing::LogMetricField> field = given_metric(options, inputs);
-  return naming(mesh_name, [&]() -> LogMetricMade {
+  auto [field, hmax] = given_metric(options, inputs);
+  return naming(mesh_name, [&, &field = field, hmax = hmax]() -> LogMetricMade {
     MetricOptions limited = options;
-    const bool resolves = !options.sol.empty() || !options.solutions.empty();
-    if (resolves && options.hmax == 0 && asks_for_more_than_the_domain(inputs.domain, *field))
-      limited.hmax = std::max(inputs.domain.largest_size(), options.hmin);
+    if (hmax > 0) limited.hmax = hmax;
     if (options.implied) combine(meshing::implied_metric(inputs.domain), field);
     std::optional<meshing::LogMetricField> demands = inputs.boundary_demand();
     if (!field) field = std::exchange(demands, std::nullopt);
