@@ -63,7 +63,7 @@ std::optional<CheckpointManifest> read_manifest(const fs::path& folder) {
 
 std::string CheckpointManifest::text() const {
   std::ostringstream text;
-  text << "weft-checkpoint 1\nrun " << run << "\nsubdomains " << subdomains << "\nhome_ranks " << home_ranks
+  text << "weft-checkpoint 2\nrun " << run << "\nsubdomains " << subdomains << "\nhome_ranks " << home_ranks
        << "\nfiles " << file_sizes.size() << "\n";
   for (const std::uint64_t size : file_sizes) text << size << "\n";
   text << "end\n";
@@ -79,7 +79,7 @@ std::optional<CheckpointManifest> CheckpointManifest::parse(const std::string& t
   CheckpointManifest m;
   std::size_t files = 0;
   constexpr std::size_t kMostFiles = 1u << 24;
-  if (!word_is("weft-checkpoint") || !word_is("1") || !word_is("run") || !(in >> m.run) ||
+  if (!word_is("weft-checkpoint") || !word_is("2") || !word_is("run") || !(in >> m.run) ||
       !word_is("subdomains") || !(in >> m.subdomains) || !word_is("home_ranks") || !(in >> m.home_ranks) ||
       !word_is("files") || !(in >> files) || files == 0 || files > kMostFiles || m.home_ranks < 1)
     return {};

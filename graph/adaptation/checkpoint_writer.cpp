@@ -110,6 +110,11 @@ std::optional<bool> CheckpointWriter::stored(std::uint64_t) {
   return stored == 1;
 }
 
+bool CheckpointWriter::wait_until_stored() {
+  if (background_.joinable()) background_.join();
+  return stored_ == 1;
+}
+
 void CheckpointWriter::finish(std::uint64_t epoch, bool whole) {
   pending_ = false;
   next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(every_));

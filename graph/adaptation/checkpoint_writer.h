@@ -43,6 +43,8 @@ class CheckpointWriter final : public engine::SnapshotSink {
   void message(std::uint64_t epoch, engine::Payload copy) override;
   void close(std::uint64_t epoch) override;
   std::optional<bool> stored(std::uint64_t epoch) override;
+  /// After close(): the same, waited for.
+  bool wait_until_stored();
   void finish(std::uint64_t epoch, bool whole) override;
   void give_up() override;
 

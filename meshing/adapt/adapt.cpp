@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "meshing/adapt/stages.h"
 #include "meshing/base/box.h"
@@ -46,6 +47,13 @@ void check_background(const BackgroundData& background) {
   }
 }
 
+/// The mesh of a state takes the place of the input; boundary and background are the input's.
+void go_on_with(TetMeshArrays arrays, ImportedMesh& imported) {
+  const std::size_t vertices = imported.mesh->vertex_capacity(), tets = imported.mesh->tet_capacity();
+  imported.mesh.reset();
+  imported.mesh = from_arrays(arrays, vertices, tets, Pages::huge);
+}
+
 }  // namespace
 
 AdaptResult adapt(const MeshData& input, const BackgroundData& given, const AdaptOptions& options) {
@@ -67,7 +75,10 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       const Background background(*given.mesh, *given.log_metrics,
                                   same ? std::move(imported.adjacency)
                                        : build_adjacency(given.mesh->tets, given.mesh->points.size()));
-      read_metric(*imported.mesh, background, same);
+      if (options.resume)
+        go_on_with(std::move(options.resume->mesh), imported);
+      else
+        read_metric(*imported.mesh, background, same);
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
       kernel.limits.hausd =
           options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/adapt/adaptation_state.h"
 #include "meshing/geometry/surface.h"
 #include "meshing/kernel/verdict.h"
 #include "meshing/mesh/mesh_data.h"
@@ -36,6 +37,10 @@ struct AdaptOptions {
   const std::atomic<bool>* interrupt = nullptr;
   /// The same, of somebody who has no use for the mesh any more.
   const std::atomic<bool>* abandon = nullptr;
+  StateKeeper* states = nullptr;  ///< keeps states to go on from, of a whole mesh; null: none
+  /// Goes on from this state of an adaptation of the same input with the same options, on any threads; its
+  /// arrays are taken. Null: begins anew.
+  AdaptationState* resume = nullptr;
   /// Called from the calling thread, at most a few times a second: stage, share done in [0, 1], tets now.
   std::function<void(const std::string& stage, double done, std::uint64_t tets)> progress;
 };

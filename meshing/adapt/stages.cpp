@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <type_traits>
+#include <vector>
 
 #include "meshing/adapt/passes.h"
 #include "meshing/adapt/work.h"
@@ -47,11 +49,14 @@ class Adaptation {
         options_(options),
         extent_(extent),
         report_(report),
-        before_level_(before_level) {}
+        before_level_(before_level) {
+    if (options.resume) go_on_from(*options.resume);
+  }
 
   void run() {
     kernel_.policy.frozen = frozen_policy();
     kernel_.policy.allowed = options_.allowed;
+    pass([] {});  // tells how large the mesh is at first
     if (options_.progress) predict();
     if (kernel_.surface.model() && extent_ == Extent::everything)
       stage("snap to model", [&] {
@@ -65,8 +70,8 @@ class Adaptation {
     if (kernel_.surface.model()) snap_to_model();
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     kernel_.policy.frozen = FrozenPolicy::claimable;
-    if (extent_ == Extent::everything || many_holes()) crew_.run([&] { renumber(); });
-    report_.interrupted = crew_.interrupted();
+    if (extent_ == Extent::everything || many_holes()) renumber();
+    report_.interrupted = interrupted();
     if (mesh_.is_full())
       report_.warnings.push_back("the mesh has room for " + std::to_string(mesh_.tet_capacity()) +
                                  " tets and " + std::to_string(mesh_.vertex_capacity()) +
@@ -76,26 +81,105 @@ class Adaptation {
  private:
   template <class F>
   void stage(const char* name, F f) {
-    if (crew_.interrupted()) return;
+    if (interrupted()) return;
     stage_ = name;
     begin_pass(0);
-    const auto begin = Clock::now();
+    stage_begin_ = Clock::now();
     f();
+    const std::size_t index = report_.stages.size();
+    report_.stages.push_back(index < done_before_.size() ? done_before_[index] : account_of_stage());
+    report_.counts += report_.stages.back().counts;
+  }
+
+  StageReport account_of_stage() {
     StageReport s;
-    s.name = name;
-    s.seconds = seconds_since(begin);
+    s.name = stage_;
+    s.seconds = seconds_of_stage();
     s.tets = crew_.live_tets();
     s.vertices = crew_.live_vertices();
     s.counts = crew_.take_counts();
-    report_.counts += s.counts;
-    report_.stages.push_back(std::move(s));
+    return s;
   }
+
+  double seconds_of_stage() const {
+    const bool began_before = report_.stages.size() == done_before_.size();
+    return seconds_since(stage_begin_) + (began_before ? seconds_before_ : 0);
+  }
+
+  // --- Passes: all that changes the mesh, and all that the order of what follows reads of it
+
+  /// Makes a pass and returns what it returns, if anything. A pass that was made before the state that this
+  /// adaptation goes on from is not made again: what it has returned is told.
+  template <class F>
+  double pass(F f) {
+    if (replays()) return passes_[next_pass_++].value;
+    double value = 0;
+    if constexpr (std::is_void_v<std::invoke_result_t<F>>)
+      f();
+    else
+      value = static_cast<double>(f());
+    if (options_.states) note(value);
+    return value;
+  }
+
+  bool replays() const { return next_pass_ < passes_.size(); }
+
+  /// While passes are told: of the one that was told last, as the mesh is that of the end.
+  const PassResult& told() const { return passes_[next_pass_ > 0 ? next_pass_ - 1 : 0]; }
+  std::uint64_t live_tets() const { return replays() ? told().tets : crew_.live_tets(); }
+  std::uint64_t tet_slots() const { return replays() ? told().tet_slots : mesh_.tet_slots(); }
+  bool interrupted() const { return !replays() && crew_.interrupted(); }
+
+  /// A pass that an interruption has cut short is none to go on from.
+  void note(double value) {
+    passes_.push_back({value, crew_.live_tets(), mesh_.tet_slots()});
+    next_pass_ = passes_.size();
+    if (!crew_.interrupted() && options_.states->wanted()) options_.states->keep([this] { return state(); });
+  }
+
+  AdaptationState state() const {
+    AdaptationState state;
+    state.mesh = to_arrays(mesh_);
+    state.passes = passes_;
+    for (const StageReport& s : report_.stages)
+      state.stages.push_back({s.name, s.seconds, s.vertices, s.tets, s.counts});
+    state.seconds = seconds_of_stage();
+    crew_.save(state);
+    return state;
+  }
+
+  void go_on_from(const AdaptationState& state) {
+    passes_ = state.passes;
+    for (const StageDone& s : state.stages)
+      done_before_.push_back({s.name, s.seconds, s.vertices, s.tets, s.counts});
+    seconds_before_ = state.seconds;
+    crew_.restore(state);
+  }
+
+  std::uint64_t split() {
+    return changes([&] { return split_pass(crew_); });
+  }
+  std::uint64_t collapse() {
+    return changes([&] { return collapse_pass(crew_); });
+  }
+  std::uint64_t smooth() {
+    return changes([&] { return smooth_pass(crew_); });
+  }
+  std::uint64_t swap(double quality, double quality_at_frozen = 1) {
+    return changes([&] { return swap_pass(crew_, quality, quality_at_frozen); });
+  }
+  template <class F>
+  std::uint64_t changes(F f) {
+    return static_cast<std::uint64_t>(pass(f));
+  }
+
+  // --- The order
 
   FrozenPolicy frozen_policy() const {
     return options_.tets_at_frozen_stay ? FrozenPolicy::untouchable : FrozenPolicy::claimable;
   }
 
-  double tets() const { return static_cast<double>(crew_.live_tets()); }
+  double tets() const { return static_cast<double>(live_tets()); }
 
   /// What is fresh is looked at in a mesh that has its size already.
   void predict() {
@@ -109,7 +193,7 @@ class Adaptation {
   /// The pass before it is over. `work_of_tet`: predicted for each tet, in the units of work.h.
   void begin_pass(double work_of_tet) {
     end_pass();
-    tets_before_pass_ = crew_.live_tets();
+    tets_before_pass_ = live_tets();
     pass_work_ = work_of_tet * tets();
     tell_progress(0);
   }
@@ -122,7 +206,7 @@ class Adaptation {
   /// A hundred times in all rather than after every few tets.
   void tell_progress(double share_of_pass) {
     constexpr double kStep = 0.005;
-    if (!options_.progress) return;
+    if (!options_.progress || replays()) return;
     const double share = meter_.share(share_of_pass * pass_work_);
     if (share_of_pass > 0 && share < told_share_ + kStep) return;
     told_share_ = share;
@@ -151,15 +235,16 @@ class Adaptation {
       judge_by(MetricMean::arithmetic);
     mark_what_is_wrong();
     const Limits wanted = kernel_.limits;
-    times_too_coarse_ = share_long_ > kCoarse || first_level_ > 1 ? coarseness_of_curved_boundary() : 1;
+    times_too_coarse_ =
+        share_long_ > kCoarse || first_level_ > 1 ? pass([&] { return coarseness_of_curved_boundary(); }) : 1;
     let_bulge(wanted, first_level_);
     if (share_long_ > kCoarse) resolve_curved_boundary();
     kernel_.limits = wanted;
     if (first_level_ > 1) judge_by(MetricMean::log_euclidean);
     begin_pass(predict_work(tets(), expected_tets_).collapse / std::max(1.0, tets()));
-    collapse_pass(crew_);
+    collapse();
     end_pass();
-    collapse_pass(crew_);
+    collapse();
     const PredictedWork left = predict_work(tets(), std::max(expected_tets_, tets()));
     meter_.expect(left.create + left.reconnect + left.improve + left.output);
   }
@@ -167,8 +252,8 @@ class Adaptation {
   /// Vertices of the input may be off the model; those in the way of which a tet is at first come later.
   void snap_to_model() {
     constexpr int kMostRounds = 4;
-    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round)
-      if (snap_pass(crew_) == 0) return;
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round)
+      if (pass([&] { return snap_pass(crew_); }) == 0) return;
   }
 
   /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric
@@ -178,11 +263,11 @@ class Adaptation {
     constexpr int kMostRounds = 15;
     judge_by(MetricMean::euclidean);
     bool any = false;
-    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
-      if (resolve_curved_pass(crew_) == 0) break;
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
+      if (pass([&] { return resolve_curved_pass(crew_); }) == 0) break;
       any = true;
-      swap_pass(crew_, kSwapBelowWhileCreating);
-      smooth_pass(crew_);
+      swap(kSwapBelowWhileCreating);
+      smooth();
     }
     judge_by(MetricMean::arithmetic);
     if (any) mark_what_is_wrong();
@@ -195,8 +280,8 @@ class Adaptation {
   /// 100,000: half the time, Q 1 % 0.72 instead of 0.70).
   void create_points() {
     const Limits wanted = kernel_.limits;
-    renumbered_at_ = mesh_.tet_slots();
-    for (double level = first_level_; level >= 1 && !crew_.interrupted(); level *= 0.5) {
+    renumbered_at_ = tet_slots();
+    for (double level = first_level_; level >= 1 && !interrupted(); level *= 0.5) {
       announce_level(level);
       kernel_.limits.long_edge = wanted.long_edge * level;
       kernel_.limits.split_shortest = wanted.split_shortest * level;
@@ -263,13 +348,15 @@ class Adaptation {
 
   void coarsen(double short_edge) {
     kernel_.limits.short_edge = short_edge;
-    for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
-      if (mesh_.alive(VertexId(i))) mesh_.mark(VertexId(i), kCheckShort);
-    collapse_pass(crew_);
-    collapse_pass(crew_);
+    pass([&] {
+      for (std::uint32_t i = 0; i < mesh_.vertex_slots(); ++i)
+        if (mesh_.alive(VertexId(i))) mesh_.mark(VertexId(i), kCheckShort);
+    });
+    collapse();
+    collapse();
     if (!many_holes()) return;
-    crew_.run([&] { renumber(); });
-    renumbered_at_ = mesh_.tet_slots();
+    renumber();
+    renumbered_at_ = tet_slots();
   }
 
   void announce_level(double level) {
@@ -280,21 +367,21 @@ class Adaptation {
 
   void refine_to_level(double level) {
     constexpr int kMostRounds = 10;
-    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
       begin_pass(work::kSplit);
-      const std::uint64_t splits = split_pass(crew_);
+      const std::uint64_t splits = split();
       end_pass();
-      if (splits * 50 < crew_.live_tets()) return;
+      if (splits * 50 < live_tets()) return;
       if (level == 1) expected_tets_ = tets();  // most of the splits there are have been made
       expect_rounds(work::rounds_after(splits, tets()) + 1 - work::kSplit / work::kRound, level);
       begin_pass(work::kCollapse);
-      collapse_pass(crew_);
+      collapse();
       begin_pass(work::kSwap);
-      swap_pass(crew_, kSwapBelowWhileCreating);
+      swap(kSwapBelowWhileCreating);
       begin_pass(work::kSmooth);
-      smooth_pass(crew_);
+      smooth();
       begin_pass(work::kCollapseAgain);
-      collapse_pass(crew_);
+      collapse();
       end_pass();
       renumber_if_grown(kGrown);
     }
@@ -303,7 +390,7 @@ class Adaptation {
   void reconnect_and_smooth() {
     constexpr std::size_t kRoundsWithLengths = 4;
     renumber_if_grown(kGrownALittle);
-    for (std::size_t round = 0; round < work::kReconnect.size() && !crew_.interrupted(); ++round) {
+    for (std::size_t round = 0; round < work::kReconnect.size() && !interrupted(); ++round) {
       end_pass();
       const PredictedWork last = predict_work(tets(), tets());
       meter_.expect(work::reconnection(round, tets()) + last.improve + last.output);
@@ -318,24 +405,22 @@ class Adaptation {
     begin_pass(0.45 * work_of_tet);
     swap_for_quality();
     begin_pass(0.37 * work_of_tet);
-    smooth_pass(crew_);
+    smooth();
     begin_pass(0.13 * work_of_tet);
-    collapse_pass(crew_);
+    collapse();
     retry_curved_boundary();
     begin_pass(0.05 * work_of_tet);
-    split_pass(crew_);
+    split();
   }
 
   void polish_quality(double work_of_tet) {
     begin_pass(0.5 * work_of_tet);
     swap_for_quality();
     begin_pass(0.5 * work_of_tet);
-    smooth_pass(crew_);
+    smooth();
   }
 
-  void swap_for_quality() {
-    swap_pass(crew_, kSwapBelow, extent_ == Extent::everything ? kSwapBelowAtFrozen : 1);
-  }
+  void swap_for_quality() { swap(kSwapBelow, extent_ == Extent::everything ? kSwapBelowAtFrozen : 1); }
 
   /// Boundary edges that curve too much may have been refused where the tets were poor; now they are better.
   void retry_curved_boundary() {
@@ -354,10 +439,10 @@ class Adaptation {
     if (!options_.repair_at_frozen) kernel_.policy.frozen = FrozenPolicy::untouchable;
     kernel_.policy.mean = MetricMean::log_euclidean;
     for_all_tets([&](TetId t) { mark_if_poor(t); });
-    for (int round = 0; round < kMostRounds && !crew_.interrupted(); ++round) {
-      if (improve_pass(crew_, kRepairBelow) == 0) return;
-      smooth_poor(crew_, kRepairBelow);
-      collapse_pass(crew_);
+    for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
+      if (pass([&] { return improve_pass(crew_, kRepairBelow); }) == 0) return;
+      pass([&] { return smooth_poor(crew_, kRepairBelow); });
+      collapse();
     }
   }
 
@@ -389,9 +474,11 @@ class Adaptation {
 
   template <class F>
   void for_all_tets(F f) {
-    crew_.run([&] {
-      tbb::parallel_for(0u, mesh_.tet_slots(), [&](std::uint32_t i) {
-        if (mesh_.alive(TetId(i))) f(TetId(i));
+    pass([&] {
+      crew_.run([&] {
+        tbb::parallel_for(0u, mesh_.tet_slots(), [&](std::uint32_t i) {
+          if (mesh_.alive(TetId(i))) f(TetId(i));
+        });
       });
     });
   }
@@ -412,15 +499,21 @@ class Adaptation {
       });
     else
       mark_wherever_wrong();
-    first_level_ = first_level();
+    first_level_ = pass([&] { return first_level(); });
+    share_long_ = pass([&] { return count_wrong(); });
+    report_.share_wrong = pass([&] { return report_.share_wrong; });
+  }
+
+  /// Returns the share with long edges, and notes that of all that are wrong.
+  double count_wrong() {
     std::uint64_t with_long = 0, wrong = 0;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i) {
       with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
       wrong += is_marked_wrong(TetId(i));
     }
     const auto all = static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
-    share_long_ = static_cast<double>(with_long) / all;
     report_.share_wrong = static_cast<double>(wrong) / all;
+    return static_cast<double>(with_long) / all;
   }
 
   /// Not only because it lies on a curved boundary, which is looked at in any case.
@@ -430,18 +523,19 @@ class Adaptation {
            (marks & kCheckLong && !on_curved_boundary(mesh_.vertices(t)));
   }
 
-  void mark_wherever_wrong() {
+  double sum_of_qualities() const {
     double sum = 0;
-    std::uint64_t tets = 0;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
-      if (mesh_.alive(TetId(i))) {
-        sum += mesh_.quality(TetId(i));
-        ++tets;
-      }
-    const double fair = sum < kGoodMean * static_cast<double>(tets) ? 2 : kFair;
-    if (options_.coarsen && sum < kFarMean * static_cast<double>(tets)) {
-      tets_of_far_mesh_ = static_cast<double>(tets);
-      wanted_tets_ = count_wanted_tets();
+      if (mesh_.alive(TetId(i))) sum += mesh_.quality(TetId(i));
+    return sum;
+  }
+
+  void mark_wherever_wrong() {
+    const double sum = pass([&] { return sum_of_qualities(); });
+    const double fair = sum < kGoodMean * tets() ? 2 : kFair;
+    if (options_.coarsen && sum < kFarMean * tets()) {
+      tets_of_far_mesh_ = tets();
+      wanted_tets_ = pass([&] { return count_wanted_tets(); });
     }
     for_all_tets([&](TetId t) {
       mesh_.take_marks(t, kFresh);
@@ -508,16 +602,20 @@ class Adaptation {
   /// reconnection once they are some.
   static constexpr double kGrown = 1.4, kGrownALittle = 1.1;
   void renumber_if_grown(double factor) {
-    if (mesh_.tet_slots() < factor * renumbered_at_) return;
-    crew_.run([&] { renumber(); });
-    renumbered_at_ = mesh_.tet_slots();
+    if (static_cast<double>(tet_slots()) < factor * static_cast<double>(renumbered_at_)) return;
+    renumber();
+    renumbered_at_ = tet_slots();
   }
 
-  bool many_holes() const { return mesh_.tet_slots() > crew_.live_tets() + crew_.live_tets() / 4; }
+  bool many_holes() const { return tet_slots() > live_tets() + live_tets() / 4; }
 
   void renumber() {
-    renumber_along_curve(mesh_);
-    crew_.forget_free_slots();
+    pass([&] {
+      crew_.run([&] {
+        renumber_along_curve(mesh_);
+        crew_.forget_free_slots();
+      });
+    });
   }
 
   Kernel& kernel_;
@@ -536,7 +634,13 @@ class Adaptation {
   double times_too_coarse_ = 1;  ///< coarseness_of_curved_boundary()
   double tets_of_far_mesh_ = 0;  ///< at the start; 0 for a mesh that is not far from its metric
   double wanted_tets_ = 0;
-  std::uint32_t renumbered_at_ = 0;
+  std::uint64_t renumbered_at_ = 0;
+
+  std::vector<PassResult> passes_;  ///< made, and kept as far as states are
+  std::size_t next_pass_ = 0;       ///< of them, to be told; as many as there are: passes are made
+  std::vector<StageReport> done_before_;
+  double seconds_before_ = 0;  ///< of the stage that was not done
+  Clock::time_point stage_begin_;
 };
 
 }  // namespace

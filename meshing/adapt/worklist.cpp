@@ -59,6 +59,29 @@ std::uint64_t WorkerPool::live_vertices() const {
   return kernel_.mesh.vertex_slots() - free;
 }
 
+void WorkerPool::save(AdaptationState& state) const {
+  for (const auto& w : workers_) {
+    state.workers.push_back(w->free_tets.size());
+    state.workers.push_back(w->free_vertices.size());
+    for (const TetId t : w->free_tets) state.free_tets.push_back(t.value);
+    for (const VertexId v : w->free_vertices) state.free_vertices.push_back(v.value);
+    state.counts += w->counts;
+  }
+}
+
+void WorkerPool::restore(const AdaptationState& state) {
+  auto tet = state.free_tets.begin();
+  auto vertex = state.free_vertices.begin();
+  for (std::size_t i = 0; i + 1 < state.workers.size(); i += 2) {
+    Worker& w = *workers_[i / 2 % workers_.size()];
+    for (std::uint64_t n = state.workers[i]; n > 0; --n) w.free_tets.push_back(TetId(*tet++));
+    for (std::uint64_t n = state.workers[i + 1]; n > 0; --n) w.free_vertices.push_back(VertexId(*vertex++));
+  }
+  workers_[0]->counts += state.counts;
+  dead_tets_ -= state.free_tets.size();
+  dead_vertices_ -= state.free_vertices.size();
+}
+
 void WorkerPool::forget_free_slots() {
   dead_tets_ = dead_vertices_ = 0;
   for (auto& w : workers_) {

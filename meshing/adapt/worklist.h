@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "meshing/adapt/adaptation_state.h"
 #include "meshing/adapt/check_whole.h"
 #include "meshing/kernel/kernel.h"
 
@@ -74,6 +75,11 @@ class WorkerPool {
   std::uint64_t live_vertices() const;
   /// Counts of all workers since the last call.
   OperationCounts take_counts();
+  /// Adds free slots and counts to `state`. Not while a sweep runs.
+  void save(AdaptationState& state) const;
+  /// Before the first sweep, in a mesh that is the state's: each thread has its free slots again, or those of
+  /// one that is not there any more.
+  void restore(const AdaptationState& state);
   /// Free slots are forgotten: renumbering has closed the holes.
   void forget_free_slots();
   const AllowedOperations& allowed() const { return kernel_.policy.allowed; }

@@ -10,11 +10,11 @@
 
 namespace weft::meshing {
 
-/// Everything but capacities and what can be computed again: one entry a slot, dead ones too, so that what is
-/// done with the mesh afterwards does not depend on whether it has travelled.
+/// Everything but capacities and what can be computed again (neighbours): one entry a slot, dead ones too, so
+/// that what is done with the mesh afterwards does not depend on whether it has travelled.
 struct TetMeshArrays {
-  std::vector<std::array<std::uint32_t, 4>> tets, neighbours;  ///< TetFace codes
-  std::vector<std::array<std::uint32_t, 4>> patches;           ///< PatchId values
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  std::vector<std::array<std::uint32_t, 4>> patches;  ///< PatchId values
   std::vector<std::int32_t> tet_refs;
   std::vector<float> qualities;  ///< cached
   std::vector<std::uint8_t> tet_marks;
@@ -29,14 +29,14 @@ struct TetMeshArrays {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(tets, neighbours, patches, tet_refs, qualities, tet_marks, points, log_metrics, labels,
-            vertex_refs, vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
+    archive(tets, patches, tet_refs, qualities, tet_marks, points, log_metrics, labels, vertex_refs,
+            vertex_tets, background_hints, surface_hints, kinds, flags, vertex_marks, features);
   }
 };
 
 TetMeshArrays to_arrays(const TetMesh& mesh);
 
-/// Room for as many entities as the capacities say.
+/// Room for as many entities as the capacities say. Faces of two tets are glued.
 std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& arrays, std::size_t vertex_capacity,
                                      std::size_t tet_capacity, Pages pages);
 

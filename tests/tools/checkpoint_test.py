@@ -101,11 +101,6 @@ class Writing(Checkpoints):
         text = self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
         self.assertEqual(self.bytes_of("first.meshb"), self.reference(), text)
 
-    def test_needs_subdomains(self):
-        for option in ("--checkpoint", "--resume"):
-            self.assert_fails("adapt", "box.meshb", "--metric-fn", "polar-2", "-o", "o.meshb", option, "ck", code=64,
-                              says=[option, "needs --subdomains"])
-
 
 class Resuming(Checkpoints):
     def test_gives_the_same_bytes_on_any_ranks(self):
@@ -146,6 +141,109 @@ class Resuming(Checkpoints):
         self.some_checkpoints()
         text = self.run_on(2, "--resume", "ck", "-o", "second.meshb", expect=(2,), complexity=5000)
         self.assertIn("another run", text)
+
+
+class OneMesh(Checkpoints):
+    """Runs without subdomains: their states are those between passes."""
+
+    WORDS = ("box.meshb", "--metric-fn", "polar-2", "--complexity", COMPLEXITY, "--report", "r")
+
+    def adapt(self, *words, threads=1, expect=(0, 1)):
+        done = self.weft("adapt", *self.WORDS, "--threads", threads, *words, expect=expect)
+        return done.stdout + done.stderr
+
+    def account(self):
+        return json.loads((self.folder / "r/report.json").read_text())["checkpoints"]
+
+    def some_checkpoints(self, threads=1):
+        self.adapt("--checkpoint", "ck", "--checkpoint-every", 0.01, "-o", "first.meshb", threads=threads)
+        self.assertEqual(len(self.complete()), 2, "two are kept")
+
+    def assert_first_again(self, *words):
+        text = self.adapt("--resume", "ck", "-o", "second.meshb", *words)
+        self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"), text)
+        self.assertEqual(self.bytes_of("second.solb"), self.bytes_of("first.solb"), text)
+        return text
+
+    def damage(self, number):
+        file = self.folder / "ck" / str(number) / "rank-0"
+        data = bytearray(file.read_bytes())
+        data[len(data) // 3] ^= 1
+        file.write_bytes(data)
+
+    def test_written_changes_no_byte(self):
+        self.some_checkpoints()
+        self.assertGreaterEqual(self.account()["written"], 2)
+        self.assertEqual(self.account()["failure"], "")
+        self.adapt("-o", "whole.meshb")
+        self.assertEqual(self.bytes_of("first.meshb"), self.bytes_of("whole.meshb"))
+
+    def test_resumed_gives_the_same_bytes(self):
+        self.some_checkpoints()
+        text = self.assert_first_again()
+        self.assertIn("gone on from checkpoint ck/", text)
+        self.assertEqual(self.account()["resumed"], f"ck/{self.complete()[-1]}")
+
+    def test_goes_on_with_other_threads(self):
+        for before, after in ((2, 1), (1, 2)):
+            self.some_checkpoints(threads=before)
+            self.adapt("--resume", "ck", "-o", "second.meshb", threads=after)
+            self.weft("verify", "second.meshb", "--against", "box.meshb")
+            shutil.rmtree(self.folder / "ck")
+
+    def test_of_nothing_begins_anew(self):
+        self.adapt("-o", "first.meshb")
+        self.assert_first_again()
+        self.assertIsNone(self.account())
+
+    def test_passes_over_what_is_not_whole(self):
+        self.some_checkpoints()
+        older, latest = self.complete()
+        with open(self.folder / "ck" / str(latest) / "rank-0", "r+b") as file:
+            file.truncate(100)
+        self.assert_first_again()
+        self.assertEqual(self.account()["resumed"], f"ck/{older}")
+
+    def test_that_is_damaged_gives_way_to_the_older(self):
+        self.some_checkpoints()
+        older, latest = self.complete()
+        self.damage(latest)
+        text = self.assert_first_again()
+        self.assertEqual(self.account()["resumed"], f"ck/{older}")
+        self.assertRegex(text, f"warning: .*ck/{latest}/rank-0.*damaged")
+
+    def test_of_which_all_are_damaged_is_refused(self):
+        self.some_checkpoints()
+        for number in self.complete():
+            self.damage(number)
+        before = self.files()
+        text = self.adapt("--resume", "ck", "-o", "second.meshb", expect=2)
+        self.assertIn(f"ck/{self.complete()[-1]}/rank-0", text)
+        self.assertIn("damaged", text)
+        self.assertEqual(self.files(), before)
+
+    def test_of_another_run_is_refused(self):
+        self.some_checkpoints()
+        for words in (("--hmin", "0.05"), ("--no-swap",), ("--hausd", "0.01")):
+            self.assertIn("another run", self.adapt("--resume", "ck", "-o", "second.meshb", *words, expect=2))
+        self.assertIn("one mesh", self.adapt("--resume", "ck", "-o", "second.meshb", "--subdomains", 3, expect=2))
+
+    def test_of_subdomains_is_refused(self):
+        self.adapt("--subdomains", 3, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        self.assertIn("in subdomains", self.adapt("--resume", "ck", "-o", "second.meshb", expect=2))
+
+    def test_when_asked_by_a_signal(self):
+        words = [*map(str, self.WORDS[:-3]), "200000", "--threads", "1", "--quiet", "-o", "first.meshb"]
+        process = subprocess.Popen([str(WEFT), "adapt", *words, "--checkpoint", "ck", "--checkpoint-every", "0"], cwd=self.folder)
+        while process.poll() is None and not (self.folder / "ck").exists():
+            time.sleep(0.1)  # before that a signal kills
+        while process.poll() is None and not self.complete():
+            time.sleep(0.5)
+            process.send_signal(signal.SIGUSR2)
+        self.assertTrue(self.complete())
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=SECONDS)
+        self.assertEqual(process.returncode, 1)
 
 
 class Kills(Checkpoints):

@@ -18,6 +18,7 @@ MODES = {
     "one mesh": (),
     "threads": ("--threads", 2),
     "subdomains": ("--subdomains", 3, "--threads", 1),
+    "checkpoints of one mesh": ("--threads", 1, "--checkpoint", "ck", "--checkpoint-every", "0.01"),
     "checkpoints": ("--subdomains", 3, "--threads", 1, "--checkpoint", "ck", "--checkpoint-every", "0.01"),
 }
 

@@ -143,8 +143,6 @@ FilesResult adapt_files(const Files& files, const Options& options) {
         "polar-2)");
   if (in_subdomains(options)) return tools::adapt_files_in_subdomains(files, options);
   if (options.run.check) throw OptionError("--check", "needs --subdomains");
-  if (!options.checkpoint.folder.empty()) throw OptionError("--checkpoint", "needs --subdomains");
-  if (!options.checkpoint.resume.empty()) throw OptionError("--resume", "needs --subdomains");
   if (!files.graph.empty()) throw OptionError("--graph", "needs --subdomains");
   if (!files.trace.empty()) throw OptionError("--trace", "needs --subdomains");
   return tools::adapt_files_as_one(files, options);

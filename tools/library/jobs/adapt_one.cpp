@@ -13,6 +13,7 @@
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 #include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/mesh_checkpoints.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/sources/metric_source.h"
@@ -90,9 +91,11 @@ class OneMesh {
     kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, work_->at_adaptation(done), tets);
     };
+    prepare_checkpoints(kernel);
     meshing::AdaptResult adapted = naming(input_.name, [&] {
       return meshing::adapt(input_.mesh, {&background(), &field_}, kernel);
     });
+    account_for_checkpoints();
     field_ = {};
     result_.mesh = std::move(adapted.mesh);
     result_.metric = Metric::from_logarithms(std::move(adapted.log_metrics));
@@ -107,6 +110,29 @@ class OneMesh {
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();
+  }
+
+  void prepare_checkpoints(meshing::AdaptOptions& kernel) {
+    const CheckpointOptions& asked = options_.checkpoint;
+    if (asked.folder.empty() && asked.resume.empty()) return;
+    const std::uint64_t run = hash_of_run(input_.mesh, background(), field_, options_);
+    if (!asked.resume.empty()) found_ = find_state(asked.resume, run, result_.warnings);
+    if (found_) kernel.resume = &found_->state;
+    if (asked.folder.empty()) return;
+    checkpoints_.emplace(asked, run);
+    kernel.states = &*checkpoints_;
+  }
+
+  void account_for_checkpoints() {
+    if (!checkpoints_ && !found_) return;
+    const auto stats = std::make_shared<CheckpointStats>();
+    if (found_) stats->resumed = found_->folder;
+    if (checkpoints_) checkpoints_->finish(*stats);
+    if (!stats->failure.empty())
+      result_.warnings.push_back("the latest checkpoint could not be written: " + stats->failure);
+    result_.checkpoints = stats;
+    found_.reset();
+    checkpoints_.reset();
   }
 
   void measure_after() {
@@ -137,6 +163,8 @@ class OneMesh {
   std::optional<RunWork> work_;                  ///< from the metric on
   std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   meshing::LogMetricField field_;
+  std::optional<FoundState> found_;
+  std::optional<MeshCheckpoints> checkpoints_;
   Result result_;
 };
 

@@ -83,6 +83,9 @@ void DistributedRun::find_checkpoint() {
   place.number = std::stoull(found.substr(0, end));
   place.folder = graph::adaptation::checkpoint_folder(options_.checkpoint.resume, place.number);
   place.manifest = graph::adaptation::CheckpointManifest::parse(found.substr(end + 1)).value();
+  if (place.manifest.subdomains == 0)
+    throw meshing::InputError(place.folder.string(), "",
+                              "is a checkpoint of a run of one mesh, and this is one in subdomains");
   resume_ = std::move(place);
 }
 

@@ -109,6 +109,15 @@ DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
   return account;
 }
 
+std::string checkpoints_text(const CheckpointStats& c) {
+  std::string text;
+  if (!c.resumed.empty()) text += fmt::format("gone on from checkpoint {}\n", c.resumed);
+  if (c.written > 0)
+    text += fmt::format("checkpoints: {}, the latest of {}; {:.2f} s of all workers for copies\n", c.written,
+                        bytes_text(c.bytes), c.seconds);
+  return text;
+}
+
 std::string subdomains_text(const DistributedStats& a) {
   std::string text = fmt::format("{} subdomains by {} on {} rank{}, {} layers\n", a.subdomains, a.partitioner,
                                  a.ranks, a.ranks == 1 ? "" : "s", a.layers);
@@ -133,11 +142,7 @@ std::string subdomains_text(const DistributedStats& a) {
         "each "
         "shift\n",
         a.checks);
-  const CheckpointStats& c = a.checkpoints;
-  if (!c.resumed.empty()) text += fmt::format("gone on from checkpoint {}\n", c.resumed);
-  if (c.written > 0)
-    text += fmt::format("checkpoints: {}, the latest of {}; {} s of all workers for copies\n", c.written,
-                        bytes_text(c.bytes), fmt::format("{:.2f}", c.seconds));
+  text += checkpoints_text(a.checkpoints);
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(a.messages),
                       bytes_text(static_cast<double>(a.bytes)), a.collective_calls);
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",

@@ -16,6 +16,8 @@ DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
                              std::vector<engine::RankSummary> summaries,
                              const std::vector<graph::adaptation::ShiftRecord>& shifts);
 
+/// A line each on what the run went on from and what it has written; empty where neither.
+std::string checkpoints_text(const CheckpointStats& account);
 /// The readable account: times by operation, shifts, messages.
 std::string subdomains_text(const DistributedStats& account);
 

@@ -89,6 +89,14 @@ Json json_of(const std::vector<OperationTime>& operations) {
   return seconds;
 }
 
+Json json_of(const CheckpointStats& c) {
+  return {{"written", c.written},
+          {"bytes", c.bytes},
+          {"seconds", c.seconds},
+          {"resumed", c.resumed},
+          {"failure", c.failure}};
+}
+
 Json json_of(const DistributedStats& a) {
   Json shifts = Json::array(), ranks = Json::array();
   for (const ShiftStats& s : a.shifts)
@@ -112,12 +120,7 @@ Json json_of(const DistributedStats& a) {
           {"shifts", shifts},
           {"by_rank", ranks},
           {"former_interface", tools::json_of(a.former_interface)},
-          {"checkpoints",
-           {{"written", a.checkpoints.written},
-            {"bytes", a.checkpoints.bytes},
-            {"seconds", a.checkpoints.seconds},
-            {"resumed", a.checkpoints.resumed},
-            {"failure", a.checkpoints.failure}}},
+          {"checkpoints", json_of(a.checkpoints)},
           {"engine", engine::json_of(*a.engine)}};
 }
 
@@ -186,6 +189,7 @@ Json json_of(const RunResult& run) {
       {"stages", stages},
       {"operations", json_of(run.operations)},
       {"subdomains", run.distributed ? json_of(*run.distributed) : Json(nullptr)},
+      {"checkpoints", run.checkpoints ? json_of(*run.checkpoints) : Json(nullptr)},
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.surface_deviation},
       {"model", run.model ? json_of(*run.model) : Json(nullptr)},

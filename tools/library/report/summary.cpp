@@ -102,6 +102,7 @@ std::string summary_text(const Report& run) {
   text += measures_table({{"before", run.before ? &*run.before : nullptr}, {"after", &run.after}}) + "\n";
   text += times_text(run) + "\n";
   if (run.distributed) text += subdomains_text(*run.distributed) + "\n";
+  if (run.checkpoints) text += checkpoints_text(*run.checkpoints) + "\n";
   text += operations_text(run.operations) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   if (!run.distributed)

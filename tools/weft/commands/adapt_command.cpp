@@ -182,7 +182,7 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
 
 void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
   CheckpointOptions& checkpoint = command.options.checkpoint;
-  constexpr const char* kGroup = "Subdomains";
+  constexpr const char* kGroup = "Run";
   sub.add_option("--checkpoint", checkpoint.folder,
                  "keep states to go on from in DIR while the run goes on; SIGUSR2: one now")
       ->type_name("DIR")
@@ -193,7 +193,7 @@ void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
       ->needs("--checkpoint")
       ->group(kGroup);
   sub.add_option("--resume", checkpoint.resume,
-                 "go on from the latest checkpoint in DIR, if any, on any number of ranks")
+                 "go on from the latest checkpoint in DIR, if any, on any number of ranks and threads")
       ->type_name("DIR")
       ->group(kGroup);
 }

@@ -171,13 +171,14 @@ struct RunOptions {
   std::function<void(const std::string&)> on_failure;
 };
 
-/// Checkpoints of a run in subdomains: a state of all of them that belongs together, written by all ranks
-/// while they work on. A folder keeps the two latest; one that is not complete is never taken for one that
-/// is.
+/// Checkpoints, written while the run works on. Of a run in subdomains: a state of all of them that belongs
+/// together, by all ranks. Of one mesh: its state between two passes. A folder keeps the two latest; one that
+/// is not complete is never taken for one that is.
 struct CheckpointOptions {
   std::string folder;  ///< on a file system that all ranks see; empty: no checkpoints
   double every = 600;  ///< seconds between the end of one and the next; 0: only when asked for
-  /// A folder of checkpoints: the run goes on from the latest, on as many ranks and threads as there are now.
+  /// A folder of checkpoints: the run goes on from the latest that is not damaged, on as many ranks and
+  /// threads as there are now.
   /// Input and options must be those of the run that wrote it. A folder without one: it starts anew.
   std::string resume;
   /// Asks for one now; set back when it begins. From any thread or signal handler of any rank.
@@ -327,6 +328,7 @@ struct Report {
   std::shared_ptr<const ModelAccount>
       model;  ///< of one mesh: how it lies on the CAD model; null: there is none
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
+  std::shared_ptr<const CheckpointStats> checkpoints;   ///< of one mesh; null: nothing to tell
   std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
   TransferMethod transfer = TransferMethod::linear;
   StageTimes times;
