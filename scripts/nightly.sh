@@ -12,8 +12,7 @@ scripts/sanitize.sh asan tsan
 # A hang that comes once in a hundred runs is a hang.
 ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transport)' --repeat until-fail:100
 build/bin/weft_engine_tests --gtest_filter='Ranks/*' --gtest_repeat=100 --gtest_brief=1
-# Runs killed at random moments go on to the same bytes.
-WEFT_KILLS=200 WEFT_SEED=$RANDOM ctest --test-dir build --output-on-failure --tests-regex '^command\.checkpoint$' --timeout 7200
+# Runs killed at random moments go on to the same bytes, and time limits are kept.
 scripts/kill_runs.py build/bin/weft --runs 200 --limits 50
 # Calls that fail, by number.
 WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^command\.fault$' --timeout 14400

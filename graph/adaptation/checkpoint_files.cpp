@@ -116,6 +116,12 @@ void remove_old_checkpoints(const fs::path& folder, std::size_t keep) {
   }
 }
 
+void remove_incomplete(const fs::path& folder, std::uint64_t after) {
+  std::error_code ignored;
+  for (const auto& [number, path] : numbered_folders(folder))
+    if (number > after && !read_manifest(path)) fs::remove_all(path, ignored);
+}
+
 fs::path checkpoint_folder(const fs::path& folder, std::uint64_t number) {
   return folder / std::to_string(number);
 }

@@ -48,6 +48,9 @@ std::uint64_t last_number(const std::filesystem::path& folder);
 /// Removes all but the `keep` latest that are complete, and older ones that never became so.
 void remove_old_checkpoints(const std::filesystem::path& folder, std::size_t keep);
 
+/// Removes those with numbers above `after` that are not complete.
+void remove_incomplete(const std::filesystem::path& folder, std::uint64_t after);
+
 std::filesystem::path checkpoint_folder(const std::filesystem::path& folder, std::uint64_t number);
 std::string rank_file(int rank);
 inline constexpr const char* kManifestName = "complete";

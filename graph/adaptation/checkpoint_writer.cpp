@@ -40,6 +40,8 @@ void CheckpointWriter::end() {
   give_up();
 }
 
+void CheckpointWriter::remove_unfinished() const { remove_incomplete(folder_, manifest_.first_number); }
+
 CheckpointsWritten CheckpointWriter::written() const {
   const std::lock_guard lock(mutex_);
   return written_;

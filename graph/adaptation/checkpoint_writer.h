@@ -35,6 +35,8 @@ class CheckpointWriter final : public engine::SnapshotSink {
   void begin(const CheckpointManifest& manifest);
   /// No more.
   void end();
+  /// On rank 0, when all ranks have ended: what has not become a checkpoint goes.
+  void remove_unfinished() const;
   CheckpointsWritten written() const;
   const std::filesystem::path& folder() const { return folder_; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -248,6 +249,31 @@ void check_same_run(const CheckpointPlace& place, const AdaptationPlan& plan, st
                             "same, or the program is another");
 }
 
+/// The latest that is not damaged; there is a warning of each that is. Throws what is wrong with the latest
+/// where all are.
+const CheckpointPlace& restore_latest(engine::Runtime& runtime, EnginePeers& peers,
+                                      const AdaptationPlan& plan, const std::vector<CheckpointPlace>& places,
+                                      std::vector<std::string>& warnings) {
+  std::exception_ptr latest;
+  for (const CheckpointPlace& place : places) {
+    try {
+      restore_subdomains(runtime, peers, plan, place);
+      return place;
+    } catch (const meshing::InputError& error) {
+      if (!latest) latest = std::current_exception();
+      warnings.emplace_back(error.what());
+    }
+  }
+  std::rethrow_exception(latest);
+}
+
+/// What no rank writes to any more can be told to be unfinished.
+void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer) {
+  writer.end();
+  partition::sum(peers, std::uint64_t{0});
+  if (peers.rank() == 0) writer.remove_unfinished();
+}
+
 std::vector<Neighbours> neighbours_here(engine::Runtime& runtime) {
   std::vector<Neighbours> all;
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
@@ -286,7 +312,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.expected_complexity = d.complexity;
   plan.threads = std::max(1, options.threads);
   plan.pauses = options.check;
-  plan.home_ranks = options.resume ? options.resume->manifest.home_ranks : peers.ranks();
+  plan.home_ranks = options.resume.empty() ? peers.ranks() : options.resume[0].manifest.home_ranks;
   rank.geometry = d.geometry;
   rank.interrupt = options.interrupt;
   rank.news = options.news;
@@ -294,13 +320,13 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   if (options.on_plan) options.on_plan();
   if (options.on_start) options.on_start();
   const auto middle = Clock::now();
-  const bool keeps_state = options.checkpoints || options.resume;
+  const bool keeps_state = options.checkpoints || !options.resume.empty();
   const std::uint64_t hash = keeps_state ? hash_of_run(peers, d.starts, plan, options.program) : 0;
   if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);
-  if (options.resume) {
-    check_same_run(*options.resume, plan, hash);
+  if (!options.resume.empty()) {
+    check_same_run(options.resume[0], plan, hash);
     d.starts.clear();
-    restore_subdomains(runtime, peers, plan, *options.resume);
+    result.resumed = restore_latest(runtime, peers, plan, options.resume, result.warnings).folder;
     result.planned = neighbours_here(runtime);
     runtime.run();
   } else {
@@ -313,7 +339,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
     result.planned = std::move(made.neighbours);
   }
-  if (options.checkpoints) options.checkpoints->end();
+  if (options.checkpoints) end_checkpoints(peers, *options.checkpoints);
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);

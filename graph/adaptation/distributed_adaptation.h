@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -41,8 +42,9 @@ struct DistributedOptions {
   const std::atomic<bool>* interrupt = nullptr;
   /// Of the runtime (RuntimeOptions::snapshots); null: no checkpoints. Not with `check`.
   CheckpointWriter* checkpoints = nullptr;
-  /// To go on from, the same on all ranks; null: from the beginning.
-  const CheckpointPlace* resume = nullptr;
+  /// To go on from, the same on all ranks and of one run: the first that is not damaged. Empty: from the
+  /// beginning.
+  std::vector<CheckpointPlace> resume;
   /// Whatever else must be the same when a run goes on from a checkpoint: a hash of it.
   std::uint64_t program = 0;
 };
@@ -68,6 +70,7 @@ struct DistributedResult {
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks
   std::uint32_t checks = 0;           ///< how many times all invariants were checked, and held
+  std::filesystem::path resumed;      ///< the checkpoint that it has gone on from; empty: none
   double decomposition_seconds = 0, adaptation_seconds = 0;
 };
 

@@ -108,6 +108,17 @@ TEST_F(CheckpointFiles, AnyChangedByteIsFound) {
   }
 }
 
+TEST_F(CheckpointFiles, WhatARunHasLeftUnfinishedGoesAndNothingElse) {
+  write(1, false);
+  write(2, true);
+  write(3, true);
+  write(4, false);
+  remove_incomplete(folder, 1);
+  EXPECT_TRUE(fs::exists(checkpoint_folder(folder, 1))) << "another run may be writing it";
+  EXPECT_EQ(find_checkpoints(folder).size(), 2u);
+  EXPECT_FALSE(fs::exists(checkpoint_folder(folder, 4)));
+}
+
 TEST_F(CheckpointFiles, ManifestsThatAreNoneAreRefused) {
   const std::string good = CheckpointManifest{5, 2, 1, 0, {10, 20}}.text();
   ASSERT_TRUE(CheckpointManifest::parse(good));

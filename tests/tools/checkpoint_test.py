@@ -1,6 +1,6 @@
 """Checkpoints: runs that are killed go on from them to the same bytes, on any number of ranks.
 
-WEFT_KILLS: how many runs are killed at random moments (nightly: 200); WEFT_SEED: of these moments.
+WEFT_KILLS: how many runs are killed at random moments (scripts/kill_runs.py does more); WEFT_SEED: of these moments.
 """
 
 import json
@@ -51,6 +51,12 @@ class Checkpoints(CommandTest):
     def complete(self):
         return sorted(int(path.parent.name) for path in (self.folder / "ck").glob("*/complete"))
 
+    def damage(self, number):
+        file = self.folder / "ck" / str(number) / "rank-0"
+        data = bytearray(file.read_bytes())
+        data[len(data) // 3] ^= 1
+        file.write_bytes(data)
+
     def bytes_of(self, name):
         return (self.folder / name).read_bytes()
 
@@ -69,6 +75,7 @@ class Writing(Checkpoints):
         self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", "--report", "r")
         self.assertEqual(self.bytes_of("first.meshb"), self.reference())
         self.assertEqual(len(self.complete()), 2)
+        self.assertEqual(len(list((self.folder / "ck").iterdir())), 2, "what was not finished in time is gone")
         account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
         self.assertGreaterEqual(account["written"], 2)
         self.assertEqual(account["failure"], "")
@@ -126,12 +133,21 @@ class Resuming(Checkpoints):
         self.assertEqual(account["resumed"], f"ck/{older}")
         self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"))
 
-    def test_of_damaged_bytes_is_refused(self):
+    def test_that_is_damaged_gives_way_to_the_older(self):
         self.some_checkpoints()
-        file = self.folder / "ck" / str(self.complete()[-1]) / "rank-0"
-        data = bytearray(file.read_bytes())
-        data[len(data) // 3] ^= 1
-        file.write_bytes(data)
+        older, latest = self.complete()
+        self.damage(latest)
+        for ranks in (0, 2):
+            self.run_on(ranks, "--resume", "ck", "-o", "second.meshb", "--report", "r")
+            report = json.loads((self.folder / "r/report.json").read_text())
+            self.assertEqual(report["subdomains"]["checkpoints"]["resumed"], f"ck/{older}")
+            self.assertRegex("\n".join(report["warnings"]), f"ck/{latest}/rank-0.*damaged")
+            self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"))
+
+    def test_of_which_all_are_damaged_is_refused(self):
+        self.some_checkpoints()
+        for number in self.complete():
+            self.damage(number)
         for ranks in (0, 2):
             text = self.run_on(ranks, "--resume", "ck", "-o", "second.meshb", expect=(2,))
             self.assertIn("damaged", text)
@@ -164,12 +180,6 @@ class OneMesh(Checkpoints):
         self.assertEqual(self.bytes_of("second.meshb"), self.bytes_of("first.meshb"), text)
         self.assertEqual(self.bytes_of("second.solb"), self.bytes_of("first.solb"), text)
         return text
-
-    def damage(self, number):
-        file = self.folder / "ck" / str(number) / "rank-0"
-        data = bytearray(file.read_bytes())
-        data[len(data) // 3] ^= 1
-        file.write_bytes(data)
 
     def test_written_changes_no_byte(self):
         self.some_checkpoints()

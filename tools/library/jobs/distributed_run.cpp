@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <limits>
@@ -63,30 +64,38 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   peers_.emplace(*runtime_);
   exchange_.emplace(*runtime_);
   if (keep.record) memory_.emplace(transport.rank().value);
-  if (!options.checkpoint.resume.empty()) find_checkpoint();
+  if (!options.checkpoint.resume.empty()) find_checkpoints();
 }
 
 /// Rank 0 looks, so that all go on from the same.
-void DistributedRun::find_checkpoint() {
-  std::vector<std::uint8_t> text;
-  if (first()) {
-    const auto places = graph::adaptation::find_checkpoints(options_.checkpoint.resume);
-    const std::string found =
-        places.empty() ? "" : std::to_string(places[0].number) + "\n" + places[0].manifest.text();
-    text.assign(found.begin(), found.end());
+void DistributedRun::find_checkpoints() {
+  std::vector<std::uint8_t> mine;
+  if (first())
+    for (const auto& place : graph::adaptation::find_checkpoints(options_.checkpoint.resume)) {
+      const std::string text = std::to_string(place.number) + "\n" + place.manifest.text();
+      mine.insert(mine.end(), text.c_str(), text.c_str() + text.size() + 1);
+    }
+  const std::vector<std::uint8_t> told = partition::allgather(*peers_, mine)[0];
+  for (auto at = told.begin(); at != told.end();) {
+    const auto end = std::find(at, told.end(), 0);
+    add_checkpoint(std::string(at, end));
+    at = end + 1;
   }
-  const std::vector<std::uint8_t> told = partition::allgather(*peers_, text)[0];
-  const std::string found(told.begin(), told.end());
-  if (found.empty()) return;
-  const std::size_t end = found.find('\n');
+}
+
+/// Those of the latest's run count.
+void DistributedRun::add_checkpoint(const std::string& text) {
+  const std::size_t end = text.find('\n');
   graph::adaptation::CheckpointPlace place;
-  place.number = std::stoull(found.substr(0, end));
+  place.number = std::stoull(text.substr(0, end));
   place.folder = graph::adaptation::checkpoint_folder(options_.checkpoint.resume, place.number);
-  place.manifest = graph::adaptation::CheckpointManifest::parse(found.substr(end + 1)).value();
-  if (place.manifest.subdomains == 0)
+  place.manifest = graph::adaptation::CheckpointManifest::parse(text.substr(end + 1)).value();
+  if (resume_.empty() && place.manifest.subdomains == 0)
     throw meshing::InputError(place.folder.string(), "",
                               "is a checkpoint of a run of one mesh, and this is one in subdomains");
-  resume_ = std::move(place);
+  if (resume_.empty() || (place.manifest.run == resume_[0].manifest.run &&
+                          place.manifest.home_ranks == resume_[0].manifest.home_ranks))
+    resume_.push_back(std::move(place));
 }
 
 /// The subdomains' news go to rank 0 twice a second.
@@ -114,7 +123,7 @@ std::string DistributedRun::name_of(engine::ObjectId id) const {
 
 std::uint32_t DistributedRun::number_of_subdomains() const {
   constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
-  if (resume_) return resume_->manifest.subdomains;
+  if (!resume_.empty()) return resume_[0].manifest.subdomains;
   if (options_.distributed.subdomains > 0) return options_.distributed.subdomains;
   const std::array<std::uint32_t, 3> slabs =
       partition::parse_partitioner(partitioner_of(options_.distributed)).slabs;
@@ -142,7 +151,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.threads = threads_;
   method.interrupt = &monitor_.flag();
   if (checkpoints_) method.checkpoints = &*checkpoints_;
-  if (resume_) method.resume = &*resume_;
+  method.resume = resume_;
   const std::string program = kVersion;
   method.program = graph::adaptation::hash_bytes(program.data(), program.size(), registry_.fingerprint());
   if (monitor_.wanted()) method.news = &news_;
@@ -242,7 +251,7 @@ void DistributedRun::gather_statistics(Report& report) {
 void DistributedRun::account_for_checkpoints(const std::vector<engine::RankSummary>& summaries,
                                              Report& report) {
   CheckpointStats& stats = stats_->checkpoints;
-  if (resume_) stats.resumed = resume_->folder.string();
+  stats.resumed = result_.resumed.string();
   if (!checkpoints_) return;
   const graph::adaptation::CheckpointsWritten written = checkpoints_->written();
   stats.written = written.written;

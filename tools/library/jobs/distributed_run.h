@@ -56,7 +56,8 @@ class DistributedRun {
   std::string name_of(engine::ObjectId id) const;
   std::uint32_t number_of_subdomains() const;
   graph::adaptation::DistributedOptions method_options(double target_complexity);
-  void find_checkpoint();
+  void find_checkpoints();
+  void add_checkpoint(const std::string& text);
   void account_for_checkpoints(const std::vector<engine::RankSummary>& summaries, Report& report);
   void check_room(const std::string& name, Report& report);
   void gather_statistics(Report& report);
@@ -69,7 +70,7 @@ class DistributedRun {
   std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
   graph::adaptation::RankData rank_;
   std::optional<graph::adaptation::CheckpointWriter> checkpoints_;
-  std::optional<graph::adaptation::CheckpointPlace> resume_;
+  std::vector<graph::adaptation::CheckpointPlace> resume_;  ///< of one run, the latest first
   engine::Registry registry_;
   std::optional<engine::Runtime> runtime_;
   std::optional<engine::ShowStateOnSignal> show_state_;

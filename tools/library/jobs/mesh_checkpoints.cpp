@@ -138,6 +138,7 @@ void MeshCheckpoints::write(meshing::AdaptationState&& state) {
 void MeshCheckpoints::finish(CheckpointStats& stats) {
   if (background_.joinable()) background_.join();
   writer_.end();
+  writer_.remove_unfinished();
   const graph::adaptation::CheckpointsWritten written = writer_.written();
   stats.written = written.written;
   stats.bytes = static_cast<double>(written.bytes);
