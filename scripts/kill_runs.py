@@ -106,7 +106,7 @@ class Run:
         self.end(process, SECONDS)
         if process.returncode not in (0, 1):
             raise Failure(f"code {process.returncode}\n{self.log()[-3000:]}")
-        self.kinds["gone on from a checkpoint" if "gone on from checkpoint" in self.log() else "begun anew"] += 1
+        self.kinds["gone on" if "gone on from checkpoint" in self.log() else "begun anew"] += 1
         return True
 
     @staticmethod
@@ -152,7 +152,7 @@ class Run:
     def killed(self):
         self.make_mesh()
         seconds, expected = self.reference()
-        every = round(self.random.uniform(0.02, 0.2) * seconds, 3)
+        every = round(self.random.uniform(0.005, 0.05) * seconds, 4)
         kills = self.random.randint(1, MOST_KILLS)
         for left in range(kills, -1, -1):
             if self.attempt(every, self.random.uniform(0, 1.2 * seconds) if left else None):
@@ -205,9 +205,13 @@ def strike(*pids):
 
 
 def table(counts):
-    print(f"{'run':24} {'what':28} times")
-    for (kind, what), count in sorted(counts.items()):
-        print(f"{kind:24} {what:28} {count}")
+    columns = ["runs", "valid mesh", "equal bytes", "gone on", "begun anew", "ended by its limit", "FAILED"]
+    columns += sorted({what for _, what in counts} - set(columns))
+    print(f"{'':34}" + "".join(f"{c:>{len(c) + 2}}" for c in columns))
+    kinds = sorted({kind for kind, _ in counts})
+    rows = [(kind, [counts[kind, c] for c in columns]) for kind in kinds]
+    for kind, row in [*rows, ("all", [sum(counts[kind, c] for kind in kinds) for c in columns])]:
+        print(f"{kind:34}" + "".join(f"{n:>{len(c) + 2}}" for c, n in zip(columns, row)))
 
 
 def main():
