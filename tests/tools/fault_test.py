@@ -59,6 +59,7 @@ class Faults(CommandTest):
         chance = random.Random(4)
         for mode in MODES:
             counts = self.calls(mode)
+            self.assertGreater(min(counts.values()), 0, f"calls are not seen: {counts}")
             for kind, count in counts.items():
                 points = sorted(chance.sample(range(1, count + 1), min(FAULTS, count)))
                 for point in points:
