@@ -118,8 +118,8 @@ void MeshCheckpoints::keep(const std::function<meshing::AdaptationState()>& copy
       busy_ = false;
     });
   } catch (const std::exception&) {  // no memory for the copy, or no thread
+    finish_epoch(false);
     busy_ = false;
-    writer_.finish(epoch_, false);
   }
   seconds_ += watch.lap();
 }
@@ -132,7 +132,17 @@ void MeshCheckpoints::write(meshing::AdaptationState&& state) {
     whole = writer_.wait_until_stored();
   } catch (const std::exception&) {  // no memory for what is packed
   }
-  writer_.finish(epoch_, whole);
+  finish_epoch(whole);
+}
+
+/// Where there is no memory even for the words that say so, a flag does.
+void MeshCheckpoints::finish_epoch(bool whole) {
+  lost_ = false;
+  try {
+    writer_.finish(epoch_, whole);
+  } catch (const std::exception&) {
+    lost_ = true;
+  }
 }
 
 void MeshCheckpoints::finish(CheckpointStats& stats) {
@@ -143,7 +153,7 @@ void MeshCheckpoints::finish(CheckpointStats& stats) {
   stats.written = written.written;
   stats.bytes = static_cast<double>(written.bytes);
   stats.seconds = seconds_;
-  stats.failure = written.failure;
+  stats.failure = lost_ ? "there was no memory" : written.failure;
 }
 
 std::optional<FoundState> find_state(const std::string& folder, std::uint64_t run,

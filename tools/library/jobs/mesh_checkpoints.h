@@ -34,11 +34,13 @@ class MeshCheckpoints final : public meshing::StateKeeper {
 
  private:
   void write(meshing::AdaptationState&& state);
+  void finish_epoch(bool whole);
 
   graph::adaptation::CheckpointWriter writer_;
   std::uint64_t epoch_ = 0;
   double seconds_ = 0;  ///< that the adaptation has waited for copies
   std::atomic<bool> busy_ = false;
+  bool lost_ = false;  ///< the latest; of whoever writes
   std::thread background_;
 };
 
