@@ -10,7 +10,7 @@ from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandT
 
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
-    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "subdomains", "fields", "surface_deviation", "model", "seconds",
+    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "model", "seconds",
     "peak_memory_bytes", "threads", "warnings",
 }
 

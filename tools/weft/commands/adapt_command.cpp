@@ -193,7 +193,7 @@ void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
       ->needs("--checkpoint")
       ->group(kGroup);
   sub.add_option("--resume", checkpoint.resume,
-                 "go on from the latest checkpoint in DIR, if any, on any number of ranks and threads")
+                 "go on from the latest checkpoint in DIR, if any, on any ranks and threads")
       ->type_name("DIR")
       ->group(kGroup);
 }
