@@ -26,6 +26,7 @@ import time
 
 SECONDS = 300  # far above what any of these takes
 GRACE = 2  # after a time limit
+AT_START = 0.3  # that mpirun takes until its ranks begin
 OF_MPIRUN = 1  # Open MPI's mpirun waits that long after a rank has ended with another code than 0
 MPIRUN = [*os.environ.get("WEFT_MPIRUN", "mpirun;--oversubscribe;--bind-to;none").split(";"), "-n"]
 MOST_KILLS = 4  # of a run; then it is left alone
@@ -156,7 +157,7 @@ class Run:
         every = round(self.random.uniform(0.005, 0.05) * seconds, 4)
         kills = self.random.randint(1, MOST_KILLS)
         for left in range(kills, -1, -1):
-            if self.attempt(every, self.random.uniform(0, 1.2 * seconds) if left else None):
+            if self.attempt(every, self.random.uniform(0.2, 1.5) * seconds + (AT_START if self.mode == "ranks" else 0) if left else None):
                 break
         self.verify()
         if self.one_thread:

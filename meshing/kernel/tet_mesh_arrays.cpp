@@ -1,70 +1,28 @@
 // Copies between the kernel's mesh and plain vectors.
 #include "meshing/kernel/tet_mesh_arrays.h"
 
-#include <algorithm>
+#include "meshing/mesh/face_matcher.h"
 
 namespace weft::meshing {
 namespace {
 
-/// Faces under their least vertices, until their other sides come. By one thread: who unpacks a subdomain may
-/// hold locks, and must not pick up other work meanwhile.
-class FaceMatcher {
- public:
-  explicit FaceMatcher(std::uint32_t num_vertices) : first_(num_vertices, kNone) {}
-
-  void glue_all(TetMesh& mesh) {
-    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-      for (int f = 0; f < 4; ++f) mesh.set_neighbour(TetId(i), f, TetFace());
-    for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
-      const TetId t(i);
-      if (!mesh.alive(t)) continue;
-      const TetVertices v = mesh.vertices(t);
-      for (int f = 0; f < 4; ++f) {
-        const TetFace face(t, f),
-            other = match({v[kTetFaces[f][0]], v[kTetFaces[f][1]], v[kTetFaces[f][2]]}, face);
-        if (other.valid()) mesh.glue(face, other);
-      }
+void glue_all(TetMesh& mesh) {
+  FaceMatcher faces(mesh.vertex_slots());
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    for (int f = 0; f < 4; ++f) mesh.set_neighbour(TetId(i), f, TetFace());
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    const TetId t(i);
+    if (!mesh.alive(t)) continue;
+    const TetVertices v = mesh.vertices(t);
+    for (int f = 0; f < 4; ++f) {
+      const auto& corners = kTetFaces[f];
+      const TetFace face(t, f);
+      const TetFace other(
+          faces.match({v[corners[0]].value, v[corners[1]].value, v[corners[2]].value}, face.code));
+      if (other.valid()) mesh.glue(face, other);
     }
   }
-
- private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  struct Open {
-    std::uint32_t middle, largest;
-    TetFace face;
-    std::uint32_t next;
-  };
-
-  /// The other side, which is forgotten then; invalid where it has not come yet.
-  TetFace match(std::array<VertexId, 3> v, TetFace face) {
-    std::sort(v.begin(), v.end());
-    std::uint32_t* link = &first_[v[0].value];
-    for (; *link != kNone; link = &open_[*link].next) {
-      Open& o = open_[*link];
-      if (o.middle != v[1].value || o.largest != v[2].value) continue;
-      free_.push_back(*link);
-      *link = o.next;
-      return o.face;
-    }
-    keep(v[0].value, {v[1].value, v[2].value, face, first_[v[0].value]});
-    return {};
-  }
-
-  void keep(std::uint32_t least, const Open& open) {
-    if (free_.empty()) {
-      first_[least] = static_cast<std::uint32_t>(open_.size());
-      open_.push_back(open);
-      return;
-    }
-    first_[least] = free_.back();
-    free_.pop_back();
-    open_[first_[least]] = open;
-  }
-
-  std::vector<std::uint32_t> first_;
-  std::vector<Open> open_;
-  std::vector<std::uint32_t> free_;
-};
+}
 
 void copy_tets(const TetMesh& mesh, TetMeshArrays& a) {
   const std::uint32_t n = mesh.tet_slots();
@@ -141,7 +99,7 @@ std::unique_ptr<TetMesh> from_arrays(const TetMeshArrays& a, std::size_t vertex_
     mesh->set_quality(t, a.qualities[i]);
     mesh->mark(t, a.tet_marks[i]);
   }
-  FaceMatcher(static_cast<std::uint32_t>(a.points.size())).glue_all(*mesh);
+  glue_all(*mesh);
   for (const TetMesh::FeatureEdge& e : a.features) mesh->set_curve(e.a, e.b, e.curve);
   return mesh;
 }

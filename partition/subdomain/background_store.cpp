@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "meshing/mesh/face_matcher.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::partition {
@@ -103,6 +104,21 @@ class PieceCutter {
 };
 
 }  // namespace
+
+void BackgroundPiece::find_neighbours() {
+  neighbours.assign(tets.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour});
+  meshing::FaceMatcher faces(points.size());
+  for (std::uint32_t t = 0; t < tets.size(); ++t)
+    for (std::uint32_t f = 0; f < 4; ++f) {
+      const auto& corners = meshing::kTetFaces[f];
+      const std::uint32_t code = 4 * t + f;
+      const std::uint32_t other =
+          faces.match({tets[t][corners[0]], tets[t][corners[1]], tets[t][corners[2]]}, code);
+      if (other == kNoNeighbour) continue;
+      neighbours[t][f] = other;
+      neighbours[other >> 2][other & 3] = code;
+    }
+}
 
 BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                                  std::span<const meshing::LogMetric> log_metrics,

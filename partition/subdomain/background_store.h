@@ -34,8 +34,12 @@ struct BackgroundPiece {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, points, log_metrics, border, tets, neighbours);
+    archive(id, points, log_metrics, border, tets);
+    if constexpr (!Archive::kPacks) find_neighbours();
   }
+
+ private:
+  void find_neighbours();
 };
 
 /// Packs copies of shared pieces, or unpacks pieces to be shared.
