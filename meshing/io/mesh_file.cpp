@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,6 +51,11 @@ struct Format {
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
+  // Where many can write one file: whether they can write this one, what one of them does first, and all do.
+  bool (*in_parts)(const fs::path&) = nullptr;
+  PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
+  std::unique_ptr<PartWriter> (*open_part)(const fs::path&, const fs::path&, const WholeMesh&,
+                                           const PartPlaces&) = nullptr;
 };
 
 MeshContents read_gmf(const fs::path& path) {
@@ -81,14 +87,16 @@ void write_gmf(const fs::path& path, const MeshView& contents, const WriteOption
 constexpr unsigned kGmf =
     kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs | kAssociation;
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
+bool always(const fs::path&) { return true; }
 constexpr std::array kFormats = {
     Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
     Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
     Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
            write_gmsh},
-    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range},
+    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range,
+           is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
     Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
-    Format{".vtu", kVtu, read_vtu, write_vtu},
+    Format{".vtu", kVtu, read_vtu, write_vtu, nullptr, nullptr, always, begin_vtu_parts, open_vtu_part},
     Format{".pvtu", kVtu, read_pvtu, write_pvtu},
     Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns,
            cgns_size, read_cgns_range},
@@ -195,6 +203,20 @@ void write_mesh(const fs::path& path, const MeshData& mesh, const SolutionData* 
 
 void write_mesh_contents(const fs::path& path, const MeshView& contents, const WriteOptions& options) {
   format_of(path).write(path, contents, options);
+}
+
+bool can_be_written_in_parts(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.in_parts && format.in_parts(path);
+}
+
+PartPlaces begin_parts(const fs::path& file, const fs::path& name, const WholeMesh& whole) {
+  return format_of(name).begin_parts(file, name, whole);
+}
+
+std::unique_ptr<PartWriter> open_part(const fs::path& file, const fs::path& name, const WholeMesh& whole,
+                                      const PartPlaces& places) {
+  return format_of(name).open_part(file, name, whole, places);
 }
 
 std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/part_writer.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
@@ -44,6 +46,17 @@ void write_mesh(const std::filesystem::path& path, const MeshData& mesh,
 /// Writes mesh, fields and names as far as the format holds them.
 void write_mesh_contents(const std::filesystem::path& path, const MeshView& contents,
                          const WriteOptions& options = {});
+
+/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .vtu. (GMF
+/// files have a writer of their own, GmfSliceWriter.)
+bool can_be_written_in_parts(const std::filesystem::path& path);
+/// By one of the writers, before the others: lays the file out, and writes all that is no row. `file` exists,
+/// and becomes `name` when all have written: the bytes are those of write_mesh_contents().
+PartPlaces begin_parts(const std::filesystem::path& file, const std::filesystem::path& name,
+                       const WholeMesh& whole);
+/// By every writer; `places` is what the first has got of begin_parts().
+std::unique_ptr<PartWriter> open_part(const std::filesystem::path& file, const std::filesystem::path& name,
+                                      const WholeMesh& whole, const PartPlaces& places);
 
 /// What write_mesh_contents would leave out. Fields do not count where they can go into a file beside.
 std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshView& contents,

@@ -418,70 +418,79 @@ bool is_ugrid_for_parts(const fs::path& path) {
   return !encoding.ascii && encoding.real_size == 8;
 }
 
-struct UgridSliceWriter::Impl {
-  Impl(const fs::path& path, const fs::path& name, const Counts& of_whole)
-      : file(path, name.string()), encoding(encoding_of(name)), counts(of_whole) {
-    check_integers(name.string(), encoding, std::max({counts.points, counts.triangles, counts.tets}));
-    const std::uint64_t integer = encoding.integer_size;
-    points = 7 * integer;
-    triangles = points + 3 * counts.points * encoding.real_size;
-    surface_ids = triangles + 3 * counts.triangles * integer;
-    tets = surface_ids + counts.triangles * integer;
-    volume_ids = tets + 4 * counts.tets * integer;  // behind the number of tets in boundary layers
+namespace {
+
+/// Rows of one part, at their places.
+class UgridPartWriter final : public PartWriter {
+ public:
+  UgridPartWriter(const fs::path& file, const fs::path& name, const WholeMesh& whole)
+      : file_(file, name.string()),
+        encoding_(encoding_of(name)),
+        has_tet_refs_(std::ranges::any_of(whole.tets, [](const auto& r) { return r.first != 0; })) {
+    const std::uint64_t integer = encoding_.integer_size;
+    points_ = 7 * integer;
+    triangles_ = points_ + 3 * whole.points * encoding_.real_size;
+    surface_ids_ = triangles_ + 3 * whole.num_triangles() * integer;
+    tets_ = surface_ids_ + whole.num_triangles() * integer;
+    boundary_layers_ = tets_ + 4 * whole.num_tets() * integer;
   }
 
+  /// All that is no row.
+  void write_frame(const WholeMesh& whole) {
+    file_.seek(0);
+    for (const std::uint64_t count : {whole.points, whole.num_triangles(), std::uint64_t{0}, whole.num_tets(),
+                                      std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{0}})
+      write_integer(file_, encoding_, static_cast<std::int64_t>(count));
+    if (!has_tet_refs_) return;
+    file_.seek(boundary_layers_);
+    write_integer(file_, encoding_, 0);  // tets in boundary layers
+  }
+
+  void write(const MeshPart& part) override {
+    file_.seek(points_ + 3 * part.first_point * encoding_.real_size);
+    for (const Point& p : part.points)
+      for (int c = 0; c < 3; ++c) write_value(file_, encoding_, p[c]);
+    write_elements(triangles_, part.triangles);
+    write_refs(surface_ids_, part.triangles.first, part.triangles.refs);
+    write_elements(tets_, part.tets);
+    if (has_tet_refs_) write_refs(boundary_layers_ + encoding_.integer_size, part.tets.first, part.tets.refs);
+  }
+  void finish() override { file_.finish(); }
+
+ private:
   template <std::size_t N>
-  void elements(std::uint64_t begin, std::uint64_t first,
-                std::span<const std::array<std::uint64_t, N>> rows) {
-    file.seek(begin + first * N * encoding.integer_size);
-    for (const auto& row : rows)
-      for (const std::uint64_t v : row) write_integer(file, encoding, static_cast<std::int64_t>(v) + 1);
+  void write_elements(std::uint64_t begin, const ElementRows<N>& rows) {
+    file_.seek(begin + rows.first * N * encoding_.integer_size);
+    for (const auto& element : rows.elements)
+      for (const std::uint64_t v : element) write_integer(file_, encoding_, static_cast<std::int64_t>(v) + 1);
   }
-  void refs(std::uint64_t begin, std::uint64_t first, std::span<const std::int32_t> refs) {
-    file.seek(begin + first * encoding.integer_size);
-    for (const std::int32_t ref : refs) write_integer(file, encoding, ref);
+  void write_refs(std::uint64_t begin, std::uint64_t first, std::span<const std::int32_t> refs) {
+    file_.seek(begin + first * encoding_.integer_size);
+    for (const std::int32_t ref : refs) write_integer(file_, encoding_, ref);
   }
 
-  FilePart file;
-  Encoding encoding;
-  Counts counts;
-  std::uint64_t points, triangles, surface_ids, tets, volume_ids;  ///< where they begin
+  FilePart file_;
+  Encoding encoding_;
+  bool has_tet_refs_;
+  // Where these begin; volume IDs follow the number of tets in boundary layers.
+  std::uint64_t points_ = 0, triangles_ = 0, surface_ids_ = 0, tets_ = 0, boundary_layers_ = 0;
 };
 
-UgridSliceWriter::UgridSliceWriter(const fs::path& file, const fs::path& name, const Counts& counts)
-    : impl_(std::make_unique<Impl>(file, name, counts)) {}
-UgridSliceWriter::~UgridSliceWriter() = default;
+}  // namespace
 
-void UgridSliceWriter::frame() {
-  impl_->file.seek(0);
-  const Counts& n = impl_->counts;
-  for (const std::uint64_t count : {n.points, n.triangles, std::uint64_t{0}, n.tets, std::uint64_t{0},
-                                    std::uint64_t{0}, std::uint64_t{0}})
-    write_integer(impl_->file, impl_->encoding, static_cast<std::int64_t>(count));
-  if (!n.tet_refs) return;
-  impl_->file.seek(impl_->volume_ids);
-  write_integer(impl_->file, impl_->encoding, 0);
+PartPlaces begin_ugrid_parts(const fs::path& file, const fs::path& name, const WholeMesh& whole) {
+  check_integers(name.string(), encoding_of(name),
+                 std::max({whole.points, whole.num_triangles(), whole.num_tets()}));
+  UgridPartWriter writer(file, name, whole);
+  writer.write_frame(whole);
+  writer.finish();
+  return {};
 }
 
-void UgridSliceWriter::points(std::uint64_t first, std::span<const Point> points) {
-  impl_->file.seek(impl_->points + 3 * first * impl_->encoding.real_size);
-  for (const Point& p : points)
-    for (int c = 0; c < 3; ++c) write_value(impl_->file, impl_->encoding, p[c]);
+std::unique_ptr<PartWriter> open_ugrid_part(const fs::path& file, const fs::path& name,
+                                            const WholeMesh& whole, const PartPlaces&) {
+  return std::make_unique<UgridPartWriter>(file, name, whole);
 }
-
-void UgridSliceWriter::triangles(std::uint64_t first, std::span<const std::array<std::uint64_t, 3>> triangles,
-                                 std::span<const std::int32_t> refs) {
-  impl_->elements(impl_->triangles, first, triangles);
-  impl_->refs(impl_->surface_ids, first, refs);
-}
-
-void UgridSliceWriter::tets(std::uint64_t first, std::span<const std::array<std::uint64_t, 4>> tets,
-                            std::span<const std::int32_t> refs) {
-  impl_->elements(impl_->tets, first, tets);
-  if (impl_->counts.tet_refs) impl_->refs(impl_->volume_ids + impl_->encoding.integer_size, first, refs);
-}
-
-void UgridSliceWriter::finish() { impl_->file.finish(); }
 
 void copy_mapbc(const fs::path& from, const fs::path& to) {
   if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return;

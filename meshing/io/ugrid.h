@@ -1,14 +1,12 @@
 // UGRID meshes of AFLR3, FUN3D and refine (.ugrid); what stands before the extension names the encoding.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/part_writer.h"
 
 namespace weft::meshing {
 
@@ -34,37 +32,13 @@ void write_ugrid(const std::filesystem::path& path, const MeshView& contents,
 /// Whether the name is that of a file which several writers can write, each its part: binary, 64-bit reals.
 bool is_ugrid_for_parts(const std::filesystem::path& path);
 
-/// Writes part of such a file, whose bytes are those of write_ugrid() when all have written. Numbers of
-/// points are 0-based in the whole mesh. Throws InputError when writing fails.
-class UgridSliceWriter {
- public:
-  /// Of the whole mesh.
-  struct Counts {
-    std::uint64_t points = 0, triangles = 0, tets = 0;
-    bool tet_refs = false;  ///< any is not 0
-  };
-
-  /// `file` exists, and becomes `name` when all have written. Throws InputError where `name` cannot hold so
-  /// many.
-  UgridSliceWriter(const std::filesystem::path& file, const std::filesystem::path& name,
-                   const Counts& counts);
-  ~UgridSliceWriter();
-
-  /// All that is no row: to be written by one of the writers.
-  void frame();
-  // Rows from `first` on.
-  void points(std::uint64_t first, std::span<const Point> points);
-  void triangles(std::uint64_t first, std::span<const std::array<std::uint64_t, 3>> triangles,
-                 std::span<const std::int32_t> refs);
-  void tets(std::uint64_t first, std::span<const std::array<std::uint64_t, 4>> tets,
-            std::span<const std::int32_t> refs);
-  /// Everything to the disk. Nothing may be written afterwards.
-  void finish();
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+// Such a file, by several writers: one lays it out and writes all that is no row, then each writes its rows.
+// The bytes are those of write_ugrid().
+PartPlaces begin_ugrid_parts(const std::filesystem::path& file, const std::filesystem::path& name,
+                             const WholeMesh& whole);
+std::unique_ptr<PartWriter> open_ugrid_part(const std::filesystem::path& file,
+                                            const std::filesystem::path& name, const WholeMesh& whole,
+                                            const PartPlaces& places);
 
 /// Gives `to`, a mesh with the boundaries of `from`, the .mapbc that lies beside `from`: names and boundary
 /// conditions. Does nothing where either is no UGRID file, `from` has none, or `to` has one already.

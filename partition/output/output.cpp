@@ -9,12 +9,12 @@
 
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
-#include "meshing/io/ugrid.h"
+#include "meshing/io/mesh_file.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
-#include "partition/communication/reduce.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
+#include "partition/output/whole_mesh.h"
 
 namespace weft::partition {
 namespace {
@@ -103,19 +103,57 @@ void write_as_gmf(const Share& share, const meshing::Association& carried, const
   out.finish();
 }
 
-void write_as_ugrid(const Share& share, const meshing::UgridSliceWriter::Counts& counts,
-                    const CommonFile& file) {
-  meshing::UgridSliceWriter out(file.temporary(), file.name(), counts);
-  if (share.first) out.frame();
+/// `metrics_inside`: the metrics go into the mesh file too.
+void write_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool metrics_inside,
+                 meshing::PartWriter& out) {
   for (std::size_t p = 0; p < share.pieces.size(); ++p) {
     const PieceNumbers& numbers = share.numbering.pieces[p];
     const OwnEntities own = own_entities(share.pieces[p], numbers);
-    out.points(numbers.first.points, own.points);
-    out.triangles(numbers.first.triangles, own.triangles, own.triangle_refs);
-    out.tets(numbers.first.tets, own.tets, share.pieces[p].mesh.tet_refs);
+    const meshing::SolutionData fields =
+        metrics_inside ? meshing::solution_from_metric(own.log_metrics) : meshing::SolutionData{};
+    out.write({numbers.first.points,
+               own.points,
+               own.point_refs,
+               {own.tets, share.pieces[p].mesh.tet_refs, numbers.first.tets, firsts[p].tets},
+               {own.triangles, own.triangle_refs, numbers.first.triangles, firsts[p].triangles},
+               {own.edges, own.edge_refs, numbers.first.edges, firsts[p].edges},
+               fields});
   }
   out.finish();
 }
+
+/// A mesh file of any format but GMF, until it can appear.
+class CommonMesh {
+ public:
+  CommonMesh(Peers& peers, const Share& share, const std::filesystem::path& name,
+             const meshing::RefNames& names)
+      : share_(share), file_(name), mesh_(describe_pieces(peers, share.pieces, share.numbering)) {
+    const bool metrics_inside = meshing::holds_fields(name);
+    if (metrics_inside) mesh_.whole.fields.fields = meshing::solution_from_metric({}).fields;
+    if (share.first) mesh_.whole.names = names;
+  }
+
+  /// All ranks.
+  void create(Peers& peers) {
+    file_.create(peers);
+    agree_on(peers, [&] {
+      if (share_.first) places_ = meshing::begin_parts(file_.temporary(), file_.name(), mesh_.whole);
+    });
+    places_ = allgather(peers, places_)[0];
+  }
+  void write() {
+    const auto out = meshing::open_part(file_.temporary(), file_.name(), mesh_.whole, places_);
+    write_parts(share_, mesh_.pieces, !mesh_.whole.fields.fields.empty(), *out);
+  }
+  /// On rank 0, when all have written.
+  void commit() { file_.commit(); }
+
+ private:
+  const Share& share_;
+  CommonFile file_;
+  DescribedMesh mesh_;
+  meshing::PartPlaces places_;
+};
 
 void write_metrics(const Share& share, const CommonFile& file, const GmfPlan& plan) {
   GmfSliceWriter out(file.temporary(), plan);
@@ -126,44 +164,73 @@ void write_metrics(const Share& share, const CommonFile& file, const GmfPlan& pl
   out.finish();
 }
 
-/// All ranks.
-meshing::UgridSliceWriter::Counts ugrid_counts(Peers& peers, std::span<const MeshPiece> mine,
-                                               const MeshCounts& totals) {
-  const auto has_refs = [](const MeshPiece& piece) {
-    return std::ranges::any_of(piece.mesh.tet_refs, [](std::int32_t ref) { return ref != 0; });
-  };
-  const int any = max(peers, static_cast<int>(std::ranges::any_of(mine, has_refs)));
-  return {totals.points, totals.triangles, totals.tets, any != 0};
+/// A .meshb likewise.
+class CommonGmf {
+ public:
+  /// All ranks.
+  CommonGmf(Peers& peers, const Share& share, const std::filesystem::path& name,
+            const meshing::Association& carried, int version)
+      : share_(share), carried_(carried), file_(name) {
+    const MeshCounts counts = with_model(peers, share.numbering.totals, carried);
+    agree_on(peers, [&] { plan_ = GmfPlan::of_mesh(name, counts, version); });
+  }
+  void create(Peers& peers) { file_.create(peers); }
+  void write() { write_as_gmf(share_, carried_, file_, *plan_); }
+  void commit() { file_.commit(); }
+
+ private:
+  const Share& share_;
+  const meshing::Association& carried_;
+  CommonFile file_;
+  std::optional<GmfPlan> plan_;
+};
+
+/// Mesh and, where it has a name, solution.
+template <class Mesh>
+void write_both(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& solution,
+                int version) {
+  std::optional<GmfPlan> plan;
+  agree_on(peers, [&] {
+    if (!solution.empty())
+      plan = GmfPlan::of_solution(solution, share.numbering.totals.points, {meshing::Field::Kind::tensor},
+                                  version);
+  });
+  CommonFile solution_file(solution);
+  mesh.create(peers);
+  if (plan) solution_file.create(peers);
+  agree_on(peers, [&] {
+    mesh.write();
+    if (plan) write_metrics(share, solution_file, *plan);
+  });
+  agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    mesh.commit();
+    if (plan) solution_file.commit();
+  });
+}
+
+bool is_gmf(const std::filesystem::path& mesh) {
+  return mesh.extension() == ".meshb" || mesh.extension() == ".mesh";
 }
 
 }  // namespace
 
+bool can_write_pieces(const std::filesystem::path& mesh) {
+  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh);
+}
+
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
-                  const std::filesystem::path& solution, const meshing::Association& carried, int version) {
+                  const std::filesystem::path& solution, const meshing::Association& carried, int version,
+                  const meshing::RefNames& names) {
   const Numbering numbering = number_pieces(peers, mine);
-  const bool ugrid = meshing::is_ugrid_for_parts(mesh);
-  const MeshCounts counts = with_model(peers, numbering.totals, carried);
-  const auto in_ugrid = ugrid_counts(peers, mine, numbering.totals);
-  std::optional<GmfPlan> mesh_plan, solution_plan;
-  agree_on(peers, [&] {
-    if (!ugrid) mesh_plan = GmfPlan::of_mesh(mesh, counts, version);
-    if (!solution.empty())
-      solution_plan =
-          GmfPlan::of_solution(solution, numbering.totals.points, {meshing::Field::Kind::tensor}, version);
-  });
-  CommonFile mesh_file(mesh), solution_file(solution);
-  mesh_file.create(peers);
-  if (solution_plan) solution_file.create(peers);
-  agree_on(peers, [&] {
-    const Share share{peers.rank() == 0, mine, numbering};
-    ugrid ? write_as_ugrid(share, in_ugrid, mesh_file) : write_as_gmf(share, carried, mesh_file, *mesh_plan);
-    if (solution_plan) write_metrics(share, solution_file, *solution_plan);
-  });
-  agree_on(peers, [&] {
-    if (peers.rank() != 0) return;
-    mesh_file.commit();
-    if (solution_plan) solution_file.commit();
-  });
+  const Share share{peers.rank() == 0, mine, numbering};
+  if (is_gmf(mesh)) {
+    CommonGmf file(peers, share, mesh, carried, version);
+    write_both(peers, share, file, solution, version);
+  } else {
+    CommonMesh file(peers, share, mesh, names);
+    write_both(peers, share, file, solution, version);
+  }
 }
 
 }  // namespace weft::partition

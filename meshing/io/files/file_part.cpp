@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -35,6 +36,18 @@ void FilePart::flush() {
     data += written;
     flushed_ += static_cast<std::uint64_t>(written);
     used_ -= static_cast<std::size_t>(written);
+  }
+}
+
+void FilePart::write(const void* data, std::size_t size) {
+  const auto* bytes = static_cast<const std::byte*>(data);
+  while (size > 0) {
+    if (used_ == kBufferSize) flush();
+    const std::size_t count = std::min(size, kBufferSize - used_);
+    std::memcpy(buffer_.get() + used_, bytes, count);
+    used_ += count;
+    bytes += count;
+    size -= count;
   }
 }
 

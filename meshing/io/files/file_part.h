@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 namespace weft::meshing {
 
@@ -27,6 +28,8 @@ class FilePart {
   }
   std::uint64_t position() const { return flushed_ + used_; }
 
+  void write(const void* data, std::size_t size);
+  void write(std::string_view text) { write(text.data(), text.size()); }
   /// The bytes of one number as they lie in memory.
   template <class T>
   void write_value(T value) {

@@ -292,6 +292,49 @@ VtkDocument::Bytes VtkDocument::decoded(pugi::xml_node array) const {
 // ---------------------------------------------------------------------------------------------------------
 // Writing
 
+namespace {
+
+/// The underscore marks where the counting of offsets begins.
+constexpr std::string_view kBeginAppended = "<AppendedData encoding=\"raw\">\n_";
+constexpr std::string_view kEnd = "</VTKFile>\n";
+
+std::string opening(const std::string& type, bool compress) {
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + type +
+         "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"" +
+         (compress ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">\n";
+}
+std::string appended_at(std::uint64_t offset) {
+  return " format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>";
+}
+
+}  // namespace
+
+std::string VtkPlan::attributes(const std::string& type, const std::string& name, int num_components) {
+  return "<DataArray type=\"" + type + "\" Name=\"" + VtkWriter::escaped(name) + "\" NumberOfComponents=\"" +
+         std::to_string(num_components) + "\"";
+}
+
+void VtkPlan::array(const std::string& type, const std::string& name, int num_components,
+                    std::uint64_t bytes) {
+  add(attributes(type, name, num_components), bytes);
+}
+
+void VtkPlan::add(const std::string& attributes, std::uint64_t bytes) {
+  text(attributes + appended_at(offset_));
+  sizes_.push_back(bytes);
+  offset_ += sizeof(std::uint64_t) + bytes;
+}
+
+std::string VtkPlan::head() const { return opening(type_, false) + xml_ + std::string(kBeginAppended); }
+
+std::uint64_t VtkPlan::position(std::size_t array) const {
+  std::uint64_t position = head().size() + sizeof(std::uint64_t);
+  for (std::size_t i = 0; i < array; ++i) position += sizes_[i] + sizeof(std::uint64_t);
+  return position;
+}
+
+std::string VtkPlan::tail() { return "\n</AppendedData>\n" + std::string(kEnd); }
+
 VtkWriter::VtkWriter(const std::filesystem::path& path, const std::string& type, const WriteOptions& options)
     : file_(path),
       type_(type),
@@ -325,26 +368,20 @@ void VtkWriter::text(const std::string& line) { items_.push_back({line, {}, 0, {
 
 void VtkWriter::array(const std::string& type, const std::string& name, int num_components,
                       std::uint64_t bytes, std::function<std::vector<char>()> make) {
-  items_.push_back({"<DataArray type=\"" + type + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +
-                        std::to_string(num_components) + "\"",
-                    type, bytes, std::move(make)});
+  items_.push_back({VtkPlan::attributes(type, name, num_components), type, bytes, std::move(make)});
 }
 
 void VtkWriter::finish() {
-  write_header();
-  ascii_ ? write_ascii() : write_appended();
-  file_.write("</VTKFile>\n");
+  if (ascii_) {
+    write_ascii();
+  } else {
+    compress_ ? write_compressed() : write_appended();
+  }
   file_.commit();
 }
 
-void VtkWriter::write_header() {
-  file_.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"" + type_ +
-              "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"");
-  if (compress_) file_.write(" compressor=\"vtkZLibDataCompressor\"");
-  file_.write(">\n");
-}
-
 void VtkWriter::write_ascii() {
+  file_.write(opening(type_, false));
   TextOutput text(file_);
   for (const Item& item : items_) {
     if (!item.make) {
@@ -366,34 +403,39 @@ void VtkWriter::write_ascii() {
     text.end_line();
     text.line("</DataArray>");
   }
+  file_.write(kEnd);
 }
 
-/// The underscore marks where the counting of offsets begins.
 void VtkWriter::write_appended() {
-  std::vector<std::vector<char>> blocks;  // of compressed arrays, whose sizes are needed first
-  std::uint64_t offset = 0;
+  VtkPlan plan(type_);
+  for (const Item& item : items_) item.make ? plan.add(item.xml, item.bytes) : plan.text(item.xml);
+  file_.write(plan.head());
   for (const Item& item : items_) {
-    file_.write(item.xml);
-    if (item.make) {
-      file_.write(" format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>");
-      if (compress_) {
-        blocks.push_back(compressed(item.make()));
-        offset += blocks.back().size();
-      } else {
-        offset += sizeof(std::uint64_t) + item.bytes;
-      }
-    }
-    file_.write("\n");
-  }
-  file_.write("<AppendedData encoding=\"raw\">\n_");
-  for (const std::vector<char>& block : blocks) file_.write(block.data(), block.size());
-  for (const Item& item : items_) {
-    if (!item.make || compress_) continue;
+    if (!item.make) continue;
     file_.write_value(item.bytes);
     const std::vector<char> data = item.make();
     file_.write(data.data(), data.size());
   }
-  file_.write("\n</AppendedData>\n");
+  file_.write(VtkPlan::tail());
+}
+
+/// The sizes of compressed arrays are needed first.
+void VtkWriter::write_compressed() {
+  std::vector<std::vector<char>> blocks;
+  std::uint64_t offset = 0;
+  file_.write(opening(type_, true));
+  for (const Item& item : items_) {
+    file_.write(item.xml);
+    if (item.make) {
+      file_.write(appended_at(offset));
+      blocks.push_back(compressed(item.make()));
+      offset += blocks.back().size();
+    }
+    file_.write("\n");
+  }
+  file_.write(kBeginAppended);
+  for (const std::vector<char>& block : blocks) file_.write(block.data(), block.size());
+  file_.write(VtkPlan::tail());
 }
 
 }  // namespace weft::meshing

@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "meshing/io/files/atomic_file.h"
@@ -49,6 +50,34 @@ class VtkDocument {
   std::string_view appended_;
 };
 
+/// What stands around the appended, uncompressed arrays of a document, and where these lie.
+class VtkPlan {
+ public:
+  explicit VtkPlan(std::string type) : type_(std::move(type)) {}
+
+  /// Lines of XML between the arrays.
+  void text(const std::string& line) { xml_ += line + "\n"; }
+  void array(const std::string& type, const std::string& name, int num_components, std::uint64_t bytes);
+  /// The file up to its data.
+  std::string head() const;
+  /// Bytes of an array, and the position of the first of them; the 8 in front hold their number.
+  std::uint64_t num_arrays() const { return sizes_.size(); }
+  std::uint64_t bytes(std::size_t array) const { return sizes_[array]; }
+  std::uint64_t position(std::size_t array) const;
+  /// What follows the data.
+  static std::string tail();
+
+  static std::string attributes(const std::string& type, const std::string& name, int num_components);
+
+ private:
+  friend class VtkWriter;
+  void add(const std::string& attributes, std::uint64_t bytes);
+
+  std::string type_, xml_;
+  std::vector<std::uint64_t> sizes_;
+  std::uint64_t offset_ = 0;
+};
+
 /// Writes a document whose arrays come in the order in which they are described.
 class VtkWriter {
  public:
@@ -72,9 +101,9 @@ class VtkWriter {
     std::function<std::vector<char>()> make;  ///< none: text
   };
 
-  void write_header();
   void write_ascii();
   void write_appended();
+  void write_compressed();
 
   AtomicFile file_;
   std::string type_;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/vtk/vtk_xml.h"
 
 namespace weft::meshing {
@@ -336,24 +337,166 @@ std::vector<char> field_bytes(const Field& field) {
   return bytes_of(values);
 }
 
-void describe_point_data(VtkWriter& out, const MeshView& contents,
-                         const std::vector<std::int64_t>& global_ids) {
-  const MeshData& mesh = contents.mesh;
-  out.text(global_ids.empty() ? "<PointData>" : "<PointData GlobalIds=\"GlobalPointIds\">");
-  if (!global_ids.empty()) {
-    out.array("Int64", "GlobalPointIds", 1, global_ids.size() * sizeof(std::int64_t),
-              [&] { return bytes_of(global_ids); });
-  }
-  if (std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; })) {
-    out.array("Int32", "ref", 1, mesh.points.size() * sizeof(std::int32_t),
-              [&] { return bytes_of(mesh.point_refs); });
-  }
-  for (std::size_t i = 0; i < contents.fields.fields.size(); ++i) {
-    const Field& field = contents.fields.fields[i];
-    out.array("Float64", field_name(contents.fields, i), components(field.kind),
-              field.values.size() * sizeof(double), [&field] { return field_bytes(field); });
+/// What the arrays of a piece follow from.
+struct PieceShape {
+  std::uint64_t points, tets, triangles, edges, corners;
+  bool global_ids, point_refs;
+  std::vector<std::string> cell_data;
+  const SolutionData& fields;  ///< their kinds and names
+
+  std::uint64_t cells() const { return tets + triangles + edges + corners; }
+  std::uint64_t nodes() const { return 4 * tets + 3 * triangles + 2 * edges + corners; }
+};
+
+enum class PieceArray {
+  points,
+  connectivity,
+  offsets,
+  types,
+  refs,
+  cell_data,
+  global_ids,
+  point_refs,
+  field
+};
+
+/// The text of a piece; add(array, index, type, name, components, bytes) for every array, in their order.
+template <class Out, class Add>
+void describe_piece(const PieceShape& shape, Out& out, const Add& add) {
+  constexpr std::uint64_t kInt64 = sizeof(std::int64_t), kInt32 = sizeof(std::int32_t);
+  out.text("<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(shape.points) +
+           "\" NumberOfCells=\"" + std::to_string(shape.cells()) + "\">\n<Points>");
+  add(PieceArray::points, 0, "Float64", "Points", 3, shape.points * sizeof(Point));
+  out.text("</Points>\n<Cells>");
+  add(PieceArray::connectivity, 0, "Int64", "connectivity", 1, shape.nodes() * kInt64);
+  add(PieceArray::offsets, 0, "Int64", "offsets", 1, shape.cells() * kInt64);
+  add(PieceArray::types, 0, "UInt8", "types", 1, shape.cells());
+  out.text("</Cells>\n<CellData Scalars=\"ref\">");
+  add(PieceArray::refs, 0, "Int32", "ref", 1, shape.cells() * kInt32);
+  for (std::size_t i = 0; i < shape.cell_data.size(); ++i)
+    add(PieceArray::cell_data, i, "Float64", shape.cell_data[i], 1, shape.cells() * sizeof(double));
+  out.text("</CellData>");
+  out.text(shape.global_ids ? "<PointData GlobalIds=\"GlobalPointIds\">" : "<PointData>");
+  if (shape.global_ids) add(PieceArray::global_ids, 0, "Int64", "GlobalPointIds", 1, shape.points * kInt64);
+  if (shape.point_refs) add(PieceArray::point_refs, 0, "Int32", "ref", 1, shape.points * kInt32);
+  for (std::size_t i = 0; i < shape.fields.fields.size(); ++i) {
+    const int length = components(shape.fields.fields[i].kind);
+    add(PieceArray::field, i, "Float64", field_name(shape.fields, i), length,
+        static_cast<std::uint64_t>(length) * shape.points * sizeof(double));
   }
   out.text("</PointData>");
+  out.text("</Piece>\n</UnstructuredGrid>");
+}
+
+PieceShape shape_of(const WholeMesh& whole) {
+  return {.points = whole.points,
+          .tets = whole.num_tets(),
+          .triangles = whole.num_triangles(),
+          .edges = whole.num_edges(),
+          .corners = whole.corners.size(),
+          .global_ids = false,
+          .point_refs = whole.point_refs,
+          .cell_data = {},
+          .fields = whole.fields};
+}
+
+/// A file of one piece: its text, and where the values of every array begin.
+class PiecePlan {
+ public:
+  explicit PiecePlan(const PieceShape& shape) : plan_("UnstructuredGrid") {
+    describe_piece(shape, plan_,
+                   [&](PieceArray array, std::size_t index, const char* type, const std::string& name,
+                       int length, std::uint64_t bytes) {
+                     arrays_.push_back({array, index});
+                     plan_.array(type, name, length, bytes);
+                   });
+  }
+
+  const VtkPlan& plan() const { return plan_; }
+  std::uint64_t position(PieceArray array, std::size_t index = 0) const {
+    const auto found = std::ranges::find(arrays_, std::pair(array, index));
+    return plan_.position(static_cast<std::size_t>(found - arrays_.begin()));
+  }
+
+ private:
+  VtkPlan plan_;
+  std::vector<std::pair<PieceArray, std::size_t>> arrays_;
+};
+
+/// Rows of one part, at their places.
+class VtuPartWriter final : public PartWriter {
+ public:
+  VtuPartWriter(const std::filesystem::path& file, const std::filesystem::path& name, const WholeMesh& whole)
+      : file_(file, name.string()), shape_(shape_of(whole)), plan_(shape_) {}
+
+  void write(const MeshPart& part) override {
+    write_at(PieceArray::points, 0, part.first_point * sizeof(Point), part.points);
+    if (shape_.point_refs)
+      write_at(PieceArray::point_refs, 0, part.first_point * sizeof(std::int32_t), part.point_refs);
+    write_cells(part.tets, 0, 0, kTetra);
+    write_cells(part.triangles, shape_.tets, 4 * shape_.tets, kTriangle);
+    write_cells(part.edges, shape_.tets + shape_.triangles, 4 * shape_.tets + 3 * shape_.triangles, kLine);
+    for (std::size_t i = 0; i < part.fields.fields.size(); ++i) {
+      const Field& field = part.fields.fields[i];
+      const std::uint64_t row = static_cast<std::uint64_t>(components(field.kind)) * sizeof(double);
+      write_at(PieceArray::field, i, part.first_point * row, std::span<const char>(field_bytes(field)));
+    }
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  template <class T>
+  void write_at(PieceArray array, std::size_t index, std::uint64_t offset, std::span<const T> values) {
+    if (values.empty()) return;
+    file_.seek(plan_.position(array, index) + offset);
+    file_.write(values.data(), values.size_bytes());
+  }
+
+  /// `before`, `nodes_before`: cells of other kinds in front of these, and their vertices.
+  template <std::size_t N>
+  void write_cells(const ElementRows<N>& rows, std::uint64_t before, std::uint64_t nodes_before,
+                   VtkCell type) {
+    const std::uint64_t first = before + rows.first, count = rows.elements.size();
+    write_at(PieceArray::connectivity, 0, (nodes_before + N * rows.first) * sizeof(std::uint64_t),
+             rows.elements);
+    std::vector<std::int64_t> ends(count);
+    for (std::uint64_t i = 0; i < count; ++i)
+      ends[i] = static_cast<std::int64_t>(nodes_before + N * (rows.first + i + 1));
+    write_at(PieceArray::offsets, 0, first * sizeof(std::int64_t), std::span<const std::int64_t>(ends));
+    const std::vector<std::uint8_t> types(count, type);
+    write_at(PieceArray::types, 0, first, std::span<const std::uint8_t>(types));
+    write_at(PieceArray::refs, 0, first * sizeof(std::int32_t), rows.refs);
+  }
+
+  FilePart file_;
+  PieceShape shape_;
+  PiecePlan plan_;
+};
+
+/// All but the rows: text, lengths of arrays, and corners.
+void write_frame(FilePart& out, const WholeMesh& whole) {
+  const PieceShape shape = shape_of(whole);
+  const PiecePlan piece(shape);
+  const VtkPlan& plan = piece.plan();
+  out.seek(0);
+  out.write(plan.head());
+  for (std::size_t i = 0; i < plan.num_arrays(); ++i) {
+    out.seek(plan.position(i) - sizeof(std::uint64_t));
+    out.write_value(plan.bytes(i));
+  }
+  out.seek(plan.position(plan.num_arrays() - 1) + plan.bytes(plan.num_arrays() - 1));
+  out.write(VtkPlan::tail());
+  const std::uint64_t first = shape.cells() - shape.corners, first_node = shape.nodes() - shape.corners;
+  const auto rows = [&](PieceArray array, std::uint64_t offset, const auto& value) {
+    out.seek(piece.position(array) + offset);
+    for (std::uint64_t i = 0; i < whole.corners.size(); ++i) out.write_value(value(i));
+  };
+  rows(PieceArray::connectivity, first_node * sizeof(std::uint64_t),
+       [&](std::uint64_t i) { return whole.corners[i].point; });
+  rows(PieceArray::offsets, first * sizeof(std::uint64_t),
+       [&](std::uint64_t i) { return first_node + i + 1; });
+  rows(PieceArray::types, first, [&](std::uint64_t) { return std::uint8_t{kVertex}; });
+  rows(PieceArray::refs, first * sizeof(std::int32_t), [&](std::uint64_t i) { return whole.corners[i].ref; });
 }
 
 }  // namespace
@@ -377,26 +520,61 @@ void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents
   check_lengths(contents.mesh, contents.fields);
   const MeshData& mesh = contents.mesh;
   const Cells cells(mesh);
+  PieceShape shape{
+      .points = mesh.points.size(),
+      .tets = mesh.tets.size(),
+      .triangles = mesh.triangles.size(),
+      .edges = mesh.edges.size(),
+      .corners = mesh.corners.size(),
+      .global_ids = !global_ids.empty(),
+      .point_refs = std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; }),
+      .cell_data = {},
+      .fields = contents.fields};
+  for (const CellData& data : cell_data) shape.cell_data.push_back(data.name);
+  const auto make = [&](PieceArray array, std::size_t i) {
+    switch (array) {
+      case PieceArray::points:
+        return bytes_of(mesh.points);
+      case PieceArray::connectivity:
+        return cells.connectivity();
+      case PieceArray::offsets:
+        return cells.offsets();
+      case PieceArray::types:
+        return cells.types();
+      case PieceArray::refs:
+        return cells.refs();
+      case PieceArray::cell_data:
+        return bytes_of(cell_data[i].values);
+      case PieceArray::global_ids:
+        return bytes_of(global_ids);
+      case PieceArray::point_refs:
+        return bytes_of(mesh.point_refs);
+      case PieceArray::field:
+        return field_bytes(contents.fields.fields[i]);
+    }
+    return std::vector<char>();
+  };
   VtkWriter out(path, "UnstructuredGrid", options);
-  out.text("<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) +
-           "\" NumberOfCells=\"" + std::to_string(cells.count()) + "\">\n<Points>");
-  out.array("Float64", "Points", 3, mesh.points.size() * sizeof(Point),
-            [&] { return bytes_of(mesh.points); });
-  out.text("</Points>\n<Cells>");
-  out.array("Int64", "connectivity", 1, cells.num_nodes() * sizeof(std::int64_t),
-            [&] { return cells.connectivity(); });
-  out.array("Int64", "offsets", 1, cells.count() * sizeof(std::int64_t), [&] { return cells.offsets(); });
-  out.array("UInt8", "types", 1, cells.count(), [&] { return cells.types(); });
-  out.text("</Cells>\n<CellData Scalars=\"ref\">");
-  out.array("Int32", "ref", 1, cells.count() * sizeof(std::int32_t), [&] { return cells.refs(); });
-  for (const CellData& data : cell_data) {
-    out.array("Float64", data.name, 1, data.values.size() * sizeof(double),
-              [&data] { return bytes_of(data.values); });
-  }
-  out.text("</CellData>");
-  describe_point_data(out, contents, global_ids);
-  out.text("</Piece>\n</UnstructuredGrid>");
+  describe_piece(shape, out,
+                 [&](PieceArray array, std::size_t i, const char* type, const std::string& name, int length,
+                     std::uint64_t bytes) {
+                   out.array(type, name, length, bytes, [&make, array, i] { return make(array, i); });
+                 });
   out.finish();
+}
+
+PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
+                           const WholeMesh& whole) {
+  FilePart out(file, name.string());
+  write_frame(out, whole);
+  out.finish();
+  return {};
+}
+
+std::unique_ptr<PartWriter> open_vtu_part(const std::filesystem::path& file,
+                                          const std::filesystem::path& name, const WholeMesh& whole,
+                                          const PartPlaces&) {
+  return std::make_unique<VtuPartWriter>(file, name, whole);
 }
 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/part_writer.h"
 
 namespace weft::meshing {
 
@@ -20,6 +22,14 @@ MeshContents read_vtu(const std::filesystem::path& path);
 /// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...
 /// Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
+
+// The same file, but for being neither compressed nor ASCII, by several writers: one lays it out and writes
+// all that is no row, then each writes its rows.
+PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
+                           const WholeMesh& whole);
+std::unique_ptr<PartWriter> open_vtu_part(const std::filesystem::path& file,
+                                          const std::filesystem::path& name, const WholeMesh& whole,
+                                          const PartPlaces& places);
 
 /// A number for every cell: tets, triangles, edges and corners, in this order.
 struct CellData {

@@ -13,7 +13,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/gmf/gmf.h"
-#include "meshing/io/ugrid.h"
+#include "meshing/io/mesh_file.h"
 #include "tests/meshing/io/format_support.h"
 #include "tests/partition/output/piece_support.h"
 
@@ -172,25 +172,49 @@ TEST(WritePieces, WhereVerticesLieOnAModelIsWrittenOnceForAnyRanks) {
   }
 }
 
-TEST(WritePieces, UgridFilesAreThoseOfTheMergedMeshForAnyRanks) {
+class WritePiecesAs : public testing::TestWithParam<std::string> {};
+
+TEST_P(WritePiecesAs, BytesAreThoseOfTheMergedMeshForAnyRanks) {
+  meshing::RefNames names;
+  names.set(2, 1, "wing");
+  names.set(2, 3, "far field");
+  names.set(3, 1, "air");
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     const CutMesh cut = random_cut(seed);
     const MergedMesh merged = merge_pieces(cut.pieces);
-    const std::string name = std::array{"m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid"}[seed % 3];
     const TemporaryDirectory expected;
-    const meshing::SolutionData no_fields{merged.mesh.points.size(), {}};
-    const meshing::RefNames no_names;
-    meshing::write_ugrid(expected / name, {merged.mesh, no_fields, no_names});
+    meshing::SolutionData fields{merged.mesh.points.size(), {}};
+    if (meshing::holds_fields(GetParam())) fields = meshing::solution_from_metric(merged.log_metrics);
+    meshing::write_mesh_contents(expected / GetParam(), {merged.mesh, fields, names});
     for (const int ranks : kRankCounts) {
       const TemporaryDirectory directory;
       const auto hands = deal(cut.pieces, ranks, static_cast<unsigned>(ranks));
-      run_on_ranks(ranks, [&](Peers& peers) { write_pieces(peers, hands[peers.rank()], directory / name); });
-      EXPECT_EQ(directory.num_entries(), 1u);
-      EXPECT_TRUE(bytes_of(directory / name) == bytes_of(expected / name)) << ranks << " ranks";
+      run_on_ranks(ranks, [&](Peers& peers) {
+        write_pieces(peers, hands[peers.rank()], directory / GetParam(), directory / "m.solb", {}, 0,
+                     peers.rank() == 0 ? names : meshing::RefNames{});
+      });
+      EXPECT_EQ(directory.num_entries(), 2u);
+      EXPECT_TRUE(bytes_of(directory / GetParam()) == bytes_of(expected / GetParam())) << ranks << " ranks";
     }
   }
 }
+
+TEST_P(WritePiecesAs, NothingButEmptyPiecesMakeAnEmptyMesh) {
+  const TemporaryDirectory directory;
+  run_on_ranks(2, [&](Peers& peers) {
+    std::vector<MeshPiece> mine(1);
+    mine[0].subdomain = SubdomainId(static_cast<std::uint32_t>(peers.rank()));
+    write_pieces(peers, mine, directory / GetParam());
+  });
+  meshing::SolutionData fields;
+  if (meshing::holds_fields(GetParam())) fields = meshing::solution_from_metric({});
+  meshing::write_mesh_contents(directory / ("e" + GetParam()), {MeshData{}, fields, meshing::RefNames{}});
+  EXPECT_TRUE(bytes_of(directory / GetParam()) == bytes_of(directory / ("e" + GetParam())));
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, WritePiecesAs,
+                         testing::Values("m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.vtu"));
 
 TEST(WritePieces, ACarriedModelIsInTheFileForAnyRanks) {
   const CutMesh cut = random_cut(3);

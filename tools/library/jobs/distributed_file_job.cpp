@@ -98,8 +98,7 @@ class DistributedFileJob {
 
   bool written_by_all() const {
     const fs::path mesh = account_.outputs.mesh;
-    return files_.fields.empty() &&
-           (mesh.extension() == ".pvtu" || mesh.extension() == ".meshb" || meshing::is_ugrid_for_parts(mesh));
+    return files_.fields.empty() && (mesh.extension() == ".pvtu" || partition::can_write_pieces(mesh));
   }
 
   void write() {
@@ -111,7 +110,8 @@ class DistributedFileJob {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh);
       account_.outputs.solution = account_.outputs.mesh;
     } else {
-      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_);
+      partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
+                              names_);
       partition::agree_on(run_.peers(), [&] {
         if (run_.first()) meshing::copy_mapbc(files_.input, mesh);
       });

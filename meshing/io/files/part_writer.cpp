@@ -1,0 +1,47 @@
+// Counting by references.
+#include "meshing/io/files/part_writer.h"
+
+#include <algorithm>
+
+namespace weft::meshing {
+
+std::uint64_t sum_of(const RefCounts& counts) {
+  std::uint64_t sum = 0;
+  for (const auto& [ref, count] : counts) sum += count;
+  return sum;
+}
+
+RefCounts count_refs(std::span<const std::int32_t> refs) {
+  RefCounts counts;
+  for (std::size_t i = 0; i < refs.size();) {  // equal ones mostly follow one another
+    std::size_t end = i + 1;
+    while (end < refs.size() && refs[end] == refs[i]) ++end;
+    counts[refs[i]] += end - i;
+    i = end;
+  }
+  return counts;
+}
+
+WholeMesh describe(const MeshView& contents) {
+  const MeshData& mesh = contents.mesh;
+  WholeMesh whole;
+  whole.points = mesh.points.size();
+  whole.tets = count_refs(mesh.tet_refs);
+  whole.triangles = count_refs(mesh.triangle_refs);
+  whole.edges = count_refs(mesh.edge_refs);
+  for (const std::uint32_t v : mesh.corners) whole.corners.push_back({v, mesh.points[v], mesh.point_refs[v]});
+  whole.point_refs = std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; });
+  if (!mesh.points.empty()) whole.low = whole.high = mesh.points[0];
+  for (const Point& p : mesh.points)
+    for (int c = 0; c < 3; ++c) {
+      whole.low[c] = std::min(whole.low[c], p[c]);
+      whole.high[c] = std::max(whole.high[c], p[c]);
+    }
+  whole.names = contents.names;
+  whole.fields.num_points = mesh.points.size();
+  for (const Field& field : contents.fields.fields)
+    whole.fields.fields.push_back({field.kind, {}, field.name});
+  return whole;
+}
+
+}  // namespace weft::meshing
