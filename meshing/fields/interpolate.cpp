@@ -34,26 +34,18 @@ void check(const MeshData& from) {
     throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted");
 }
 
-void read(const Field& from, const std::array<std::uint32_t, 4>& tet, const Background::Barycentric& at,
-          std::size_t to_vertex, Field& to) {
-  const auto n = static_cast<std::size_t>(components(from.kind));
-  for (std::size_t c = 0; c < n; ++c) {
+void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, const Background::Barycentric& at,
+          double* to) {
+  for (std::size_t c = 0; c < table.columns; ++c) {
     double sum = 0;
     for (std::size_t i = 0; i < 4; ++i)
       // A weight of zero keeps out what it multiplies, be it infinite.
-      if (at[i] > 0) sum += at[i] * from.values[n * tet[i] + c];
-    to.values[n * to_vertex + c] = sum;
+      if (at[i] > 0) sum += at[i] * table.values[tet[i] * table.columns + c];
+    to[c] = sum;
   }
 }
 
-SolutionData empty_like(const SolutionData& fields, std::size_t num_points) {
-  SolutionData result{num_points, {}};
-  for (const Field& field : fields.fields)
-    result.fields.push_back(
-        {field.kind, std::vector<double>(num_points * static_cast<std::size_t>(components(field.kind))),
-         field.name});
-  return result;
-}
+std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
 
 }  // namespace
 
@@ -62,31 +54,63 @@ Background field_background(const MeshData& from) {
   return {from, {}, build_adjacency(from.tets, from.points.size())};
 }
 
-Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to) {
-  return interpolate(field_background(from), fields, to);
+ValueTable packed(const SolutionData& fields) {
+  ValueTable table;
+  for (const Field& field : fields.fields) table.columns += width(field);
+  table.values.resize(fields.num_points * table.columns);
+  std::size_t first = 0;
+  for (const Field& field : fields.fields) {
+    const std::size_t n = width(field);
+    for (std::size_t v = 0; v < fields.num_points; ++v)
+      std::copy_n(field.values.data() + v * n, n, table.values.data() + v * table.columns + first);
+    first += n;
+  }
+  return table;
 }
 
-Interpolation interpolate(const Background& from, const SolutionData& fields, const MeshData& to) {
-  WEFT_ASSERT_LIGHT(fields.num_points == from.mesh().points.size(), "one value a vertex");
+void unpack(const ValueTable& table, SolutionData& fields) {
+  const std::size_t count = table.columns > 0 ? table.values.size() / table.columns : 0;
+  fields.num_points = count;
+  std::size_t first = 0;
+  for (Field& field : fields.fields) {
+    const std::size_t n = width(field);
+    field.values.resize(count * n);
+    for (std::size_t v = 0; v < count; ++v)
+      std::copy_n(table.values.data() + v * table.columns + first, n, field.values.data() + v * n);
+    first += n;
+  }
+}
+
+Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to) {
+  const ValuesAt read = interpolate(field_background(from), packed(fields), to.points);
+  Interpolation result;
+  for (const Field& field : fields.fields) result.fields.fields.push_back({field.kind, {}, field.name});
+  unpack(read.table, result.fields);
+  result.fields.num_points = to.points.size();
+  for (const double distance : read.distances) {
+    result.farthest = std::max(result.farthest, distance);
+    result.outside += distance > 0;
+  }
+  return result;
+}
+
+ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<const Point> points) {
+  WEFT_ASSERT_LIGHT(table.values.size() == table.columns * from.mesh().points.size(), "one value a vertex");
   // Vertices in pieces of fixed size, each walking from where its last one was: no result depends on threads.
   constexpr std::size_t kPiece = 256;
-  const std::size_t n = to.points.size();
-  Interpolation result{empty_like(fields, n), std::vector<std::uint32_t>(n), 0, 0};
-  std::vector<double> distances(n);
+  const std::size_t n = points.size();
+  ValuesAt result{{table.columns, std::vector<double>(n * table.columns)},
+                  std::vector<std::uint32_t>(n),
+                  std::vector<double>(n)};
   tbb::parallel_for(std::size_t{0}, (n + kPiece - 1) / kPiece, [&](std::size_t piece) {
     std::uint32_t hint = Background::kNoHint;
     for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v) {
-      const Background::Place place = from.locate(to.points[v], hint);
+      const Background::Place place = from.locate(points[v], hint);
       result.places[v] = hint = place.tet;
-      distances[v] = std::sqrt(place.distance2);
-      for (std::size_t f = 0; f < fields.fields.size(); ++f)
-        read(fields.fields[f], from.mesh().tets[place.tet], place.at, v, result.fields.fields[f]);
+      result.distances[v] = std::sqrt(place.distance2);
+      read(table, from.mesh().tets[place.tet], place.at, result.table.values.data() + v * table.columns);
     }
   });
-  for (std::size_t v = 0; v < n; ++v) {
-    result.farthest = std::max(result.farthest, distances[v]);
-    result.outside += distances[v] > 0;
-  }
   return result;
 }
 

@@ -2,18 +2,26 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "meshing/base/value_table.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/background.h"
 
 namespace weft::meshing {
 
 struct Interpolation {
-  SolutionData fields;                ///< of the same kinds and names as those given
-  std::vector<std::uint32_t> places;  ///< for each vertex the tet of `from` that it was read in
-  std::uint64_t outside = 0;          ///< vertices outside the mesh by more than 1e-6 of a tet's size
-  double farthest = 0;                ///< largest distance of one of them from the mesh
+  SolutionData fields;        ///< of the same kinds and names as those given
+  std::uint64_t outside = 0;  ///< vertices outside the mesh by more than 1e-6 of a tet's size
+  double farthest = 0;        ///< largest distance of one of them from the mesh
+};
+
+/// Values read at points, and where.
+struct ValuesAt {
+  ValueTable table;
+  std::vector<std::uint32_t> places;  ///< for each point the tet that it was read in
+  std::vector<double> distances;      ///< of each point from the mesh; 0 within 1e-6 of a tet's size
 };
 
 /// Every field of `fields`, given at the vertices of `from`, at those of `to`: linear in each tet, exact for
@@ -23,10 +31,15 @@ struct Interpolation {
 /// InputError naming the tet of `from` (1-based) that has no volume or is inverted, and for a `from` without
 /// tets.
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to);
-/// The same from a background at hand, whose tets all have positive volumes.
-Interpolation interpolate(const Background& from, const SolutionData& fields, const MeshData& to);
+/// The same for values at the vertices of a background, whose tets all have positive volumes.
+ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<const Point> points);
 /// A background without metrics, to interpolate from. Throws as interpolate() does.
 Background field_background(const MeshData& from);
+
+/// All components of all fields, those of one vertex together.
+ValueTable packed(const SolutionData& fields);
+/// Puts the first columns of the table into `fields`, which have kinds and names.
+void unpack(const ValueTable& table, SolutionData& fields);
 
 /// The integral over `mesh` of each component of a field that is linear in each tet.
 std::vector<double> integrals(const MeshData& mesh, const Field& field);

@@ -151,14 +151,14 @@ struct Demands {
   std::vector<double> loads, lo, hi;  ///< as in a ValueTable
 };
 
-Demands demands_of(const Background& from, const ValueTable& old, const MeshData& to,
+Demands demands_of(const Background* from, const ValueTable& old, const MeshData& to,
                    std::span<const std::uint32_t> places, const ValueTable& interpolated) {
   // Tets in batches that are worked out in parallel and added up in order: sums do not depend on the threads.
   constexpr std::size_t kBatch = 8192, kGrain = 64;
   const std::size_t n = old.columns, size = to.points.size() * n;
   Demands demands{std::vector<double>(size, 0), std::vector<double>(size, kInfinity),
                   std::vector<double>(size, -kInfinity)};
-  tbb::enumerable_thread_specific<Receiver> receivers([&] { return Receiver(from, old); });
+  tbb::enumerable_thread_specific<Receiver> receivers([&] { return Receiver(*from, old); });
   std::vector<Receipt> receipts(std::min(kBatch, to.tets.size()));
   for (std::size_t begin = 0; begin < to.tets.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, to.tets.size() - begin);
@@ -179,35 +179,24 @@ Demands demands_of(const Background& from, const ValueTable& old, const MeshData
   return demands;
 }
 
-/// Sum of value(i) over [0, n) in a fixed order of additions.
-template <class Value>
-double fixed_sum(std::size_t n, const Value& value) {
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, n, 1024), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& range, double sum) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) sum += value(i);
-        return sum;
-      },
-      std::plus<>());
-}
-
 /// One column of the projection, brought within its bounds and to its integral by the least change in the sum
 /// of m (change)^2 / (hi - lo): Lagrange's condition is value = clamp(projected + x (hi - lo), lo, hi) with
 /// one x. (Bochev et al. 2011, optimization-based remap.) A field keeps its value where it is constant
 /// nearby.
 class BoundedColumn {
  public:
-  BoundedColumn(std::size_t column, const Demands& demands, std::span<const double> masses, ValueTable& table)
-      : c_(column), demands_(demands), masses_(masses), table_(table) {}
+  BoundedColumn(std::size_t column, const MetricDomain& domain, const Demands& demands,
+                std::span<const double> masses, ValueTable& table)
+      : c_(column), domain_(domain), demands_(demands), masses_(masses), table_(table) {}
 
   /// Returns how far the values had to leave their bounds for the integral's sake.
   double correct(double wanted) {
     const double x = multiplier(wanted);
     for_each_index(masses_.size(), [&](std::size_t v) { value(v) = limited(v, x); });
-    const double volume = fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v]; });
+    const double volume = domain_.sum([&](std::size_t v) { return masses_[v]; });
     // Rounding is left over, or all that the bounds had no room for.
     const double rest =
-        (wanted - fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v] * value(v); })) / volume;
+        (wanted - domain_.signed_sum([&](std::size_t v) { return masses_[v] * value(v); })) / volume;
     for_each_index(masses_.size(), [&](std::size_t v) {
       if (masses_[v] > 0) value(v) += rest;
     });
@@ -221,7 +210,7 @@ class BoundedColumn {
     return lo <= hi ? std::clamp(value(v) + x * (hi - lo), lo, hi) : value(v);
   }
   double integral(double x) const {
-    return fixed_sum(masses_.size(), [&](std::size_t v) { return masses_[v] * limited(v, x); });
+    return domain_.signed_sum([&](std::size_t v) { return masses_[v] * limited(v, x); });
   }
 
   /// The integral grows with x; at 1 and -1 from within the bounds every value is at one of them.
@@ -240,57 +229,53 @@ class BoundedColumn {
   }
 
   std::size_t c_;
+  const MetricDomain& domain_;
   const Demands& demands_;
   std::span<const double> masses_;
   ValueTable& table_;
 };
 
-void check(const MeshData& to) {
-  if (to.tets.empty()) throw InputError("", "", "the mesh that the fields are wanted on has no tetrahedra");
-  const std::size_t bad = find_first(to.tets.size(), [&](std::size_t t) {
-    const auto x = corners_of(to, t);
+void check(const MeshData& mesh) {
+  const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
+    const auto x = corners_of(mesh, t);
     return orientation(x[0], x[1], x[2], x[3]) <= 0;
   });
-  if (bad < to.tets.size())
+  if (bad < mesh.tets.size())
     throw InputError("", "tet " + std::to_string(bad + 1),
                      "of the mesh that the fields are wanted on has no volume or is inverted");
 }
 
 }  // namespace
 
-std::vector<double> integrals(const MeshData& mesh, const ValueTable& table) {
-  std::vector<double> sums(table.columns, 0), lost(table.columns, 0);
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    const double weight = volume_of(corners_of(mesh, t)) / 4;
-    for (const std::uint32_t v : mesh.tets[t])
-      for (std::size_t c = 0; c < table.columns; ++c) {
-        // Kahan's summation: millions of terms must not cost the digits that transfers promise.
-        const double term = weight * table.values[v * table.columns + c] - lost[c], sum = sums[c] + term;
-        lost[c] = (sum - sums[c]) - term;
-        sums[c] = sum;
-      }
-  }
+std::vector<double> integrals(const MetricDomain& domain, const ValueTable& table) {
+  const std::vector<double> volumes = vertex_volumes(domain.mesh());
+  std::vector<double> sums;
+  for (std::size_t c = 0; c < table.columns; ++c)
+    sums.push_back(
+        domain.signed_sum([&](std::size_t v) { return volumes[v] * table.values[v * table.columns + c]; }));
   return sums;
 }
 
-std::vector<double> project(const Background& from, const ValueTable& old, const MeshData& to,
+std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
                             std::span<const std::uint32_t> places, std::span<const double> wanted,
                             std::span<const TensorColumns> tensors, ValueTable& table) {
-  check(to);
-  const Demands demands = demands_of(from, old, to, places, table);
-  const MassMatrix mass(to);
-  mass.solve(demands.loads, table.columns, table.values);
+  check(to.mesh());
+  const Demands demands = demands_of(from, old, to.mesh(), places, table);
+  const MassMatrix mass(to.mesh());
+  const auto refresh = [&](std::vector<double>& values) { to.refresh(table.columns, values); };
+  mass.solve(demands.loads, table.columns, table.values, refresh);
   std::vector<double> beyond(table.columns, 0);
   std::vector<bool> of_tensor(table.columns,
                               false);  // these are limited together; their eigenvalues only bound them
   for (const TensorColumns& t : tensors) {
-    const auto change = limit_tensors(mass, t, demands.loads, demands.lo, demands.hi, wanted, table);
+    const auto change = limit_tensors(to, mass, t, demands.loads, demands.lo, demands.hi, wanted, table);
     std::ranges::copy(change, beyond.begin() + static_cast<std::ptrdiff_t>(t.first));
     for (std::size_t c = 0; c < 6; ++c) of_tensor[t.first + c] = true;
     of_tensor[t.least] = of_tensor[t.largest] = true;
   }
   for (std::size_t c = 0; c < table.columns; ++c)
-    if (!of_tensor[c]) beyond[c] = BoundedColumn(c, demands, mass.lumped(), table).correct(wanted[c]);
+    if (!of_tensor[c]) beyond[c] = BoundedColumn(c, to, demands, mass.lumped(), table).correct(wanted[c]);
+  refresh(table.values);
   return beyond;
 }
 

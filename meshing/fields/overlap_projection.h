@@ -9,18 +9,20 @@
 #include "meshing/fields/tensor_limiter.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/background.h"
+#include "meshing/metric/metric_domain.h"
 
 namespace weft::meshing {
 
-/// The integral over `mesh` of each column, linear in each tet.
-std::vector<double> integrals(const MeshData& mesh, const ValueTable& table);
+/// The integral over the whole mesh of each column, linear in each tet.
+std::vector<double> integrals(const MetricDomain& domain, const ValueTable& table);
 
 /// Replaces `table`, which holds the old values interpolated at the vertices of `to`, by their bounded L2
 /// projection with the integrals `wanted` (see TransferMethod::conservative); `places` are tets of `from` at
-/// the vertices of `to`. The columns of `tensors`, all positive definite, stay so (limit_tensors) instead of
-/// being bounded one by one. Returns how far each column had to leave its bounds. Throws InputError for a tet
-/// of `to` without volume.
-std::vector<double> project(const Background& from, const ValueTable& old, const MeshData& to,
+/// the vertices of `to`. `from` need not be more of the old mesh than what the part `to` overlaps. The
+/// columns of `tensors`, all positive definite, stay so (limit_tensors) instead of being bounded one by one.
+/// Returns how far each column had to leave its bounds. Throws InputError for a tet of `to` without volume.
+/// `from` may be null where `to` has no tets here.
+std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
                             std::span<const std::uint32_t> places, std::span<const double> wanted,
                             std::span<const TensorColumns> tensors, ValueTable& table);
 

@@ -19,9 +19,11 @@ SymTensor tensor_at(std::span<const double> values, std::size_t at) {
 
 class TensorLimiter {
  public:
-  TensorLimiter(const MassMatrix& mass, const TensorColumns& columns, std::span<const double> loads,
-                std::span<const double> lo, std::span<const double> hi, const ValueTable& table)
-      : mass_(mass),
+  TensorLimiter(const MetricDomain& domain, const MassMatrix& mass, const TensorColumns& columns,
+                std::span<const double> loads, std::span<const double> lo, std::span<const double> hi,
+                const ValueTable& table)
+      : domain_(domain),
+        mass_(mass),
         columns_(columns),
         loads_(loads),
         lo_(lo),
@@ -74,15 +76,17 @@ class TensorLimiter {
   bool reduce_shares(int pass) {
     std::vector<std::uint8_t> reduced(share_.size(), 0);
     for_each_index(share_.size(), [&](std::size_t v) {
-      if (share_[v] > 0 && mass_.lumped()[v] > 0 && !is_within(v)) reduced[v] = 1;
+      if (domain_.owns(v) && share_[v] > 0 && mass_.lumped()[v] > 0 && !is_within(v)) reduced[v] = 1;
     });
     for (std::size_t v = 0; v < share_.size(); ++v)
       if (reduced[v]) share_[v] = pass < kHalvings && share_[v] > kLeastShare ? share_[v] / 2 : 0;
-    const bool any = std::ranges::find(reduced, 1) != reduced.end();
+    const bool any = domain_.any(std::ranges::find(reduced, 1) != reduced.end());
+    domain_.refresh(1, share_);
     if (any && pass + 1 == kMostPasses) std::ranges::fill(share_, 0.0);
     return any;
   }
 
+  const MetricDomain& domain_;
   const MassMatrix& mass_;
   const TensorColumns columns_;
   std::span<const double> loads_, lo_, hi_;
@@ -120,26 +124,34 @@ SymTensor transformed(const Lower& s, const SymTensor& t) {
 
 std::array<double, 6> entries(const SymTensor& t) { return {t.xx, t.xy, t.yy, t.xz, t.yz, t.zz}; }
 
+/// Of all vertices.
+SymTensor integral_of(const MetricDomain& domain, const MassMatrix& mass,
+                      const std::vector<SymTensor>& tensors) {
+  std::array<double, 6> sums;
+  for (std::size_t c = 0; c < 6; ++c)
+    sums[c] = domain.signed_sum([&](std::size_t v) { return mass.lumped()[v] * entries(tensors[v])[c]; });
+  return tensor_at(sums, 0);
+}
+
 }  // namespace
 
-std::array<double, 6> limit_tensors(const MassMatrix& mass, const TensorColumns& columns,
-                                    std::span<const double> loads, std::span<const double> lo,
-                                    std::span<const double> hi, std::span<const double> wanted,
-                                    ValueTable& table) {
-  TensorLimiter limiter(mass, columns, loads, lo, hi, table);
+std::array<double, 6> limit_tensors(const MetricDomain& domain, const MassMatrix& mass,
+                                    const TensorColumns& columns, std::span<const double> loads,
+                                    std::span<const double> lo, std::span<const double> hi,
+                                    std::span<const double> wanted, ValueTable& table) {
+  TensorLimiter limiter(domain, mass, columns, loads, lo, hi, table);
   const std::vector<SymTensor>& limited = limiter.run();
-  SymTensor integral;
-  for (std::size_t v = 0; v < limited.size(); ++v) integral = integral + mass.lumped()[v] * limited[v];
-  const Lower s = congruence(integral, tensor_at(wanted, columns.first));
+  const Lower s = congruence(integral_of(domain, mass, limited), tensor_at(wanted, columns.first));
   std::array<double, 6> change{};
   for (std::size_t v = 0; v < limited.size(); ++v) {
-    if (!(mass.lumped()[v] > 0)) continue;
+    if (!domain.owns(v) || !(mass.lumped()[v] > 0)) continue;
     const auto before = entries(limited[v]), after = entries(transformed(s, limited[v]));
     for (std::size_t c = 0; c < 6; ++c) {
       change[c] = std::max(change[c], std::abs(after[c] - before[c]));
       table.values[v * table.columns + columns.first + c] = after[c];
     }
   }
+  for (double& c : change) c = domain.max(c);
   return change;
 }
 

@@ -7,6 +7,7 @@
 
 #include "meshing/base/value_table.h"
 #include "meshing/mesh/mass_matrix.h"
+#include "meshing/metric/metric_domain.h"
 
 namespace weft::meshing {
 
@@ -23,9 +24,10 @@ struct TensorColumns {
 /// (six numbers, definite) where the volumes of the meshes differ. Guaranteed: definite tensors whose
 /// integral is `wanted` up to rounding of its trace. Returns the largest change of each entry by the
 /// congruence.
-std::array<double, 6> limit_tensors(const MassMatrix& mass, const TensorColumns& columns,
-                                    std::span<const double> loads, std::span<const double> lo,
-                                    std::span<const double> hi, std::span<const double> wanted,
-                                    ValueTable& table);
+/// Rows of `mass` are complete for the vertices that `domain` owns; those are the ones that get values.
+std::array<double, 6> limit_tensors(const MetricDomain& domain, const MassMatrix& mass,
+                                    const TensorColumns& columns, std::span<const double> loads,
+                                    std::span<const double> lo, std::span<const double> hi,
+                                    std::span<const double> wanted, ValueTable& table);
 
 }  // namespace weft::meshing

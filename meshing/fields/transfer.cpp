@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
@@ -26,31 +30,6 @@ SymTensor tensor_of(const Field& field, std::size_t v) {
   return {t[0], t[1], t[2], t[3], t[4], t[5]};
 }
 
-/// All components of all fields, those of one vertex together.
-ValueTable packed(const SolutionData& fields) {
-  ValueTable table;
-  for (const Field& field : fields.fields) table.columns += width(field);
-  table.values.resize(fields.num_points * table.columns);
-  std::size_t first = 0;
-  for (const Field& field : fields.fields) {
-    const std::size_t n = width(field);
-    for (std::size_t v = 0; v < fields.num_points; ++v)
-      std::copy_n(field.values.data() + v * n, n, table.values.data() + v * table.columns + first);
-    first += n;
-  }
-  return table;
-}
-
-void unpack(const ValueTable& table, SolutionData& fields) {
-  std::size_t first = 0;
-  for (Field& field : fields.fields) {
-    const std::size_t n = width(field);
-    for (std::size_t v = 0; v < fields.num_points; ++v)
-      std::copy_n(table.values.data() + v * table.columns + first, n, field.values.data() + v * n);
-    first += n;
-  }
-}
-
 std::vector<ComponentAccount> named_accounts(const SolutionData& fields) {
   std::vector<ComponentAccount> accounts;
   for (std::size_t f = 0; f < fields.fields.size(); ++f) {
@@ -70,50 +49,68 @@ double square_integral(double volume, const std::array<double, 4>& u) {
   return volume / 20 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3] + sum * sum);
 }
 
-void account_differences(const MeshData& from, const ValueTable& old, const ValueTable& back,
-                         std::vector<ComponentAccount>& accounts) {
-  const std::size_t n = old.columns;
-  for (std::size_t t = 0; t < from.tets.size(); ++t) {
-    const double volume = volume_of(from, t);
-    for (std::size_t c = 0; c < n; ++c) {
-      std::array<double, 4> value, difference;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::size_t at = from.tets[t][i] * n + c;
-        value[i] = old.values[at];
-        difference[i] = back.values[at] - value[i];
-        accounts[c].absolute += volume / 4 * std::abs(value[i]);
-      }
-      accounts[c].norm_l2 += square_integral(volume, value);
-      accounts[c].difference_l2 += square_integral(volume, difference);
+/// What the tets give to the integrals of one component, each at its first vertex.
+struct Shares {
+  std::vector<double> absolute, norm_l2, difference_l2;
+};
+
+Shares shares_of(const MeshData& mesh, const ValueTable& old, const ValueTable& back, std::size_t column) {
+  const std::size_t points = mesh.points.size();
+  Shares shares{std::vector<double>(points), std::vector<double>(points), std::vector<double>(points)};
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const double volume = volume_of(mesh, t);
+    const std::size_t first = std::ranges::min(mesh.tets[t]);
+    std::array<double, 4> value, difference;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t at = mesh.tets[t][i] * old.columns + column;
+      value[i] = old.values[at];
+      difference[i] = back.values[at] - value[i];
+      shares.absolute[first] += volume / 4 * std::abs(value[i]);
     }
+    shares.norm_l2[first] += square_integral(volume, value);
+    shares.difference_l2[first] += square_integral(volume, difference);
   }
-  for (std::size_t i = 0; i < old.values.size(); ++i) {
-    ComponentAccount& account = accounts[i % n];
-    account.norm_max = std::max(account.norm_max, std::abs(old.values[i]));
-    account.difference_max = std::max(account.difference_max, std::abs(back.values[i] - old.values[i]));
-  }
-  for (ComponentAccount& account : accounts) {
-    account.norm_l2 = std::sqrt(account.norm_l2);
-    account.difference_l2 = std::sqrt(account.difference_l2);
+  return shares;
+}
+
+void account_differences(const MetricDomain& from, const ValueTable& old, const ValueTable& back,
+                         std::vector<ComponentAccount>& accounts) {
+  for (std::size_t c = 0; c < accounts.size(); ++c) {
+    ComponentAccount& account = accounts[c];
+    const Shares shares = shares_of(from.mesh(), old, back, c);
+    const auto sum = [&](const std::vector<double>& at) {
+      return from.sum([&](std::size_t v) { return at[v]; });
+    };
+    account.absolute = sum(shares.absolute);
+    account.norm_l2 = std::sqrt(sum(shares.norm_l2));
+    account.difference_l2 = std::sqrt(sum(shares.difference_l2));
+    double norm = 0, difference = 0;
+    for (std::size_t at = c; at < old.values.size(); at += old.columns) {
+      norm = std::max(norm, std::abs(old.values[at]));
+      difference = std::max(difference, std::abs(back.values[at] - old.values[at]));
+    }
+    account.norm_max = from.max(norm);
+    account.difference_max = from.max(difference);
   }
 }
 
-bool is_definite(const Field& field) {
+bool is_definite(const MetricDomain& domain, const Field& field) {
   if (field.kind != Field::Kind::tensor) return false;
   const std::size_t count = field.values.size() / 6;
-  return find_first(count, [&](std::size_t v) { return !is_positive_definite(tensor_of(field, v)); }) ==
-         count;
+  const std::size_t bad =
+      find_first(count, [&](std::size_t v) { return !is_positive_definite(tensor_of(field, v)); });
+  return !domain.any(bad < count);
 }
 
 /// Appends the least and the largest eigenvalue of each definite tensor field, as fields whose bounds are
 /// those of the eigenvalues: linear interpolation of tensors keeps between such of their eigenvalues.
-std::vector<TensorColumns> append_eigenvalues(SolutionData& fields) {
+std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, SolutionData& fields) {
   std::vector<TensorColumns> tensors;
   std::size_t first = 0, end = 0;
   for (const Field& field : fields.fields) end += width(field);
   const std::size_t count = fields.fields.size();
   for (std::size_t f = 0; f < count; first += width(fields.fields[f++])) {
-    if (!is_definite(fields.fields[f])) continue;
+    if (!is_definite(domain, fields.fields[f])) continue;
     std::vector<double> least(fields.num_points), largest(fields.num_points);
     for_each_index(fields.num_points, [&](std::size_t v) {
       const Eigen3 e = eigen_decomposition(tensor_of(fields.fields[f], v));
@@ -128,45 +125,96 @@ std::vector<TensorColumns> append_eigenvalues(SolutionData& fields) {
   return tensors;
 }
 
-/// Replaces the fields interpolated from `old` by their projection; accounts for its bounds.
-void conserve(const Background& from, const SolutionData& old, const std::vector<TensorColumns>& tensors,
-              const MeshData& to, Interpolation& linear, std::vector<ComponentAccount>& accounts) {
-  const ValueTable old_table = packed(old);
-  ValueTable table = packed(linear.fields);
-  const std::vector<double> beyond =
-      project(from, old_table, to, linear.places, integrals(from.mesh(), old_table), tensors, table);
-  unpack(table, linear.fields);
+using Way = MeshPair::Way;
+
+/// What one part reads from the other mesh.
+struct Reading {
+  std::unique_ptr<const Background> background;  ///< null: there is nothing to read
+  ValueTable source;
+  ValuesAt at;
+};
+
+/// The values of one mesh, given at the vertices of its part, at those of the part of the other mesh.
+Reading read(MeshPair& meshes, Way way, const ValueTable& at_part) {
+  const MetricDomain& to = way == Way::back ? meshes.old_mesh() : meshes.new_mesh();
+  const std::span<const Point> points = to.mesh().points;
+  for (;;) {
+    Reading reading;
+    const MeshData& source = meshes.source(way);
+    reading.source = meshes.at_source(way, at_part);
+    double farthest = 0;
+    if (points.empty()) {
+      reading.at.table.columns = at_part.columns;
+    } else if (source.tets.empty()) {
+      farthest = std::numeric_limits<double>::infinity();
+    } else {
+      reading.background.reset(new Background(field_background(source)));
+      reading.at = interpolate(*reading.background, reading.source, points);
+      farthest = std::ranges::max(reading.at.distances);
+    }
+    if (meshes.widen(way, to.max(farthest))) continue;
+    to.refresh(at_part.columns, reading.at.table.values);
+    return reading;
+  }
+}
+
+/// Replaces what was read by its projection; accounts for its bounds.
+void conserve(const MeshPair& meshes, std::span<const double> wanted,
+              const std::vector<TensorColumns>& tensors, Reading& reading,
+              std::vector<ComponentAccount>& accounts) {
+  const std::vector<double> beyond = project(reading.background.get(), reading.source, meshes.new_mesh(),
+                                             reading.at.places, wanted, tensors, reading.at.table);
   for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = beyond[c];
   for (const TensorColumns& t : tensors)
     for (std::size_t c = 0; c < 6; ++c) accounts[t.first + c].stays_definite = true;
+}
+
+void account_for_outside(const MetricDomain& to, std::span<const double> distances, Transfer& result) {
+  double farthest = 0;
+  for (const double distance : distances) farthest = std::max(farthest, distance);
+  result.farthest = to.max(farthest);
+  result.outside = static_cast<std::uint64_t>(
+      std::llround(to.sum([&](std::size_t v) { return distances[v] > 0 ? 1.0 : 0.0; })));
+}
+
+void check_tets(const MeshPair& meshes) {
+  const auto has_tets = [](const MetricDomain& domain) { return domain.any(!domain.mesh().tets.empty()); };
+  if (!has_tets(meshes.old_mesh())) throw InputError("", "", "has no tetrahedra");
+  if (!has_tets(meshes.new_mesh()))
+    throw InputError("", "", "the mesh that the fields are wanted on has no tetrahedra");
 }
 
 }  // namespace
 
 Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
                   TransferMethod method) {
+  WholePair meshes(from, to);
+  return transfer(meshes, fields, method);
+}
+
+Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod method) {
+  check_tets(meshes);
   Transfer result;
   result.accounts = named_accounts(fields);
-  const ValueTable old = packed(fields);
-  const std::vector<double> before = integrals(from, old);
-  {
-    const Background background = field_background(from);
-    SolutionData extended = fields;
-    const bool conservative = method == TransferMethod::conservative;
-    const auto tensors = conservative ? append_eigenvalues(extended) : std::vector<TensorColumns>();
-    Interpolation linear = interpolate(background, extended, to);
-    if (conservative) conserve(background, extended, tensors, to, linear, result.accounts);
-    result.fields = std::move(linear.fields);
-    result.fields.fields.resize(fields.fields.size());
-    result.outside = linear.outside;
-    result.farthest = linear.farthest;
-  }
-  const std::vector<double> after = integrals(to, packed(result.fields));
-  for (std::size_t c = 0; c < before.size(); ++c) {
+  SolutionData extended = fields;
+  const bool conservative = method == TransferMethod::conservative;
+  const auto tensors =
+      conservative ? append_eigenvalues(meshes.old_mesh(), extended) : std::vector<TensorColumns>();
+  const ValueTable old = packed(extended);
+  const std::vector<double> before = integrals(meshes.old_mesh(), old);
+  Reading reading = read(meshes, Way::onto_new, old);
+  account_for_outside(meshes.new_mesh(), reading.at.distances, result);
+  if (conservative) conserve(meshes, before, tensors, reading, result.accounts);
+  const ValueTable carried = std::move(reading.at.table);
+  reading = {};
+  const std::vector<double> after = integrals(meshes.new_mesh(), carried);
+  for (std::size_t c = 0; c < result.accounts.size(); ++c) {
     result.accounts[c].integral_before = before[c];
     result.accounts[c].integral_after = after[c];
   }
-  account_differences(from, old, packed(interpolate(to, result.fields, from).fields), result.accounts);
+  account_differences(meshes.old_mesh(), old, read(meshes, Way::back, carried).at.table, result.accounts);
+  for (const Field& field : fields.fields) result.fields.fields.push_back({field.kind, {}, field.name});
+  unpack(carried, result.fields);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/fields/mesh_pair.h"
 #include "meshing/mesh/mesh_data.h"
 #include "weft/data.h"
 
@@ -17,5 +18,9 @@ namespace weft::meshing {
 /// without any.
 Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
                   TransferMethod method);
+/// The same for a pair of meshes, perhaps in parts: `fields` at the vertices of the part of the old mesh, of
+/// the same kinds and names everywhere, at those of the part of the new one; the accounts are the whole
+/// meshes'.
+Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod method);
 
 }  // namespace weft::meshing

@@ -46,7 +46,8 @@ void MassMatrix::residual(std::span<const double> b, std::size_t columns, std::s
   });
 }
 
-void MassMatrix::solve(std::span<const double> b, std::size_t columns, std::vector<double>& x) const {
+void MassMatrix::solve(std::span<const double> b, std::size_t columns, std::vector<double>& x,
+                       const std::function<void(std::vector<double>& x)>& refresh) const {
   constexpr int kSteps = 32;
   constexpr double kMiddle = 1.5, kHalfWidth = 1;  // of the interval of the eigenvalues
   std::vector<double> r(x.size()), step(x.size(), 0);
@@ -57,6 +58,7 @@ void MassMatrix::solve(std::span<const double> b, std::size_t columns, std::vect
       step[j] = alpha * r[j] + beta * step[j];
       x[j] += step[j];
     });
+    if (refresh) refresh(x);
     // Saad, Iterative Methods for Sparse Linear Systems (2003), algorithm 12.1, with step = alpha r + beta
     // step.
     const double half = 0.5 * kHalfWidth * alpha;

@@ -1,6 +1,7 @@
 // The mass matrix of linear elements: integrals of products of hat functions.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,10 @@ class MassMatrix {
   /// Solves M x = b for `columns` right sides at once (value of vertex v and column c at v * columns + c),
   /// starting from the x given. The Jacobi-scaled matrix has its eigenvalues in [1/2, 5/2] on every mesh of
   /// tets (Wathen 1987), so that Chebyshev's iteration needs no inner products and reduces the error by 0.38
-  /// a step: to 1e-13 of the first one here. Values of vertices without tets stay.
-  void solve(std::span<const double> b, std::size_t columns, std::vector<double>& x) const;
+  /// a step: to 1e-13 of the first one here. Values of vertices without tets stay. Where the mesh is a part
+  /// of another, `refresh` brings the x of vertices whose rows are not complete here, after every step.
+  void solve(std::span<const double> b, std::size_t columns, std::vector<double>& x,
+             const std::function<void(std::vector<double>& x)>& refresh = {}) const;
   /// Calls visit(w, entry) for the entries beside the diagonal of row v.
   template <class Visit>
   void for_each_in_row(std::size_t v, const Visit& visit) const {

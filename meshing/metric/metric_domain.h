@@ -33,12 +33,16 @@ class MetricDomain {
   virtual bool any(bool mine) const = 0;
   /// at(v) >= 0, summed over the vertices that are owned, of all parts.
   virtual double sum(const std::function<double(std::size_t)>& at) const = 0;
+  /// The same of any sign.
+  virtual double signed_sum(const std::function<double(std::size_t)>& at) const = 0;
   /// Of the whole mesh.
   virtual double complexity(const LogMetricField& field) const = 0;
 
   /// Values at vertices that are not owned become those of their owners.
   virtual void refresh(std::vector<SymTensor>& values) const = 0;
   virtual void refresh(std::vector<std::uint8_t>& values) const = 0;
+  /// `columns` numbers a vertex, side by side.
+  virtual void refresh(std::size_t columns, std::vector<double>& values) const = 0;
   /// The same where only these owned vertices have new values: returns the vertices that have new ones by
   /// this.
   virtual std::vector<std::uint32_t> refresh_changed(std::span<const std::uint32_t> changed,
@@ -58,9 +62,11 @@ class WholeDomain final : public MetricDomain {
   double max(double mine) const override { return mine; }
   bool any(bool mine) const override { return mine; }
   double sum(const std::function<double(std::size_t)>& at) const override;
+  double signed_sum(const std::function<double(std::size_t)>& at) const override { return sum(at); }
   double complexity(const LogMetricField& field) const override;
   void refresh(std::vector<SymTensor>&) const override {}
   void refresh(std::vector<std::uint8_t>&) const override {}
+  void refresh(std::size_t, std::vector<double>&) const override {}
   std::vector<std::uint32_t> refresh_changed(std::span<const std::uint32_t>,
                                              std::vector<SymTensor>&) const override {
     return {};

@@ -220,6 +220,31 @@ double PartDomain::sum(const std::function<double(std::size_t)>& at) const {
   return ordered_sum(peers_, terms);
 }
 
+double PartDomain::signed_sum(const std::function<double(std::size_t)>& at) const {
+  std::vector<double> above, below;
+  for (std::size_t v = 0; v < owners_.size(); ++v)
+    if (owns(v)) {
+      const double value = at(v);
+      above.push_back(std::max(0.0, value));
+      below.push_back(std::max(0.0, -value));
+    }
+  return ordered_sum(peers_, above) - ordered_sum(peers_, below);
+}
+
+void PartDomain::refresh(std::size_t columns, std::vector<double>& values) const {
+  std::vector<std::vector<double>> to_each(given_.size());
+  for (std::size_t r = 0; r < given_.size(); ++r) {
+    to_each[r].reserve(given_[r].size() * columns);
+    for (const std::uint32_t v : given_[r])
+      to_each[r].insert(to_each[r].end(), values.begin() + static_cast<std::ptrdiff_t>(v * columns),
+                        values.begin() + static_cast<std::ptrdiff_t>((v + 1) * columns));
+  }
+  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, to_each);
+  for (std::size_t r = 0; r < taken_.size(); ++r)
+    for (std::size_t i = 0; i < taken_[r].size(); ++i)
+      std::copy_n(from_each[r].data() + i * columns, columns, values.data() + taken_[r][i] * columns);
+}
+
 double PartDomain::complexity(const meshing::LogMetricField& field) const {
   return sum([&](std::size_t v) { return std::exp(0.5 * trace(field[v])) * volumes_[v]; });
 }

@@ -31,9 +31,11 @@ class PartDomain final : public meshing::MetricDomain {
   double max(double mine) const override;
   bool any(bool mine) const override;
   double sum(const std::function<double(std::size_t)>& at) const override;
+  double signed_sum(const std::function<double(std::size_t)>& at) const override;
   double complexity(const meshing::LogMetricField& field) const override;
   void refresh(std::vector<meshing::SymTensor>& values) const override { refresh_values(values); }
   void refresh(std::vector<std::uint8_t>& values) const override { refresh_values(values); }
+  void refresh(std::size_t columns, std::vector<double>& values) const override;
   std::vector<std::uint32_t> refresh_changed(std::span<const std::uint32_t> changed,
                                              std::vector<meshing::SymTensor>& values) const override;
 

@@ -1,0 +1,47 @@
+// Two meshes between which fields are carried, whole or in parts.
+#pragma once
+
+#include "meshing/base/value_table.h"
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_domain.h"
+
+namespace weft::meshing {
+
+/// Of a mesh in parts everybody has a part of the old mesh and one of the new, which need not be at the same
+/// place: what a part of one needs of the other comes from there. All parts call the functions together.
+class MeshPair {
+ public:
+  /// From the old mesh to the new one, or back.
+  enum class Way { onto_new, back };
+
+  virtual ~MeshPair() = default;
+  virtual const MetricDomain& old_mesh() const = 0;
+  virtual const MetricDomain& new_mesh() const = 0;
+
+  /// The tets of the one mesh about the part of the other: all that it overlaps or that are near. May have
+  /// none where that part has no points.
+  virtual const MeshData& source(Way way) const = 0;
+  /// Values at the vertices of the part that is the source's, at those of the source.
+  virtual ValueTable at_source(Way way, const ValueTable& at_part) const = 0;
+  /// Whether tets at this distance from a point of the other part may be missing in the source; it is larger
+  /// then.
+  virtual bool widen(Way way, double distance) = 0;
+};
+
+/// Two whole meshes.
+class WholePair final : public MeshPair {
+ public:
+  /// Both must outlive the object.
+  WholePair(const MeshData& from, const MeshData& to) : old_(from), new_(to) {}
+
+  const MetricDomain& old_mesh() const override { return old_; }
+  const MetricDomain& new_mesh() const override { return new_; }
+  const MeshData& source(Way way) const override { return (way == Way::back ? new_ : old_).mesh(); }
+  ValueTable at_source(Way, const ValueTable& at_part) const override { return at_part; }
+  bool widen(Way, double) override { return false; }
+
+ private:
+  WholeDomain old_, new_;
+};
+
+}  // namespace weft::meshing

@@ -1,0 +1,194 @@
+// Cells are asked for at their homes, and tets sent to who has asked.
+#include "partition/fields/nearby_tets.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "partition/communication/reduce.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::Box;
+using meshing::MeshData;
+using Tet = std::array<std::uint32_t, 4>;
+
+template <class T>
+void sort_unique(std::vector<T>& values) {
+  std::ranges::sort(values);
+  const auto rest = std::ranges::unique(values);
+  values.erase(rest.begin(), rest.end());
+}
+
+Box box_of(const MeshData& mesh, const Tet& tet) {
+  Box box;
+  for (const std::uint32_t v : tet) box.include(mesh.points[v]);
+  return box;
+}
+
+/// The box of both meshes, on all ranks.
+Box common_box(Peers& peers, const MeshData& a, const MeshData& b) {
+  Box box;
+  for (const MeshData* mesh : {&a, &b})
+    for (const meshing::Point& p : mesh->points) box.include(p);
+  const std::vector<double> most =
+      partition::max(peers, std::vector{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
+}
+
+/// A few points of the coarser mesh a cell.
+CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b) {
+  constexpr double kPointsPerCell = 4;
+  const auto points = static_cast<double>(std::min(a.num_points(), b.num_points()));
+  return {common_box(peers, a.mesh(), b.mesh()), points / kPointsPerCell};
+}
+
+/// The cells of the tets and points of a part and those beside them, ascending.
+std::vector<std::uint32_t> cells_around(const CellGrid& grid, const MeshData& mesh, std::uint32_t margin) {
+  std::vector<std::uint8_t> touched(grid.size(), 0);
+  const auto touch = [&](std::uint32_t cell) { touched[cell] = 1; };
+  for (const meshing::Point& p : mesh.points) grid.for_each_cell(Box{p, p}, margin, touch);
+  for (const Tet& tet : mesh.tets) grid.for_each_cell(box_of(mesh, tet), margin, touch);
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
+    if (touched[cell]) cells.push_back(cell);
+  return cells;
+}
+
+/// Each tet of the mesh in parts is one rank's: that which owns its first vertex.
+bool has(const PartDomain& of, const Tet& tet) { return of.owns(std::ranges::min(tet)); }
+
+/// Cells have their homes in blocks.
+std::size_t home_of(std::uint32_t cell, const CellGrid& grid, int ranks) {
+  return static_cast<std::size_t>(std::uint64_t{cell} * static_cast<std::uint64_t>(ranks) / grid.size());
+}
+
+std::vector<std::vector<std::uint32_t>> to_homes(const std::vector<std::uint32_t>& cells,
+                                                 const CellGrid& grid, int ranks) {
+  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(ranks));
+  for (const std::uint32_t cell : cells) to_each[home_of(cell, grid, ranks)].push_back(cell);
+  return to_each;
+}
+
+}  // namespace
+
+NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around, std::uint32_t margin)
+    : peers_(peers) {
+  const CellGrid grid = common_grid(peers, of, around);
+  reach_ = margin * grid.least_side();
+  const MeshData& mesh = of.mesh();
+  std::vector<std::uint32_t> cells;
+  {
+    std::vector<std::uint8_t> touched(grid.size(), 0);
+    for (const Tet& tet : mesh.tets)
+      if (has(of, tet)) grid.for_each_cell(box_of(mesh, tet), [&](std::uint32_t c) { touched[c] = 1; });
+    for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
+      if (touched[cell]) cells.push_back(cell);
+  }
+  const std::vector<std::vector<int>> ranks = ranks_of_cells(grid, around, margin, cells);
+  std::vector<std::vector<std::uint32_t>> tets_for(static_cast<std::size_t>(peers.ranks()));
+  for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    if (!has(of, mesh.tets[t])) continue;
+    grid.for_each_cell(box_of(mesh, mesh.tets[t]), [&](std::uint32_t cell) {
+      const auto at = std::ranges::lower_bound(cells, cell) - cells.begin();
+      for (const int rank : ranks[static_cast<std::size_t>(at)]) {
+        std::vector<std::uint32_t>& list = tets_for[static_cast<std::size_t>(rank)];
+        if (list.empty() || list.back() != t) list.push_back(t);
+      }
+    });
+  }
+  send(of, tets_for);
+}
+
+/// For each of `cells` the ranks whose parts of `around` are there.
+std::vector<std::vector<int>> NearbyTets::ranks_of_cells(const CellGrid& grid, const PartDomain& around,
+                                                         std::uint32_t margin,
+                                                         const std::vector<std::uint32_t>& cells) const {
+  const int ranks = peers_.ranks();
+  const auto wanted =
+      partition::all_to_all(peers_, to_homes(cells_around(grid, around.mesh(), margin), grid, ranks));
+  struct Wish {
+    std::uint32_t cell, rank;
+    auto operator<=>(const Wish&) const = default;
+  };
+  std::vector<Wish> wishes;
+  for (std::uint32_t r = 0; r < wanted.size(); ++r)
+    for (const std::uint32_t cell : wanted[r]) wishes.push_back({cell, r});
+  std::ranges::sort(wishes);
+  const auto asked = partition::all_to_all(peers_, to_homes(cells, grid, ranks));
+  std::vector<std::vector<Wish>> replies(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t cell : asked[r]) {
+      const auto of_cell = std::ranges::equal_range(wishes, cell, {}, &Wish::cell);
+      replies[r].insert(replies[r].end(), of_cell.begin(), of_cell.end());
+    }
+  std::vector<std::vector<int>> result(cells.size());
+  for (const std::vector<Wish>& of_home : partition::all_to_all(peers_, replies))
+    for (const Wish& wish : of_home)
+      result[static_cast<std::size_t>(std::ranges::lower_bound(cells, wish.cell) - cells.begin())].push_back(
+          static_cast<int>(wish.rank));
+  return result;
+}
+
+void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::uint32_t>>& tets_for) {
+  std::vector<std::vector<VertexRecord>> vertices(tets_for.size());
+  std::vector<std::vector<Tet>> tets(tets_for.size());
+  given_.resize(tets_for.size());
+  for (std::size_t r = 0; r < tets_for.size(); ++r) {
+    for (const std::uint32_t t : tets_for[r]) {
+      Tet tet = of.mesh().tets[t];
+      given_[r].insert(given_[r].end(), tet.begin(), tet.end());
+      for (std::uint32_t& v : tet) v = of.numbers()[v];
+      tets[r].push_back(tet);
+    }
+    sort_unique(given_[r]);
+    for (const std::uint32_t v : given_[r]) vertices[r].push_back({of.numbers()[v], of.mesh().points[v]});
+  }
+  std::vector<Tet> all;
+  for (const std::vector<Tet>& of_rank : partition::all_to_all(peers_, tets))
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  build(partition::all_to_all(peers_, vertices), std::move(all));
+}
+
+/// In an order that does not depend on who has sent what.
+void NearbyTets::build(const std::vector<std::vector<VertexRecord>>& vertices, std::vector<Tet>&& tets) {
+  std::vector<VertexRecord> all;
+  for (const auto& of_rank : vertices) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::ranges::sort(all, {}, &VertexRecord::number);
+  const auto rest = std::ranges::unique(all, {}, &VertexRecord::number);
+  all.erase(rest.begin(), rest.end());
+  const auto local = [&](std::uint64_t number) {
+    return static_cast<std::uint32_t>(std::ranges::lower_bound(all, number, {}, &VertexRecord::number) -
+                                      all.begin());
+  };
+  taken_.resize(vertices.size());
+  for (std::size_t r = 0; r < vertices.size(); ++r)
+    for (const VertexRecord& vertex : vertices[r]) taken_[r].push_back(local(vertex.number));
+  std::ranges::sort(tets);
+  for (Tet& tet : tets)
+    for (std::uint32_t& v : tet) v = local(v);
+  mesh_.tets = std::move(tets);
+  mesh_.tet_refs.resize(mesh_.tets.size());
+  for (const VertexRecord& vertex : all) mesh_.points.push_back(vertex.point);
+  mesh_.point_refs.resize(mesh_.points.size());
+}
+
+meshing::ValueTable NearbyTets::carry(const meshing::ValueTable& at_part) const {
+  const std::size_t n = at_part.columns;
+  std::vector<std::vector<double>> to_each(given_.size());
+  for (std::size_t r = 0; r < given_.size(); ++r) {
+    to_each[r].reserve(given_[r].size() * n);
+    for (const std::uint32_t v : given_[r])
+      to_each[r].insert(to_each[r].end(), at_part.values.begin() + static_cast<std::ptrdiff_t>(v * n),
+                        at_part.values.begin() + static_cast<std::ptrdiff_t>((v + 1) * n));
+  }
+  meshing::ValueTable table{n, std::vector<double>(mesh_.points.size() * n)};
+  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, to_each);
+  for (std::size_t r = 0; r < taken_.size(); ++r)
+    for (std::size_t i = 0; i < taken_[r].size(); ++i)
+      std::copy_n(from_each[r].data() + i * n, n, table.values.data() + taken_[r][i] * n);
+  return table;
+}
+
+}  // namespace weft::partition

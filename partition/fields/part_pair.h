@@ -1,0 +1,44 @@
+// Two meshes in parts between which fields are carried.
+#pragma once
+
+#include <memory>
+
+#include "meshing/fields/mesh_pair.h"
+#include "partition/communication/peers.h"
+#include "partition/distribute/mesh_slice.h"
+#include "partition/fields/nearby_tets.h"
+#include "partition/metric/part_domain.h"
+
+namespace weft::partition {
+
+/// Each mesh is dealt out anew, what lies together to one rank; the tets of the other mesh about a part come
+/// to it. All ranks call every function together. What is carried depends on the number of ranks by rounding
+/// alone.
+class PartPair final : public meshing::MeshPair {
+ public:
+  /// Throws as PartDomain does.
+  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to);
+
+  const PartDomain& old_mesh() const override { return old_; }
+  const PartDomain& new_mesh() const override { return new_; }
+  const meshing::MeshData& source(Way way) const override { return nearby(way).mesh(); }
+  meshing::ValueTable at_source(Way way, const meshing::ValueTable& at_part) const override {
+    return nearby(way).carry(at_part);
+  }
+  bool widen(Way way, double distance) override;
+
+ private:
+  /// The source and its margin.
+  struct Side {
+    std::uint32_t margin = 1;
+    mutable std::unique_ptr<const NearbyTets> tets;  ///< made when first asked for
+  };
+  const Side& side(Way way) const { return sides_[way == Way::back]; }
+  const NearbyTets& nearby(Way way) const;
+
+  Peers& peers_;
+  PartDomain old_, new_;
+  Side sides_[2];
+};
+
+}  // namespace weft::partition

@@ -1,0 +1,107 @@
+// Rows of pieces go to the ranks whose slices have them, and values come back.
+#include "partition/fields/piece_slices.h"
+
+#include <algorithm>
+#include <array>
+
+#include "partition/communication/ranges.h"
+#include "partition/output/own_entities.h"
+
+namespace weft::partition {
+namespace {
+
+std::uint64_t first_of(std::uint64_t total, int rank, int ranks) {
+  return total * static_cast<std::uint64_t>(rank) / static_cast<std::uint64_t>(ranks);
+}
+
+/// Rows with their numbers, to the ranks that have these.
+template <class Row>
+class RowMail {
+ public:
+  RowMail(Peers& peers, std::uint64_t total)
+      : peers_(peers),
+        total_(total),
+        numbers_(static_cast<std::size_t>(peers.ranks())),
+        rows_(numbers_.size()) {}
+
+  template <class Rows, class Convert>
+  void add(std::uint64_t first, const Rows& rows, const Convert& convert) {
+    std::size_t rank = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      while (first + i >= first_of(total_, static_cast<int>(rank) + 1, peers_.ranks())) ++rank;
+      numbers_[rank].push_back(first + i);
+      rows_[rank].push_back(convert(rows[i]));
+    }
+  }
+  std::vector<Row> deliver() {
+    const int me = peers_.rank();
+    const std::uint64_t first = first_of(total_, me, peers_.ranks());
+    const auto numbers = partition::all_to_all(peers_, numbers_);
+    numbers_.clear();
+    const auto rows = partition::all_to_all(peers_, rows_);
+    rows_.clear();
+    std::vector<Row> mine(first_of(total_, me + 1, peers_.ranks()) - first);
+    for (std::size_t r = 0; r < numbers.size(); ++r)
+      for (std::size_t i = 0; i < numbers[r].size(); ++i) mine[numbers[r][i] - first] = rows[r][i];
+    return mine;
+  }
+
+ private:
+  Peers& peers_;
+  std::uint64_t total_;
+  std::vector<std::vector<std::uint64_t>> numbers_;
+  std::vector<std::vector<Row>> rows_;
+};
+
+}  // namespace
+
+MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering) {
+  using Tet = std::array<std::uint32_t, 4>;
+  const std::uint64_t points = numbering.totals.points, tets = numbering.totals.tets;
+  RowMail<meshing::Point> point_mail(peers, points);
+  RowMail<Tet> tet_mail(peers, tets);
+  for (std::size_t p = 0; p < mine.size(); ++p) {
+    const OwnEntities own = own_entities(mine[p], numbering.pieces[p]);
+    point_mail.add(numbering.pieces[p].first.points, own.points, [](const meshing::Point& x) { return x; });
+    tet_mail.add(numbering.pieces[p].first.tets, own.tets, [](const std::array<std::uint64_t, 4>& t) {
+      Tet tet;
+      for (std::size_t i = 0; i < 4; ++i) tet[i] = static_cast<std::uint32_t>(t[i]);
+      return tet;
+    });
+  }
+  MeshSlice slice;
+  slice.num_points = points;
+  slice.num_tets = tets;
+  slice.first_point = first_of(points, peers.rank(), peers.ranks());
+  slice.first_tet = first_of(tets, peers.rank(), peers.ranks());
+  slice.points = point_mail.deliver();
+  slice.point_refs.resize(slice.points.size());
+  slice.tets = tet_mail.deliver();
+  slice.tet_refs.resize(slice.tets.size());
+  return slice;
+}
+
+std::vector<std::vector<double>> at_pieces(Peers& peers, const MeshSlice& slice, const Numbering& numbering,
+                                           const std::vector<double>& of_slice, std::size_t columns) {
+  std::vector<std::uint64_t> numbers;
+  for (const PieceNumbers& piece : numbering.pieces)
+    numbers.insert(numbers.end(), piece.points.begin(), piece.points.end());
+  std::ranges::sort(numbers);
+  const auto rest = std::ranges::unique(numbers);
+  numbers.erase(rest.begin(), rest.end());
+  const Ranges points(peers, slice.points.size());
+  std::vector<std::vector<double>> result;
+  for (const PieceNumbers& piece : numbering.pieces) result.emplace_back(piece.points.size() * columns);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const auto values =
+        fetch<double>(peers, points, numbers, [&](std::size_t i) { return of_slice[i * columns + c]; });
+    for (std::size_t p = 0; p < result.size(); ++p)
+      for (std::size_t v = 0; v < numbering.pieces[p].points.size(); ++v) {
+        const auto at = std::ranges::lower_bound(numbers, numbering.pieces[p].points[v]) - numbers.begin();
+        result[p][v * columns + c] = values[static_cast<std::size_t>(at)];
+      }
+  }
+  return result;
+}
+
+}  // namespace weft::partition

@@ -1,0 +1,16 @@
+// Carries fields from a mesh in slices to another one, on all ranks together.
+#pragma once
+
+#include "meshing/fields/transfer.h"
+#include "partition/communication/peers.h"
+#include "partition/distribute/mesh_slice.h"
+
+namespace weft::partition {
+
+/// All ranks: `fields` at the points of the slices of `from`, of the same kinds and names everywhere, at
+/// those of the slices of `to`; the accounts, the same on all ranks, are the whole meshes'. No rank sees more
+/// than its parts and what is near them. Throws InputError, the same on all ranks.
+meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const meshing::SolutionData& fields,
+                                    const MeshSlice& to, meshing::TransferMethod method);
+
+}  // namespace weft::partition

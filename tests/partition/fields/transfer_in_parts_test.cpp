@@ -1,0 +1,147 @@
+// Fields carried between meshes in parts: what one process carries, on any number of ranks and any shares.
+#include "partition/fields/transfer_in_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "tests/partition/communication/threads_peers.h"
+#include "tests/partition/distribute/slices.h"
+#include "tests/support/meshes.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::ComponentAccount;
+using meshing::Field;
+using meshing::MeshData;
+using meshing::Point;
+using meshing::SolutionData;
+using meshing::Transfer;
+using meshing::TransferMethod;
+
+MeshData jittered(std::uint32_t n, unsigned seed) {
+  MeshData mesh = support::unit_cube(n);
+  support::jitter_interior(mesh, 0.2 / n, seed);
+  support::shuffle(mesh, seed);
+  return mesh;
+}
+
+MeshData scaled(MeshData mesh, double factor) {
+  for (Point& p : mesh.points) p = {factor * p.x, factor * p.y, factor * p.z};
+  return mesh;
+}
+
+/// A shock, a vector, and a definite tensor that jumps.
+SolutionData fields_on(const std::vector<Point>& points) {
+  SolutionData fields{
+      points.size(),
+      {{Field::Kind::scalar, {}, "u"}, {Field::Kind::vector, {}, "v"}, {Field::Kind::tensor, {}, "m"}}};
+  for (const Point& p : points) {
+    fields.fields[0].values.push_back(std::tanh(60 * (p.x + 0.3 * p.y - 0.6)));
+    for (const double x : {p.x, std::sin(9 * p.y), p.z * p.x}) fields.fields[1].values.push_back(x);
+    const double c = std::cos(5 * p.y), s = std::sin(5 * p.y), strong = 1 + 1e3 * std::exp(-30 * p.x);
+    for (const double x :
+         {strong * c * c + s * s, (strong - 1) * c * s, strong * s * s + c * c, 0.0, 0.0, 1.0})
+      fields.fields[2].values.push_back(x);
+  }
+  return fields;
+}
+
+/// The transfer on so many ranks with shares drawn by `seed`; values of the whole mesh, accounts of rank 0.
+Transfer on_ranks(int ranks, unsigned seed, const MeshData& from, const MeshData& to, TransferMethod method) {
+  std::vector<Transfer> of_rank(static_cast<std::size_t>(ranks));
+  support::run_ranks(ranks, [&](Peers& peers) {
+    const MeshSlice old_slice = support::slice_of({from, {}}, peers.rank(), ranks, seed);
+    const MeshSlice new_slice = support::slice_of({to, {}}, peers.rank(), ranks, seed + 1);
+    of_rank[static_cast<std::size_t>(peers.rank())] =
+        transfer_in_parts(peers, old_slice, fields_on(old_slice.points), new_slice, method);
+  });
+  Transfer whole = of_rank[0];
+  for (int r = 1; r < ranks; ++r) {
+    const Transfer& part = of_rank[static_cast<std::size_t>(r)];
+    for (std::size_t f = 0; f < part.fields.fields.size(); ++f) {
+      auto& values = whole.fields.fields[f].values;
+      values.insert(values.end(), part.fields.fields[f].values.begin(), part.fields.fields[f].values.end());
+    }
+    EXPECT_EQ(part.accounts[0].integral_after, whole.accounts[0].integral_after) << "the same on all ranks";
+  }
+  return whole;
+}
+
+/// Beside a transfer in one piece, to rounding.
+void expect_same(const Transfer& result, const Transfer& expected, double tolerance) {
+  ASSERT_EQ(result.fields.fields.size(), expected.fields.fields.size());
+  for (std::size_t f = 0; f < expected.fields.fields.size(); ++f) {
+    const auto &values = result.fields.fields[f].values, &wanted = expected.fields.fields[f].values;
+    ASSERT_EQ(values.size(), wanted.size());
+    EXPECT_EQ(result.fields.fields[f].name, expected.fields.fields[f].name);
+    const double scale =
+        std::abs(*std::ranges::max_element(wanted, {}, [](double x) { return std::abs(x); }));
+    for (std::size_t i = 0; i < values.size(); ++i) ASSERT_NEAR(values[i], wanted[i], tolerance * scale) << i;
+  }
+  EXPECT_EQ(result.outside, expected.outside);
+  EXPECT_NEAR(result.farthest, expected.farthest, 1e-12);
+  ASSERT_EQ(result.accounts.size(), expected.accounts.size());
+  for (std::size_t c = 0; c < expected.accounts.size(); ++c) {
+    const ComponentAccount &a = result.accounts[c], &b = expected.accounts[c];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.stays_definite, b.stays_definite);
+    EXPECT_NEAR(a.integral_before, b.integral_before, 1e-12 * b.absolute);
+    EXPECT_NEAR(a.integral_after, b.integral_after, tolerance * b.absolute);
+    EXPECT_NEAR(a.absolute, b.absolute, 1e-12 * b.absolute);
+    EXPECT_NEAR(a.norm_l2, b.norm_l2, 1e-10 * b.norm_l2);
+    EXPECT_NEAR(a.norm_max, b.norm_max, 0);
+    EXPECT_NEAR(a.difference_l2, b.difference_l2, tolerance * b.norm_l2);
+    EXPECT_NEAR(a.difference_max, b.difference_max, tolerance * b.norm_max);
+    EXPECT_NEAR(a.beyond_bounds, b.beyond_bounds, tolerance * b.norm_max);
+  }
+}
+
+class TransferInParts : public testing::TestWithParam<int> {};
+
+TEST_P(TransferInParts, IsThatOfOneProcess) {
+  const std::pair<MeshData, MeshData> pairs[] = {{jittered(6, 1), jittered(9, 2)},
+                                                 {jittered(9, 1), jittered(4, 2)},
+                                                 {support::ball(1, 3), support::ball(2, 4)}};
+  unsigned seed = 0;
+  for (const auto& [from, to] : pairs)
+    for (const TransferMethod method : {TransferMethod::linear, TransferMethod::conservative})
+      expect_same(on_ranks(GetParam(), seed++, from, to, method),
+                  meshing::transfer(from, fields_on(from.points), to, method), 1e-9);
+}
+
+TEST_P(TransferInParts, KeepsIntegrals) {
+  const MeshData from = jittered(7, 1), to = jittered(8, 2);
+  const Transfer result = on_ranks(GetParam(), 3, from, to, TransferMethod::conservative);
+  double trace = 0;
+  for (const int c : {4, 6, 9}) trace += result.accounts[static_cast<std::size_t>(c)].absolute;
+  for (std::size_t c = 0; c < result.accounts.size(); ++c) {
+    const ComponentAccount& a = result.accounts[c];
+    EXPECT_LE(std::abs(a.integral_after - a.integral_before), 1e-12 * (c < 4 ? a.absolute : trace)) << a.name;
+  }
+}
+
+/// Most points lie far from what their ranks have first.
+TEST_P(TransferInParts, FindsTheClosestPointHoweverFar) {
+  const MeshData from = jittered(5, 1), to = scaled(jittered(6, 2), 4);
+  expect_same(on_ranks(GetParam(), 5, from, to, TransferMethod::linear),
+              meshing::transfer(from, fields_on(from.points), to, TransferMethod::linear), 1e-9);
+}
+
+TEST_P(TransferInParts, RefusesMeshesWithoutTets) {
+  MeshData points = support::unit_cube(2);
+  points.tets.clear();
+  points.tet_refs.clear();
+  const MeshData good = support::unit_cube(2);
+  EXPECT_THROW(on_ranks(GetParam(), 0, points, good, TransferMethod::linear), meshing::InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ranks, TransferInParts, testing::ValuesIn(support::kNumbersOfRanks));
+
+}  // namespace
+}  // namespace weft::partition
