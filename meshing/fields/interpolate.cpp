@@ -105,7 +105,7 @@ ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<
   tbb::parallel_for(std::size_t{0}, (n + kPiece - 1) / kPiece, [&](std::size_t piece) {
     std::uint32_t hint = Background::kNoHint;
     for (std::size_t v = piece * kPiece; v < std::min(n, (piece + 1) * kPiece); ++v) {
-      const Background::Place place = from.locate(points[v], hint);
+      const Background::Place place = from.locate_first(points[v], hint);
       result.places[v] = hint = place.tet;
       result.distances[v] = std::sqrt(place.distance2);
       read(table, from.mesh().tets[place.tet], place.at, result.table.values.data() + v * table.columns);

@@ -50,27 +50,36 @@ class Receiver {
     receipt.lo.assign(old_.columns, kInfinity);
     receipt.hi.assign(old_.columns, -kInfinity);
     seen_.clear();
+    overlaps_.clear();
+    pieces_.clear();
     const auto& tet = to.tets[t];
     if (!(volume > 0)) return complete(tet, 0, interpolated, receipt);  // flat: it receives bounds alone
     const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
-    double covered = collect(from_.locate(centre, places[tet[0]]).tet, receipt);
+    double covered = collect(from_.locate(centre, places[tet[0]]).tet);
     // A new tet can reach several parts of an old mesh that is not convex.
     for (std::size_t i = 0; i < 4 && covered < (1 - kCovered) * volume; ++i)
-      covered += collect(places[tet[i]], receipt);
+      covered += collect(places[tet[i]]);
+    covered = add_overlaps(receipt);
     complete(tet, std::max(0.0, volume - covered), interpolated, receipt);
   }
 
  private:
   static constexpr double kCovered = 1e-12;
 
-  /// Adds what the old tets reached from `seed` give; returns the volume of their overlap.
-  double collect(std::uint32_t seed, Receipt& receipt) {
+  /// The pieces of one old tet.
+  struct Overlap {
+    std::uint32_t old_tet;
+    std::size_t first, end;  ///< among pieces_
+  };
+
+  /// Finds the overlaps of the old tets reached from `seed`; returns their volume.
+  double collect(std::uint32_t seed) {
     double covered = 0;
     visit(seed);
     while (!pending_.empty()) {
       const std::uint32_t old_tet = pending_.back();
       pending_.pop_back();
-      pieces_.clear();
+      const std::size_t first = pieces_.size();
       const std::array<Point, 4> old_corners = corners_of(from_.mesh(), old_tet);
       if (volume_of(old_corners) > 0) {
         overlap(corners_, old_corners, pieces_);
@@ -79,14 +88,27 @@ class Receiver {
         continue;
       }
       double common = 0;
-      for (const OverlapPiece& piece : pieces_) {
-        common += piece.volume;
-        add(piece, from_.mesh().tets[old_tet], receipt);
+      for (std::size_t i = first; i < pieces_.size(); ++i) common += pieces_[i].volume;
+      if (!(common > 0)) {
+        pieces_.resize(first);
+        continue;
       }
-      if (!(common > 0)) continue;
+      overlaps_.push_back({old_tet, first, pieces_.size()});
       covered += common;
       visit_neighbours(old_tet);
     }
+    return covered;
+  }
+
+  /// In the order of the old tets, so that sums do not depend on where the search began. Returns the volume.
+  double add_overlaps(Receipt& receipt) {
+    std::ranges::sort(overlaps_, {}, &Overlap::old_tet);
+    double covered = 0;
+    for (const Overlap& overlap : overlaps_)
+      for (std::size_t i = overlap.first; i < overlap.end; ++i) {
+        covered += pieces_[i].volume;
+        add(pieces_[i], from_.mesh().tets[overlap.old_tet], receipt);
+      }
     return covered;
   }
 
@@ -143,6 +165,7 @@ class Receiver {
   SmallSet seen_;
   std::vector<std::uint32_t> pending_;
   std::vector<OverlapPiece> pieces_;
+  std::vector<Overlap> overlaps_;
   std::array<Point, 4> corners_;
 };
 

@@ -115,6 +115,19 @@ TEST_P(TransferInParts, IsThatOfOneProcess) {
                   meshing::transfer(from, fields_on(from.points), to, method), 1e-9);
 }
 
+TEST_P(TransferInParts, HasTheBitsOfOneRank) {
+  // Structured meshes have vertices on each other's faces and edges, so that tets are not unique.
+  const std::pair<MeshData, MeshData> pairs[] = {{support::unit_cube(4), support::unit_cube(6)},
+                                                 {jittered(6, 1), jittered(9, 2)},
+                                                 {support::ball(1, 3), support::ball(2, 4)}};
+  for (const auto& [from, to] : pairs)
+    for (const TransferMethod method : {TransferMethod::linear, TransferMethod::conservative}) {
+      const Transfer one = on_ranks(1, 0, from, to, method), many = on_ranks(GetParam(), 7, from, to, method);
+      for (std::size_t f = 0; f < one.fields.fields.size(); ++f)
+        EXPECT_EQ(many.fields.fields[f].values, one.fields.fields[f].values);
+    }
+}
+
 TEST_P(TransferInParts, KeepsIntegrals) {
   const MeshData from = jittered(7, 1), to = jittered(8, 2);
   const Transfer result = on_ranks(GetParam(), 3, from, to, TransferMethod::conservative);
