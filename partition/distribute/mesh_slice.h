@@ -31,4 +31,18 @@ struct MeshSlice {
   meshing::MeshData boundary;
 };
 
+/// Points and tets alone, without references and metrics.
+inline MeshSlice without_boundary(const MeshSlice& slice) {
+  MeshSlice copy;
+  copy.num_points = slice.num_points;
+  copy.num_tets = slice.num_tets;
+  copy.first_point = slice.first_point;
+  copy.points = slice.points;
+  copy.point_refs.resize(copy.points.size());
+  copy.first_tet = slice.first_tet;
+  copy.tets = slice.tets;
+  copy.tet_refs.resize(copy.tets.size());
+  return copy;
+}
+
 }  // namespace weft::partition

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "partition/communication/ranges.h"
+#include "partition/fields/by_components.h"
 #include "partition/output/own_entities.h"
 
 namespace weft::partition {
@@ -81,8 +84,8 @@ MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const N
   return slice;
 }
 
-std::vector<std::vector<double>> at_pieces(Peers& peers, const MeshSlice& slice, const Numbering& numbering,
-                                           const std::vector<double>& of_slice, std::size_t columns) {
+PieceFields fields_of_pieces(Peers& peers, const MeshSlice& slice, const Numbering& numbering,
+                             const meshing::SolutionData& of_slice) {
   std::vector<std::uint64_t> numbers;
   for (const PieceNumbers& piece : numbering.pieces)
     numbers.insert(numbers.end(), piece.points.begin(), piece.points.end());
@@ -90,17 +93,19 @@ std::vector<std::vector<double>> at_pieces(Peers& peers, const MeshSlice& slice,
   const auto rest = std::ranges::unique(numbers);
   numbers.erase(rest.begin(), rest.end());
   const Ranges points(peers, slice.points.size());
-  std::vector<std::vector<double>> result;
-  for (const PieceNumbers& piece : numbering.pieces) result.emplace_back(piece.points.size() * columns);
-  for (std::size_t c = 0; c < columns; ++c) {
-    const auto values =
-        fetch<double>(peers, points, numbers, [&](std::size_t i) { return of_slice[i * columns + c]; });
-    for (std::size_t p = 0; p < result.size(); ++p)
-      for (std::size_t v = 0; v < numbering.pieces[p].points.size(); ++v) {
-        const auto at = std::ranges::lower_bound(numbers, numbering.pieces[p].points[v]) - numbers.begin();
-        result[p][v * columns + c] = values[static_cast<std::size_t>(at)];
-      }
-  }
+  const meshing::SolutionData here = by_components(of_slice, numbers.size(), [&](const auto& column) {
+    return fetch<double>(peers, points, numbers, [&](std::size_t i) { return column[i]; });
+  });
+  PieceFields result;
+  for (const meshing::Field& field : here.fields) result.kinds.fields.push_back({field.kind, {}, field.name});
+  for (const PieceNumbers& piece : numbering.pieces)
+    result.of_pieces.push_back(by_components(here, piece.points.size(), [&](const auto& column) {
+      std::vector<double> values;
+      for (const std::uint64_t number : piece.points)
+        values.push_back(
+            column[static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin())]);
+      return values;
+    }));
   return result;
 }
 

@@ -1,13 +1,12 @@
 // The pieces of a result as slices of the whole mesh.
 #pragma once
 
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "partition/communication/peers.h"
 #include "partition/distribute/mesh_slice.h"
 #include "partition/output/numbering.h"
+#include "partition/output/piece_fields.h"
 #include "partition/subdomain/mesh_piece.h"
 
 namespace weft::partition {
@@ -16,8 +15,8 @@ namespace weft::partition {
 /// references, metrics and boundary.
 MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering);
 
-/// All ranks: values at the points of the slices, at all points of each piece.
-std::vector<std::vector<double>> at_pieces(Peers& peers, const MeshSlice& slice, const Numbering& numbering,
-                                           const std::vector<double>& of_slice, std::size_t columns);
+/// All ranks: fields at the points of the slices, at all points of each piece.
+PieceFields fields_of_pieces(Peers& peers, const MeshSlice& slice, const Numbering& numbering,
+                             const meshing::SolutionData& of_slice);
 
 }  // namespace weft::partition

@@ -2,6 +2,8 @@
 #include "partition/output/output.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,6 +53,7 @@ struct Share {
   bool first;  ///< the rank that writes what is of no piece
   std::span<const MeshPiece> pieces;
   const Numbering& numbering;
+  const PieceFields& fields;
 };
 
 void write_rows(GmfSliceWriter& out, const OwnEntities& own, const std::vector<std::int32_t>& tet_refs,
@@ -78,6 +81,30 @@ meshing::SolutionData own_metrics(const MeshPiece& piece, const PieceNumbers& nu
   return meshing::solution_from_metric(own);
 }
 
+/// The fields at the vertices that piece `p` owns.
+meshing::SolutionData own_fields(const Share& share, std::size_t p) {
+  meshing::SolutionData own;
+  if (share.fields.kinds.fields.empty()) return own;
+  const std::vector<std::uint8_t>& mine = share.numbering.pieces[p].share.points;
+  own.num_points = static_cast<std::size_t>(std::ranges::count(mine, 1));
+  for (const meshing::Field& field : share.fields.of_pieces[p].fields) {
+    const auto n = static_cast<std::size_t>(meshing::components(field.kind));
+    meshing::Field& values = own.fields.emplace_back(field.kind, std::vector<double>(), field.name);
+    for (std::size_t v = 0; v < mine.size(); ++v)
+      if (mine[v])
+        values.values.insert(values.values.end(), field.values.begin() + static_cast<std::ptrdiff_t>(v * n),
+                             field.values.begin() + static_cast<std::ptrdiff_t>((v + 1) * n));
+  }
+  return own;
+}
+
+/// Metrics and fields at the vertices that piece `p` owns.
+meshing::SolutionData own_values(const Share& share, std::size_t p) {
+  meshing::SolutionData values = own_metrics(share.pieces[p], share.numbering.pieces[p]);
+  std::ranges::move(own_fields(share, p).fields, std::back_inserter(values.fields));
+  return values;
+}
+
 /// With the carried model, whose length rank 0 knows.
 MeshCounts with_model(Peers& peers, MeshCounts totals, const meshing::Association& carried) {
   meshing::MeshData carrier;
@@ -103,14 +130,13 @@ void write_as_gmf(const Share& share, const meshing::Association& carried, const
   out.finish();
 }
 
-/// `metrics_inside`: the metrics go into the mesh file too.
-void write_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool metrics_inside,
+/// `values_inside`: metrics and fields go into the mesh file too.
+void write_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool values_inside,
                  meshing::PartWriter& out) {
   for (std::size_t p = 0; p < share.pieces.size(); ++p) {
     const PieceNumbers& numbers = share.numbering.pieces[p];
     const OwnEntities own = own_entities(share.pieces[p], numbers);
-    const meshing::SolutionData fields =
-        metrics_inside ? meshing::solution_from_metric(own.log_metrics) : meshing::SolutionData{};
+    const meshing::SolutionData fields = values_inside ? own_values(share, p) : meshing::SolutionData{};
     out.write({numbers.first.points,
                own.points,
                own.point_refs,
@@ -128,8 +154,11 @@ class CommonMesh {
   CommonMesh(Peers& peers, const Share& share, const std::filesystem::path& name,
              const meshing::RefNames& names)
       : share_(share), file_(name), mesh_(describe_pieces(peers, share.pieces, share.numbering)) {
-    const bool metrics_inside = meshing::holds_fields(name);
-    if (metrics_inside) mesh_.whole.fields.fields = meshing::solution_from_metric({}).fields;
+    if (meshing::holds_fields(name)) {
+      mesh_.whole.fields = meshing::solution_from_metric({});
+      std::ranges::copy(share.fields.kinds.fields, std::back_inserter(mesh_.whole.fields.fields));
+      mesh_.whole.fields.num_points = share.numbering.totals.points;
+    }
     if (share.first) mesh_.whole.names = names;
   }
 
@@ -155,14 +184,43 @@ class CommonMesh {
   meshing::PartPlaces places_;
 };
 
-void write_metrics(const Share& share, const CommonFile& file, const GmfPlan& plan) {
-  GmfSliceWriter out(file.temporary(), plan);
-  if (share.first) out.frame();
-  for (std::size_t p = 0; p < share.pieces.size(); ++p)
-    out.solution(share.numbering.pieces[p].first.points,
-                 own_metrics(share.pieces[p], share.numbering.pieces[p]));
-  out.finish();
-}
+/// A .solb of metrics or of fields, until it can appear; without a name there is none.
+class CommonSolution {
+ public:
+  using Own = std::function<meshing::SolutionData(std::size_t piece)>;
+
+  /// All ranks. `own`: the values of the vertices that a piece owns.
+  CommonSolution(Peers& peers, const Share& share, const std::filesystem::path& name,
+                 const meshing::SolutionData& kinds, Own own, int version)
+      : share_(share), own_(std::move(own)), file_(name) {
+    std::vector<meshing::Field::Kind> of_fields;
+    for (const meshing::Field& field : kinds.fields) of_fields.push_back(field.kind);
+    agree_on(peers, [&] {
+      if (!name.empty() && !of_fields.empty())
+        plan_ = GmfPlan::of_solution(name, share.numbering.totals.points, of_fields, version);
+    });
+  }
+  void create(Peers& peers) {
+    if (plan_) file_.create(peers);
+  }
+  void write() {
+    if (!plan_) return;
+    GmfSliceWriter out(file_.temporary(), *plan_);
+    if (share_.first) out.frame();
+    for (std::size_t p = 0; p < share_.pieces.size(); ++p)
+      out.solution(share_.numbering.pieces[p].first.points, own_(p));
+    out.finish();
+  }
+  void commit() {
+    if (plan_) file_.commit();
+  }
+
+ private:
+  const Share& share_;
+  Own own_;
+  CommonFile file_;
+  std::optional<GmfPlan> plan_;
+};
 
 /// A .meshb likewise.
 class CommonGmf {
@@ -185,27 +243,29 @@ class CommonGmf {
   std::optional<GmfPlan> plan_;
 };
 
-/// Mesh and, where it has a name, solution.
+/// The mesh and the solutions beside it, which appear once it has.
 template <class Mesh>
-void write_both(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& solution,
-                int version) {
-  std::optional<GmfPlan> plan;
-  agree_on(peers, [&] {
-    if (!solution.empty())
-      plan = GmfPlan::of_solution(solution, share.numbering.totals.points, {meshing::Field::Kind::tensor},
-                                  version);
-  });
-  CommonFile solution_file(solution);
+void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& solution,
+               int version) {
+  CommonSolution metrics(
+      peers, share, solution, meshing::solution_from_metric({}),
+      [&](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
+  CommonSolution fields(
+      peers, share, share.fields.file, share.fields.kinds,
+      [&](std::size_t p) { return own_fields(share, p); }, version);
   mesh.create(peers);
-  if (plan) solution_file.create(peers);
+  metrics.create(peers);
+  fields.create(peers);
   agree_on(peers, [&] {
     mesh.write();
-    if (plan) write_metrics(share, solution_file, *plan);
+    metrics.write();
+    fields.write();
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     mesh.commit();
-    if (plan) solution_file.commit();
+    fields.commit();
+    metrics.commit();
   });
 }
 
@@ -221,15 +281,15 @@ bool can_write_pieces(const std::filesystem::path& mesh) {
 
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
                   const std::filesystem::path& solution, const meshing::Association& carried, int version,
-                  const meshing::RefNames& names) {
+                  const meshing::RefNames& names, const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
-  const Share share{peers.rank() == 0, mine, numbering};
+  const Share share{peers.rank() == 0, mine, numbering, fields};
   if (is_gmf(mesh)) {
     CommonGmf file(peers, share, mesh, carried, version);
-    write_both(peers, share, file, solution, version);
+    write_all(peers, share, file, solution, version);
   } else {
     CommonMesh file(peers, share, mesh, names);
-    write_both(peers, share, file, solution, version);
+    write_all(peers, share, file, solution, version);
   }
 }
 

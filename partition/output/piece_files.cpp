@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <string>
@@ -90,11 +91,20 @@ std::string vtu_name(const fs::path& index, SubdomainId subdomain) {
   return index.stem().string() + "_" + std::to_string(subdomain.value) + ".vtu";
 }
 
-void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers& numbers) {
+/// The kinds and names of metric and fields.
+meshing::SolutionData kinds_of(const PieceFields& fields) {
+  meshing::SolutionData kinds = meshing::solution_from_metric({});
+  std::ranges::copy(fields.kinds.fields, std::back_inserter(kinds.fields));
+  return kinds;
+}
+
+void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers& numbers,
+               const meshing::SolutionData* fields) {
   const MeshData part = visible_part(piece, numbers.share);
-  const meshing::SolutionData metric = meshing::solution_from_metric(piece.log_metrics);
+  meshing::SolutionData values = meshing::solution_from_metric(piece.log_metrics);
+  if (fields) std::ranges::copy(fields->fields, std::back_inserter(values.fields));
   const std::vector<std::int64_t> ids(numbers.points.begin(), numbers.points.end());
-  meshing::write_vtu_piece(path, {part, metric, {}}, ids, {}, cell_data(piece, part));
+  meshing::write_vtu_piece(path, {part, values, {}}, ids, {}, cell_data(piece, part));
 }
 
 /// The subdomains of all pieces, ascending.
@@ -129,14 +139,16 @@ fs::path part_name(const fs::path& mesh, SubdomainId subdomain) {
 
 }  // namespace
 
-void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs::path& index) {
+void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs::path& index,
+                         const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
   const std::vector<SubdomainId> subdomains = all_subdomains(peers, mine);
   NewFiles files;
   agree_on(peers, [&] {
     for (std::size_t p = 0; p < mine.size(); ++p) {
       const fs::path path = index.parent_path() / vtu_name(index, mine[p].subdomain);
-      write_vtu(path, mine[p], numbering.pieces[p]);
+      write_vtu(path, mine[p], numbering.pieces[p],
+                fields.of_pieces.empty() ? nullptr : &fields.of_pieces[p]);
       files.add(path);
     }
   });
@@ -144,7 +156,7 @@ void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs
     if (peers.rank() != 0) return;
     std::vector<std::string> names;
     for (const SubdomainId subdomain : subdomains) names.push_back(vtu_name(index, subdomain));
-    meshing::write_pvtu_index(index, meshing::solution_from_metric({}), {"subdomain", "quality"}, names);
+    meshing::write_pvtu_index(index, kinds_of(fields), {"subdomain", "quality"}, names);
   });
   files.keep();
 }

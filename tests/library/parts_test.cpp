@@ -192,6 +192,35 @@ TEST(Parts, CarryFieldsAlong) {
     EXPECT_NEAR(fine.part.fields.fields[0].values[v], linear(fine.part.mesh.points[v]), 1e-9);
 }
 
+TEST(Parts, CarryFieldsAlongWithTheirIntegrals) {
+  const Split split;
+  const Mesh whole = whole_box();
+  Part part = part_of(whole, split.rank, dealt(split.ranks));
+  Field layer{Field::Kind::scalar, {}, "layer"}, flow{Field::Kind::vector, {}, "flow"};
+  for (const Point& x : part.mesh.points) {
+    layer.values.push_back(std::tanh(30 * (x.x - 0.4)));
+    for (const double v : {x.y * x.z, std::sin(9 * x.x), 1.0}) flow.values.push_back(v);
+  }
+  part.fields = {part.ids.size(), {layer, flow}};
+  if (part.ids.empty()) part.fields = {};  // need not list them
+  Options options = options_of(8);
+  options.distributed.ghosts = true;
+  options.transfer = TransferMethod::conservative;
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options);
+  ASSERT_EQ(fine.part.fields.fields.size(), 2u);
+  EXPECT_EQ(fine.part.fields.fields[0].name, "layer");
+  EXPECT_EQ(fine.part.fields.fields[1].values.size(), 3 * fine.part.ids.size());
+  ASSERT_EQ(fine.field_accounts.size(), 4u);
+  for (const ComponentAccount& a : fine.field_accounts) {
+    EXPECT_GT(a.absolute, 0);
+    EXPECT_LE(std::abs(a.integral_after - a.integral_before), 1e-10 * a.absolute) << a.name;
+  }
+  for (std::size_t v = 0; v < fine.part.ids.size(); ++v) {
+    EXPECT_LE(std::abs(fine.part.fields.fields[0].values[v]), 1.0);
+    EXPECT_NEAR(fine.part.fields.fields[1].values[3 * v + 2], 1, 1e-9) << "constants stay";
+  }
+}
+
 TEST(Parts, HaveGhostsOnRequest) {
   const Split split;
   const Mesh whole = whole_box();

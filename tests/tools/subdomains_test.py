@@ -187,8 +187,21 @@ class Results(Subdomains):
 
     def test_carries_fields(self):
         self.weft("metric", self.box(3), "--metric-fn", "uniform:0.3", "-o", "field.solb")
-        self.assert_same_on_all("box.meshb", "--metric-fn", "uniform:0.25", "--field", "field.solb", "--subdomains", 4,
-                                outputs=("out.meshb", "out.solb", "out-fields.solb"), ranks=(2,))
+        for transfer, mesh in (("linear", "out.meshb"), ("conservative", "out.meshb"), ("conservative", "out.vtu"),
+                               ("linear", "out.mesh")):
+            with self.subTest(transfer=transfer, mesh=mesh):
+                sol = "sol" if mesh.endswith(".mesh") else "solb"
+                self.assert_same_on_all("box.meshb", "--metric-fn", "uniform:0.25", "--field", "field.solb", "--subdomains", 4,
+                                        "--transfer", transfer, outputs=(mesh, f"out.{sol}", f"out-fields.{sol}"),
+                                        ranks=(2, 3))
+        self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--field", "field.solb", "-o", "a.pvtu", "--quiet")
+        self.assertEqual(len(self.fields("a.pvtu")), 2)
+
+    def fields(self, file):
+        """The names of the point data of a .vtu or .pvtu, the ids aside."""
+        text = (self.folder / file).read_bytes()
+        part = text[text.index(b"PointData"):text.rindex(b"PointData")]
+        return [name for name in re.findall(rb'Name="([^"]*)"', part) if b"Ids" not in name]
 
     def test_report(self):
         self.box(4)

@@ -9,6 +9,10 @@
 #include "meshing/base/error.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
+#include "partition/fields/piece_slices.h"
+#include "partition/fields/transfer_in_parts.h"
+#include "partition/output/numbering.h"
+#include "tools/common/field_text.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
@@ -62,6 +66,18 @@ void make_metric(partition::Peers& peers, const MetricOptions& options,
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
 }
 
+void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, const Fields& fields,
+                  TransferMethod method, PartResult& result) {
+  const partition::MeshSlice slice = partition::slice_of_pieces(
+      run.peers(), run.pieces(), partition::number_pieces(run.peers(), run.pieces()));
+  Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method);
+  const std::vector<std::string> warnings = tools::transfer_warnings(transfer, "");
+  result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+  result.transfer = method;
+  result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
+  result.field_accounts = std::move(transfer.accounts);
+}
+
 PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric* metric,
                       const Options& options) {
   tools::Stopwatch watch, total;
@@ -79,6 +95,9 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   }
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
                          slice.boundary.edges.size()};
+  const Fields fields = tools::fields_of_slices(run.peers(), part);
+  partition::MeshSlice old;
+  if (!fields.fields.empty()) old = partition::without_boundary(slice);
   result.times.read = watch.lap();
   run.adapt(std::move(slice), target, "", result);
   watch.lap();
@@ -88,7 +107,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   result.part = std::move(out.part);
   result.metric = std::move(out.metric);
   result.times.write = watch.lap();
-  result.part.fields = tools::interpolate_parts(run.peers(), part, result.part);
+  if (!fields.fields.empty()) carry_fields(run, old, fields, options.transfer, result);
   result.times.fields = watch.lap();
   result.times.total = total.lap();
   result.peak_memory = tools::peak_memory_bytes();
@@ -99,8 +118,6 @@ PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Metric* 
                          const Options& options) {
   validate(options);
   if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
-  if (options.transfer != TransferMethod::linear && !part.fields.fields.empty())
-    throw OptionError("--transfer", "conservative is not possible for a mesh in parts");
   PartResult result;
   tools::on_communicator(communicator, [&](engine::Transport& transport) {
     result = adapt_part(transport, part, metric, options);

@@ -7,22 +7,24 @@
 #include <vector>
 
 #include "meshing/base/error.h"
-#include "meshing/fields/transfer.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
 #include "partition/communication/agreement.h"
+#include "partition/fields/piece_slices.h"
+#include "partition/fields/transfer_in_parts.h"
 #include "partition/output/merge_pieces.h"
+#include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
 #include "partition/verify/check_subdomains.h"
 #include "tools/common/field_text.h"
+#include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
-#include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/parts/piece_moves.h"
@@ -56,14 +58,15 @@ class DistributedFileJob {
     });
     SliceInput input = read();
     const double target = input.target_complexity;
+    keep_for_fields(input);
     run_.adapt(std::move(input.slice), target, files_.input, account_);
     watch_.lap();
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
-    if (write_first) write();
+    if (write_first) carry_and_write();
     run_.measure(account_);
     account_.times.measure += watch_.lap();
-    if (!write_first) write();
+    if (!write_first) carry_and_write();
     finish();
     return files_result(account_, report_error_, run_.first());
   }
@@ -85,20 +88,47 @@ class DistributedFileJob {
                              input.slice.boundary.triangles.size(), input.slice.boundary.edges.size()};
     account_.times.read = watch_.lap();
     if (input.whole && run_.first()) account_.before = meshing::measure(*input.whole, input.whole_metric);
-    partition::agree_on(run_.peers(), [&] {
-      if (files_.fields.empty() || !run_.first()) return;
-      fields_ = input.fields ? std::move(*input.fields)
-                             : read_all_fields(files_.fields, input.whole->points.size(), files_.input);
-      whole_ = std::move(*input.whole);
-    });
     input.whole.reset();
     account_.times.measure = watch_.lap();
     return input;
   }
 
+  /// Points, tets and fields of the input stay in shares until the result is there.
+  void keep_for_fields(SliceInput& input) {
+    if (files_.fields.empty()) return;
+    old_ = partition::without_boundary(input.slice);
+    fields_ = std::move(input.fields);
+  }
+
   bool written_by_all() const {
     const fs::path mesh = account_.outputs.mesh;
-    return files_.fields.empty() && (mesh.extension() == ".pvtu" || partition::can_write_pieces(mesh));
+    return mesh.extension() == ".pvtu" || partition::can_write_pieces(mesh);
+  }
+
+  void carry_and_write() {
+    if (!files_.fields.empty()) carry_fields();
+    write();
+  }
+
+  void carry_fields() {
+    run_.monitor().update("fields", 1, account_.output_counts.tets);
+    const partition::Numbering numbering = partition::number_pieces(run_.peers(), run_.pieces());
+    const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
+    meshing::Transfer result = naming(files_.input, [&] {
+      return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer);
+    });
+    old_ = {};
+    const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
+    account_.warnings.insert(account_.warnings.end(), warnings.begin(), warnings.end());
+    account_.transfer = options_.transfer;
+    account_.field_accounts = std::move(result.accounts);
+    fields_ = std::move(result.fields);
+    piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);
+    if (fs::path(account_.outputs.mesh).extension() == ".pvtu")
+      account_.outputs.fields = account_.outputs.mesh;
+    else
+      piece_fields_.file = account_.outputs.fields;
+    account_.times.fields = watch_.lap();
   }
 
   void write() {
@@ -107,11 +137,11 @@ class DistributedFileJob {
     if (!written_by_all()) {
       write_by_first();
     } else if (mesh.extension() == ".pvtu") {
-      partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh);
+      partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh, piece_fields_);
       account_.outputs.solution = account_.outputs.mesh;
     } else {
       partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
-                              names_);
+                              names_, piece_fields_);
       partition::agree_on(run_.peers(), [&] {
         if (run_.first()) meshing::copy_mapbc(files_.input, mesh);
       });
@@ -119,28 +149,19 @@ class DistributedFileJob {
     account_.times.write = watch_.lap();
   }
 
-  /// Formats that one program writes, and fields: rank 0 gets the whole mesh.
+  /// Formats that one program writes: rank 0 gets the whole mesh.
   void write_by_first() {
+    const Fields fields = gather_to_first(run_.peers(), fields_);
     const std::vector<partition::MeshPiece> pieces = gather_pieces(run_.exchange(), std::move(run_.pieces()));
     partition::agree_on(run_.peers(), [&] {
       if (!run_.first()) return;
       partition::MergedMesh merged = partition::merge_pieces(pieces);
       merged.mesh.association.model = carried_.model;
       merged.mesh.association.model_in_words = carried_.model_in_words;
-      if (!files_.fields.empty()) carry_fields(merged.mesh);
       write_mesh_with_solution(account_.outputs, merged.mesh,
-                               meshing::solution_from_metric(merged.log_metrics), fields_, names_);
+                               meshing::solution_from_metric(merged.log_metrics), fields, names_);
       meshing::copy_mapbc(files_.input, account_.outputs.mesh);
     });
-  }
-
-  void carry_fields(const meshing::MeshData& mesh) {
-    meshing::Transfer result = meshing::transfer(whole_, fields_, mesh, options_.transfer);
-    const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
-    account_.warnings.insert(account_.warnings.end(), warnings.begin(), warnings.end());
-    account_.transfer = options_.transfer;
-    account_.field_accounts = std::move(result.accounts);
-    fields_ = std::move(result.fields);
   }
 
   void finish() {
@@ -174,8 +195,9 @@ class DistributedFileJob {
   RunResult account_;
   DistributedRun run_;
   std::string report_error_;
-  meshing::MeshData whole_;  ///< the input, on rank 0, where fields have to be carried along
-  meshing::SolutionData fields_;
+  partition::MeshSlice old_;  ///< points and tets of the input, where fields have to be carried along
+  Fields fields_;             ///< at the points of slices, of the input and then of the result
+  partition::PieceFields piece_fields_;
   meshing::Association carried_;  ///< the CAD model in the input, on rank 0
   meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
 };

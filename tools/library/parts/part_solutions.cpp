@@ -10,6 +10,7 @@
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/parts/naming_rank.h"
 #include "tools/library/parts/part_numbers.h"
+#include "tools/library/parts/part_values.h"
 
 namespace weft::tools {
 namespace {
@@ -39,38 +40,17 @@ std::vector<Values> agreed_scalars(Peers& peers, const Part& part, const std::ve
   return scalars;
 }
 
-struct ValueRecord {
-  std::uint64_t id;
-  double value;
-};
-
-/// All ranks: one field at the points of the slice, in the order of their ids, as slice_of_parts() has them.
-std::vector<double> values_of_slice(Peers& peers, const IdHomes& homes, const std::vector<std::uint64_t>& ids,
-                                    Values values) {
-  IdMail<ValueRecord> mail(peers, homes);
-  for (std::size_t v = 0; v < values.size(); ++v) mail.add(ids[v], {ids[v], values[v]});
-  std::vector<ValueRecord> all;
-  for (const auto& of_rank : mail.deliver()) all.insert(all.end(), of_rank.begin(), of_rank.end());
-  std::ranges::stable_sort(all, {}, &ValueRecord::id);
-  std::vector<double> of_slice;
-  std::string complaint;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i == 0 || all[i].id != all[i - 1].id)
-      of_slice.push_back(all[i].value);
-    else if (complaint.empty() && all[i].value != all[i - 1].value)
-      complaint = "vertex id " + std::to_string(all[i].id) + ": ranks have different values of a solution";
-  }
-  partition::agree(peers, complaint);
-  return of_slice;
-}
-
 }  // namespace
 
 Fields solutions_of_slices(Peers& peers, const Part& part, const std::vector<Fields>& solutions) {
   const IdHomes homes(peers, largest_id(part.ids));
   Fields of_slice;
-  for (const Values values : agreed_scalars(peers, part, solutions))
-    of_slice.fields.push_back({Field::Kind::scalar, values_of_slice(peers, homes, part.ids, values), ""});
+  for (const Values values : agreed_scalars(peers, part, solutions)) {
+    std::string complaint;
+    of_slice.fields.push_back(
+        {Field::Kind::scalar, values_of_slice(peers, homes, part.ids, values, complaint), ""});
+    partition::agree(peers, complaint.empty() ? complaint : complaint + " of a solution");
+  }
   if (!of_slice.fields.empty()) of_slice.num_points = of_slice.fields[0].values.size();
   return of_slice;
 }

@@ -396,8 +396,9 @@ struct PartResult : Report {
 /// initialised by the caller, is used by the calling thread only, and is not finalised. `metric`: at the
 /// vertices of the part. The result's tets are spread evenly over the ranks. With options.run.threads = 1 it
 /// does not depend on the number of ranks nor, with tet_ids, on who had which tets. Fields are carried along
-/// linearly. Throws the same InputError on all ranks, naming the rank, the entity and the reason: ids that
-/// mean different points, holes between parts, wrong lengths, and whatever adapt() refuses.
+/// as options.transfer says; where ranks have different values at a vertex, those of the lowest count. Throws
+/// the same InputError on all ranks, naming the rank, the entity and the reason: ids that mean different
+/// points, holes between parts, wrong lengths, and whatever adapt() refuses.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
 

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
 
 namespace weft::tools {
@@ -16,12 +19,13 @@ using meshing::Field;
 using meshing::InputError;
 using meshing::SolutionData;
 
-void check_values(const std::string& file, const SolutionData& solution) {
+void check_values(const std::string& file, const SolutionData& solution, std::uint64_t first_vertex) {
   for (std::size_t f = 0; f < solution.fields.size(); ++f) {
     const Field& field = solution.fields[f];
     const auto bad = std::ranges::find_if(field.values, [](double x) { return !std::isfinite(x); });
     if (bad == field.values.end()) continue;
-    const auto vertex = (bad - field.values.begin()) / meshing::components(field.kind);
+    const auto vertex = first_vertex + static_cast<std::uint64_t>(bad - field.values.begin()) /
+                                           static_cast<std::uint64_t>(meshing::components(field.kind));
     throw InputError(file, fmt::format("field {}", f + 1),
                      fmt::format("vertex {}: not a finite number", vertex + 1));
   }
@@ -35,16 +39,21 @@ void name_fields(const std::string& file, SolutionData& solution) {
       solution.fields[f].name = solution.fields.size() == 1 ? stem : fmt::format("{}_{}", stem, f + 1);
 }
 
-SolutionData read_one(const std::string& file, std::size_t num_points, const std::string& mesh_file) {
-  SolutionData solution = meshing::read_solution(file);
-  if (solution.num_points != num_points)
-    throw InputError(file, "",
-                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
-                                 solution.num_points, mesh_file, num_points));
+void check_length(const std::string& file, std::uint64_t length, const std::string& mesh_file,
+                  std::uint64_t num_points) {
+  if (length != num_points)
+    throw InputError(
+        file, "",
+        fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, mesh_file, num_points));
+}
+
+/// Checks and names.
+void add_fields(const std::string& file, SolutionData&& solution, std::uint64_t first_vertex,
+                SolutionData& all) {
   if (solution.fields.empty()) throw InputError(file, "", "has no fields");
-  check_values(file, solution);
+  check_values(file, solution, first_vertex);
   name_fields(file, solution);
-  return solution;
+  std::ranges::move(solution.fields, std::back_inserter(all.fields));
 }
 
 }  // namespace
@@ -53,8 +62,21 @@ SolutionData read_all_fields(const std::vector<std::string>& files, std::size_t 
                              const std::string& mesh_file) {
   SolutionData all{num_points, {}};
   for (const std::string& file : files) {
-    SolutionData solution = read_one(file, num_points, mesh_file);
-    std::ranges::move(solution.fields, std::back_inserter(all.fields));
+    SolutionData solution = meshing::read_solution(file);
+    check_length(file, solution.num_points, mesh_file, num_points);
+    add_fields(file, std::move(solution), 0, all);
+  }
+  return all;
+}
+
+SolutionData read_fields_of_slice(const std::vector<std::string>& files, const partition::MeshSlice& slice,
+                                  const std::string& mesh_file) {
+  SolutionData all{slice.points.size(), {}};
+  for (const std::string& file : files) {
+    const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
+    check_length(file, layout.num_solution_points(), mesh_file, slice.num_points);
+    add_fields(file, meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size()),
+               slice.first_point, all);
   }
   return all;
 }

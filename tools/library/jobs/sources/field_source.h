@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "partition/distribute/mesh_slice.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -14,5 +15,9 @@ namespace weft::tools {
 /// are no finite numbers.
 Fields read_all_fields(const std::vector<std::string>& files, std::size_t num_points,
                        const std::string& mesh_file);
+
+/// The same at this rank's slice of points, of GMF files, whose ranges can be read.
+Fields read_fields_of_slice(const std::vector<std::string>& files, const partition::MeshSlice& slice,
+                            const std::string& mesh_file);
 
 }  // namespace weft::tools

@@ -8,6 +8,8 @@
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+#include "partition/fields/by_components.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
@@ -35,7 +37,7 @@ bool only_scaled(const MetricOptions& m) {
 
 /// Whether no rank needs the whole mesh, where ranges of the file can be read.
 bool possible_in_shares(const Files& files, const Options& options) {
-  return !options.run.repair && files.background.empty() && files.fields.empty() &&
+  return !options.run.repair && files.background.empty() && std::ranges::all_of(files.fields, is_gmf) &&
          (only_scaled(options.metric) ||
           (options.metric.solutions.empty() && can_be_made_in_parts(options.metric)));
 }
@@ -86,6 +88,7 @@ SliceInput read_share(Peers& peers, const Files& files, const Options& options, 
     const Share tets = share_of(size.tets, peers.rank(), peers.ranks());
     input.slice = slice_of_file(files.input, size, points, tets, input.names);
     if (only_scaled(options.metric)) input.slice.log_metrics = metric_of_share(options.metric, input.slice);
+    input.fields = read_fields_of_slice(files.fields, input.slice, files.input);
   });
   if (only_scaled(options.metric)) {
     input.target_complexity = options.metric.complexity;
@@ -131,11 +134,30 @@ void tell_all(Peers& peers, std::vector<T>& values) {
   values = partition::all_to_all(peers, to_each)[0];
 }
 
+/// The fields that rank 0 has, at the points of the slices.
+Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
+  std::vector<Field::Kind> kinds;
+  for (const Field& field : whole.fields) kinds.push_back(field.kind);
+  tell_all(peers, kinds);
+  Fields fields{0, {}};
+  for (std::size_t f = 0; f < kinds.size(); ++f) {
+    std::vector<char> name;
+    if (f < whole.fields.size()) name.assign(whole.fields[f].name.begin(), whole.fields[f].name.end());
+    tell_all(peers, name);
+    fields.fields.push_back({kinds[f], {}, {name.begin(), name.end()}});
+    if (f < whole.fields.size()) fields.fields[f].values = whole.fields[f].values;
+  }
+  return partition::by_components(fields, slice.points.size(), [&](const std::vector<double>& column) {
+    return deal(peers, column, slice.num_points);
+  });
+}
+
 /// A metric that is only scaled is scaled where all ranks know it, so that its bits do not depend on who has
 /// read it.
 SliceInput read_whole(Peers& peers, const Files& files, const Options& options,
                       const std::shared_ptr<const meshing::Model>& model) {
   SliceInput input;
+  Fields fields;  // whole, on rank 0
   MetricOptions metric = options.metric;
   if (only_scaled(metric)) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
@@ -145,10 +167,9 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options,
     input.whole = meshing::read_mesh(files.input, &input.names);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
     RepairedMetric repaired;
+    fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
     if (options.run.repair) {
-      Fields fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
       repaired = repair_input(*input.whole, files.input, metric, fields);
-      input.fields = std::move(fields);
       input.mends = std::move(repaired.mends);
     }
     const bool curved = metric.curvature > 0 || metric.sagitta > 0;  // else nobody asks the model here
@@ -160,9 +181,11 @@ SliceInput read_whole(Peers& peers, const Files& files, const Options& options,
   });
   if (peers.ranks() > 1)
     input.warnings.push_back(
-        "rank 0 has read the whole mesh: neither formats other than GMF, binary UGRID and CGNS nor fields "
-        "and repair are read or made in shares");
+        "rank 0 has read the whole mesh: formats other than GMF, binary UGRID and CGNS are not read in "
+        "shares, "
+        "nor is a mesh repaired in shares");
   input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
+  input.fields = deal_fields(peers, fields, input.slice);
   if (input.whole && input.target_complexity > 0)
     scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
   return input;
@@ -242,6 +265,12 @@ std::vector<meshing::LogMetric> gather_to_first(Peers& peers, const std::vector<
 
 std::vector<double> gather_to_first(Peers& peers, const std::vector<double>& mine) {
   return concentrate(peers, mine);
+}
+
+Fields gather_to_first(Peers& peers, const Fields& mine) {
+  const auto points = partition::sum(peers, std::uint64_t{mine.num_points});
+  return partition::by_components(mine, peers.rank() == 0 ? points : 0,
+                                  [&](const auto& column) { return concentrate(peers, column); });
 }
 
 std::vector<meshing::LogMetric> deal_by_slices(Peers& peers, const std::vector<meshing::LogMetric>& whole,

@@ -23,15 +23,14 @@ struct SliceInput {
   std::optional<meshing::MeshData> whole;
   meshing::LogMetricField whole_metric;
   meshing::RefNames names;  ///< of the input's references; on rank 0 at least
-  // Where the input was mended, on rank 0.
-  std::vector<Mend> mends;
-  std::optional<Fields> fields;  ///< those that are carried along
+  std::vector<Mend> mends;  ///< of the input, on rank 0
+  Fields fields;            ///< those that are carried along, at the slice's points
 };
 
 /// All ranks: reads the mesh and makes the metric. A mesh of which ranges can be read
-/// (meshing::size_for_ranges) and a metric that is only scaled are read in shares, no rank holds more.
-/// Anything else (other formats, metrics of solutions, gradation, limits) needs the whole mesh: rank 0 reads
-/// and prepares it, and hands out the shares. Throws meshing::InputError alike on all ranks.
+/// (meshing::size_for_ranges) with metric and fields in GMF files are read in shares, no rank holds more.
+/// Anything else (other formats, repair) needs the whole mesh: rank 0 reads and prepares it, and hands out
+/// the shares. Throws meshing::InputError alike on all ranks.
 SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options,
                       const std::shared_ptr<const meshing::Model>& model);
 
@@ -45,6 +44,7 @@ meshing::MeshData gather_whole(partition::Peers& peers, const partition::MeshSli
 std::vector<meshing::LogMetric> gather_to_first(partition::Peers& peers,
                                                 const std::vector<meshing::LogMetric>& mine);
 std::vector<double> gather_to_first(partition::Peers& peers, const std::vector<double>& mine);
+Fields gather_to_first(partition::Peers& peers, const Fields& mine);
 /// All ranks: of values at the whole mesh's points, which rank 0 has, those at the slice's points.
 std::vector<meshing::LogMetric> deal_by_slices(partition::Peers& peers,
                                                const std::vector<meshing::LogMetric>& whole,
