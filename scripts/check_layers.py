@@ -86,7 +86,7 @@ LIBRARIES = {
     "MPI": (re.compile(r"(mpi|mpi-ext|mpio)\.h$"),
             ["engine/mpi/mpi_transport.cpp", "engine/mpi/mpi_version.cpp", "tools/library/include/weft/weft.h", "tools/library/jobs/ranks.",
              "tools/bindings/c/include/weft/weft-c.h",
-             "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/library/",
+             "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/support/fault_shim.cpp", "tests/library/",
              "tests/bindings/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),

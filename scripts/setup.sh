@@ -20,7 +20,7 @@ if [[ ${1:-} == --all ]]; then
   packages+=(
     petsc-dev python3-petsc4py python3-dolfinx
     lintian debootstrap man-db groff zsh fish
-    doxygen
+    doxygen gcovr
     clang-16 clang-tidy-16 clang-format
   )
 fi

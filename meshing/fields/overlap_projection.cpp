@@ -55,26 +55,22 @@ class Receiver {
     const auto& tet = to.tets[t];
     if (!(volume > 0)) return complete(tet, 0, interpolated, receipt);  // flat: it receives bounds alone
     const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
-    double covered = collect(from_.locate(centre, places[tet[0]]).tet);
+    collect(from_.locate_first(centre, places[tet[0]]).tet);
     // A new tet can reach several parts of an old mesh that is not convex.
-    for (std::size_t i = 0; i < 4 && covered < (1 - kCovered) * volume; ++i)
-      covered += collect(places[tet[i]]);
-    covered = add_overlaps(receipt);
+    for (const std::uint32_t v : tet) collect(places[v]);
+    const double covered = add_overlaps(receipt);
     complete(tet, std::max(0.0, volume - covered), interpolated, receipt);
   }
 
  private:
-  static constexpr double kCovered = 1e-12;
-
   /// The pieces of one old tet.
   struct Overlap {
     std::uint32_t old_tet;
     std::size_t first, end;  ///< among pieces_
   };
 
-  /// Finds the overlaps of the old tets reached from `seed`; returns their volume.
-  double collect(std::uint32_t seed) {
-    double covered = 0;
+  /// Finds the overlaps of the old tets reached from `seed`.
+  void collect(std::uint32_t seed) {
     visit(seed);
     while (!pending_.empty()) {
       const std::uint32_t old_tet = pending_.back();
@@ -94,10 +90,8 @@ class Receiver {
         continue;
       }
       overlaps_.push_back({old_tet, first, pieces_.size()});
-      covered += common;
       visit_neighbours(old_tet);
     }
-    return covered;
   }
 
   /// In the order of the old tets, so that sums do not depend on where the search began. Returns the volume.

@@ -174,7 +174,7 @@ class Reader {
 };
 
 template <class Elements>
-void write_groups(TextOutput& text, const RefNames& names, int dimension, std::string_view key,
+void write_groups(TextOutput<>& text, const RefNames& names, int dimension, std::string_view key,
                   const Elements& elements, const std::vector<std::int32_t>& refs) {
   for (const auto& [ref, indices] : indices_by_ref(refs)) {
     text.line("g " + names.name(dimension, ref));

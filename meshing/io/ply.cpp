@@ -421,7 +421,7 @@ class Writer {
   }
 
   AtomicFile file_;
-  TextOutput text_;
+  TextOutput<> text_;
   WriteOptions::Encoding encoding_;
 };
 

@@ -168,7 +168,7 @@ void write_binary(const std::filesystem::path& path, const MeshData& mesh) {
   out.commit();
 }
 
-void write_ascii_facet(TextOutput& text, const std::array<Point, 3>& corners) {
+void write_ascii_facet(TextOutput<>& text, const std::array<Point, 3>& corners) {
   const Vec n = unit_normal(corners);
   text.word("facet normal");
   text.numbers(n.x, n.y, n.z);

@@ -191,7 +191,7 @@ class Reader {
 };
 
 template <std::size_t N>
-void write_element(TextOutput& text, std::int64_t type, const std::array<std::uint32_t, N>& nodes) {
+void write_element(TextOutput<>& text, std::int64_t type, const std::array<std::uint32_t, N>& nodes) {
   text.number(type);
   for (const std::uint32_t v : nodes) text.number(v);
 }

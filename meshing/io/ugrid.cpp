@@ -374,7 +374,7 @@ class Writer {
 
   std::string name_;
   AtomicFile file_;
-  TextOutput text_;
+  TextOutput<> text_;
   Encoding encoding_;
   const MeshData& mesh_;
 };

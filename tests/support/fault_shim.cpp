@@ -1,9 +1,14 @@
 // Preloaded into a program (LD_PRELOAD), it lets one call of a kind fail, by number: WEFT_FAULT="write:17" is
-// the 17th write. Kinds: write (ENOSPC, and every later one, as on a full disk), fsync (EIO), rename, open
-// for writing (ENOSPC), new (std::bad_alloc). WEFT_FAULT_COUNT names a file that gets the number of calls of
-// each kind when the program ends. What is called before main() does not count.
+// the 17th write; "write:17:0.2" comes 0.2 s late instead. Kinds: write, to files (ENOSPC, and every later
+// one, as on a full disk), read, of files (EIO), fsync, close, rename, open (for writing: ENOSPC; for
+// reading: EIO), mkdir, fork, shm (shared memory), new (std::bad_alloc), mpi (MPI_ERR_OTHER). With
+// WEFT_FAULT_RANK only that rank of MPI_COMM_WORLD fails. WEFT_FAULT_COUNT names a file that gets the number
+// of calls of each kind when the program ends. What is called before main() does not count.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <mpi.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -12,28 +17,40 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <new>
 
 namespace {
 
-enum Kind { kWrite, kFsync, kRename, kOpen, kNew, kKinds };
-constexpr const char* kNames[kKinds] = {"write", "fsync", "rename", "open", "new"};
+enum Kind { kWrite, kRead, kFsync, kClose, kRename, kOpen, kMkdir, kFork, kShm, kNew, kMpi, kKinds };
+constexpr const char* kNames[kKinds] = {"write", "read", "fsync", "close", "rename", "open",
+                                        "mkdir", "fork", "shm",   "new",   "mpi"};
 
 std::atomic<long> calls[kKinds];
 std::atomic<bool> started{false};
 
+/// True on the rank that is to fail; everywhere without ranks.
+bool is_meant() {
+  const char* wanted = std::getenv("WEFT_FAULT_RANK");
+  const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
+  if (!rank) rank = std::getenv("PMI_RANK");
+  return !wanted || !rank || std::strcmp(wanted, rank) == 0;
+}
+
 struct Plan {
   int kind = -1;
   long number = 0;
+  double delay = 0;  ///< seconds; 0: the call fails
   Plan() {
     const char* text = std::getenv("WEFT_FAULT");
     const char* colon = text ? std::strchr(text, ':') : nullptr;
-    if (!colon) return;
+    if (!colon || !is_meant()) return;
     for (int k = 0; k < kKinds; ++k)
       if (std::strlen(kNames[k]) == static_cast<std::size_t>(colon - text) &&
           std::strncmp(text, kNames[k], static_cast<std::size_t>(colon - text)) == 0)
         kind = k;
     number = std::atol(colon + 1);
+    if (const char* second = std::strchr(colon + 1, ':')) delay = std::atof(second + 1);
   }
 };
 
@@ -42,12 +59,28 @@ const Plan& plan() {
   return made;
 }
 
+void sleep_for(double seconds) {
+  timespec left{static_cast<std::time_t>(seconds),
+                static_cast<long>(1e9 * (seconds - static_cast<double>(static_cast<std::time_t>(seconds))))};
+  while (::nanosleep(&left, &left) != 0 && errno == EINTR) {
+  }
+}
+
 /// A full disk stays full; anything else fails once.
 bool fails(Kind kind) {
   if (!started) return false;
   const long number = ++calls[kind];
   if (plan().kind != kind) return false;
+  if (plan().delay > 0) {
+    if (number == plan().number) sleep_for(plan().delay);
+    return false;
+  }
   return kind == kWrite ? number >= plan().number : number == plan().number;
+}
+
+bool is_file(int descriptor) {
+  struct stat info;
+  return started && ::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode);
 }
 
 template <class Function>
@@ -58,7 +91,7 @@ Function next(const char* name) {
 struct Report {
   ~Report() {
     const char* path = std::getenv("WEFT_FAULT_COUNT");
-    std::FILE* file = path ? std::fopen(path, "w") : nullptr;
+    std::FILE* file = path && is_meant() ? std::fopen(path, "w") : nullptr;
     if (!file) return;
     for (int k = 0; k < kKinds; ++k) std::fprintf(file, "%s %ld\n", kNames[k], calls[k].load());
     std::fclose(file);
@@ -85,7 +118,7 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
 /// Of files alone: what goes to the terminal is not stored.
 ssize_t write(int descriptor, const void* data, size_t size) {
   static const auto real = next<ssize_t (*)(int, const void*, size_t)>("write");
-  if (descriptor > 2 && fails(kWrite)) return errno = ENOSPC, -1;
+  if (is_file(descriptor) && descriptor > 2 && fails(kWrite)) return errno = ENOSPC, -1;
   return real(descriptor, data, size);
 }
 
@@ -95,10 +128,30 @@ ssize_t pwrite(int descriptor, const void* data, size_t size, off_t at) {
   return real(descriptor, data, size, at);
 }
 
+ssize_t read(int descriptor, void* data, size_t size) {
+  static const auto real = next<ssize_t (*)(int, void*, size_t)>("read");
+  if (is_file(descriptor) && fails(kRead)) return errno = EIO, -1;
+  return real(descriptor, data, size);
+}
+
+ssize_t pread(int descriptor, void* data, size_t size, off_t at) {
+  static const auto real = next<ssize_t (*)(int, void*, size_t, off_t)>("pread");
+  if (fails(kRead)) return errno = EIO, -1;
+  return real(descriptor, data, size, at);
+}
+
 int fsync(int descriptor) {
   static const auto real = next<int (*)(int)>("fsync");
   if (fails(kFsync)) return errno = EIO, -1;
   return real(descriptor);
+}
+
+/// The descriptor is gone even so, as on Linux.
+int close(int descriptor) {
+  static const auto real = next<int (*)(int)>("close");
+  const bool failed = is_file(descriptor) && fails(kClose);
+  const int done = real(descriptor);
+  return failed ? (errno = EIO, -1) : done;
 }
 
 int rename(const char* from, const char* to) {
@@ -113,9 +166,71 @@ int open(const char* path, int flags, ...) {
   va_start(arguments, flags);
   const unsigned mode = flags & O_CREAT ? va_arg(arguments, unsigned) : 0;
   va_end(arguments);
-  if ((flags & O_CREAT) && fails(kOpen)) return errno = ENOSPC, -1;
+  if (fails(kOpen)) return errno = flags & O_CREAT ? ENOSPC : EIO, -1;
   return real(path, flags, mode);
 }
+
+int mkdir(const char* path, mode_t mode) {
+  static const auto real = next<int (*)(const char*, mode_t)>("mkdir");
+  if (fails(kMkdir)) return errno = ENOSPC, -1;
+  return real(path, mode);
+}
+
+pid_t fork() {
+  static const auto real = next<pid_t (*)()>("fork");
+  if (fails(kFork)) return errno = EAGAIN, -1;
+  return real();
+}
+
+int shm_open(const char* name, int flags, mode_t mode) {
+  static const auto real = next<int (*)(const char*, int, mode_t)>("shm_open");
+  if (fails(kShm)) return errno = ENOSPC, -1;
+  return real(name, flags, mode);
+}
+
+// Those that the engine's transport calls, behind the layer that counts them (engine/mpi/).
+#define WEFT_MPI_CALL(name, parameters, ...)                      \
+  int P##name parameters {                                        \
+    static const auto real = next<decltype(&P##name)>("P" #name); \
+    return fails(kMpi) ? MPI_ERR_OTHER : real(__VA_ARGS__);       \
+  }
+
+WEFT_MPI_CALL(MPI_Isend, (const void* b, int n, MPI_Datatype t, int to, int tag, MPI_Comm c, MPI_Request* r),
+              b, n, t, to, tag, c, r)
+WEFT_MPI_CALL(MPI_Irecv, (void* b, int n, MPI_Datatype t, int from, int tag, MPI_Comm c, MPI_Request* r), b,
+              n, t, from, tag, c, r)
+WEFT_MPI_CALL(MPI_Recv_init, (void* b, int n, MPI_Datatype t, int from, int tag, MPI_Comm c, MPI_Request* r),
+              b, n, t, from, tag, c, r)
+WEFT_MPI_CALL(MPI_Start, (MPI_Request * r), r)
+WEFT_MPI_CALL(MPI_Test, (MPI_Request * r, int* done, MPI_Status* s), r, done, s)
+WEFT_MPI_CALL(MPI_Testsome, (int n, MPI_Request* r, int* count, int* which, MPI_Status* s), n, r, count,
+              which, s)
+WEFT_MPI_CALL(MPI_Wait, (MPI_Request * r, MPI_Status* s), r, s)
+WEFT_MPI_CALL(MPI_Cancel, (MPI_Request * r), r)
+WEFT_MPI_CALL(MPI_Request_free, (MPI_Request * r), r)
+WEFT_MPI_CALL(MPI_Get_count, (const MPI_Status* s, MPI_Datatype t, int* count), s, t, count)
+WEFT_MPI_CALL(MPI_Init_thread, (int* n, char*** words, int wanted, int* got), n, words, wanted, got)
+WEFT_MPI_CALL(MPI_Finalize, (void), )
+WEFT_MPI_CALL(MPI_Comm_dup, (MPI_Comm c, MPI_Comm* copy), c, copy)
+WEFT_MPI_CALL(MPI_Comm_split_type, (MPI_Comm c, int type, int key, MPI_Info i, MPI_Comm* part), c, type, key,
+              i, part)
+WEFT_MPI_CALL(MPI_Comm_free, (MPI_Comm * c), c)
+WEFT_MPI_CALL(MPI_Comm_rank, (MPI_Comm c, int* rank), c, rank)
+WEFT_MPI_CALL(MPI_Comm_size, (MPI_Comm c, int* size), c, size)
+WEFT_MPI_CALL(MPI_Barrier, (MPI_Comm c), c)
+WEFT_MPI_CALL(MPI_Ibarrier, (MPI_Comm c, MPI_Request* r), c, r)
+WEFT_MPI_CALL(MPI_Bcast, (void* b, int n, MPI_Datatype t, int root, MPI_Comm c), b, n, t, root, c)
+WEFT_MPI_CALL(MPI_Allreduce, (const void* a, void* b, int n, MPI_Datatype t, MPI_Op o, MPI_Comm c), a, b, n,
+              t, o, c)
+WEFT_MPI_CALL(MPI_Allgather,
+              (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c), a, n, t, b,
+              m, u, c)
+WEFT_MPI_CALL(MPI_Ialltoall,
+              (const void* a, int n, MPI_Datatype t, void* b, int m, MPI_Datatype u, MPI_Comm c,
+               MPI_Request* r),
+              a, n, t, b, m, u, c, r)
+
+#undef WEFT_MPI_CALL
 
 }  // extern "C"
 
@@ -124,5 +239,13 @@ void* operator new(std::size_t size) {
   if (void* block = std::malloc(size ? size : 1)) return block;
   throw std::bad_alloc();
 }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  if (fails(kNew)) throw std::bad_alloc();
+  const auto line = static_cast<std::size_t>(alignment);
+  if (void* block = std::aligned_alloc(line, (size + line) / line * line)) return block;
+  throw std::bad_alloc();
+}
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
+void operator delete(void* block, std::align_val_t) noexcept { std::free(block); }
+void operator delete(void* block, std::size_t, std::align_val_t) noexcept { std::free(block); }

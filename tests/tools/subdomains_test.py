@@ -147,7 +147,7 @@ class Results(Subdomains):
 
     def test_formats_that_one_rank_writes(self):
         self.box(3)
-        for name in ("a.vtu", "b.mesh", "c.msh"):
+        for name in ("a.vtu", "b.mesh", "c.su2"):
             self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", name, "--quiet")
             self.weft("verify", name, "--against", "box.meshb")
 
@@ -187,7 +187,7 @@ class Results(Subdomains):
 
     def test_carries_fields(self):
         self.weft("metric", self.box(3), "--metric-fn", "uniform:0.3", "-o", "field.solb")
-        for transfer, mesh in (("linear", "out.meshb"), ("conservative", "out.meshb"), ("conservative", "out.vtu"),
+        for transfer, mesh in (("linear", "out.meshb"), ("conservative", "out.meshb"), ("conservative", "out.vtu"), ("linear", "out.msh"),
                                ("linear", "out.mesh")):
             with self.subTest(transfer=transfer, mesh=mesh):
                 sol = "sol" if mesh.endswith(".mesh") else "solb"

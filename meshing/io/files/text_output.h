@@ -1,4 +1,5 @@
-// Text into a file: words with blanks between them, numbers with as many digits as give them back exactly.
+// Text into a file (whatever has write()): words with blanks between them, numbers with as many digits as
+// give them back exactly.
 #pragma once
 
 #include <array>
@@ -11,9 +12,10 @@
 
 namespace weft::meshing {
 
+template <class Out = AtomicFile>
 class TextOutput {
  public:
-  explicit TextOutput(AtomicFile& file) : file_(file) {}
+  explicit TextOutput(Out& file) : file_(file) {}
 
   /// A whole line.
   void line(std::string_view text) {
@@ -41,7 +43,7 @@ class TextOutput {
   }
 
  private:
-  AtomicFile& file_;
+  Out& file_;
   bool line_begins_ = true;
 };
 

@@ -1,8 +1,9 @@
 // MSH files: round trips in both versions and encodings, what Gmsh writes, damage.
-#include "meshing/io/gmsh.h"
+#include "meshing/io/gmsh/gmsh.h"
 
 #include <limits>
 
+#include "meshing/io/gmsh/gmsh_writer.h"
 #include "tests/meshing/io/format_support.h"
 
 namespace weft::meshing {

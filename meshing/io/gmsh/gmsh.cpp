@@ -1,5 +1,5 @@
-// MSH files: sections between $Name and $EndName; numbers in them as text or as bytes.
-#include "meshing/io/gmsh.h"
+// Sections between $Name and $EndName; numbers in them as text or as bytes.
+#include "meshing/io/gmsh/gmsh.h"
 
 #include <algorithm>
 #include <array>
@@ -15,15 +15,12 @@
 #include <vector>
 
 #include "meshing/base/error.h"
-#include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
-#include "meshing/io/files/text_output.h"
+#include "meshing/io/gmsh/gmsh_codes.h"
 
 namespace weft::meshing {
 namespace {
-
-constexpr std::int32_t kLine = 1, kTriangle = 2, kTetrahedron = 4, kPoint = 15;
 
 struct ElementType {
   std::int32_t code;
@@ -31,10 +28,10 @@ struct ElementType {
   const char* name;
 };
 constexpr ElementType kElementTypes[] = {
-    {kLine, 1, 2, "lines"},
-    {kTriangle, 2, 3, "triangles"},
+    {gmsh::kLine, 1, 2, "lines"},
+    {gmsh::kTriangle, 2, 3, "triangles"},
     {3, 2, 4, "quadrangles"},
-    {kTetrahedron, 3, 4, "tetrahedra"},
+    {gmsh::kTetrahedron, 3, 4, "tetrahedra"},
     {5, 3, 8, "hexahedra"},
     {6, 3, 6, "prisms"},
     {7, 3, 5, "pyramids"},
@@ -45,7 +42,7 @@ constexpr ElementType kElementTypes[] = {
     {12, 3, 27, "hexahedra of second order"},
     {13, 3, 18, "prisms of second order"},
     {14, 3, 14, "pyramids of second order"},
-    {kPoint, 0, 1, "points"},
+    {gmsh::kPoint, 0, 1, "points"},
     {16, 2, 8, "quadrangles of second order"},
     {17, 3, 20, "hexahedra of second order"},
     {18, 3, 15, "prisms of second order"},
@@ -71,9 +68,6 @@ const ElementType* find_type(std::int64_t code) {
   const auto found = std::ranges::find(kElementTypes, code, &ElementType::code);
   return found == std::end(kElementTypes) ? nullptr : found;
 }
-
-// ---------------------------------------------------------------------------------------------------------
-// Reading
 
 /// Finds the index of a node by its tag; tags may have gaps and any order.
 class NodeTags {
@@ -437,16 +431,16 @@ class Reader {
     for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = read_node();
     MeshData& mesh = contents_.mesh;
     switch (type.code) {
-      case kTetrahedron:
+      case gmsh::kTetrahedron:
         mesh.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
         break;
-      case kTriangle:
+      case gmsh::kTriangle:
         mesh.triangles.push_back({nodes[0], nodes[1], nodes[2]});
         break;
-      case kLine:
+      case gmsh::kLine:
         mesh.edges.push_back({nodes[0], nodes[1]});
         break;
-      case kPoint:
+      case gmsh::kPoint:
         mesh.corners.push_back(nodes[0]);
         break;
       default:
@@ -536,309 +530,6 @@ class Reader {
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
 };
 
-// ---------------------------------------------------------------------------------------------------------
-// Writing
-
-/// Tags of geometric entities, which must be above zero, for the references of one dimension.
-std::map<std::int32_t, std::int32_t> entity_tags(const std::vector<std::int32_t>& refs) {
-  std::map<std::int32_t, std::int32_t> tags;
-  std::int32_t previous = std::numeric_limits<std::int32_t>::min();
-  for (const std::int32_t ref : refs) {
-    if (ref != previous) tags[ref] = ref;
-    previous = ref;
-  }
-  std::int32_t free = 1;
-  for (auto& [ref, tag] : tags) {
-    if (ref > 0) continue;
-    while (tags.contains(free)) ++free;
-    tag = free++;
-  }
-  return tags;
-}
-
-class Writer {
- public:
-  Writer(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options)
-      : name_(path.string()),
-        file_(path),
-        text_(file_),
-        mesh_(contents.mesh),
-        fields_(contents.fields),
-        names_(contents.names),
-        version_(options.gmsh_version),
-        binary_(options.encoding != WriteOptions::Encoding::ascii),
-        tags_{std::map<std::int32_t, std::int32_t>{}, entity_tags(mesh_.edge_refs),
-              entity_tags(mesh_.triangle_refs), entity_tags(mesh_.tet_refs)} {}
-
-  void write() {
-    write_format();
-    write_names();
-    if (version_ == 4) {
-      write_entities();
-      write_nodes_4();
-      write_elements_4();
-    } else {
-      check_limits_2();
-      write_nodes_2();
-      write_elements_2();
-    }
-    for (std::size_t i = 0; i < fields_.fields.size(); ++i) write_field(i);
-    file_.commit();
-  }
-
- private:
-  void integer(std::int32_t value) { binary_ ? file_.write_value(value) : text_.number(value); }
-  void size(std::uint64_t value) {
-    if (!binary_) return text_.number(value);
-    version_ == 4 ? file_.write_value(value) : file_.write_value(static_cast<std::int32_t>(value));
-  }
-  void real(double value) { binary_ ? file_.write_value(value) : text_.number(value); }
-  void end_row() {
-    if (!binary_) text_.end_line();
-  }
-  /// The line feed that ends a binary section.
-  void end_section(std::string_view end) {
-    if (binary_) file_.write("\n");
-    text_.line(end);
-  }
-
-  void write_format() {
-    text_.line("$MeshFormat");
-    text_.line(std::string(version_ == 4 ? "4.1" : "2.2") + (binary_ ? " 1 8" : " 0 8"));
-    if (binary_) {
-      file_.write_value<std::int32_t>(1);
-      file_.write("\n");
-    }
-    text_.line("$EndMeshFormat");
-  }
-
-  static std::string quoted_name(std::string name) {
-    std::ranges::replace(name, '"', '\'');
-    return '"' + name + '"';
-  }
-
-  void write_names() {
-    if (names_.empty()) return;
-    text_.line("$PhysicalNames");
-    text_.line(std::to_string(names_.all().size()));
-    for (const auto& [key, unused] : names_.all()) {
-      text_.numbers(key.dimension, key.ref);
-      text_.word(quoted_name(names_.name(key.dimension, key.ref)));
-      text_.end_line();
-    }
-    text_.line("$EndPhysicalNames");
-  }
-
-  void write_group(std::int32_t ref) {
-    size(ref != 0);
-    if (ref != 0) integer(ref);
-  }
-
-  void write_entities() {
-    text_.line("$Entities");
-    size(mesh_.corners.size());
-    for (std::size_t d = 1; d <= 3; ++d) size(tags_[d].size());
-    end_row();
-    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
-      integer(static_cast<std::int32_t>(i + 1));
-      for (int c = 0; c < 3; ++c) real(mesh_.points[mesh_.corners[i]][c]);
-      write_group(mesh_.point_refs[mesh_.corners[i]]);
-      end_row();
-    }
-    const auto [low, high] = bounds();
-    for (std::size_t d = 1; d <= 3; ++d) {
-      for (const auto& [ref, tag] : tags_[d]) {
-        integer(tag);
-        for (int c = 0; c < 3; ++c) real(low[c]);
-        for (int c = 0; c < 3; ++c) real(high[c]);
-        write_group(ref);
-        size(0);  // entities that bound it
-        end_row();
-      }
-    }
-    end_section("$EndEntities");
-  }
-
-  std::pair<Point, Point> bounds() const {
-    if (mesh_.points.empty()) return {};
-    Point low = mesh_.points[0], high = low;
-    for (const Point& p : mesh_.points) {
-      for (int c = 0; c < 3; ++c) {
-        low[c] = std::min(low[c], p[c]);
-        high[c] = std::max(high[c], p[c]);
-      }
-    }
-    return {low, high};
-  }
-
-  /// All in one block, in their order, of the entity of the highest dimension.
-  void write_nodes_4() {
-    const std::size_t n = mesh_.points.size();
-    text_.line("$Nodes");
-    for (const std::uint64_t value : {std::uint64_t{n > 0}, n, std::uint64_t{n > 0}, n}) size(value);
-    end_row();
-    if (n > 0) {
-      std::int32_t dimension = 3;
-      while (dimension > 0 && tags_[static_cast<std::size_t>(dimension)].empty()) --dimension;
-      integer(dimension);
-      integer(dimension == 0 ? 1 : tags_[static_cast<std::size_t>(dimension)].begin()->second);
-      integer(0);  // not parametric
-      size(n);
-      end_row();
-    }
-    for (std::size_t i = 1; i <= n; ++i) {
-      size(i);
-      end_row();
-    }
-    for (const Point& p : mesh_.points) write_point(p);
-    end_section("$EndNodes");
-  }
-
-  void write_point(const Point& p) {
-    for (int c = 0; c < 3; ++c) real(p[c]);
-    end_row();
-  }
-
-  std::uint64_t num_elements() const {
-    return mesh_.corners.size() + mesh_.edges.size() + mesh_.triangles.size() + mesh_.tets.size();
-  }
-
-  void write_elements_4() {
-    const std::uint64_t n = num_elements();
-    text_.line("$Elements");
-    size(mesh_.corners.size() + tags_[1].size() + tags_[2].size() + tags_[3].size());
-    for (const std::uint64_t value : {n, std::uint64_t{n > 0}, n}) size(value);
-    end_row();
-    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
-      begin_block(0, static_cast<std::int32_t>(i + 1), kPoint, 1);
-      write_element_4(std::array<std::uint32_t, 1>{mesh_.corners[i]});
-    }
-    write_blocks(1, kLine, mesh_.edges, mesh_.edge_refs);
-    write_blocks(2, kTriangle, mesh_.triangles, mesh_.triangle_refs);
-    write_blocks(3, kTetrahedron, mesh_.tets, mesh_.tet_refs);
-    end_section("$EndElements");
-  }
-
-  void begin_block(std::int32_t dimension, std::int32_t entity, std::int32_t type, std::uint64_t count) {
-    integer(dimension);
-    integer(entity);
-    integer(type);
-    size(count);
-    end_row();
-  }
-
-  template <std::size_t N>
-  void write_element_4(const std::array<std::uint32_t, N>& nodes) {
-    size(++last_element_);
-    for (const std::uint32_t node : nodes) size(std::uint64_t{node} + 1);
-    end_row();
-  }
-
-  template <class Elements>
-  void write_blocks(std::int32_t dimension, std::int32_t type, const Elements& elements,
-                    const std::vector<std::int32_t>& refs) {
-    for (const auto& [ref, indices] : indices_by_ref(refs)) {
-      begin_block(dimension, tags_[static_cast<std::size_t>(dimension)].at(ref), type, indices.size());
-      for (const std::uint32_t i : indices) write_element_4(elements[i]);
-    }
-  }
-
-  void check_limits_2() const {
-    if (std::max<std::uint64_t>(num_elements(), mesh_.points.size()) <=
-        static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())) {
-      return;
-    }
-    throw InputError(name_, "", "too large for MSH 2.2: write 4.1");
-  }
-
-  void write_nodes_2() {
-    text_.line("$Nodes");
-    text_.line(std::to_string(mesh_.points.size()));
-    for (std::size_t i = 0; i < mesh_.points.size(); ++i) {
-      size(i + 1);
-      write_point(mesh_.points[i]);
-    }
-    end_section("$EndNodes");
-  }
-
-  void write_elements_2() {
-    text_.line("$Elements");
-    text_.line(std::to_string(num_elements()));
-    begin_elements_2(kPoint, mesh_.corners.size());
-    for (std::size_t i = 0; i < mesh_.corners.size(); ++i) {
-      const std::uint32_t corner = mesh_.corners[i];
-      write_element_2(kPoint, mesh_.point_refs[corner], static_cast<std::int32_t>(i + 1),
-                      std::array<std::uint32_t, 1>{corner});
-    }
-    write_elements_2(kLine, mesh_.edges, mesh_.edge_refs, tags_[1]);
-    write_elements_2(kTriangle, mesh_.triangles, mesh_.triangle_refs, tags_[2]);
-    write_elements_2(kTetrahedron, mesh_.tets, mesh_.tet_refs, tags_[3]);
-    end_section("$EndElements");
-  }
-
-  template <class Elements>
-  void write_elements_2(std::int32_t type, const Elements& elements, const std::vector<std::int32_t>& refs,
-                        const std::map<std::int32_t, std::int32_t>& tags) {
-    begin_elements_2(type, elements.size());
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-      write_element_2(type, refs[i], tags.at(refs[i]), elements[i]);
-    }
-  }
-
-  void begin_elements_2(std::int32_t type, std::size_t count) {
-    if (!binary_ || count == 0) return;
-    integer(type);
-    integer(static_cast<std::int32_t>(count));
-    integer(2);  // tags
-  }
-
-  template <std::size_t N>
-  void write_element_2(std::int32_t type, std::int32_t ref, std::int32_t tag,
-                       const std::array<std::uint32_t, N>& nodes) {
-    size(++last_element_);
-    if (!binary_) {
-      integer(type);
-      integer(2);
-    }
-    integer(ref);
-    integer(tag);
-    for (const std::uint32_t node : nodes) size(std::uint64_t{node} + 1);
-    end_row();
-  }
-
-  void write_field(std::size_t i) {
-    const Field& field = fields_.fields[i];
-    const auto length = static_cast<std::size_t>(components(field.kind));
-    if (mesh_.points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-      throw InputError(name_, "", "too many nodes for MSH node data");
-    }
-    text_.line("$NodeData\n1\n" + quoted_name(field_name(fields_, i)) + "\n1\n0\n3\n0");
-    text_.line(std::to_string(length == 6 ? 9 : length) + "\n" + std::to_string(mesh_.points.size()));
-    for (std::size_t p = 0; p < mesh_.points.size(); ++p) {
-      integer(static_cast<std::int32_t>(p + 1));
-      const double* values = field.values.data() + p * length;
-      if (length == 6) {
-        for (const int place : kFullTensorPlaces) real(values[place]);
-      } else {
-        for (std::size_t c = 0; c < length; ++c) real(values[c]);
-      }
-      end_row();
-    }
-    end_section("$EndNodeData");
-  }
-
-  std::string name_;
-  AtomicFile file_;
-  TextOutput text_;
-  const MeshData& mesh_;
-  const SolutionData& fields_;
-  const RefNames& names_;
-  int version_;
-  bool binary_;
-  std::array<std::map<std::int32_t, std::int32_t>, 4> tags_;  ///< by dimension: entity of a reference
-  std::uint64_t last_element_ = 0;
-};
-
 }  // namespace
 
 MeshContents read_gmsh(const std::filesystem::path& path) {
@@ -848,11 +539,6 @@ MeshContents read_gmsh(const std::filesystem::path& path) {
   Reader(in, contents).read();
   contents.complete();
   return contents;
-}
-
-void write_gmsh(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
-  check_lengths(contents.mesh, contents.fields);
-  Writer(path, contents, options).write();
 }
 
 }  // namespace weft::meshing

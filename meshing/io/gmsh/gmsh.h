@@ -1,4 +1,4 @@
-// Gmsh's files (.msh), MSH 2.2 and 4.1, ASCII and binary.
+// Reads Gmsh's files (.msh), MSH 2.2 and 4.1, ASCII and binary.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,5 @@ namespace weft::meshing {
 /// entities. Node data are fields. Other elements and sections are dropped. Throws InputError naming file,
 /// entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path);
-
-/// Writes the same, whole or not at all: references as physical groups (0: none), MSH 4.1 or 2.2, binary or
-/// ASCII with as many digits as give the numbers back exactly. In 4.1 elements are ordered by reference.
-void write_gmsh(const std::filesystem::path& path, const MeshView& contents,
-                const WriteOptions& options = {});
 
 }  // namespace weft::meshing
