@@ -147,7 +147,7 @@ class Results(Subdomains):
 
     def test_formats_that_one_rank_writes(self):
         self.box(3)
-        for name in ("a.vtu", "b.mesh", "c.su2"):
+        for name in ("a.vtu", "b.mesh", "c.cgns"):
             self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.25", "--subdomains", 4, "-o", name, "--quiet")
             self.weft("verify", name, "--against", "box.meshb")
 
