@@ -9,9 +9,8 @@ find build-coverage -name '*.gcda' -delete
 # Also after a failure: what ran is counted.
 failed=0
 ctest --test-dir build-coverage --output-on-failure --parallel "$(nproc)" "$@" || failed=$?
-# The same lines are compiled into several targets: they are merged.
 gcovr --root . --object-directory build-coverage --filter 'meshing/' --filter 'engine/' --filter 'partition/' --filter 'graph/' \
-  --filter 'tools/' --exclude-throw-branches --merge-mode-functions=separate --gcov-ignore-parse-errors --json build-coverage/coverage.json
+  --filter 'tools/' --exclude-throw-branches --gcov-ignore-parse-errors --json build-coverage/coverage.json
 scripts/coverage.py build-coverage/coverage.json >build-coverage/coverage.md
 sed -n '1,/^## /p' build-coverage/coverage.md | head -n -1
 exit "$failed"

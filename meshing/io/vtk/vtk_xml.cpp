@@ -1,4 +1,4 @@
-// pugixml reads the text; what is appended raw is no XML and is cut off before. zlib does the compression.
+// pugixml reads the text; what is appended is no XML and is read by position. zlib does the compression.
 #include "meshing/io/vtk/vtk_xml.h"
 
 #include <tbb/parallel_for.h>
@@ -19,7 +19,8 @@
 namespace weft::meshing {
 namespace {
 
-constexpr std::uint64_t kBlockSize = std::uint64_t{1} << 18;  ///< of compressed data that we write
+constexpr std::uint64_t kReadAtOnce = std::uint64_t{1} << 16;  ///< values of raw arrays
+constexpr std::uint64_t kBlockSize = std::uint64_t{1} << 18;   ///< of compressed data that we write
 
 /// Calls f with a value of the C++ type that VTK calls `name`; false for an unknown name.
 template <class F>
@@ -133,29 +134,14 @@ std::vector<char> compressed(const std::vector<char>& data) {
 // ---------------------------------------------------------------------------------------------------------
 // Reading
 
-/// Decoded bytes: a part of the file where nothing had to be decoded, else their own.
-struct VtkDocument::Bytes {
-  std::string_view view;
-  std::string own;
-  std::string_view get() const { return own.empty() ? view : std::string_view(own); }
-};
-
 VtkDocument::VtkDocument(const std::filesystem::path& path, const std::string& type) : file_(path) {
-  std::string_view bytes = file_.bytes();
-  std::string head;
-  const std::size_t appended = bytes.find("<AppendedData");
-  if (appended != std::string_view::npos) {
-    const std::size_t end = bytes.find('>', appended), mark = bytes.find('_', end);
-    if (mark == std::string_view::npos) fail("AppendedData", "the file is truncated: no data");
-    appended_ = bytes.substr(mark + 1);
-    head = std::string(bytes.substr(0, end + 1)) + "</AppendedData></VTKFile>";
-    bytes = head;
-  }
-  const pugi::xml_parse_result parsed = xml_.load_buffer(bytes.data(), bytes.size());
+  read_text();
+  const pugi::xml_parse_result parsed = xml_.load_buffer(text_.data(), text_.size());
   if (!parsed) {
     fail("", std::string("not XML, or truncated: ") + parsed.description() + " at byte " +
                  std::to_string(parsed.offset));
   }
+  std::string().swap(text_);  // the document has a copy
   const pugi::xml_node root = xml_.child("VTKFile");
   if (root.attribute("type").value() != type) fail("", "not a VTKFile of type " + type);
   grid_ = root.child(type.c_str());
@@ -173,6 +159,28 @@ VtkDocument::VtkDocument(const std::filesystem::path& path, const std::string& t
   }
 }
 
+/// The file up to the mark of the appended data, without which it is read to its end.
+void VtkDocument::read_text() {
+  constexpr std::uint64_t kFirst = std::uint64_t{1} << 16;
+  std::size_t appended = std::string::npos, end = std::string::npos, mark = std::string::npos;
+  while (mark == std::string::npos && text_.size() < file_.size()) {
+    const std::size_t known = text_.size();
+    text_.resize(std::min(file_.size(), std::max(kFirst, 2 * std::uint64_t{known})));
+    file_.read_at(known, text_.data() + known, text_.size() - known);
+    // A match may begin in what was known.
+    if (appended == std::string::npos)
+      appended = text_.find("<AppendedData", known - std::min(known, std::size_t{16}));
+    if (appended == std::string::npos) continue;
+    end = text_.find('>', appended);
+    if (end != std::string::npos) mark = text_.find('_', end);
+  }
+  if (appended == std::string::npos) return;
+  if (mark == std::string::npos) fail("AppendedData", "the file is truncated: no data");
+  data_ = mark + 1;
+  text_.resize(end + 1);
+  text_ += "</AppendedData></VTKFile>";
+}
+
 void VtkDocument::fail(const std::string& entity, const std::string& reason) const {
   throw InputError(file_.name(), entity, reason);
 }
@@ -186,34 +194,57 @@ std::uint64_t VtkDocument::count(pugi::xml_node node, const char* attribute) con
   return static_cast<std::uint64_t>(*value);
 }
 
-std::vector<double> VtkDocument::reals(pugi::xml_node array, std::uint64_t expected) const {
-  return values<double>(array, expected);
+std::vector<double> VtkDocument::reals(pugi::xml_node array, std::uint64_t expected, Rows rows) const {
+  return values<double>(array, expected, rows);
 }
 
-std::vector<std::int64_t> VtkDocument::integers(pugi::xml_node array, std::uint64_t expected) const {
+std::vector<std::int64_t> VtkDocument::integers(pugi::xml_node array, std::uint64_t expected,
+                                                Rows rows) const {
   if (std::string_view(array.attribute("type").value()).starts_with("Float")) {
     fail(array_name(array), "has reals instead of integers");
   }
-  return values<std::int64_t>(array, expected);
+  return values<std::int64_t>(array, expected, rows);
+}
+
+bool VtkDocument::has_rows(pugi::xml_node array) const {
+  return !compressed_ && !appended_base64_ && data_ > 0 &&
+         std::string_view(array.attribute("format").value()) == "appended";
+}
+
+std::uint64_t VtkDocument::size(pugi::xml_node array) const {
+  std::uint64_t size = 0;
+  with_type(array.attribute("type").value(),
+            [&](auto example) { size = span_of(array).bytes / sizeof(example); });
+  return size;
 }
 
 template <class T>
-std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected) const {
+std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected, Rows rows) const {
   const std::string_view format = array.attribute("format").value();
   if (format == "ascii" || format.empty()) return ascii_values<T>(array, expected);
-  const Bytes bytes = decoded(array);
-  const std::string_view data = bytes.get();
   std::vector<T> out;
   const bool known = with_type(array.attribute("type").value(), [&](auto example) {
     using Stored = decltype(example);
-    const std::size_t n = data.size() / sizeof(Stored);
-    if (data.size() % sizeof(Stored) != 0 || (expected != kAny && n != expected)) {
-      fail(array_name(array), "has " + std::to_string(data.size()) + " bytes instead of " +
+    const bool raw = has_rows(array);
+    const std::string all = raw ? std::string() : decoded(array);
+    const Span span = raw ? span_of(array) : Span{0, all.size()};
+    const std::uint64_t n = span.bytes / sizeof(Stored);
+    if (span.bytes % sizeof(Stored) != 0 || (expected != kAny && n != expected)) {
+      fail(array_name(array), "has " + std::to_string(span.bytes) + " bytes instead of " +
                                   std::to_string(expected == kAny ? n + 1 : expected) + " values");
     }
-    out.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      out[i] = static_cast<T>(load<Stored>(data.data() + i * sizeof(Stored), swapped_));
+    const std::uint64_t first = std::min(rows.first, n), count = std::min(rows.count, n - first);
+    out.resize(count);
+    const auto convert = [&](const char* bytes, std::uint64_t begin, std::uint64_t number) {
+      for (std::uint64_t i = 0; i < number; ++i)
+        out[begin + i] = static_cast<T>(load<Stored>(bytes + i * sizeof(Stored), swapped_));
+    };
+    if (!raw) return convert(all.data() + first * sizeof(Stored), 0, count);
+    std::vector<char> block(std::min(kReadAtOnce, count) * sizeof(Stored));
+    for (std::uint64_t begin = 0; begin < count; begin += kReadAtOnce) {
+      const std::uint64_t number = std::min(kReadAtOnce, count - begin);
+      file_.read_at(span.position + (first + begin) * sizeof(Stored), block.data(), number * sizeof(Stored));
+      convert(block.data(), begin, number);
     }
   });
   if (!known)
@@ -241,16 +272,42 @@ std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t exp
        "has " + std::to_string(out.size()) + " values instead of " + std::to_string(expected));
 }
 
-VtkDocument::Bytes VtkDocument::decoded(pugi::xml_node array) const {
+std::uint64_t VtkDocument::appended_offset(pugi::xml_node array) const {
+  const auto offset = parse_integer(array.attribute("offset").value());
+  if (data_ == 0 || !offset || *offset < 0 || static_cast<std::uint64_t>(*offset) > file_.size() - data_)
+    fail(array_name(array), "its offset is damaged, or the file is truncated");
+  return static_cast<std::uint64_t>(*offset);
+}
+
+VtkDocument::Span VtkDocument::span_of(pugi::xml_node array) const {
+  const std::uint64_t begin = data_ + appended_offset(array), header = wide_headers_ ? 8 : 4;
+  std::array<char, 8> bytes{};
+  std::uint64_t size = file_.size();
+  if (header <= file_.size() - begin) {
+    file_.read_at(begin, bytes.data(), header);
+    size = wide_headers_ ? load<std::uint64_t>(bytes.data(), swapped_)
+                         : load<std::uint32_t>(bytes.data(), swapped_);
+  }
+  if (header > file_.size() - begin || size > file_.size() - begin - header)
+    fail(array_name(array), "the file is truncated, or its data are damaged");
+  return {begin + header, size};
+}
+
+std::string_view VtkDocument::appended() const {
+  if (appended_.empty() && file_.size() > data_) {
+    appended_.resize(file_.size() - data_);
+    file_.read_at(data_, appended_.data(), appended_.size());
+  }
+  return appended_;
+}
+
+/// The bytes of an array that is encoded, or stands in the text.
+std::string VtkDocument::decoded(pugi::xml_node array) const {
   const std::string entity = array_name(array);
   std::string_view text = array.child_value();
   bool base64 = true;
   if (std::string_view(array.attribute("format").value()) == "appended") {
-    const auto offset = parse_integer(array.attribute("offset").value());
-    if (!offset || *offset < 0 || static_cast<std::uint64_t>(*offset) > appended_.size()) {
-      fail(entity, "its offset is damaged, or the file is truncated");
-    }
-    text = appended_.substr(static_cast<std::size_t>(*offset));
+    text = appended().substr(appended_offset(array));
     base64 = appended_base64_;
   } else if (std::string_view(array.attribute("format").value()) != "binary") {
     fail(entity, "its format is unknown");
@@ -265,24 +322,21 @@ VtkDocument::Bytes VtkDocument::decoded(pugi::xml_node array) const {
     return wide_headers_ ? load<std::uint64_t>(take(8).data(), swapped_)
                          : load<std::uint32_t>(take(4).data(), swapped_);
   };
-  if (!compressed_) {
-    const std::string_view data = take(header());
-    return base64 ? Bytes{{}, std::string(data)} : Bytes{data, {}};
-  }
+  if (!compressed_) return std::string(take(header()));
   const std::uint64_t num_blocks = header(), block_size = header(), last_size = header();
   if (num_blocks > text.size()) fail(entity, "the number of its compressed blocks is damaged");
   std::vector<std::uint64_t> sizes(num_blocks);
   for (std::uint64_t& size : sizes) size = header();
-  Bytes out;
+  std::string out;
   for (std::uint64_t i = 0; i < num_blocks; ++i) {
     const std::string_view block = take(sizes[i]);
     const std::uint64_t full = i + 1 == num_blocks && last_size > 0 ? last_size : block_size;
     // Deflate makes nothing smaller than by a factor of 1032: a damaged size must not make us allocate.
     if (full / 1032 > block.size() + 16) fail(entity, "the size of a compressed block is damaged");
-    const std::size_t begin = out.own.size();
-    out.own.resize(begin + full);
+    const std::size_t begin = out.size();
+    out.resize(begin + full);
     uLongf length = full;
-    const int result = uncompress(reinterpret_cast<Bytef*>(out.own.data() + begin), &length,
+    const int result = uncompress(reinterpret_cast<Bytef*>(out.data() + begin), &length,
                                   reinterpret_cast<const Bytef*>(block.data()), block.size());
     if (result != Z_OK || length != full) fail(entity, "its compressed data are damaged");
   }

@@ -16,7 +16,8 @@
 
 namespace weft::meshing {
 
-/// A parsed file. Everything that is not as expected throws InputError(file, array, reason).
+/// A file's text, parsed, and the arrays behind it, which are read when they are asked for. Everything that
+/// is not as expected throws InputError(file, array, reason).
 class VtkDocument {
  public:
   /// `type` is what VTKFile must declare, such as UnstructuredGrid.
@@ -31,23 +32,49 @@ class VtkDocument {
 
   /// The values of a DataArray; fails unless there are `expected` of them (kAny: however many).
   static constexpr std::uint64_t kAny = ~std::uint64_t{0};
-  std::vector<double> reals(pugi::xml_node array, std::uint64_t expected = kAny) const;
-  std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t expected = kAny) const;
+  std::vector<double> reals(pugi::xml_node array, std::uint64_t expected = kAny) const {
+    return reals(array, expected, {});
+  }
+  std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t expected = kAny) const {
+    return integers(array, expected, {});
+  }
+
+  /// `count` of the values from `first` on; all there are by default.
+  struct Rows {
+    std::uint64_t first = 0, count = kAny;
+  };
+  /// Part of the values of an array that has_rows().
+  std::vector<double> reals(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
+  std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
+  /// Whether parts of an array can be read: it is appended, raw and not compressed.
+  bool has_rows(pugi::xml_node array) const;
+  /// How many values such an array has.
+  std::uint64_t size(pugi::xml_node array) const;
 
  private:
-  struct Bytes;
+  /// Where the bytes of a raw array are in the file.
+  struct Span {
+    std::uint64_t position, bytes;
+  };
+
+  void read_text();
   template <class T>
-  std::vector<T> values(pugi::xml_node array, std::uint64_t expected) const;
+  std::vector<T> values(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   template <class T>
   std::vector<T> ascii_values(pugi::xml_node array, std::uint64_t expected) const;
-  Bytes decoded(pugi::xml_node array) const;
+  std::string decoded(pugi::xml_node array) const;
+  Span span_of(pugi::xml_node array) const;
+  std::uint64_t appended_offset(pugi::xml_node array) const;
+  std::string_view appended() const;
 
-  FileBytes file_;
+  InputFile file_;
+  std::string text_;  ///< up to the appended data
   pugi::xml_document xml_;
   pugi::xml_node grid_;
   bool swapped_ = false, wide_headers_ = false, compressed_ = false;
   bool appended_base64_ = false;
-  std::string_view appended_;
+  std::uint64_t data_ = 0;        ///< where the appended data begin
+  mutable std::string appended_;  ///< all of them, once something encoded was wanted
 };
 
 /// What stands around the appended, uncompressed arrays of a document, and where these lie.
