@@ -23,7 +23,8 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
-/// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone.
+/// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
+/// raw .vtu of one piece.
 /// Nothing for any other, which is read whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
@@ -47,8 +48,8 @@ void write_mesh(const std::filesystem::path& path, const MeshData& mesh,
 void write_mesh_contents(const std::filesystem::path& path, const MeshView& contents,
                          const WriteOptions& options = {});
 
-/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .vtu. (GMF
-/// files have a writer of their own, GmfSliceWriter.)
+/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .msh, .vtu.
+/// (GMF files have a writer of their own, GmfSliceWriter.)
 bool can_be_written_in_parts(const std::filesystem::path& path);
 /// By one of the writers, before the others: lays the file out, and writes all that is no row. `file` exists,
 /// and becomes `name` when all have written: the bytes are those of write_mesh_contents().

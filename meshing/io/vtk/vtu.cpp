@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -62,23 +64,50 @@ bool is_one_of(std::string_view name, const std::array<std::string_view, N>& nam
 
 class PieceReader {
  public:
-  PieceReader(const VtkDocument& document, pugi::xml_node piece)
+  /// `range`: which points and tets are kept; all without one. With one there are no fields.
+  PieceReader(const VtkDocument& document, pugi::xml_node piece,
+              const std::optional<MeshRange>& range = std::nullopt)
       : document_(document),
         piece_(piece),
+        range_(range),
         num_points_(document.count(piece, "NumberOfPoints")),
         num_cells_(document.count(piece, "NumberOfCells")) {}
 
   MeshPiece read() {
     read_points();
-    read_cell_data();
+    find_cell_data();
     read_cells();
     read_point_data();
     result_.contents.complete();
     return std::move(result_);
   }
 
+  /// Nothing where ranges cannot be read.
+  std::optional<MeshSize> size() {
+    find_cell_data();
+    if (ghosts_ || num_cells_ == 0) return std::nullopt;
+    std::vector<pugi::xml_node> needed = {piece_.child("Points").child("DataArray"), cell_array("types"),
+                                          cell_array("offsets"), cell_array("connectivity")};
+    if (refs_) needed.push_back(refs_);
+    if (const pugi::xml_node array = point_refs()) needed.push_back(array);
+    for (const pugi::xml_node array : needed)
+      if (!document_.has_rows(array)) return std::nullopt;
+    MeshSize size{num_points_, 0};
+    for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce) {
+      const auto types = document_.integers(cell_array("types"), num_cells_, {first, kCellsAtOnce});
+      size.tets += static_cast<std::uint64_t>(std::ranges::count(types, std::int64_t{kTetra}));
+    }
+    return size;
+  }
+
  private:
+  using Rows = VtkDocument::Rows;
+  static constexpr std::uint64_t kCellsAtOnce = std::uint64_t{1} << 18;  ///< when ranges are read
+
   MeshData& mesh() { return result_.contents.mesh; }
+  Rows point_rows(std::uint64_t length) const {
+    return range_ ? Rows{length * range_->first_point, length * range_->num_points} : Rows{};
+  }
 
   void read_points() {
     const pugi::xml_node array = piece_.child("Points").child("DataArray");
@@ -86,24 +115,26 @@ class PieceReader {
       if (num_points_ == 0) return;
       document_.fail("Points", "are missing");
     }
-    const std::vector<double> coordinates = document_.reals(array, 3 * num_points_);
-    mesh().points.resize(num_points_);
-    for (std::size_t i = 0; i < num_points_; ++i) {
+    const std::vector<double> coordinates = document_.reals(array, 3 * num_points_, point_rows(3));
+    mesh().points.resize(coordinates.size() / 3);
+    for (std::size_t i = 0; i < mesh().points.size(); ++i) {
       for (int c = 0; c < 3; ++c) {
         const double x = coordinates[3 * i + static_cast<std::size_t>(c)];
-        if (!std::isfinite(x)) document_.fail("point " + std::to_string(i), "a coordinate is not finite");
+        if (!std::isfinite(x))
+          document_.fail("point " + std::to_string(i + (range_ ? range_->first_point : 0)),
+                         "a coordinate is not finite");
         mesh().points[i][c] = x;
       }
     }
   }
 
-  void read_cell_data() {
+  void find_cell_data() {
     for (const pugi::xml_node array : piece_.child("CellData").children("DataArray")) {
       const std::string name = array.attribute("Name").value();
       if (name == kGhosts) {
-        ghosts_ = document_.integers(array, num_cells_);
-      } else if (is_one_of(name, kRefNames) && refs_.empty() && is_scalar(array)) {
-        refs_ = document_.integers(array, num_cells_);
+        ghosts_ = array;
+      } else if (is_one_of(name, kRefNames) && !refs_ && is_scalar(array)) {
+        refs_ = array;
       } else {
         result_.contents.drop("values of cell data " + name, num_cells_);
       }
@@ -118,35 +149,68 @@ class PieceReader {
     return array;
   }
 
+  /// Cells in blocks: all at once, or so many that a range's memory stays small.
   void read_cells() {
     if (num_cells_ == 0) return;
-    const std::vector<std::int64_t> types = document_.integers(cell_array("types"), num_cells_);
-    const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_);
-    const std::vector<std::int64_t> nodes = document_.integers(cell_array("connectivity"));
-    std::int64_t begin = 0;
-    for (std::size_t i = 0; i < num_cells_; ++i) {
-      cell_ = i;
+    const std::uint64_t at_once = range_ ? kCellsAtOnce : num_cells_;
+    for (std::uint64_t first = 0; first < num_cells_; first += at_once)
+      read_block(first, range_ ? Rows{first, at_once} : Rows{});
+    const std::uint64_t nodes = range_ ? document_.size(cell_array("connectivity")) : num_nodes_read_;
+    if (end_ != static_cast<std::int64_t>(nodes))
+      document_.fail("Cells", "connectivity has more values than the offsets say");
+  }
+
+  void read_block(std::uint64_t first, Rows rows) {
+    const std::vector<std::int64_t> types = document_.integers(cell_array("types"), num_cells_, rows);
+    if (range_ && !is_wanted(types)) {
+      tets_passed_ += types.size();
+      end_ = document_.integers(cell_array("offsets"), num_cells_, {first + types.size() - 1, 1})[0];
+      return;
+    }
+    const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_, rows);
+    const std::vector<std::int64_t> refs =
+        refs_ ? document_.integers(refs_, num_cells_, rows) : std::vector<std::int64_t>();
+    const std::vector<std::int64_t> ghosts =
+        ghosts_ ? document_.integers(ghosts_, num_cells_, rows) : std::vector<std::int64_t>();
+    const std::int64_t begin = std::exchange(end_, offsets.back());
+    cell_ = first;
+    if (range_ && (begin < 0 || end_ < begin)) fail_cell("its offset is out of range");
+    const std::vector<std::int64_t> nodes = document_.integers(
+        cell_array("connectivity"), VtkDocument::kAny,
+        range_ ? Rows{static_cast<std::uint64_t>(begin), static_cast<std::uint64_t>(end_ - begin)} : Rows{});
+    num_nodes_read_ = nodes.size();
+    std::int64_t at = begin;
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      cell_ = first + i;
       const std::int64_t end = offsets[i];
-      if (end < begin || static_cast<std::uint64_t>(end) > nodes.size()) {
+      if (end < at || static_cast<std::uint64_t>(end - begin) > nodes.size()) {
         fail_cell("its offset " + std::to_string(end) + " is out of range");
       }
-      nodes_ = nodes.data() + begin;
-      num_nodes_ = static_cast<std::size_t>(end - begin);
-      const bool ghost = !ghosts_.empty() && (ghosts_[i] & 1);  // another piece has it
-      if (!ghost) read_cell(types[i], ref_of_cell());
-      begin = end;
-    }
-    if (static_cast<std::uint64_t>(begin) != nodes.size()) {
-      document_.fail("Cells", "connectivity has more values than the offsets say");
+      nodes_ = nodes.data() + (at - begin);
+      num_nodes_ = static_cast<std::size_t>(end - at);
+      const bool ghost = !ghosts.empty() && (ghosts[i] & 1);  // another piece has it
+      if (!ghost && is_kept(types[i])) read_cell(types[i], refs.empty() ? 0 : checked_ref(refs[i]));
+      at = end;
     }
   }
 
-  std::int32_t ref_of_cell() const {
-    if (refs_.empty()) return 0;
-    if (!std::in_range<std::int32_t>(refs_[cell_])) {
-      fail_cell("reference " + std::to_string(refs_[cell_]) + " does not fit 32 bits");
+  /// Whether a block has a tet of the range, or any other cell.
+  bool is_wanted(const std::vector<std::int64_t>& types) const {
+    const std::uint64_t last = tets_passed_ + types.size();
+    return (tets_passed_ < range_->first_tet + range_->num_tets && last > range_->first_tet) ||
+           std::ranges::any_of(types, [](std::int64_t type) { return type != kTetra; });
+  }
+  bool is_kept(std::int64_t type) {
+    if (!range_ || type != kTetra) return true;
+    const std::uint64_t tet = tets_passed_++;
+    return tet >= range_->first_tet && tet - range_->first_tet < range_->num_tets;
+  }
+
+  std::int32_t checked_ref(std::int64_t ref) const {
+    if (!std::in_range<std::int32_t>(ref)) {
+      fail_cell("reference " + std::to_string(ref) + " does not fit 32 bits");
     }
-    return static_cast<std::int32_t>(refs_[cell_]);
+    return static_cast<std::int32_t>(ref);
   }
 
   [[noreturn]] void fail_cell(const std::string& reason) const {
@@ -209,18 +273,28 @@ class PieceReader {
       const std::string name = array.attribute("Name").value();
       const bool real = std::string_view(array.attribute("type").value()).starts_with("Float");
       if ((name == ids || is_one_of(name, kGlobalIdNames)) && !real && is_scalar(array)) {
-        result_.global_ids = document_.integers(array, num_points_);
-      } else if (name == "ref" && !real && is_scalar(array)) {
+        if (!range_) result_.global_ids = document_.integers(array, num_points_);
+      } else if (array == point_refs()) {
         read_point_refs(array);
-      } else if (name != kGhosts) {
+      } else if (name != kGhosts && !range_) {
         read_field(array, name);
       }
     }
   }
 
+  /// The last one: of several it is kept.
+  pugi::xml_node point_refs() const {
+    pugi::xml_node found;
+    for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
+      if (std::string_view(array.attribute("Name").value()) == "ref" && is_scalar(array) &&
+          !std::string_view(array.attribute("type").value()).starts_with("Float"))
+        found = array;
+    return found;
+  }
+
   void read_point_refs(pugi::xml_node array) {
     mesh().point_refs.clear();
-    for (const std::int64_t ref : document_.integers(array, num_points_)) {
+    for (const std::int64_t ref : document_.integers(array, num_points_, point_rows(1))) {
       if (!std::in_range<std::int32_t>(ref)) document_.fail("array ref", "a reference does not fit 32 bits");
       mesh().point_refs.push_back(static_cast<std::int32_t>(ref));
     }
@@ -253,10 +327,13 @@ class PieceReader {
   }
 
   const VtkDocument& document_;
-  pugi::xml_node piece_;
+  pugi::xml_node piece_, refs_, ghosts_;
+  std::optional<MeshRange> range_;
   std::uint64_t num_points_, num_cells_;
   MeshPiece result_;
-  std::vector<std::int64_t> refs_, ghosts_;
+  // Of the cells so far:
+  std::uint64_t tets_passed_ = 0, num_nodes_read_ = 0;
+  std::int64_t end_ = 0;
   // The cell being read:
   std::size_t cell_ = 0, num_nodes_ = 0;
   const std::int64_t* nodes_ = nullptr;
@@ -512,6 +589,25 @@ std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
 }
 
 MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(read_vtu_pieces(path)); }
+
+/// The only piece.
+static pugi::xml_node only_piece(const VtkDocument& document) {
+  const auto pieces = document.grid().children("Piece");
+  return std::distance(pieces.begin(), pieces.end()) == 1 ? *pieces.begin() : pugi::xml_node();
+}
+
+std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  const pugi::xml_node piece = only_piece(document);
+  return piece ? PieceReader(document, piece).size() : std::nullopt;
+}
+
+MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  MeshContents contents = PieceReader(document, only_piece(document), range).read().contents;
+  contents.fields.num_points = range.num_points;
+  return contents;
+}
 
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
                      const std::vector<std::int64_t>& global_ids, const WriteOptions& options,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,11 @@ namespace weft::meshing {
 /// or appended, also compressed with zlib. Integer cell data called ref (or by the names of Gmsh and Medit)
 /// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
 MeshContents read_vtu(const std::filesystem::path& path);
+
+/// The size of a file with one piece whose arrays are appended, raw and not compressed, as weft and ParaView
+/// write them by default; nothing of another, of which ranges cannot be read. Reads the types of all cells.
+std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
+MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Writes the same, whole or not at all: references as cell data `ref` and, where there are any, point data
 /// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...

@@ -210,7 +210,7 @@ FilesResult adapt_files_in_subdomains(const Files& files, const Options& options
   // What all ranks throw alike is for rank 0 to tell.
   const auto tell = [&](const std::exception& error) {
     if (first) throw InputError("", "", error.what());
-    throw RunError(error.what());
+    throw RunError(error.what(), true);
   };
   try {
     on_world([&](engine::Transport& transport) {

@@ -17,7 +17,7 @@ void translating(const Call& call) {
   try {
     call();
   } catch (const engine::RunFailure& failure) {
-    throw RunError(failure.what());
+    throw RunError(failure.what(), true);
   } catch (const engine::TransportError& error) {
     throw RunError(error.what());
   }

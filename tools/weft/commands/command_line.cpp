@@ -82,7 +82,8 @@ int run_action(const Action& action) {
     throw;
   } catch (const OptionError& error) {
     throw CLI::ValidationError(error.option(), error.reason());
-  } catch (const RunError&) {  // the run has said why, as soon as it knew
+  } catch (const RunError& error) {
+    if (!error.reported()) fmt::print(stderr, "weft: {}\n", printable(error.what()));
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "weft: out of memory\n");
   } catch (const std::exception& error) {

@@ -58,7 +58,14 @@ class WEFT_API OptionError : public std::invalid_argument {
 /// that live.
 class WEFT_API RunError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit RunError(const std::string& what, bool reported = false)
+      : std::runtime_error(what), reported_(reported) {}
+  /// Whether the run itself came to know of it, and told one rank's on_failure; not where MPI fails before it
+  /// begins or after it has ended.
+  bool reported() const { return reported_; }
+
+ private:
+  bool reported_;
 };
 
 // ---------------------------------------------------------------------------------------------------------------
