@@ -138,6 +138,23 @@ TEST(Door, RefusesOptionsNamingThem) {
   EXPECT_EQ(wrong([](Options&) {}), "");
 }
 
+TEST(Door, RefusesABackgroundWhereThereIsNoPlaceForOne) {
+  const Mesh start = box_of(2), background = box_of(3);
+  const Metric metric = sizes(background, 0.4);
+  Options options = one_thread();
+  options.distributed.subdomains = 2;
+  EXPECT_THAT(error_of<OptionError>([&] { adapt(start, background, metric, options); }),
+              HasSubstr("--background: is not possible in subdomains"));
+  options = one_thread();
+  options.run.repair = true;
+  EXPECT_THAT(error_of<OptionError>([&] { adapt(start, background, metric, options); }),
+              HasSubstr("--repair"));
+  FillOptions filling;
+  filling.background = &background;
+  EXPECT_THAT(error_of<OptionError>([&] { fill(start, filling); }),
+              HasSubstr("--background: requires --metric"));
+}
+
 TEST(Door, RefusesDataNamingTheEntity) {
   const Mesh start = box_of(2);
   const Metric short_metric = Metric::from_sizes(std::vector<double>(5, 0.2));

@@ -129,6 +129,11 @@ class Geometry(CommandTest):
         self.assert_fails("adapt", "start.meshb", "--geometry", "half.brep", "--metric-fn", "uniform:0.3", "-o", "x.meshb",
                           says="half.brep")
 
+    def test_what_is_no_model_is_refused(self):
+        for name, says in (("a.brep", "BREP"), ("a.iges", "IGES"), ("a.step", "STEP"), ("a.egads", "")):
+            self.write(name, "no model\n" * 20)
+            self.assert_fails("mesh", name, "-o", "out.meshb", says=(name, says))
+
     def test_a_wrong_unit_is_refused_with_the_factor(self):
         self.start()
         self.assert_fails("adapt", "start.meshb", "--geometry", MODEL, "--geometry-scale", 1000, "--metric-fn", "uniform:0.3",

@@ -90,6 +90,10 @@ def test_wrong_fields_are_refused(box, sizes, values, text):
 
 @pytest.mark.parametrize("call, error, text", [
     (lambda m, h: weft.adapt(m, h[1:]), weft.InputError, "metric of another mesh: it has 63 vertices, the mesh 64"),
+    (lambda m, h: weft.adapt(m), weft.OptionError, "no metric"),
+    (lambda m, h: weft.adapt(m, h, fields=[1, 2]), weft.UsageError, "fields: is no dictionary"),
+    (lambda m, h: weft.box(cells=(2**20, 2**20, 2**20)), weft.OptionError, "--cells: are more than a mesh can have"),
+    (lambda m, h: weft.box(min=(0, 0, 0), max=(1, 0, 1)), weft.OptionError, "--max: must be above --min"),
     (lambda m, h: weft.adapt(m, h, hmim=1), weft.OptionError, "--hmim: is not an option"),
     (lambda m, h: weft.adapt(m, h, hmin=2, hmax=1), weft.OptionError, "--hmin: is larger than --hmax"),
     (lambda m, h: weft.adapt(m, h, hmin=float("nan")), weft.OptionError, "--hmin"),
