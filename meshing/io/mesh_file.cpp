@@ -93,7 +93,7 @@ constexpr std::array kFormats = {
     Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
     Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
     Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
-           write_gmsh, nullptr, nullptr, always, begin_gmsh_parts, open_gmsh_part},
+           write_gmsh, gmsh_size, read_gmsh_range, always, begin_gmsh_parts, open_gmsh_part},
     Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range,
            is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
     Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},

@@ -24,7 +24,8 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// raw .vtu of one piece.
+/// raw .vtu of one piece, .msh 4.1 in
+/// binary with nodes tagged in order.
 /// Nothing for any other, which is read whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 

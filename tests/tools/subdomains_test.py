@@ -157,8 +157,10 @@ class Results(Subdomains):
         (self.folder / "in.mapbc").write_text("2\n1 5000 inflow\n4 3000 the wall\n")
         self.weft("convert", "in.lb8.ugrid", "in.cgns")
         self.weft("convert", "in.lb8.ugrid", "in.vtu")
+        self.weft("convert", "in.lb8.ugrid", "in.msh")
         words = ("--metric-fn", "uniform:0.15", "--subdomains", 5, "--threads", 1, "--quiet")
-        for name, out in (("in.lb8.ugrid", "out.lb8.ugrid"), ("in.cgns", "out.cgns"), ("in.lb8.ugrid", "out.cgns"), ("in.vtu", "out.vtu")):
+        for name, out in (("in.lb8.ugrid", "out.lb8.ugrid"), ("in.cgns", "out.cgns"), ("in.lb8.ugrid", "out.cgns"), ("in.vtu", "out.vtu"),
+                          ("in.msh", "out.cgns")):
             meshes = []
             for ranks in (0, 1, 2, 4):
                 self.assert_in_shares(False, self.run_on(ranks, name, *words[:-1], "-o", out))

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <optional>
@@ -135,6 +136,10 @@ class Groups {
 class Reader {
  public:
   Reader(Cursor& in, MeshContents& contents) : in_(in), contents_(contents) {}
+  /// Of a file whose nodes are `range` of `num_nodes`, which are tagged 1, 2, 3 ...: elements have any of
+  /// these.
+  Reader(Cursor& in, MeshContents& contents, const MeshRange& range, std::uint64_t num_nodes)
+      : in_(in), contents_(contents), first_node_(range.first_point), num_nodes_(num_nodes) {}
 
   void read() {
     if (in_.word() != "$MeshFormat") throw InputError(in_.file(), "", "not an MSH file: no $MeshFormat");
@@ -421,7 +426,9 @@ class Reader {
 
   std::uint32_t read_node() {
     const std::uint64_t tag = size();
-    const auto index = tags_.find(tag);
+    const auto index = num_nodes_ == 0                 ? tags_.find(tag)
+                       : tag >= 1 && tag <= num_nodes_ ? std::optional(static_cast<std::uint32_t>(tag - 1))
+                                                       : std::nullopt;
     if (!index) in_.fail("node " + std::to_string(tag) + " does not exist");
     return *index;
   }
@@ -514,13 +521,17 @@ class Reader {
     mesh.tet_refs = groups_[3].take();
     const std::vector<std::int32_t>& corner_refs =
         groups_[0].physical();  // the entities are just their numbers
-    for (std::size_t i = 0; i < mesh.corners.size(); ++i) mesh.point_refs[mesh.corners[i]] = corner_refs[i];
+    for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
+      const std::uint64_t place = std::uint64_t{mesh.corners[i]} - first_node_;
+      if (place < mesh.point_refs.size()) mesh.point_refs[place] = corner_refs[i];
+    }
     std::ranges::sort(mesh.corners);  // a point can be in several groups
     mesh.corners.erase(std::ranges::unique(mesh.corners).begin(), mesh.corners.end());
   }
 
   Cursor& in_;
   MeshContents& contents_;
+  std::uint64_t first_node_ = 0, num_nodes_ = 0;  ///< num_nodes_: 0 without a range
   int version_ = 4;
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
   std::map<std::pair<int, std::int32_t>, std::int32_t> entity_groups_;
@@ -530,7 +541,208 @@ class Reader {
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
 };
 
+/// Where the rows of a binary file of version 4.1 are. Its tags count 1, 2, 3 ..., its nodes come without
+/// parameters, and $Elements follows $Nodes.
+class Layout {
+ public:
+  /// Nothing for files of other kinds. Throws InputError where the file is damaged.
+  static std::optional<Layout> of(const InputFile& file) {
+    Layout layout(file);
+    if (!layout.read_head() || !layout.read_nodes() || !layout.read_elements()) return std::nullopt;
+    return layout;
+  }
+
+  MeshSize size() const { return {num_nodes_, num_tets_}; }
+
+  /// A file of the range's nodes and tets and of all other elements.
+  std::string part(const MeshRange& range) const {
+    std::string bytes = head_;
+    put_all<std::uint64_t>(bytes, {range.num_points > 0, range.num_points, 1, range.num_points});
+    if (range.num_points > 0) {
+      put_all<std::int32_t>(bytes, {3, 1, 0});
+      put_all<std::uint64_t>(bytes, {range.num_points});
+      copy_nodes(range, kTag, &NodeBlock::tags, bytes);
+      copy_nodes(range, kCoordinates, &NodeBlock::coordinates, bytes);
+    }
+    bytes += "\n$EndNodes\n$Elements\n";
+    std::uint64_t count = 0, passed = 0;
+    std::string blocks;
+    for (const ElementBlock& block : blocks_) {
+      std::uint64_t first = 0, number = block.count;
+      if (block.type->code == gmsh::kTetrahedron) {
+        first = std::clamp(range.first_tet, passed, passed + block.count) - passed;
+        number = std::clamp(range.first_tet + range.num_tets, passed + first, passed + block.count) - passed -
+                 first;
+        passed += block.count;
+      }
+      put_all<std::int32_t>(blocks, {block.type->dimension, block.entity, block.type->code});
+      put_all<std::uint64_t>(blocks, {number});
+      copy(block.position + first * block.row(), number * block.row(), blocks);
+      count += number;
+    }
+    put_all<std::uint64_t>(bytes, {blocks_.size(), count, 1, count});
+    return bytes + blocks + "\n$EndElements\n";
+  }
+
+ private:
+  static constexpr std::uint64_t kTag = sizeof(std::uint64_t), kCoordinates = 3 * sizeof(double);
+  static constexpr std::string_view kNodes = "\n$Nodes\n", kBetween = "\n$EndNodes\n$Elements\n";
+
+  struct NodeBlock {
+    std::uint64_t first, count, tags, coordinates;  ///< number of the first node; positions
+  };
+  struct ElementBlock {
+    const ElementType* type;
+    std::int32_t entity;
+    std::uint64_t count, position;
+    std::uint64_t row() const { return (1 + static_cast<std::uint64_t>(type->nodes)) * kTag; }
+  };
+
+  explicit Layout(const InputFile& file) : file_(file) {}
+
+  /// Up to the rows of $Nodes.
+  bool read_head() {
+    std::size_t end = std::string::npos;
+    for (std::uint64_t size = 1u << 16; end == std::string::npos; size *= 2) {
+      head_.resize(std::min(size, file_.size()));
+      file_.read_at(0, head_.data(), head_.size());
+      if (!head_.starts_with("$MeshFormat"))
+        throw InputError(file_.name(), "", "not an MSH file: no $MeshFormat");
+      if (!is_binary_4()) return false;
+      end = head_.find(kNodes);
+      if (end == std::string::npos && size >= file_.size())
+        throw InputError(file_.name(), "$Nodes", "is missing, or the file is truncated");
+    }
+    head_.resize(at_ = end + kNodes.size());
+    return true;
+  }
+
+  bool is_binary_4() {
+    Cursor in(file_.name(), head_);
+    in.line();
+    if (in.word() != "4.1" || in.word() != "1" || in.word() != "8") return false;
+    in.line();
+    const auto one = in.value<std::int32_t>();
+    swapped_ = one != 1;
+    return one == 1 || byte_swapped(one) == 1;
+  }
+
+  bool read_nodes() {
+    const auto num_blocks = next<std::uint64_t>();
+    num_nodes_ = next<std::uint64_t>();
+    const auto least = next<std::uint64_t>(), largest = next<std::uint64_t>();
+    if (num_nodes_ == 0 || num_nodes_ > 0xFFFFFFFE || least != 1 || largest != num_nodes_) return false;
+    std::uint64_t passed = 0;
+    for (std::uint64_t i = 0; i < num_blocks; ++i) {
+      next<std::int32_t>(), next<std::int32_t>();
+      if (next<std::int32_t>() != 0) return false;  // parameters
+      const auto count = next<std::uint64_t>();
+      if (count > num_nodes_ - passed) return false;
+      require(count, kTag + kCoordinates);
+      nodes_.push_back({passed, count, at_, at_ + count * kTag});
+      if (!are_tags_consecutive(passed, count)) return false;
+      at_ += count * (kTag + kCoordinates);
+      passed += count;
+    }
+    std::string between(kBetween.size(), ' ');
+    require(between.size(), 1);
+    file_.read_at(at_, between.data(), between.size());
+    at_ += between.size();
+    return passed == num_nodes_ && between == kBetween;
+  }
+
+  bool are_tags_consecutive(std::uint64_t passed, std::uint64_t count) const {
+    constexpr std::uint64_t kAtOnce = 1u << 14;
+    std::vector<char> bytes(std::min(count, kAtOnce) * kTag);
+    for (std::uint64_t begin = 0; begin < count; begin += kAtOnce) {
+      const std::uint64_t n = std::min(kAtOnce, count - begin);
+      file_.read_at(at_ + begin * kTag, bytes.data(), n * kTag);
+      for (std::uint64_t i = 0; i < n; ++i)
+        if (load<std::uint64_t>(bytes.data() + i * kTag, swapped_) != passed + begin + i + 1) return false;
+    }
+    return true;
+  }
+
+  bool read_elements() {
+    const auto num_blocks = next<std::uint64_t>(), num_elements = next<std::uint64_t>();
+    next<std::uint64_t>(), next<std::uint64_t>();
+    std::uint64_t passed = 0;
+    for (std::uint64_t i = 0; i < num_blocks; ++i) {
+      const auto dimension = next<std::int32_t>(), entity = next<std::int32_t>(), code = next<std::int32_t>();
+      const auto count = next<std::uint64_t>();
+      const ElementType* type = find_type(code);
+      if (!type || type->dimension != dimension) return false;
+      const ElementBlock& block = blocks_.emplace_back(ElementBlock{type, entity, count, at_});
+      require(count, block.row());
+      at_ += count * block.row();
+      passed += count;
+      if (code == gmsh::kTetrahedron) num_tets_ += count;
+    }
+    require(std::string_view("\n$EndElements").size(), 1);
+    return passed == num_elements;
+  }
+
+  void require(std::uint64_t count, std::uint64_t size) const {
+    if (count > (file_.size() - at_) / size) throw InputError(file_.name(), "", "the file is truncated");
+  }
+  template <class T>
+  T next() {
+    require(1, sizeof(T));
+    std::array<char, sizeof(T)> bytes;
+    file_.read_at(at_, bytes.data(), bytes.size());
+    at_ += sizeof(T);
+    return load<T>(bytes.data(), swapped_);
+  }
+  template <class T>
+  void put_all(std::string& bytes, std::initializer_list<T> values) const {
+    for (T value : values) {
+      if (swapped_) value = byte_swapped(value);
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  }
+  void copy(std::uint64_t position, std::uint64_t size, std::string& bytes) const {
+    bytes.resize(bytes.size() + size);
+    file_.read_at(position, bytes.data() + bytes.size() - size, size);
+  }
+  /// A row of `size` bytes of every node in the range.
+  void copy_nodes(const MeshRange& range, std::uint64_t size, std::uint64_t NodeBlock::*rows,
+                  std::string& bytes) const {
+    for (const NodeBlock& block : nodes_) {
+      const std::uint64_t end = block.first + block.count;
+      const std::uint64_t first = std::clamp(range.first_point, block.first, end);
+      const std::uint64_t last = std::clamp(range.first_point + range.num_points, first, end);
+      copy(block.*rows + (first - block.first) * size, (last - first) * size, bytes);
+    }
+  }
+
+  const InputFile& file_;
+  std::uint64_t at_ = 0;
+  bool swapped_ = false;
+  std::string head_;
+  std::vector<NodeBlock> nodes_;
+  std::vector<ElementBlock> blocks_;
+  std::uint64_t num_nodes_ = 0, num_tets_ = 0;
+};
+
 }  // namespace
+
+std::optional<MeshSize> gmsh_size(const std::filesystem::path& path) {
+  const InputFile file(path);
+  const auto layout = Layout::of(file);
+  return layout ? std::optional(layout->size()) : std::nullopt;
+}
+
+MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange& range) {
+  const InputFile file(path);
+  const auto layout = Layout::of(file);
+  if (!layout) throw InputError(path.string(), "", "has changed while it was read");
+  const std::string bytes = layout->part(range);
+  Cursor in(file.name(), bytes);
+  MeshContents contents;
+  Reader(in, contents, range, layout->size().points).read();
+  contents.complete();
+  return contents;
+}
 
 MeshContents read_gmsh(const std::filesystem::path& path) {
   const FileBytes file(path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "meshing/io/files/mesh_contents.h"
 
@@ -12,5 +13,10 @@ namespace weft::meshing {
 /// entities. Node data are fields. Other elements and sections are dropped. Throws InputError naming file,
 /// entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path);
+
+/// The size of a binary file of version 4.1 whose nodes are tagged 1, 2, 3 ..., as weft writes them; nothing
+/// of another, of which ranges cannot be read. Reads all tags.
+std::optional<MeshSize> gmsh_size(const std::filesystem::path& path);
+MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange& range);
 
 }  // namespace weft::meshing

@@ -72,7 +72,7 @@ TEST_P(MeshRanges, OfAFileCutShortAreRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, MeshRanges,
                          testing::Values("m.meshb", "m.mesh", "m.lb8.ugrid", "m.b8.ugrid", "m.b8l.ugrid",
-                                         "m.lb4.ugrid", "m.cgns", "m.vtu"));
+                                         "m.lb4.ugrid", "m.cgns", "m.vtu", "m.msh"));
 
 TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
   const TemporaryDirectory directory;
@@ -89,9 +89,20 @@ TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
 
 TEST(MeshRange, IsNotReadOfFormatsWithoutPlaces) {
   const TemporaryDirectory directory;
-  for (const char* name : {"m.ugrid", "m.msh", "m.su2"}) {
+  for (const char* name : {"m.ugrid", "m.su2"}) {
     write_mesh_contents(directory / name, named_box());
     EXPECT_FALSE(size_for_ranges(directory / name)) << name;
+  }
+}
+
+TEST(MeshRange, IsNotReadOfTextOrOlderVersionsOfMsh) {
+  const TemporaryDirectory directory;
+  WriteOptions ascii, old;
+  ascii.encoding = WriteOptions::Encoding::ascii;
+  old.gmsh_version = 2;
+  for (const WriteOptions& options : {ascii, old}) {
+    write_mesh_contents(directory / "m.msh", named_box(), options);
+    EXPECT_FALSE(size_for_ranges(directory / "m.msh"));
   }
 }
 
