@@ -17,7 +17,7 @@ scripts/kill_runs.py build/bin/weft --runs 200 --limits 50
 # Error paths that no test runs.
 scripts/coverage.sh
 # Calls that fail, by number.
-WEFT_FAULTS=100 ctest --test-dir build --output-on-failure --tests-regex '^command\.fault$' --timeout 14400
+WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^command\.fault$' --timeout 14400
 # Changed files and options.
 timeout 3600 build/bin/weft_fuzz_readers 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
 timeout 3600 build/bin/weft_fuzz_options 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]

@@ -24,9 +24,8 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// raw .vtu of one piece, .msh 4.1 in
-/// binary with nodes tagged in order.
-/// Nothing for any other, which is read whole.
+/// raw .vtu of one piece, binary .msh 4.1 with nodes tagged in order. Nothing for any other, which is read
+/// whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,

@@ -541,8 +541,8 @@ class Reader {
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
 };
 
-/// Where the rows of a binary file of version 4.1 are. Its tags count 1, 2, 3 ..., its nodes come without
-/// parameters, and $Elements follows $Nodes.
+/// Where the rows of a binary file of version 4.1 are. Its nodes come without parameters, and $Elements
+/// follows $Nodes.
 class Layout {
  public:
   /// Nothing for files of other kinds. Throws InputError where the file is damaged.
@@ -553,6 +553,10 @@ class Layout {
   }
 
   MeshSize size() const { return {num_nodes_, num_tets_}; }
+  /// Reads all tags; the counts alone allow others.
+  bool are_tags_consecutive() const {
+    return std::ranges::all_of(nodes_, [&](const NodeBlock& block) { return are_tags_consecutive(block); });
+  }
 
   /// A file of the range's nodes and tets and of all other elements.
   std::string part(const MeshRange& range) const {
@@ -610,8 +614,7 @@ class Layout {
         throw InputError(file_.name(), "", "not an MSH file: no $MeshFormat");
       if (!is_binary_4()) return false;
       end = head_.find(kNodes);
-      if (end == std::string::npos && size >= file_.size())
-        throw InputError(file_.name(), "$Nodes", "is missing, or the file is truncated");
+      if (end == std::string::npos && size >= file_.size()) return false;
     }
     head_.resize(at_ = end + kNodes.size());
     return true;
@@ -640,7 +643,6 @@ class Layout {
       if (count > num_nodes_ - passed) return false;
       require(count, kTag + kCoordinates);
       nodes_.push_back({passed, count, at_, at_ + count * kTag});
-      if (!are_tags_consecutive(passed, count)) return false;
       at_ += count * (kTag + kCoordinates);
       passed += count;
     }
@@ -651,14 +653,15 @@ class Layout {
     return passed == num_nodes_ && between == kBetween;
   }
 
-  bool are_tags_consecutive(std::uint64_t passed, std::uint64_t count) const {
+  bool are_tags_consecutive(const NodeBlock& block) const {
     constexpr std::uint64_t kAtOnce = 1u << 14;
-    std::vector<char> bytes(std::min(count, kAtOnce) * kTag);
-    for (std::uint64_t begin = 0; begin < count; begin += kAtOnce) {
-      const std::uint64_t n = std::min(kAtOnce, count - begin);
-      file_.read_at(at_ + begin * kTag, bytes.data(), n * kTag);
+    std::vector<char> bytes(std::min(block.count, kAtOnce) * kTag);
+    for (std::uint64_t begin = 0; begin < block.count; begin += kAtOnce) {
+      const std::uint64_t n = std::min(kAtOnce, block.count - begin);
+      file_.read_at(block.tags + begin * kTag, bytes.data(), n * kTag);
       for (std::uint64_t i = 0; i < n; ++i)
-        if (load<std::uint64_t>(bytes.data() + i * kTag, swapped_) != passed + begin + i + 1) return false;
+        if (load<std::uint64_t>(bytes.data() + i * kTag, swapped_) != block.first + begin + i + 1)
+          return false;
     }
     return true;
   }
@@ -729,7 +732,7 @@ class Layout {
 std::optional<MeshSize> gmsh_size(const std::filesystem::path& path) {
   const InputFile file(path);
   const auto layout = Layout::of(file);
-  return layout ? std::optional(layout->size()) : std::nullopt;
+  return layout && layout->are_tags_consecutive() ? std::optional(layout->size()) : std::nullopt;
 }
 
 MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange& range) {

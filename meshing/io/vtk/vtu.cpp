@@ -576,6 +576,12 @@ void write_frame(FilePart& out, const WholeMesh& whole) {
   rows(PieceArray::refs, first * sizeof(std::int32_t), [&](std::uint64_t i) { return whole.corners[i].ref; });
 }
 
+/// The piece of a file that has only one.
+pugi::xml_node only_piece(const VtkDocument& document) {
+  const auto pieces = document.grid().children("Piece");
+  return std::distance(pieces.begin(), pieces.end()) == 1 ? *pieces.begin() : pugi::xml_node();
+}
+
 }  // namespace
 
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
@@ -589,12 +595,6 @@ std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
 }
 
 MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(read_vtu_pieces(path)); }
-
-/// The only piece.
-static pugi::xml_node only_piece(const VtkDocument& document) {
-  const auto pieces = document.grid().children("Piece");
-  return std::distance(pieces.begin(), pieces.end()) == 1 ? *pieces.begin() : pugi::xml_node();
-}
 
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {
   const VtkDocument document(path, "UnstructuredGrid");
