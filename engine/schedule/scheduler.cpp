@@ -653,11 +653,14 @@ Load Scheduler::load() const {
   return {options_.threads, busy_, ready_.size(), std::max(0.0, queued_seconds_), handled_};
 }
 
+/// Not those that are only to be copied: nothing is counted that makes them ready, so that the run may end
+/// while they move, and they would be lost.
 std::vector<ReadyObject> Scheduler::ready_objects() const {
   const Lock lock(mutex_);
   std::vector<ReadyObject> objects;
   for (const Cell* cell : ready_) {
-    if (cell->type != nullptr && cell->type->movable && !cell->leaves_for.valid()) {
+    if (cell->type == nullptr || cell->mailbox.empty()) continue;
+    if (cell->type->movable && !cell->leaves_for.valid()) {
       objects.push_back({cell->id, cell->queued_seconds});
     }
   }

@@ -30,9 +30,6 @@ MODES = {
     "ranks": (RANKS, ("--subdomains", 3, "--threads", 1)),
     "ranks with checkpoints": (RANKS, ("--subdomains", 3, "--threads", 1, "--checkpoint", "ck", "--checkpoint-every", "0.01")),
 }
-# One run in about forty, without shared memory and with checkpoints every 0.01 s, waits for ever for a message between ranks that
-# was sent and never handled: tried where faults are many, so that it is not forgotten (tests/experiments/2026-11-24-faults.md).
-HANGS_AT_TIMES = ("ranks with checkpoints", "shm") if FAULTS < 100 else ()
 ALWAYS = {"write", "read", "fsync", "close", "rename", "open", "new"}  # calls that every run makes
 
 
@@ -99,8 +96,6 @@ class Faults(CommandTest):
             for rank in range(max(1, ranks)):
                 for kind, count in self.calls(mode, rank).items():
                     self.take_results()
-                    if (mode, kind) == HANGS_AT_TIMES:
-                        continue
                     for point in sorted(self.points(chance, count, ranks)):
                         fault = f"{kind}:{point}"
                         done = self.run_with(fault, mode, rank)
