@@ -236,6 +236,9 @@ void add_run(std::vector<Row>& rows) {
   rows.push_back(flag(
       "check", "check all subdomains after every round; slow",
       [](Options & o) -> auto& { return o.run.check; }));
+  rows.push_back(ban(
+      "no-verify", "give the result away without checking that it conforms",
+      [](Options & o) -> auto& { return o.run.verify; }));
   rows.push_back(flag(
       "measure", "fill the measures of the result", [](Options & o) -> auto& { return o.run.measure; },
       false));

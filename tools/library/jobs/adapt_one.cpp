@@ -8,6 +8,8 @@
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
+#include "meshing/mesh/check_mesh.h"
+#include "meshing/mesh/face_sums.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
@@ -25,6 +27,15 @@ namespace weft::tools {
 namespace {
 
 using meshing::InputError;
+
+/// The sums say only that something is wrong, the full check what.
+void check_conforms(const meshing::MeshData& mesh) {
+  if (meshing::sum_faces(mesh).ok()) return;
+  const CheckReport report = meshing::check_mesh(mesh, 5);
+  std::string text = "the result does not conform";
+  for (const std::string& problem : report.problems) text += "\n  " + problem;
+  throw RunError(text);
+}
 
 /// The steps in order, each leaving its part of the result.
 class OneMesh {
@@ -98,6 +109,7 @@ class OneMesh {
     account_for_checkpoints();
     field_ = {};
     result_.mesh = std::move(adapted.mesh);
+    if (options_.run.verify) check_conforms(result_.mesh);
     result_.metric = Metric::from_logarithms(std::move(adapted.log_metrics));
     meshing::AdaptReport& report = adapted.report;
     result_.stages = std::move(report.stages);

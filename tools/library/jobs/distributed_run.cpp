@@ -15,6 +15,7 @@
 #include "partition/decompose/partitioner.h"
 #include "partition/output/measure_pieces.h"
 #include "partition/output/sum_on_model.h"
+#include "partition/verify/check_result.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
@@ -205,6 +206,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
   });
   table_.reset();
+  if (options_.run.verify) partition::check_result(*peers_, result_.pieces);
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());
   report.complexity_asked = options_.metric.complexity > 0;
   report.target_complexity =

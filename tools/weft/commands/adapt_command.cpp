@@ -176,6 +176,10 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
   sub.add_flag("--repair", command.options.run.repair,
                "mend an input that would be refused, and say what was done")
       ->group("Run");
+  sub.add_flag_callback(
+         "--no-verify", [&command] { command.options.run.verify = false; },
+         "write the result without checking that it conforms")
+      ->group("Run");
   sub.add_flag("--force", command.options.run.force, "run even if the memory seems insufficient")
       ->group("Run");
 }

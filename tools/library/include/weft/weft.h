@@ -169,6 +169,9 @@ struct RunOptions {
   bool repair = false;
   bool force = false;   ///< run even if the memory seems insufficient
   bool check = false;   ///< check the invariants of all subdomains after every round: slow
+  /// Check that the result conforms before it is given away, by a sum over all faces (less than a hundredth
+  /// of the time). RunError names what is wrong: a fault of weft, not of the input.
+  bool verify = true;
   bool measure = true;  ///< fill the measures of the result
   /// SIGUSR1 makes every rank tell on_state what it does. The command's; a library handles no signals else.
   bool state_on_signal = false;

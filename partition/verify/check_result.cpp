@@ -1,0 +1,37 @@
+// Sums of faces over all pieces.
+#include "partition/verify/check_result.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "meshing/mesh/face_sums.h"
+#include "partition/communication/reduce.h"
+#include "partition/verify/check_pieces.h"
+#include "partition/verify/check_subdomains.h"
+
+namespace weft::partition {
+namespace {
+
+meshing::FaceSums sums_of(const MeshPiece& piece) {
+  std::vector<std::uint64_t> ids;
+  ids.reserve(piece.ids.size());
+  for (const GlobalId id : piece.ids) ids.push_back(id.value());
+  return meshing::sum_faces(piece.mesh, ids);
+}
+
+}  // namespace
+
+void check_result(Peers& peers, std::span<const MeshPiece> mine) {
+  meshing::FaceSums sums;
+  for (const MeshPiece& piece : mine) sums += sums_of(piece);
+  const std::vector<std::uint64_t> all = sum(peers, std::vector{sums.faults, sums.faces, sums.references});
+  if (meshing::FaceSums{all[0], all[1], all[2]}.ok()) return;
+  PiecesReport report = check_pieces(peers, mine);
+  if (report.ok()) {
+    report.num_problems = 1;
+    report.problems = {"faces of tets do not match, and none can be named"};
+  }
+  throw_if_violated(report, "in the result");
+}
+
+}  // namespace weft::partition
