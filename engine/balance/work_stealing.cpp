@@ -5,13 +5,10 @@
 #include <unordered_set>
 
 #include "engine/balance/balancer.h"
+#include "engine/balance/worth.h"
 
 namespace weft::engine {
 namespace {
-
-/// An object moves only for this many times the seconds that moving it takes: who is idle for a moment gets
-/// work from its messages soon, and what it would take for so little is missed where it was.
-constexpr double kLeastGain = 8;
 
 /// Seconds. What a rank has queued beyond this is work; the rest are messages that pass. A rank that has been
 /// idle but for messages is remembered where it has asked, and need not ask again: with thousands of ranks
@@ -95,10 +92,9 @@ class WorkStealing final : public Balancer {
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
     const double more = load.queued_seconds - their_seconds, wanted = more / 2;
-    const std::optional<double> move_seconds = actions.move_seconds();
-    const double worth_it = kLeastGain * move_seconds.value_or(0);
+    const double worth_it = worth_moving(actions);
     // None has moved yet: the first shows what moving takes.
-    const std::ptrdiff_t most = move_seconds ? spare : 1;
+    const std::ptrdiff_t most = actions.move_seconds() ? spare : 1;
     double given = 0;
     std::ptrdiff_t number = 0;
     for (const ReadyObject& object : ready) {

@@ -1,4 +1,4 @@
-// What a rank gives to one that asks.
+// What a rank gives to one that asks, or that has less.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +65,16 @@ TEST(WorkStealing, WhatIsNotWorthItsWayStays) {
 
 TEST(WorkStealing, OneGoesFirstToShowWhatMovingTakes) {
   EXPECT_THAT(given_by({std::vector<double>(60, 0.001), std::nullopt}), ElementsAre(60));
+}
+
+TEST(Diffusion, WhatIsNotWorthItsWayStays) {
+  const auto moved_by = [](BusyRank rank) {
+    diffusion()(kMe, 2)->step(rank, 0);
+    return rank.moved;
+  };
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.0}), ElementsAre(4, 3));
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.2}), IsEmpty());
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, std::nullopt}), ElementsAre(4)) << "the first shows what moving takes";
 }
 
 /// A rank that does nothing but ask, and whom all others answer that they have nothing.
