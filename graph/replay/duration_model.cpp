@@ -28,7 +28,7 @@ std::vector<double> sizes_of(const GraphDump& dump) {
 DurationModel::DurationModel(const GraphDump& recorded)
     : sizes_(sizes_of(recorded)), exponents_(recorded.description.nodes.size()) {
   add_samples(recorded);
-  for (NodeIndex node = 0; node < exponents_.size(); ++node) fit(node);
+  for (NodeIndex node = 0; node < exponents_.size(); ++node) fit(node, recorded.description.nodes[node].kind);
 }
 
 void DurationModel::add_samples(const GraphDump& recorded) {
@@ -37,10 +37,11 @@ void DurationModel::add_samples(const GraphDump& recorded) {
         {sizes_[run.instance], std::max(1.0, static_cast<double>(run.end - run.begin))});
 }
 
-/// Least squares with a normal prior of the slope: mean 1, as that of what goes over all tets, and a
-/// deviation that leaves room for what goes over a surface or is the same for all.
-void DurationModel::fit(NodeIndex node) {
-  constexpr double kPrior = 1, kDeviation = 0.5;
+/// Least squares with a normal prior of the slope. What an instance does by itself goes over all that it has;
+/// what it does when values of its neighbours have come, over what lies along the surface between them.
+void DurationModel::fit(NodeIndex node, dataflow::NodeKind kind) {
+  constexpr double kDeviation = 0.25;
+  const double prior = kind == dataflow::NodeKind::start ? 1 : 2.0 / 3;
   double xx = 0, xy = 0, yy = 0, degrees = 0;
   for (auto at = samples_.lower_bound({node, 0}); at != samples_.end() && at->first.first == node; ++at) {
     const std::vector<Sample>& samples = at->second;
@@ -54,10 +55,10 @@ void DurationModel::fit(NodeIndex node) {
     }
     degrees += count - 1;
   }
-  const double slope = xx > 0 ? xy / xx : kPrior;
+  const double slope = xx > 0 ? xy / xx : prior;
   const double variance = std::max(1e-9, (yy - slope * xy) / std::max(1.0, degrees - 1));
   const double precision = 1 / (kDeviation * kDeviation);
-  exponents_[node] = (xy / variance + kPrior * precision) / (xx / variance + precision);
+  exponents_[node] = (xy / variance + prior * precision) / (xx / variance + precision);
 }
 
 engine::TimePoint DurationModel::draw(NodeIndex node, std::uint64_t round, double size,

@@ -26,8 +26,8 @@ class DurationModel {
   /// Nanoseconds.
   engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, double size,
                          std::mt19937_64& random) const;
-  /// Seconds of a node go with this power of the size: fitted within the rounds, pulled to 1 where the
-  /// recorded sizes differ too little to tell.
+  /// Seconds of a node go with this power of the size: fitted within the rounds, pulled to that of a volume
+  /// or a surface where the recorded sizes differ too little to tell.
   double exponent(dataflow::NodeIndex node) const { return exponents_.at(node); }
 
  private:
@@ -36,7 +36,7 @@ class DurationModel {
     double nanoseconds;
   };
   void add_samples(const dataflow::GraphDump& recorded);
-  void fit(dataflow::NodeIndex node);
+  void fit(dataflow::NodeIndex node, dataflow::NodeKind kind);
 
   std::vector<double> sizes_;
   std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::vector<Sample>> samples_;  ///< node, round
