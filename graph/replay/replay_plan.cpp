@@ -38,19 +38,6 @@ std::vector<bool> followers(const GraphDump& dump) {
   return follows;
 }
 
-/// The run of a wake node happens at the first value for its event in its round: which use that is.
-std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first_values(
-    const GraphDump& dump) {
-  std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first;
-  for (const DumpedUse& use : dump.uses) {
-    if (dump.description.edges[use.edge].kind != EdgeKind::remote) continue;
-    const DumpedRun& run = dump.runs[use.to];
-    const DumpedUse*& known = first[{run.instance, run.node, run.round}];
-    if (known == nullptr || use.time < known->time) known = &use;
-  }
-  return first;
-}
-
 class Planner {
  public:
   Planner(const GraphDump& dump, double slowdown) : dump_(dump), slowdown_(slowdown) {}
@@ -98,18 +85,19 @@ class Planner {
     ++plan_.handlers[to].values;
   }
 
+  /// The run of a wake node happens at whichever value for its event in its round comes first.
   void add_wakes() {
-    const auto first = first_values(dump_);
+    std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, HandlerIndex> events;
+    for (RunIndex r = 0; r < dump_.runs.size(); ++r)
+      events[{dump_.runs[r].instance, dump_.runs[r].node, dump_.runs[r].round}] = handler_of_[r];
     for (RunIndex r = 0; r < dump_.runs.size(); ++r) {
       const DumpedRun& run = dump_.runs[r];
       for (const auto& edge : dump_.description.edges) {
         if (edge.kind != EdgeKind::wake || edge.to != run.node) continue;
-        const auto found = first.find({run.instance, edge.from, run.round});
-        if (found == first.end()) continue;
-        DumpedUse call = *found->second;
-        call.bytes = 0;  // the value itself goes to the event
-        call.to = r;
-        add_send(call, handler_of_[r]);
+        const auto event = events.find({run.instance, edge.from, run.round});
+        if (event == events.end() || plan_.handlers[event->second].values == 0) continue;
+        plan_.handlers[event->second].wakes = handler_of_[r];
+        plan_.handlers[handler_of_[r]].values = 1;
       }
     }
   }

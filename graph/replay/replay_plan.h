@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/base/rank.h"
@@ -32,8 +33,9 @@ struct PlannedRun {
 /// A handler of an instance: the run of an event, a start or a wake node, and what follows from it locally.
 struct PlannedHandler {
   std::vector<PlannedRun> runs;
-  std::uint32_t values = 0;  ///< it waits for so many
-  double expected = 0;       ///< seconds: what handlers of this node take in this round on average
+  std::uint32_t values = 0;                ///< it waits for so many
+  std::optional<HandlerIndex> wakes = {};  ///< of the same instance: runs at the first of these values
+  double expected = 0;  ///< seconds: what handlers of this node take in this round on average
 };
 
 struct ReplayPlan {

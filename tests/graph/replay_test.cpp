@@ -188,6 +188,48 @@ TEST(Replay, Processor_times_take_the_place_of_wall_times) {
   EXPECT_THROW(take_processor_times(none), std::invalid_argument);
 }
 
+/// The first instance sends to the event of the second, whose wake node then asks the third for the second
+/// value. By the times of the recording the third was the first.
+GraphDump woken() {
+  using dataflow::EdgeKind;
+  using dataflow::NodeKind;
+  using dataflow::RoundStep;
+  GraphDump dump;
+  dump.description = {"trio",
+                      {{"begin", NodeKind::start},
+                       {"gather", NodeKind::event},
+                       {"wake", NodeKind::wake},
+                       {"answer", NodeKind::event}},
+                      {{"begin -> gather", EdgeKind::remote, 0, 1, RoundStep::same, "int"},
+                       {"gather -> wake", EdgeKind::wake, 1, 2, RoundStep::same, "int"},
+                       {"wake -> answer", EdgeKind::remote, 2, 3, RoundStep::same, "int"},
+                       {"answer -> gather", EdgeKind::remote, 3, 1, RoundStep::same, "int"}}};
+  for (std::uint32_t i = 0; i < 3; ++i)
+    dump.instances.push_back({i, {engine::Rank(0), i + 1}, engine::Rank(0)});
+  const auto run = [](dataflow::NodeIndex node, dataflow::InstanceIndex instance, engine::TimePoint begin) {
+    dataflow::DumpedRun made;
+    made.node = node, made.instance = instance, made.begin = begin, made.end = begin + 1'000'000;
+    return made;
+  };
+  dump.runs = {run(0, 0, 0), run(2, 1, 1'000'000), run(3, 2, 2'000'000), run(1, 1, 3'000'000)};
+  dump.uses = {{.edge = 2, .from = 1, .to = 2, .time = 1'500'000, .bytes = 8},
+               {.edge = 3, .from = 2, .to = 3, .time = 2'000'000, .bytes = 8},
+               {.edge = 0, .from = 0, .to = 3, .time = 9'000'000, .bytes = 8}};
+  return dump;
+}
+
+TEST(Replay, Whichever_value_comes_first_wakes_whatever_the_clocks_said) {
+  const Replayed replayed = replay(woken(), {.ranks = 3, .balancer = engine::no_balancing()});
+  EXPECT_NEAR(replayed.seconds, 3e-3, 0.1e-3) << "begin, wake, gather; the answer is there by then";
+  EXPECT_EQ(replayed.engine.traffic[0].sent.messages, 3u);
+}
+
+TEST(Replay, A_graph_that_waits_for_itself_is_refused) {
+  GraphDump dump = woken();
+  dump.uses.pop_back();  // the answer to its question alone would wake the second
+  EXPECT_THROW(replay(dump, {.ranks = 3}), std::invalid_argument);
+}
+
 TEST(Replay, A_planned_graph_is_refused) {
   GraphDump planned = chain();
   planned.runs.clear();
