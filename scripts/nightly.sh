@@ -23,6 +23,8 @@ timeout 3600 build/bin/weft_fuzz_readers 100000000 "$RANDOM" tests/data/formats/
 timeout 3600 build/bin/weft_fuzz_options 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
 # Random meshes, metrics, partitions, ranks.
 scripts/fuzz_runs.py build/bin/weft --seconds 3600
+# A thousand ranks in one thread, and real ones: the same bytes.
+scripts/many_ranks.py
 # Several hosts over TCP, links that are slow or cut; skips loudly where network namespaces are not permitted.
 scripts/several_hosts.py --hosts 4
 scripts/bench.sh

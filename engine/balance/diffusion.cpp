@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/balance/balancer.h"
+#include "engine/balance/worth.h"
 
 namespace weft::engine {
 namespace {
@@ -51,6 +52,9 @@ class Diffusion final : public Balancer {
 
   void spread(double mine, BalanceActions& actions) {
     std::vector<ReadyObject> ready = actions.ready_objects();
+    const double worth_it = worth_moving(actions);
+    // None has moved yet: the first shows what moving takes.
+    std::size_t left = actions.move_seconds() ? ready.size() : 1;
     for (Neighbour& neighbour : neighbours_) {
       // What it told may have changed by as much as is not worth telling, and mine may be told wrong by as
       // much.
@@ -58,10 +62,12 @@ class Diffusion final : public Balancer {
       double flow = (mine - neighbour.seconds) / static_cast<double>(neighbours_.size() + 1);
       // The last in the queue are given. An object of more than the flow would only swap the roles, unless it
       // leaves the neighbour below what stays here.
-      for (std::size_t i = ready.size(); i-- > 0 && flow > 0;) {
+      for (std::size_t i = ready.size(); i-- > 0 && flow > 0 && left > 0;) {
         const double seconds = ready[i].seconds;
+        if (seconds < worth_it) continue;
         if (seconds > flow && neighbour.seconds + seconds > mine - seconds) continue;
         actions.move(ready[i].id, neighbour.rank);
+        --left;
         flow -= seconds;
         mine -= seconds;
         neighbour.seconds += seconds;

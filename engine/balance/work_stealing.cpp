@@ -1,15 +1,19 @@
 // Work stealing with lifelines.
 #include <algorithm>
+#include <deque>
 #include <random>
+#include <unordered_set>
 
 #include "engine/balance/balancer.h"
+#include "engine/balance/worth.h"
 
 namespace weft::engine {
 namespace {
 
-/// An object moves only for this many times the seconds that moving it takes: who is idle for a moment gets
-/// work from its messages soon, and what it would take for so little is missed where it was.
-constexpr double kLeastGain = 8;
+/// Seconds. What a rank has queued beyond this is work; the rest are messages that pass. A rank that has been
+/// idle but for messages is remembered where it has asked, and need not ask again: with thousands of ranks
+/// the questions would be most of what is sent.
+constexpr double kWork = 1e-3;
 
 class WorkStealing final : public Balancer {
  public:
@@ -18,8 +22,7 @@ class WorkStealing final : public Balancer {
 
   void step(BalanceActions& actions, TimePoint) override {
     const Load load = actions.load();
-    if (load.handled != handled_) tried_ = 0;  // there has been work since: others may have some again
-    handled_ = load.handled;
+    if (load.queued_seconds > kWork) tried_ = 0;  // others may have heard of it, and forgotten this rank
     if (load.ready > 0) {
       feed_hungry(actions);
     } else if (load.busy < load.workers && !asking_ && tried_ < tries()) {
@@ -32,7 +35,7 @@ class WorkStealing final : public Balancer {
       case Kind::ask:
         if (!give(from, message.seconds, actions)) {
           actions.tell(from, {static_cast<std::uint32_t>(Kind::later), 0});
-          remember(from, message.seconds, actions);
+          remember(from, actions);
         }
         break;
       case Kind::given:
@@ -48,10 +51,6 @@ class WorkStealing final : public Balancer {
 
  private:
   enum class Kind : std::uint32_t { ask, given, later };
-  struct Hungry {
-    Rank rank;
-    double seconds;  ///< its load when it asked
-  };
 
   /// Lifelines: the neighbours on a hypercube, so that work reaches every rank in a few steps; before them,
   /// as many others.
@@ -93,10 +92,9 @@ class WorkStealing final : public Balancer {
     const auto spare = static_cast<std::ptrdiff_t>(ready.size()) - (load.workers - load.busy);
     if (spare <= 0) return false;
     const double more = load.queued_seconds - their_seconds, wanted = more / 2;
-    const std::optional<double> move_seconds = actions.move_seconds();
-    const double worth_it = kLeastGain * move_seconds.value_or(0);
+    const double worth_it = worth_moving(actions);
     // None has moved yet: the first shows what moving takes.
-    const std::ptrdiff_t most = move_seconds ? spare : 1;
+    const std::ptrdiff_t most = actions.move_seconds() ? spare : 1;
     double given = 0;
     std::ptrdiff_t number = 0;
     for (const ReadyObject& object : ready) {
@@ -113,21 +111,21 @@ class WorkStealing final : public Balancer {
     return true;
   }
 
-  void remember(Rank rank, double seconds, BalanceActions& actions) {
-    const auto known = std::find_if(hungry_.begin(), hungry_.end(),
-                                    [&](const Hungry& hungry) { return hungry.rank == rank; });
-    if (known == hungry_.end()) hungry_.push_back({rank, seconds});
+  void remember(Rank rank, BalanceActions& actions) {
+    if (remembered_.insert(rank.value).second) hungry_.push_back(rank);
     actions.wake_when_ready(true);
   }
 
   void feed_hungry(BalanceActions& actions) {
     while (!hungry_.empty()) {
-      const Hungry hungry = hungry_.front();
+      const Rank hungry = hungry_.front();
       // It may have found work elsewhere since.
-      const double known = actions.load_of(hungry.rank);
-      if (known <= actions.load().queued_seconds / 2 && !give(hungry.rank, std::max(known, 0.0), actions))
+      const double known = actions.load_of(hungry);
+      if (known <= std::max(kWork, actions.load().queued_seconds / 2) &&
+          !give(hungry, std::max(known, 0.0), actions))
         return;
-      hungry_.erase(hungry_.begin());
+      remembered_.erase(hungry.value);
+      hungry_.pop_front();
     }
     actions.wake_when_ready(false);
   }
@@ -136,9 +134,9 @@ class WorkStealing final : public Balancer {
   int ranks_;
   std::minstd_rand random_;
   bool asking_ = false;
-  int tried_ = 0;  ///< ranks asked in vain since there was last work here
-  std::uint64_t handled_ = 0;
-  std::vector<Hungry> hungry_;
+  int tried_ = 0;                                ///< ranks asked in vain since there was last work here
+  std::deque<Rank> hungry_;                      ///< have asked in vain, each once
+  std::unordered_set<std::int32_t> remembered_;  ///< the same
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "graph/adaptation/distributed_adaptation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -25,9 +24,7 @@ using partition::SubdomainStart;
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+double seconds_since(engine::TimePoint t) { return 1e-9 * static_cast<double>(engine::now() - t); }
 
 /// Of the adapted subdomain.
 double predicted_tets(const SubdomainStart& s) {
@@ -293,7 +290,7 @@ void register_adaptation(engine::Registry& registry) {
 DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers, RankData& rank,
                                     partition::MeshSlice&& slice, const DistributedOptions& options) {
   DistributedResult result;
-  const auto begin = Clock::now();
+  const engine::TimePoint begin = engine::now();
   const std::uint64_t input_tets = slice.num_tets;
   partition::Distributed d = partition::distribute(peers, std::move(slice), options.decomposition);
   result.warnings = d.warnings;
@@ -319,7 +316,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
 
   if (options.on_plan) options.on_plan();
   if (options.on_start) options.on_start();
-  const auto middle = Clock::now();
+  const engine::TimePoint middle = engine::now();
   const bool keeps_state = options.checkpoints || !options.resume.empty();
   const std::uint64_t hash = keeps_state ? hash_of_run(peers, d.starts, plan, options.program) : 0;
   if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);

@@ -173,6 +173,7 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
       refining += engine::now() - begin;
     };
   adapt(context, meshing::Extent::everything, 0, before_level);
+  context.count("tets predicted", predicted_tets_);
   context.count("interface refinement, seconds", 1e-9 * static_cast<double>(refining));
   const std::vector<Ref> to = neighbours(context);
   std::vector<partition::InterfaceVertices> created = refinement.created();

@@ -76,15 +76,13 @@ ExecutionLog gather_log(RankExchange& exchange, ExecutionLog mine) {
   runtime.gather_summaries();  // compares the clocks
   engine::TimePoint offset = runtime.timeline().clock_offset;
   std::vector<engine::Payload> to_each(static_cast<std::size_t>(runtime.ranks()));
-  for (engine::Payload& payload : to_each) {
-    ExecutionLog part = std::exchange(mine, {});  // all of it to rank 0, empty logs to the others
-    engine::Packer packer(true);
-    packer(offset, part);
-    payload = packer.take();
-  }
+  engine::Packer packer(true);
+  packer(offset, mine);
+  to_each[0] = packer.take();
   ExecutionLog all;
   std::vector<engine::TimePoint> offset_of_rank;
   for (engine::Payload& payload : exchange.exchange(std::move(to_each))) {
+    if (runtime.rank().value > 0) continue;  // all went to rank 0
     ExecutionLog part;
     engine::Unpacker unpacker(std::move(payload));
     unpacker(offset, part);

@@ -30,6 +30,10 @@ struct NodeRun {
   std::uint32_t counters = 0;
 };
 
+/// Counter of every run: processor time of the thread that ran it. What other threads helped with is not in
+/// it.
+inline constexpr const char* kProcessorSeconds = "processor, seconds";
+
 /// A value has been passed along an edge. Plain data.
 struct EdgeUse {
   EdgeIndex edge = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/text.h"
+#include "engine/trace/processor_time.h"
 #include "engine/trace/trace.h"
 #include "graph/dataflow/node_context.h"
 
@@ -68,9 +69,11 @@ void InstanceCore::fire(engine::Context& context, const void* event, std::uint64
 
 Passed InstanceCore::run_node(NodeIndex node, const Token& input) {
   if (recording_ == Recording::on) record_run(node, input);
+  const engine::TimePoint begin = recording_ == Recording::on ? engine::processor_time() : 0;
   Passed output = call_body(node, input);
   if (recording_ == Recording::on) {
     log_.runs.back().end = engine::now();
+    log_.count(kProcessorSeconds, 1e-9 * static_cast<double>(engine::processor_time() - begin));
     if (output.value != nullptr) record_local_uses(node, output.type, input.round);
   }
   return output;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -50,6 +52,7 @@ struct Shared {
   GraphDump graph;
   std::vector<Rank> rank_of;                         ///< of each instance, now
   std::vector<std::uint64_t> objects, most_objects;  ///< by rank
+  std::size_t handled = 0;                           ///< handlers that have run
 
   std::size_t size() const { return plan.instances.size(); }
   /// Blocks of instances, as subdomains are placed.
@@ -92,7 +95,9 @@ class Actor {
   }
 
   void arrive(Context& context, HandlerIndex handler, Payload) {
-    ++arrived_.at(shared(context).place_of[handler]);
+    const Shared& all = shared(context);
+    ++arrived_.at(all.place_of[handler]);
+    if (const auto wakes = all.plan.handlers[handler].wakes) ++arrived_.at(all.place_of[*wakes]);
     ask(context);
   }
 
@@ -102,6 +107,7 @@ class Actor {
     for (const PlannedRun& run : all.plan.handlers[all.plan.instances[instance_][next_]].runs)
       work(context, run);
     ++next_;
+    ++all.handled;
     asked_ = false;
     ask(context);
   }
@@ -213,7 +219,7 @@ double span_of(const GraphDump& graph) {
 
 Replayed replay(const GraphDump& recorded, const ReplayOptions& options) {
   const auto ranks = static_cast<std::size_t>(std::max(options.ranks, 0));
-  Shared shared{options, plan_of(recorded, options.slowdown), {}, recorded, {}, {}, {}};
+  Shared shared{options, plan_of(recorded, options.slowdown), {}, recorded, {}, {}, {}, 0};
   shared.rank_of.resize(shared.size());
   shared.objects.resize(ranks);
   shared.most_objects.resize(ranks);
@@ -229,6 +235,10 @@ Replayed replay(const GraphDump& recorded, const ReplayOptions& options) {
   simulation.stack_bytes = std::size_t{128} << 10;
   result.simulation =
       engine::simulate(simulation, [&](engine::Transport& transport) { act(shared, transport, result); });
+  if (shared.handled != shared.plan.handlers.size())
+    throw std::invalid_argument("has tasks that wait for each other for ever: " +
+                                std::to_string(shared.plan.handlers.size() - shared.handled) +
+                                " did not run");
   for (engine::RankSummary& rank : result.engine.ranks)  // not that of the process, which has them all
     rank.peak_rss = shared.most_objects[rank.rank.index()] * options.object_bytes;
   result.engine = engine::merge(std::move(result.engine.ranks));

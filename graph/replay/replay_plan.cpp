@@ -2,12 +2,15 @@
 #include "graph/replay/replay_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <random>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "graph/replay/duration_model.h"
 
 namespace weft::graph::replay {
 
@@ -33,19 +36,6 @@ std::vector<bool> followers(const GraphDump& dump) {
   for (const DumpedUse& use : dump.uses)
     if (dump.description.edges[use.edge].kind == EdgeKind::local) follows[use.to] = true;
   return follows;
-}
-
-/// The run of a wake node happens at the first value for its event in its round: which use that is.
-std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first_values(
-    const GraphDump& dump) {
-  std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, const DumpedUse*> first;
-  for (const DumpedUse& use : dump.uses) {
-    if (dump.description.edges[use.edge].kind != EdgeKind::remote) continue;
-    const DumpedRun& run = dump.runs[use.to];
-    const DumpedUse*& known = first[{run.instance, run.node, run.round}];
-    if (known == nullptr || use.time < known->time) known = &use;
-  }
-  return first;
 }
 
 class Planner {
@@ -95,18 +85,19 @@ class Planner {
     ++plan_.handlers[to].values;
   }
 
+  /// The run of a wake node happens at whichever value for its event in its round comes first.
   void add_wakes() {
-    const auto first = first_values(dump_);
+    std::map<std::tuple<std::uint32_t, dataflow::NodeIndex, std::uint64_t>, HandlerIndex> events;
+    for (RunIndex r = 0; r < dump_.runs.size(); ++r)
+      events[{dump_.runs[r].instance, dump_.runs[r].node, dump_.runs[r].round}] = handler_of_[r];
     for (RunIndex r = 0; r < dump_.runs.size(); ++r) {
       const DumpedRun& run = dump_.runs[r];
       for (const auto& edge : dump_.description.edges) {
         if (edge.kind != EdgeKind::wake || edge.to != run.node) continue;
-        const auto found = first.find({run.instance, edge.from, run.round});
-        if (found == first.end()) continue;
-        DumpedUse call = *found->second;
-        call.bytes = 0;  // the value itself goes to the event
-        call.to = r;
-        add_send(call, handler_of_[r]);
+        const auto event = events.find({run.instance, edge.from, run.round});
+        if (event == events.end() || plan_.handlers[event->second].values == 0) continue;
+        plan_.handlers[event->second].wakes = handler_of_[r];
+        plan_.handlers[handler_of_[r]].values = 1;
       }
     }
   }
@@ -148,52 +139,107 @@ ReplayPlan plan_of(const GraphDump& dump, double slowdown) {
   return Planner(dump, slowdown).plan();
 }
 
-GraphDump enlarged(const GraphDump& dump, std::uint32_t copies, std::uint64_t seed) {
-  const auto instances = static_cast<std::uint32_t>(dump.instances.size());
-  const auto runs = static_cast<RunIndex>(dump.runs.size());
-  if (copies == 0 || std::uint64_t{copies} * std::max<std::uint64_t>(instances, runs) >
-                         std::numeric_limits<std::uint32_t>::max())
-    throw std::invalid_argument("the graph cannot be made so large");
-  std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::vector<TimePoint>> durations;
-  for (const DumpedRun& run : dump.runs) durations[{run.node, run.round}].push_back(run.end - run.begin);
-  std::mt19937_64 random(seed);
-  GraphDump large = dump;
-  for (std::uint32_t c = 1; c < copies; ++c) {
-    for (auto instance : dump.instances) {
-      instance.number += std::uint64_t{c} * instances;
-      instance.object = engine::ObjectId{engine::Rank(0), c * instances + instance.object.number + 1};
-      large.instances.push_back(instance);
+void take_processor_times(GraphDump& dump) {
+  const auto name =
+      std::find(dump.counter_names.begin(), dump.counter_names.end(), dataflow::kProcessorSeconds);
+  if (name == dump.counter_names.end())
+    throw std::invalid_argument("contains no processor times: it was recorded by an older version");
+  const auto place = static_cast<std::size_t>(name - dump.counter_names.begin());
+  std::vector<double> factors(dump.runs.size(), 1);
+  for (RunIndex r = 0; r < dump.runs.size(); ++r) {
+    DumpedRun& run = dump.runs[r];
+    const double seconds = place < run.counters.size() ? run.counters[place] : 0;
+    const auto took = static_cast<TimePoint>(1e9 * seconds);
+    if (run.end > run.begin)
+      factors[r] = static_cast<double>(took) / static_cast<double>(run.end - run.begin);
+    run.end = run.begin + took;
+  }
+  for (DumpedUse& use : dump.uses) {
+    const TimePoint begin = dump.runs[use.from].begin;
+    use.time = std::min(dump.runs[use.from].end, begin + scaled(use.time - begin, factors[use.from]));
+  }
+  std::stable_sort(dump.uses.begin(), dump.uses.end(), [](const DumpedUse& a, const DumpedUse& b) {
+    return std::tie(a.to, a.time) < std::tie(b.to, b.time);
+  });
+}
+
+namespace {
+
+/// Adds instances to a copy of a recording.
+class Enlarger {
+ public:
+  Enlarger(const GraphDump& dump, const Enlargement& enlargement)
+      : dump_(dump), enlargement_(enlargement), durations_(dump), random_(enlargement.seed) {}
+
+  GraphDump enlarge() {
+    large_.description = dump_.description;
+    large_.counter_names = dump_.counter_names;
+    for (std::uint32_t c = 0; c < copies(); ++c) add_copy(c);
+    for (std::uint32_t c = 0; c < copies(); ++c) add_uses(c);
+    std::stable_sort(large_.uses.begin(), large_.uses.end(), [](const DumpedUse& a, const DumpedUse& b) {
+      return std::tie(a.to, a.time) < std::tie(b.to, b.time);
+    });
+    return std::move(large_);
+  }
+
+ private:
+  std::uint32_t copies() const { return enlargement_.copies * enlargement_.split; }
+  double growth() const { return enlargement_.grow / enlargement_.split; }
+  bool is_recording(std::uint32_t copy) const { return copy == 0 && growth() == 1; }
+
+  void add_copy(std::uint32_t copy) {
+    const auto instances = static_cast<std::uint32_t>(dump_.instances.size());
+    std::vector<double> sizes;
+    for (auto instance : dump_.instances) {
+      instance.number += std::uint64_t{copy} * instances;
+      if (copy > 0) instance.object = {engine::Rank(0), copy * instances + instance.object.number + 1};
+      large_.instances.push_back(instance);
+      sizes.push_back(durations_.sizes()[random_() % instances] * growth());
     }
-    for (DumpedRun run : dump.runs) {
-      const std::vector<TimePoint>& drawn = durations[{run.node, run.round}];
-      run.instance += c * instances;
-      run.end = run.begin + drawn[random() % drawn.size()];
-      large.runs.push_back(run);
+    for (DumpedRun run : dump_.runs) {
+      if (!is_recording(copy))
+        run.end = run.begin + durations_.draw(run.node, run.round, sizes[run.instance], random_);
+      run.instance += copy * instances;
+      large_.runs.push_back(std::move(run));
     }
   }
-  large.uses.clear();
-  for (std::uint32_t c = 0; c < copies; ++c) {
-    for (std::uint32_t u = 0; u < dump.uses.size(); ++u) {
-      DumpedUse use = dump.uses[u];
-      const bool remote = dump.description.edges[use.edge].kind == EdgeKind::remote;
-      const std::uint32_t target = remote && u % kCrossing == 0 ? (c + 1) % copies : c;
-      const RunIndex from = use.from;
-      use.from += c * runs;
+
+  void add_uses(std::uint32_t copy) {
+    const auto runs = static_cast<RunIndex>(dump_.runs.size());
+    const double surface = std::pow(growth(), 2.0 / 3);
+    for (std::uint32_t u = 0; u < dump_.uses.size(); ++u) {
+      DumpedUse use = dump_.uses[u];
+      const bool remote = dump_.description.edges[use.edge].kind == EdgeKind::remote;
+      const std::uint32_t target = remote && u % kCrossing == 0 ? (copy + 1) % copies() : copy;
+      const DumpedRun& was = dump_.runs[use.from];
+      use.from += copy * runs;
       use.to += target * runs;
+      use.bytes = static_cast<std::uint64_t>(static_cast<double>(use.bytes) * surface);
       // It was sent after the same share of the work.
-      const DumpedRun &was = dump.runs[from], &is = large.runs[use.from];
+      const DumpedRun& is = large_.runs[use.from];
       const double share = was.end > was.begin ? static_cast<double>(use.time - was.begin) /
                                                      static_cast<double>(was.end - was.begin)
                                                : 0;
       use.time = is.begin + scaled(is.end - is.begin, std::clamp(share, 0.0, 1.0));
-      large.uses.push_back(use);
+      large_.uses.push_back(use);
     }
   }
-  std::stable_sort(large.uses.begin(), large.uses.end(), [](const DumpedUse& a, const DumpedUse& b) {
-    return std::tie(a.to, a.time) < std::tie(b.to, b.time);
-  });
-  large.network.clear();
-  return large;
+
+  const GraphDump& dump_;
+  Enlargement enlargement_;
+  DurationModel durations_;
+  std::mt19937_64 random_;
+  GraphDump large_;
+};
+
+}  // namespace
+
+GraphDump enlarged(const GraphDump& dump, const Enlargement& enlargement) {
+  const double copies = static_cast<double>(enlargement.copies) * enlargement.split;
+  const auto most = static_cast<double>(std::max({dump.instances.size(), dump.runs.size(), std::size_t{1}}));
+  if (copies < 1 || !(enlargement.grow > 0) || copies * most > std::numeric_limits<std::uint32_t>::max())
+    throw std::invalid_argument("the graph cannot be made so large");
+  return Enlarger(dump, enlargement).enlarge();
 }
 
 }  // namespace weft::graph::replay

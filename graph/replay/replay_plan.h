@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/base/rank.h"
@@ -32,8 +33,9 @@ struct PlannedRun {
 /// A handler of an instance: the run of an event, a start or a wake node, and what follows from it locally.
 struct PlannedHandler {
   std::vector<PlannedRun> runs;
-  std::uint32_t values = 0;  ///< it waits for so many
-  double expected = 0;       ///< seconds: what handlers of this node take in this round on average
+  std::uint32_t values = 0;                ///< it waits for so many
+  std::optional<HandlerIndex> wakes = {};  ///< of the same instance: runs at the first of these values
+  double expected = 0;  ///< seconds: what handlers of this node take in this round on average
 };
 
 struct ReplayPlan {
@@ -46,11 +48,23 @@ struct ReplayPlan {
 /// executed.
 ReplayPlan plan_of(const dataflow::GraphDump& dump, double slowdown = 1);
 
-/// A graph of `copies` times as many instances: the first copy is the recording itself, the instances of the
-/// others are as those of the recording, but each run takes what a run of the same node and round took in an
-/// instance drawn at random. Each instance of a copy sends every `kCrossing`-th value to its twin in the next
-/// copy and waits for as many from that of the one before, so copies wait for each other as parts of one mesh
-/// do.
-dataflow::GraphDump enlarged(const dataflow::GraphDump& dump, std::uint32_t copies, std::uint64_t seed = 1);
+/// Makes the runs as long as the processor time that was counted in each (dataflow::kProcessorSeconds), for
+/// recordings on a machine that others used; sound where a rank had one thread. Throws std::invalid_argument
+/// for a graph without.
+void take_processor_times(dataflow::GraphDump& dump);
+
+struct Enlargement {
+  std::uint32_t copies = 1;  ///< so many times the mesh, in subdomains of the same size
+  std::uint32_t split = 1;   ///< so many times the subdomains of the same mesh, each so much smaller
+  double grow = 1;           ///< so many times the tets in each subdomain
+  std::uint64_t seed = 1;
+};
+
+/// A graph of `copies * split` times as many instances, which are as those of the recording. Where sizes stay
+/// the first copy is the recording itself. The others have sizes drawn from the recorded ones, times
+/// `grow / split`, and their runs take what DurationModel draws for that; values have the bytes of a surface.
+/// Each instance of a copy sends every `kCrossing`-th value to its twin in the next copy and waits for as
+/// many from that of the one before, so copies wait for each other as parts of one mesh do.
+dataflow::GraphDump enlarged(const dataflow::GraphDump& dump, const Enlargement& enlargement);
 
 }  // namespace weft::graph::replay

@@ -1,4 +1,4 @@
-// What a rank gives to one that asks.
+// What a rank gives to one that asks, or that has less.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +65,65 @@ TEST(WorkStealing, WhatIsNotWorthItsWayStays) {
 
 TEST(WorkStealing, OneGoesFirstToShowWhatMovingTakes) {
   EXPECT_THAT(given_by({std::vector<double>(60, 0.001), std::nullopt}), ElementsAre(60));
+}
+
+TEST(Diffusion, WhatIsNotWorthItsWayStays) {
+  const auto moved_by = [](BusyRank rank) {
+    diffusion()(kMe, 2)->step(rank, 0);
+    return rank.moved;
+  };
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.0}), ElementsAre(4, 3));
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.2}), IsEmpty());
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, std::nullopt}), ElementsAre(4)) << "the first shows what moving takes";
+}
+
+/// A rank that does nothing but ask, and whom all others answer that they have nothing.
+class IdleRank final : public BalanceActions {
+ public:
+  Rank rank() const override { return kMe; }
+  int ranks() const override { return 64; }
+  Load load() const override { return now; }
+  std::vector<ReadyObject> ready_objects() const override { return {}; }
+  std::optional<double> move_seconds() const override { return std::nullopt; }
+  double load_of(Rank) const override { return 0; }
+  void move(ObjectId, Rank) override {}
+  void tell(Rank to, const BalanceMessage&) override {
+    ++asked;
+    last = to;
+  }
+  void wake_when_ready(bool) override {}
+
+  /// Steps until it asks no more; how many it has asked.
+  int asks_in(Balancer& policy) {
+    const int before = asked;
+    policy.step(*this, 0);
+    for (int seen = before; asked > seen;) {
+      seen = asked;
+      policy.told(last, {2, 0}, *this);
+    }
+    return asked - before;
+  }
+
+  Load now{1, 0, 0, 0, 0};
+  int asked = 0;
+  Rank last;
+};
+
+TEST(WorkStealing, WhoIsIdleButForMessagesAsksAgainOnlyAfterWork) {
+  IdleRank rank;
+  const auto policy = work_stealing()(kMe, rank.ranks());
+  const int asked = rank.asks_in(*policy);
+  EXPECT_GE(asked, 6) << "all neighbours on the hypercube at least";
+  EXPECT_LT(asked, 64);
+  for (int message = 0; message < 100; ++message) {
+    ++rank.now.handled;
+    EXPECT_EQ(rank.asks_in(*policy), 0);
+  }
+  rank.now.queued_seconds = 1;
+  rank.now.ready = 1;
+  EXPECT_EQ(rank.asks_in(*policy), 0);
+  rank.now = {1, 0, 0, 0, rank.now.handled + 1};
+  EXPECT_EQ(rank.asks_in(*policy), asked);
 }
 
 }  // namespace

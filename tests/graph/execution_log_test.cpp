@@ -85,6 +85,9 @@ void expect_bytes_to_agree(const ExecutionLog& log, const GameRules& rules) {
     const NodeKind kind = game().nodes.at(run.node).kind;
     const auto [count, bytes] = count_and_bytes[{run.instance, run.node, run.round}];
     EXPECT_EQ(run.bytes_received, bytes);
+    // A thread gets no more of a processor than all of it.
+    EXPECT_LE(log.counter(run, kProcessorSeconds), 1e-9 * static_cast<double>(run.end - run.begin) + 1e-4);
+    EXPECT_GT(log.counter(run, kProcessorSeconds), 0);
     if (kind == NodeKind::interior) {
       EXPECT_EQ(count, 1u);
     }

@@ -5,11 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "graph/dataflow/dump/critical_path.h"
+#include "graph/replay/duration_model.h"
 #include "graph/replay/replay_plan.h"
 #include "tests/support/simulated_run.h"
 
@@ -120,12 +124,110 @@ TEST(Replay, A_thousand_ranks_send_as_many_values_as_one) {
 
 TEST(Replay, An_enlarged_graph_has_so_many_times_the_tasks_and_can_be_replayed) {
   const GraphDump dump = recorded(12);
-  const GraphDump large = enlarged(dump, 5);
+  const GraphDump large = enlarged(dump, {.copies = 5});
   EXPECT_EQ(large.instances.size(), 60u);
   EXPECT_EQ(large.runs.size(), 5 * dump.runs.size());
   EXPECT_EQ(large.uses.size(), 5 * dump.uses.size());
   const Replayed replayed = replay(large, {.ranks = 10});
   EXPECT_GT(replayed.work, 3 * replay(dump, {}).work);
+}
+
+dataflow::NodeIndex node_named(const GraphDump& dump, const std::string& name) {
+  const auto& nodes = dump.description.nodes;
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [&](const auto& n) { return n.name == name; });
+  return static_cast<dataflow::NodeIndex>(found - nodes.begin());
+}
+
+double seconds_of(const GraphDump& dump) {
+  double sum = 0;
+  for (const auto& run : dump.runs) sum += 1e-9 * static_cast<double>(run.end - run.begin);
+  return sum;
+}
+
+std::uint64_t bytes_of(const GraphDump& dump) {
+  return std::accumulate(dump.uses.begin(), dump.uses.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const auto& use) { return sum + use.bytes; });
+}
+
+/// In the simulated run adaptations take a time that goes with the size, proposals one that does not.
+TEST(Replay, Times_go_with_the_power_of_the_size_that_was_recorded) {
+  const GraphDump dump = recorded(100);
+  const DurationModel model(dump);
+  EXPECT_NEAR(model.exponent(node_named(dump, "adapt interior")), 1, 0.15);
+  EXPECT_NEAR(model.exponent(node_named(dump, "propose")), 0, 0.15);
+  GraphDump without = dump;  // nothing is known of sizes
+  without.counter_names.clear();
+  for (auto& run : without.runs) run.counters.clear();
+  EXPECT_EQ(DurationModel(without).exponent(node_named(dump, "propose")), 1);
+}
+
+TEST(Replay, A_finer_decomposition_of_the_same_mesh_has_about_the_same_work) {
+  const GraphDump dump = recorded(64);
+  const GraphDump fine = enlarged(dump, {.split = 4});
+  EXPECT_EQ(fine.instances.size(), 256u);
+  EXPECT_NEAR(seconds_of(fine) / seconds_of(dump), 1, 0.15);
+  // Surfaces: so many times as many, each as much smaller to the power 2/3.
+  EXPECT_NEAR(static_cast<double>(bytes_of(fine)) / static_cast<double>(bytes_of(dump)), std::cbrt(4), 0.05);
+  const double largest = replay(dump, {}).seconds;
+  EXPECT_NEAR(replay(fine, {}).seconds / largest, 1, 0.15);
+  EXPECT_NEAR(seconds_of(enlarged(dump, {.grow = 3})) / seconds_of(dump), 3, 0.45);
+  EXPECT_THROW(enlarged(dump, {.grow = 0}), std::invalid_argument);
+}
+
+TEST(Replay, Processor_times_take_the_place_of_wall_times) {
+  const GraphDump dump = recorded(9);
+  GraphDump processor = dump;
+  take_processor_times(processor);
+  EXPECT_NEAR(seconds_of(processor) / seconds_of(dump), 0.5, 0.001);
+  for (const auto& use : processor.uses) {
+    EXPECT_GE(use.time, processor.runs[use.from].begin);
+    EXPECT_LE(use.time, processor.runs[use.from].end);
+  }
+  EXPECT_NEAR(replay(processor, {}).work / replay(dump, {}).work, 0.5, 0.001);
+  GraphDump none = chain();
+  EXPECT_THROW(take_processor_times(none), std::invalid_argument);
+}
+
+/// The first instance sends to the event of the second, whose wake node then asks the third for the second
+/// value. By the times of the recording the third was the first.
+GraphDump woken() {
+  using dataflow::EdgeKind;
+  using dataflow::NodeKind;
+  using dataflow::RoundStep;
+  GraphDump dump;
+  dump.description = {"trio",
+                      {{"begin", NodeKind::start},
+                       {"gather", NodeKind::event},
+                       {"wake", NodeKind::wake},
+                       {"answer", NodeKind::event}},
+                      {{"begin -> gather", EdgeKind::remote, 0, 1, RoundStep::same, "int"},
+                       {"gather -> wake", EdgeKind::wake, 1, 2, RoundStep::same, "int"},
+                       {"wake -> answer", EdgeKind::remote, 2, 3, RoundStep::same, "int"},
+                       {"answer -> gather", EdgeKind::remote, 3, 1, RoundStep::same, "int"}}};
+  for (std::uint32_t i = 0; i < 3; ++i)
+    dump.instances.push_back({i, {engine::Rank(0), i + 1}, engine::Rank(0)});
+  const auto run = [](dataflow::NodeIndex node, dataflow::InstanceIndex instance, engine::TimePoint begin) {
+    dataflow::DumpedRun made;
+    made.node = node, made.instance = instance, made.begin = begin, made.end = begin + 1'000'000;
+    return made;
+  };
+  dump.runs = {run(0, 0, 0), run(2, 1, 1'000'000), run(3, 2, 2'000'000), run(1, 1, 3'000'000)};
+  dump.uses = {{.edge = 2, .from = 1, .to = 2, .time = 1'500'000, .bytes = 8},
+               {.edge = 3, .from = 2, .to = 3, .time = 2'000'000, .bytes = 8},
+               {.edge = 0, .from = 0, .to = 3, .time = 9'000'000, .bytes = 8}};
+  return dump;
+}
+
+TEST(Replay, Whichever_value_comes_first_wakes_whatever_the_clocks_said) {
+  const Replayed replayed = replay(woken(), {.ranks = 3, .balancer = engine::no_balancing()});
+  EXPECT_NEAR(replayed.seconds, 3e-3, 0.1e-3) << "begin, wake, gather; the answer is there by then";
+  EXPECT_EQ(replayed.engine.traffic[0].sent.messages, 3u);
+}
+
+TEST(Replay, A_graph_that_waits_for_itself_is_refused) {
+  GraphDump dump = woken();
+  dump.uses.pop_back();  // the answer to its question alone would wake the second
+  EXPECT_THROW(replay(dump, {.ranks = 3}), std::invalid_argument);
 }
 
 TEST(Replay, A_planned_graph_is_refused) {

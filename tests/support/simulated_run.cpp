@@ -147,6 +147,8 @@ void Simulation::node(NodeIndex index, std::uint64_t round, std::int64_t duratio
   if (arrivals != arrived_.end()) run.bytes_received = arrivals->second.bytes;
   run.first_counter = static_cast<std::uint32_t>(run_.log.counters.size());
   run_.log.runs.push_back(run);
+  run_.log.count("processor, seconds", 0.5e-9 * static_cast<double>(duration));  // another had the other half
+  if (index == name_.interior) run_.log.count("tets predicted", 40'000 * size_[subdomain_]);
   if (index == name_.interior || index == name_.shifted)
     count_what_is_left(index == name_.interior ? 0 : static_cast<int>(round) + 1);
   if (index == name_.propose) run_.log.count("vertices wanted", static_cast<double>(4'000 >> (2 * round)));

@@ -145,6 +145,10 @@ class Replays(SampleTest):
         self.weft("replay", "graph.json", "--report", name, *words)
         return json.loads((self.folder / name / "replay.json").read_text())
 
+    def account(self, *words):
+        self.weft("replay", "graph.json", "--account", "account.json", *words)
+        return json.loads((self.folder / "account.json").read_text())
+
     def test_more_ranks_take_less_time_for_the_same_work(self):
         self.sample(subdomains=24, rounds=4)
         one, six = self.replay("one"), self.replay("six", "--ranks", 6)
@@ -153,6 +157,13 @@ class Replays(SampleTest):
         self.assertGreaterEqual(six["seconds"], six["critical_path_seconds"] * 0.999)
         self.assertEqual(len(six["memory_by_rank"]), 6)
         self.assertTrue(six["engine"]["consistent"]["pairs"])
+
+    def test_larger_and_finer_ones_are_made_of_the_recorded(self):
+        self.sample(subdomains=24, rounds=4)
+        recorded, fine, large = (self.account(*words) for words in ((), ("--split", 4), ("--copies", 2, "--grow", 3, "--processor-times")))
+        self.assertEqual([r["subdomains"] for r in (recorded, fine, large)], [24, 96, 48])
+        self.assertAlmostEqual(fine["work_seconds"] / recorded["work_seconds"], 1, delta=0.3)
+        self.assertAlmostEqual(large["work_seconds"] / recorded["work_seconds"], 2 * 3 / 2, delta=0.9)
 
     def test_its_graph_is_a_graph_and_can_be_replayed_again(self):
         recorded = self.sample()["graph"]
@@ -166,7 +177,8 @@ class Replays(SampleTest):
     def test_what_cannot_be_is_named(self):
         self.sample()
         for words, says in ((["--network", "2us"], "--network"), (["--balancer", "luck"], "--balancer"), (["--ranks", 0], "--ranks"),
-                            (["--slowdown", 0], "--slowdown"), (["--copies", 0], "--copies")):
+                            (["--slowdown", 0], "--slowdown"), (["--copies", 0], "--copies"), (["--split", 0], "--split"),
+                            (["--grow", 0], "--grow")):
             done = self.weft("replay", "graph.json", *words, expect=(2, 64))
             self.assertIn(says, done.stderr)
 

@@ -130,7 +130,7 @@ std::string left_name(const char* what, const char* part) { return std::string(w
 
 /// Whether the document has a counter elsewhere than among those of the rounds, or its sum means nothing.
 bool has_its_place(const std::string& counter) {
-  if (counter == "colour") return true;
+  if (counter == "colour" || counter == "tets predicted" || counter == "processor, seconds") return true;
   for (const Beside& beside : kBeside)
     if (counter == beside.counter) return true;
   for (const char* what : kLeft)

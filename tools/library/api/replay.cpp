@@ -15,6 +15,7 @@
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/replay/replay.h"
 #include "graph/replay/replay_plan.h"
+#include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/report/graph_file.h"
 #include "tools/library/report/json_file.h"
@@ -44,15 +45,22 @@ auto naming_option(const char* option, const Call& call) {
   }
 }
 
-graph::replay::ReplayOptions checked(const ReplayOptions& options) {
+void require_ranks(int ranks, const char* option) {
   constexpr int kMostRanks = 30'000;  // two memory maps each
-  require(options.ranks >= 1 && options.ranks <= kMostRanks, "--ranks",
-          fmt::format("{} is not between 1 and {}", options.ranks, kMostRanks));
+  require(ranks >= 1 && ranks <= kMostRanks, option,
+          fmt::format("{} is not between 1 and {}", ranks, kMostRanks));
+}
+
+graph::replay::ReplayOptions checked(const ReplayOptions& options) {
+  require_ranks(options.ranks, "--ranks");
   require(options.threads >= 1 && options.threads <= 1024, "--threads",
           fmt::format("{} is not between 1 and 1024", options.threads));
   require(options.slowdown > 0 && std::isfinite(options.slowdown), "--slowdown",
           fmt::format("{} is not a positive number", options.slowdown));
   require(options.copies >= 1, "--copies", fmt::format("{} is not at least 1", options.copies));
+  require(options.split >= 1, "--split", fmt::format("{} is not at least 1", options.split));
+  require(options.grow > 0 && std::isfinite(options.grow), "--grow",
+          fmt::format("{} is not a positive number", options.grow));
   graph::replay::ReplayOptions to;
   to.ranks = options.ranks;
   to.threads = options.threads;
@@ -140,7 +148,10 @@ Json json_of(const ReplayResult& result, const std::string& path, const engine::
           {"network", o.network},
           {"balancer", o.balancer},
           {"slowdown", o.slowdown},
+          {"processor_times", o.processor_times},
           {"copies", o.copies},
+          {"split", o.split},
+          {"grow", o.grow},
           {"subdomains", result.subdomains},
           {"tasks", result.tasks},
           {"recorded_seconds", result.recorded_seconds},
@@ -193,18 +204,64 @@ void write_report(const std::string& folder, const Json& report, const Json& acc
   tools::write_text((fs::path(folder) / "report.html").string(), report::report_page(profile));
 }
 
+engine::SimulationOptions checked(const SimulatedRanks& ranks, const Options& options) {
+  constexpr const char* kRanks = "--simulate-ranks";
+  require_ranks(ranks.ranks, kRanks);
+  require(ranks.slowdown > 0 && std::isfinite(ranks.slowdown), "--simulate-slowdown",
+          fmt::format("{} is not a positive number", ranks.slowdown));
+  const CheckpointOptions& checkpoint = options.checkpoint;
+  require(options.run.time_limit <= 0 && options.run.max_memory <= 0 && checkpoint.folder.empty() &&
+              checkpoint.resume.empty(),
+          kRanks, "is not possible with limits of time and memory, nor with checkpoints");
+  require(!under_mpirun(), kRanks, "is not possible under mpirun");
+  engine::SimulationOptions to;
+  to.ranks = ranks.ranks;
+  to.network = naming_option("--simulate-network", [&] { return engine::parse_network(ranks.network); });
+  to.slowdown = ranks.slowdown;
+  return to;
+}
+
 }  // namespace
+
+SimulatedFilesResult adapt_files_on(const SimulatedRanks& ranks, const Files& files, const Options& options) {
+  validate(options);
+  const engine::SimulationOptions simulation = checked(ranks, options);
+  engine::SimulationResult simulated;
+  SimulatedFilesResult result;
+  static_cast<FilesResult&>(result) =
+      tools::adapt_files_on_simulated_ranks(files, options, simulation, simulated);
+  result.on = ranks;
+  result.seconds = simulated.seconds;
+  result.packets = simulated.packets;
+  result.packet_bytes = simulated.bytes;
+  result.simulation_seconds = simulated.real_seconds;
+  return result;
+}
+
+std::string summary(const SimulatedFilesResult& r) {
+  return summary(static_cast<const FilesResult&>(r)) +
+         fmt::format("simulated: {} ranks, {}: {:.4g} s, {} packets of {:.4g} MiB; in {:.3g} s here\n",
+                     r.on.ranks, r.on.network, r.seconds, r.packets,
+                     static_cast<double>(r.packet_bytes) / (1 << 20), r.simulation_seconds);
+}
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   graph::replay::ReplayOptions used = checked(options);
-  if (!options.trace.empty()) tools::check_writable(options.trace);
+  for (const std::string& file : {options.trace, options.account})
+    if (!file.empty()) tools::check_writable(file);
   GraphDump recorded = tools::read_graph(path);
   const Json report = recorded_report(path);
-  used.object_bytes = options.subdomain_bytes > 0 ? options.subdomain_bytes
-                                                  : bytes_of_subdomain(report, recorded.instances.size());
+  used.object_bytes = options.subdomain_bytes;
+  if (used.object_bytes == 0) {
+    const auto recorded_bytes = static_cast<double>(bytes_of_subdomain(report, recorded.instances.size()));
+    used.object_bytes = static_cast<std::uint64_t>(recorded_bytes * options.grow / options.split);
+  }
   const graph::replay::Replayed replayed = tools::naming_document(path, [&] {
-    if (options.copies > 1)
-      recorded = graph::replay::enlarged(recorded, static_cast<std::uint32_t>(options.copies));
+    if (options.processor_times) graph::replay::take_processor_times(recorded);
+    if (options.copies > 1 || options.split > 1 || options.grow != 1)
+      recorded = graph::replay::enlarged(recorded, {.copies = static_cast<std::uint32_t>(options.copies),
+                                                    .split = static_cast<std::uint32_t>(options.split),
+                                                    .grow = options.grow});
     return graph::replay::replay(recorded, used);
   });
   ReplayResult result = result_of(recorded, replayed, options, used);
@@ -213,6 +270,8 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
     result.report = (fs::path(options.report) / "replay.json").string();
     write_report(options.report, report, json_of(result, path, replayed.engine), replayed);
   }
+  if (!options.account.empty())
+    tools::write_text(options.account, json_of(result, path, replayed.engine).dump(1) + "\n");
   if (!options.trace.empty()) write_trace(options.trace, replayed);
   return result;
 }

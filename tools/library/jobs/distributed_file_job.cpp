@@ -1,5 +1,6 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -202,21 +203,14 @@ class DistributedFileJob {
   meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
 };
 
-}  // namespace
-
-FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
-  FilesResult result;
-  bool first = true;
-  // What all ranks throw alike is for rank 0 to tell.
+/// `run` runs the job on all ranks. What all throw alike is for rank 0 to tell: `first`.
+void run_and_tell(const bool& first, const std::function<void()>& run) {
   const auto tell = [&](const std::exception& error) {
     if (first) throw InputError("", "", error.what());
     throw RunError(error.what(), true);
   };
   try {
-    on_world([&](engine::Transport& transport) {
-      first = transport.rank().value == 0;
-      result = DistributedFileJob(files, options, transport).run();
-    });
+    run();
   } catch (const InputError& error) {
     tell(error);
   } catch (const std::invalid_argument& error) {
@@ -224,6 +218,43 @@ FilesResult adapt_files_in_subdomains(const Files& files, const Options& options
   } catch (const partition::InvariantViolation& error) {
     tell(error);
   }
+}
+
+/// Of ranks in one process the first alone says how far it is, and none watches the machine.
+Options options_of_simulated(const Options& options, engine::Rank rank) {
+  Options mine = options;
+  mine.run.state_on_signal = false;
+  if (rank.value == 0) return mine;
+  mine.run.progress = {};
+  mine.run.on_failure = {};
+  return mine;
+}
+
+}  // namespace
+
+FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
+  FilesResult result;
+  bool first = true;
+  run_and_tell(first, [&] {
+    on_world([&](engine::Transport& transport) {
+      first = transport.rank().value == 0;
+      result = DistributedFileJob(files, options, transport).run();
+    });
+  });
+  return result;
+}
+
+FilesResult adapt_files_on_simulated_ranks(const Files& files, const Options& options,
+                                           const engine::SimulationOptions& simulation,
+                                           engine::SimulationResult& simulated) {
+  FilesResult result;
+  run_and_tell(true, [&] {
+    simulated = on_simulated_ranks(simulation, [&](engine::Transport& transport) {
+      const Options mine = options_of_simulated(options, transport.rank());
+      FilesResult of_rank = DistributedFileJob(files, mine, transport).run();
+      if (transport.rank().value == 0) result = std::move(of_rank);
+    });
+  });
   return result;
 }
 

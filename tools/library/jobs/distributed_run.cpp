@@ -64,7 +64,8 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   if (options.run.state_on_signal) show_state_.emplace(*runtime_);
   peers_.emplace(*runtime_);
   exchange_.emplace(*runtime_);
-  if (keep.record) memory_.emplace(transport.rank().value);
+  const bool simulated = transport.virtual_time() != nullptr;  // all ranks have this process's memory
+  if (keep.record && !simulated) memory_.emplace(transport.rank().value);
   if (!options.checkpoint.resume.empty()) find_checkpoints();
 }
 

@@ -45,4 +45,10 @@ void on_world(const RankBody& body) {
   });
 }
 
+engine::SimulationResult on_simulated_ranks(const engine::SimulationOptions& options, const RankBody& body) {
+  engine::SimulationResult result;
+  translating([&] { result = engine::simulate(options, body); });
+  return result;
+}
+
 }  // namespace weft::tools

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "engine/network/transport.h"
+#include "engine/simulate/simulation.h"
 
 namespace weft::tools {
 
@@ -21,5 +22,9 @@ void on_communicator(MPI_Comm communicator, const RankBody& body);
 
 /// The same in this process alone, without MPI.
 void on_one_rank(const RankBody& body);
+
+/// The same on ranks that are simulated, one after the other in this thread: the body is called for all of
+/// them here.
+engine::SimulationResult on_simulated_ranks(const engine::SimulationOptions& options, const RankBody& body);
 
 }  // namespace weft::tools

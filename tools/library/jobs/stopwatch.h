@@ -1,21 +1,22 @@
 // Times of the steps of a job.
 #pragma once
 
-#include <chrono>
 #include <utility>
+
+#include "engine/trace/trace.h"
 
 namespace weft::tools {
 
-/// Seconds since it was made or last asked.
+/// Seconds since it was made or last asked; of a simulated rank on its virtual clock.
 class Stopwatch {
  public:
   double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+    const engine::TimePoint now = engine::now();
+    return 1e-9 * static_cast<double>(now - std::exchange(last_, now));
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  engine::TimePoint last_ = engine::now();
 };
 
 }  // namespace weft::tools

@@ -14,6 +14,7 @@
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/interrupt.h"
 #include "tools/weft/terminal/progress.h"
+#include "weft/replay.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -39,6 +40,8 @@ struct AdaptCommand {
   Options options;
   FieldChoice fields;
   std::string shifts = "auto";
+  SimulatedRanks simulation{.ranks = 0};  ///< 0 ranks: none are simulated
+  std::string account;                    ///< what is printed in the end
   Verbosity verbosity;
 };
 
@@ -66,7 +69,15 @@ FilesResult adapt_and_tell(AdaptCommand& command) {
       if (!now.sentence && state_request.take()) progress.say(now.stage, now.done, now.tets);
       return true;
     };
-  FilesResult result = adapt_files(command.files, command.options);
+  FilesResult result;
+  if (command.simulation.ranks > 0) {
+    const SimulatedFilesResult simulated = adapt_files_on(command.simulation, command.files, command.options);
+    command.account = summary(simulated);
+    result = simulated;
+  } else {
+    result = adapt_files(command.files, command.options);
+    command.account = summary(result);
+  }
   progress.finish();
   return result;
 }
@@ -76,7 +87,8 @@ int run(AdaptCommand& command) {
     throw CLI::RequiredError(
         "no metric: give --metric FILE or --sol FILE (.solb or .sol) or --metric-fn NAME (such as polar-2)",
         CLI::ExitCodes::RequiredError);
-  if (command.options.run.threads == 0) command.options.run.threads = default_threads_of_rank();
+  if (command.options.run.threads == 0)
+    command.options.run.threads = command.simulation.ranks > 0 ? 1 : default_threads_of_rank();
   if (command.shifts != "auto")
     command.options.distributed.shifts = static_cast<std::uint32_t>(std::stoul(command.shifts));
   command.files.fields = command.fields.files;
@@ -84,7 +96,7 @@ int run(AdaptCommand& command) {
   const FilesResult result = adapt_and_tell(command);
   if (!result.report_error.empty() && result.first)
     fmt::print(stderr, "weft: {}\n", printable(result.report_error));
-  if (result.first) command.verbosity.print("{}", summary(result));
+  if (result.first) command.verbosity.print("{}", command.account);
   return result.goal_met() && result.report_error.empty() ? kDone : kGoalNotMet;
 }
 
@@ -259,6 +271,27 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->group(kGroup);
 }
 
+void add_simulation(CLI::App& sub, SimulatedRanks& simulation) {
+  constexpr const char* kGroup = "Simulation";
+  CLI::Option* ranks =
+      sub.add_option("--simulate-ranks", simulation.ranks,
+                     "run on N ranks that this thread simulates: the same result, virtual times")
+          ->type_name("N")
+          ->check(CLI::PositiveNumber.description(""))
+          ->group(kGroup);
+  sub.add_option("--simulate-network", simulation.network,
+                 "between them: latency, bandwidth, topology as of weft replay; 2us,10GB/s")
+      ->type_name("L,B[,T]")
+      ->needs(ranks)
+      ->group(kGroup);
+  sub.add_option("--simulate-slowdown", simulation.slowdown,
+                 "their processors take so many times as long (default 1)")
+      ->type_name("X")
+      ->check(positive_number())
+      ->needs(ranks)
+      ->group(kGroup);
+}
+
 }  // namespace
 
 void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::string>& arguments) {
@@ -277,6 +310,7 @@ void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::str
   add_subdomains(*sub, *command);
   add_checkpoints(*sub, *command);
   add_run(*sub, *command);
+  add_simulation(*sub, command->simulation);
   sub->callback([command, &action] { action = [command] { return run(*command); }; });
 }
 

@@ -21,8 +21,11 @@ FILE is the graph.json or profile.json of `weft adapt --report DIR`. The engine 
 ranks: its directory, balancing and end of run are real, tasks take the times that were recorded,
 messages those of the network. Only the loop of the adaptation is replayed: reading, decomposition
 and writing are not in the graph.
---copies N makes a graph of N times the subdomains, with times drawn from the recorded ones, for
-weak scaling.)";
+--copies N makes a graph of N times the mesh in as many times the subdomains, for weak scaling;
+--split N one of the same mesh in N times the subdomains; --grow X makes each X times as large.
+Sizes and times are drawn from the recorded ones: what a step takes goes with the power of the
+predicted tets that fits it.
+--processor-times is for a recording with one thread a rank on a machine that had other work, too.)";
 
 struct ReplayCommand {
   std::string file;
@@ -65,9 +68,17 @@ void add_replay_command(CLI::App& app, Action& action) {
   sub->add_option("--report", command->options.report,
                   "write replay.json, graph.json and the page to this folder")
       ->type_name("DIR");
+  sub->add_option("--account", command->options.account, "write replay.json alone to this file")
+      ->type_name("FILE");
   sub->add_option("--trace", command->options.trace, "write a timeline for Perfetto")->type_name("FILE");
-  sub->add_option("--copies", command->options.copies, "so many times the recorded subdomains (default 1)")
+  sub->add_option("--copies", command->options.copies, "so many times the recorded mesh (default 1)")
       ->type_name("N");
+  sub->add_option("--split", command->options.split, "the mesh in so many times the subdomains (default 1)")
+      ->type_name("N");
+  sub->add_option("--grow", command->options.grow, "so many times the tets in each subdomain (default 1)")
+      ->type_name("X");
+  sub->add_flag("--processor-times", command->options.processor_times,
+                "tasks take the processor time that they took, not the wall time");
   sub->add_option("--subdomain-bytes", command->options.subdomain_bytes,
                   "of one that moves; default: by report.json beside FILE, else 1 MiB")
       ->type_name("N");

@@ -16,9 +16,13 @@ struct ReplayOptions {
   std::string network = "2us,10GB/s";  ///< LATENCY,BANDWIDTH[,flat|tree:N]
   std::string balancer = "stealing";   ///< none, stealing, diffusion
   double slowdown = 1;                 ///< of every task: cores that are all busy are slower
-  int copies = 1;                      ///< so many times the recorded subdomains, for weak scaling
+  bool processor_times = false;        ///< tasks take their processor time: the machine had other work, too
+  int copies = 1;                      ///< so many times the recorded mesh, for weak scaling
+  int split = 1;                       ///< so many times the subdomains of the mesh, each so much smaller
+  double grow = 1;                     ///< so many times the tets in each subdomain
   std::uint64_t subdomain_bytes = 0;   ///< of one that moves; 0: by report.json beside the graph, else 1 MiB
   std::string report;                  ///< folder for replay.json, graph.json, profile.json; empty: none
+  std::string account;                 ///< file for replay.json alone; empty: none
   std::string trace;                   ///< file for a timeline; empty: none
 };
 
@@ -49,5 +53,27 @@ struct ReplayResult {
 WEFT_API ReplayResult replay(const std::string& path, const ReplayOptions& options = {});
 /// The readable account.
 WEFT_API std::string summary(const ReplayResult& result);
+
+/// Ranks that exist in this thread alone: each has a clock of its own, which goes on by the processor time
+/// that the rank takes, and by the network that its messages have to pass. What they do is real.
+struct SimulatedRanks {
+  int ranks = 1;
+  std::string network = "2us,10GB/s";  ///< LATENCY,BANDWIDTH[,flat|tree:N]
+  double slowdown = 1;                 ///< of the processor: cores that are all busy are slower
+};
+
+/// Times in it are those of the virtual clocks.
+struct SimulatedFilesResult : FilesResult {
+  SimulatedRanks on;
+  double seconds = 0;                           ///< virtual, until the last rank has ended
+  std::uint64_t packets = 0, packet_bytes = 0;  ///< between ranks
+  double simulation_seconds = 0;                ///< that it took here
+};
+
+/// As adapt_files() in subdomains, on simulated ranks: the files are those that as many real ranks write.
+/// Throws OptionError for options that are about this machine (limits of time and memory, checkpoints).
+WEFT_API SimulatedFilesResult adapt_files_on(const SimulatedRanks& ranks, const Files& files,
+                                             const Options& options = {});
+WEFT_API std::string summary(const SimulatedFilesResult& result);
 
 }  // namespace weft

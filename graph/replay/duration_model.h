@@ -1,0 +1,46 @@
+// What runs take in instances of other sizes than those that were recorded.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "engine/trace/trace.h"
+#include "graph/dataflow/dump/graph_dump.h"
+
+namespace weft::graph::replay {
+
+/// The counter by which instances say how large they will be.
+inline constexpr const char* kSizeCounter = "tets predicted";
+
+/// Bootstrapped: a run takes what one of the same node and round took in a recorded instance drawn at random,
+/// times the ratio of the sizes to the power that fits the node's recorded times.
+class DurationModel {
+ public:
+  explicit DurationModel(const dataflow::GraphDump& recorded);
+
+  /// Of each recorded instance: its predicted tets; 1 for all where that was not counted.
+  const std::vector<double>& sizes() const { return sizes_; }
+  /// Nanoseconds.
+  engine::TimePoint draw(dataflow::NodeIndex node, std::uint64_t round, double size,
+                         std::mt19937_64& random) const;
+  /// Seconds of a node go with this power of the size: fitted within the rounds, pulled to that of a volume
+  /// or a surface where the recorded sizes differ too little to tell.
+  double exponent(dataflow::NodeIndex node) const { return exponents_.at(node); }
+
+ private:
+  struct Sample {
+    double size;
+    double nanoseconds;
+  };
+  void add_samples(const dataflow::GraphDump& recorded);
+  void fit(dataflow::NodeIndex node, dataflow::NodeKind kind);
+
+  std::vector<double> sizes_;
+  std::map<std::pair<dataflow::NodeIndex, std::uint64_t>, std::vector<Sample>> samples_;  ///< node, round
+  std::vector<double> exponents_;
+};
+
+}  // namespace weft::graph::replay

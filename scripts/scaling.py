@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Strong and weak scaling of a run in subdomains as `weft replay` predicts it, beside published efficiencies.
+
+Records one run on one core (--complexity in --subdomains), makes of it the graph of a mesh of --copies times the size
+with --grow times the tets in each subdomain, and replays that on --cores with the networks of a common cluster and a
+slow one: once in its own decomposition and, where that has fewer than --a-core subdomains a core, in a finer one. What
+the whole command takes beyond the loop comes from the same command on simulated ranks (--simulate), at a small size: of
+the seconds at one rank the part of a core, and of what is beyond that all. Writes scaling.md and SVG plots to --out."""
+
+import argparse
+import json
+import sys
+
+from paper import PUBLISHED_EFFICIENCY, plot
+from recordings import Recordings
+
+NETWORKS = {"2 us, 10 GB/s": "2us,10GB/s", "50 us, 1 GB/s": "50us,1GB/s"}
+
+
+def splits_for(options, cores):
+    """1 and, if there are too few subdomains for so many cores, what gives enough."""
+    subdomains, split = options.subdomains * options.copies, 1
+    while subdomains * split < options.a_core * cores:
+        split *= 2
+    return sorted({1, split})
+
+
+def strong(book, options, beyond):
+    rows = []
+    reference = None
+    for words, network in NETWORKS.items():
+        for cores in options.cores:
+            for split in splits_for(options, cores):
+                replay = book.replay("recorded", cores, network, "--copies", options.copies, "--grow", options.grow, "--split", split,
+                                     "--balancer", options.balancer)
+                reference = reference or replay["work_seconds"]  # of one core, in the decomposition that is asked for
+                row = {"network": words, "cores": cores, "split": split, "reference": reference, **replay}
+                row["loop"] = reference / (cores * replay["seconds"])
+                if cores in beyond:
+                    of_all, own = beyond[cores]
+                    start_and_end = of_all * options.copies * options.grow * options.complexity / options.small / cores + own
+                    whole = beyond[1][0] * options.copies * options.grow * options.complexity / options.small + reference
+                    row["start_and_end"] = start_and_end
+                    row["command"] = whole / (cores * (replay["seconds"] + start_and_end))
+                rows.append(row)
+                book.say(f"strong, {words}, {cores} cores, {replay['subdomains']} subdomains: {replay['seconds']:.4g} s, {100 * row['loop']:.1f} %")
+    return rows
+
+
+def weak(book, options):
+    rows = []
+    for words, network in NETWORKS.items():
+        reference = None
+        for cores in options.weak:
+            copies = max(1, options.a_core * cores // options.subdomains)
+            replay = book.replay("recorded", cores, network, "--copies", copies, "--grow", options.grow, "--balancer", options.balancer)
+            of_core = replay["seconds"] / (replay["work_seconds"] / cores)  # the drawn work is not quite the same for each
+            reference = reference or of_core
+            rows.append({"network": words, "cores": cores, "weak": reference / of_core, **replay})
+            book.say(f"weak, {words}, {cores} cores: {replay['seconds']:.4g} s, {100 * rows[-1]['weak']:.1f} %")
+    return rows
+
+
+def beyond_the_loop(book, options):
+    """cores -> (seconds that all ranks share, seconds of each that they do not), on simulated ranks."""
+    beyond, at_one = {}, None
+    for ranks in sorted({1, *options.simulate}):
+        run = book.record(f"simulated-{ranks}", max(options.a_core * max(options.simulate), 8), "--simulate-ranks", ranks, "--force", complexity=options.small)
+        seconds = run.times["total"] - run.times["adapt"]
+        at_one = seconds if at_one is None else at_one
+        beyond[ranks] = (at_one, max(0.0, seconds - at_one / ranks))
+        book.say(f"simulated, {ranks} ranks: {seconds:.3g} s beside the loop")
+    return beyond
+
+
+def limit_of(row):
+    """What the loop waits for."""
+    ideal = row["work_seconds"] / row["cores"]
+    for name, key in (("critical path", "critical_path_seconds"), ("largest subdomain", "largest_subdomain_seconds")):
+        if row[key] > 0.8 * row["seconds"]:
+            return name
+    return "-" if row["seconds"] < 1.1 * ideal else "balance"
+
+
+def text_of(strong_rows, weak_rows, options):
+    tets = 12e-6 * options.complexity * options.copies * options.grow
+    out = [f"# Scaling, simulated\n\nCube, polar-2, recorded at complexity {options.complexity} in {options.subdomains} subdomains ({options.times} times), "
+           f"then {options.copies} copies of {options.grow:g} times the tets a subdomain: about {tets:.3g} M tets. Balancer {options.balancer}.\n",
+           "| network | cores | subdomains | loop s | efficiency | critical path s | largest subdomain s | moved | packets | end found after s | limit | start and end s | command |",
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
+    for r in strong_rows:
+        command = (f"{r['start_and_end']:.3g}", f"{100 * r['command']:.1f} %") if "command" in r else ("", "")
+        out.append(f"| {r['network']} | {r['cores']} | {r['subdomains']} | {r['seconds']:.4g} | {100 * r['loop']:.1f} % | {r['critical_path_seconds']:.3g} | "
+                   f"{r['largest_subdomain_seconds']:.3g} | {r['migrations']['messages']} | {r['packets']['packets']} | {max(0, r['run_seconds'] - r['seconds']):.2g} | "
+                   f"{limit_of(r)} | {command[0]} | {command[1]} |")
+    out += [f"\nWeak: {options.a_core} subdomains a core.\n", "| network | cores | subdomains | loop s | work a core s | efficiency against the first |", "|---|---|---|---|---|---|"]
+    for r in weak_rows:
+        out.append(f"| {r['network']} | {r['cores']} | {r['subdomains']} | {r['seconds']:.4g} | {r['work_seconds'] / r['cores']:.4g} | {100 * r['weak']:.1f} % |")
+    return "\n".join(out) + "\n"
+
+
+def plots(book, strong_rows, weak_rows):
+    best = {}
+    for r in strong_rows:
+        key = (r["network"], r["cores"])
+        if key not in best or r["loop"] > best[key]["loop"]:
+            best[key] = r
+    curves = {}
+    for words in NETWORKS:
+        mine = [r for (network, _), r in sorted(best.items()) if network == words]
+        curves[f"weft, loop, simulated, {words}"] = ([(r["cores"], r["loop"]) for r in mine], True, True)
+        whole = [(r["cores"], r["command"]) for r in mine if "command" in r]
+        if whole:
+            curves[f"weft, command, simulated, {words}"] = (whole, True, True)
+    for name, points in PUBLISHED_EFFICIENCY.items():
+        curves[name] = (sorted(points.items()), False, True)
+    (book.folder / "strong.svg").write_text(plot("Efficiency against one core", "cores", "efficiency", curves, log_x=True))
+    curves = {f"weft, simulated, {words}": ([(r["cores"], r["weak"]) for r in weak_rows if r["network"] == words], True, True) for words in NETWORKS}
+    (book.folder / "weak.svg").write_text(plot("Weak scaling of the loop", "cores", "efficiency", curves, log_x=True))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    Recordings.add_options(parser, "scaling", 50_000)
+    parser.add_argument("--subdomains", type=int, default=64, help="of the recording (default 64)")
+    parser.add_argument("--copies", type=int, default=20, help="(default 20)")
+    parser.add_argument("--grow", type=float, default=4, help="(default 4)")
+    parser.add_argument("--a-core", type=int, default=8, help="subdomains a core, in weak scaling and where there are too few (default 8)")
+    parser.add_argument("--cores", nargs="+", type=int, default=[16, 64, 256, 512, 1024, 4096])
+    parser.add_argument("--weak", nargs="*", type=int, default=[16, 64, 256, 1024])
+    parser.add_argument("--simulate", nargs="*", type=int, default=[16, 64, 256], help="ranks of the whole command (default 16 64 256)")
+    parser.add_argument("--small", type=int, default=5000, help="complexity of the whole command (default 5000)")
+    parser.add_argument("--balancer", default="stealing")
+    options = parser.parse_args()
+    book = Recordings(options)
+    recording = book.record("recorded", options.subdomains)
+    book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
+    beyond = beyond_the_loop(book, options) if options.simulate else {}
+    strong_rows, weak_rows = strong(book, options, beyond), weak(book, options)
+    text = text_of(strong_rows, weak_rows, options)
+    (book.folder / "scaling.md").write_text(text)
+    (book.folder / "scaling.json").write_text(json.dumps({"strong": strong_rows, "weak": weak_rows}, indent=1, default=str))
+    plots(book, strong_rows, weak_rows)
+    print(text)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
