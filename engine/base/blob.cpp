@@ -12,6 +12,8 @@
 #include <mutex>
 #include <new>
 
+#include "engine/base/blob_pool.h"
+
 namespace weft::engine {
 namespace {
 
@@ -21,7 +23,7 @@ constexpr std::size_t kHugePage = std::size_t{1} << 21;  ///< touching fresh hug
 #if defined(__SANITIZE_ADDRESS__)
 constexpr std::size_t kMostKept = 0;  ///< a recycled block would hide a use after free
 #else
-constexpr std::size_t kMostKept = std::size_t{3} << 28;  ///< two messages of 256 MiB, and more
+constexpr std::size_t kMostKept = std::size_t{1} << 25;  ///< messages of several neighbours; it is memory
 #endif
 
 /// In front of every block, since whoever frees it knows its address only. A cache line, to keep the data
@@ -58,6 +60,13 @@ class Pool {
       return block;
     }
     return nullptr;
+  }
+
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    for (const Kept& kept : kept_) std::free(kept.block);
+    kept_.clear();
+    total_ = 0;
   }
 
   void give(void* block, std::size_t bytes) noexcept {
@@ -97,6 +106,8 @@ void release(void* block) {
 }
 
 }  // namespace
+
+void give_back_freed_blobs() { pool().clear(); }
 
 Blob Blob::allocate(std::size_t size) {
   if (size > std::numeric_limits<std::ptrdiff_t>::max() / 2) throw std::bad_alloc();

@@ -33,6 +33,12 @@ constexpr std::size_t kLargestInline = Transport::kMaxHead / 4;
 constexpr std::size_t kPacketsUnderWay = 2;
 constexpr std::size_t kLeastWindow = 4096;
 
+/// Of one peer.
+std::size_t window_of(const ExchangeOptions& options, int ranks) {
+  const auto peers = static_cast<std::size_t>(std::max(1, ranks - 1));
+  return std::max(std::min(options.window_bytes, options.inbox_bytes / peers), kLeastWindow);
+}
+
 bool is_counted(FrameKind kind) { return kind == FrameKind::task || kind == FrameKind::object; }
 
 template <class T>
@@ -54,7 +60,8 @@ T take_plain(std::span<const std::byte>& from) {
 
 Exchange::Exchange(Transport& transport, ExchangeOptions options, std::uint64_t program)
     : transport_(transport),
-      options_{std::max(options.window_bytes, kLeastWindow), options.backlog_bytes},
+      window_(window_of(options, transport.size())),
+      backlog_bytes_(options.backlog_bytes),
       program_(program ^ (sizeof(PacketHeader) << 8 | sizeof(FrameHeader))),
       peers_(static_cast<std::size_t>(transport.size())),
       credits_(peers_.size()) {}
@@ -97,9 +104,9 @@ void Exchange::post(Rank to, FrameKind kind, Payload payload) {
 }
 
 void Exchange::wait_for_room() {
-  if (backlog_.load(std::memory_order_relaxed) <= options_.backlog_bytes) return;
+  if (backlog_.load(std::memory_order_relaxed) <= backlog_bytes_) return;
   std::unique_lock lock(mutex_);
-  room_.wait(lock, [this] { return released_ || backlog_ <= options_.backlog_bytes || inbox_ > 0; });
+  room_.wait(lock, [this] { return released_ || backlog_ <= backlog_bytes_ || inbox_ > 0; });
 }
 
 void Exchange::release_waiters() {
@@ -113,7 +120,7 @@ void Exchange::release_waiters() {
 void Exchange::consumed(Rank from, std::size_t wire_bytes) {
   inbox_ -= static_cast<std::int64_t>(wire_bytes);
   const std::uint64_t before = credits_.add(from.index(), wire_bytes);
-  const std::uint64_t due = options_.window_bytes / 4;
+  const std::uint64_t due = window_ / 4;
   // One message to the sender for a quarter of a window: it never runs dry, and small messages cost no reply
   // each.
   if (before < due && before + wire_bytes >= due) {
@@ -152,7 +159,7 @@ bool Exchange::progress(const Receive& receive) {
   }
   busy |= take_posted();
   if (credits_due_.exchange(false)) {
-    credits_.each_from(options_.window_bytes / 4, [&](std::size_t r) {
+    credits_.each_from(window_ / 4, [&](std::size_t r) {
       const Rank to(static_cast<int>(r));
       send_packet(to, peer_of(to), credits_.take(r));
       busy = true;
@@ -201,8 +208,8 @@ bool Exchange::may_send(const Peer& peer) const {
   if (peer.waiting.empty()) return false;
   // Up to a quarter may have been consumed without our being told, and must not hold up a message of any
   // size.
-  return peer.under_way < options_.window_bytes / 4 ||
-         peer.under_way + peer.waiting.front().wire_bytes <= options_.window_bytes;
+  return peer.under_way < window_ / 4 ||
+         peer.under_way + peer.waiting.front().wire_bytes <= window_;
 }
 
 bool Exchange::flush(Rank to, Peer& peer) {
@@ -238,7 +245,7 @@ void Exchange::send_packet(Rank to, Peer& peer, std::uint64_t credit) {
   ++packets_sent_;
   if (sent_bytes == 0) return;
   const std::size_t before = backlog_.fetch_sub(sent_bytes);
-  if (before > options_.backlog_bytes && before - sent_bytes <= options_.backlog_bytes) {
+  if (before > backlog_bytes_ && before - sent_bytes <= backlog_bytes_) {
     { const std::lock_guard lock(mutex_); }  // a worker between its test and its wait must not miss this
     room_.notify_all();
   }

@@ -35,14 +35,17 @@ enum class FrameKind : std::uint8_t {
   bulletin,   ///< to rank 0: how far this rank is
   notice,     ///< RuntimeOptions::notice has been set
   snapshot,   ///< of RuntimeOptions::snapshots
-  clock,      ///< what time is it at rank 0
-  report,     ///< summaries and timelines, after the loop
+  clock,      ///< to the parent in the tree of ranks: what time is it at rank 0; and the answer
+  report,     ///< to the parent: summaries and timelines, after the loop
 };
 
 struct ExchangeOptions {
   /// Bytes that may be on their way to, or wait unhandled at, one rank from one other. A larger message goes
   /// alone.
   std::size_t window_bytes = 16u << 20;
+  /// The same from all others together: windows are smaller where there are many ranks. Beyond that, each
+  /// rank may have one message of any size on its way.
+  std::size_t inbox_bytes = 256u << 20;
   /// A handler that sends while more than this waits to be sent is held up until there is room, see post().
   std::size_t backlog_bytes = 64u << 20;
 };
@@ -131,7 +134,8 @@ class Exchange {
   void deliver(Rank from, Frame frame, const Receive& receive);
 
   Transport& transport_;
-  ExchangeOptions options_;
+  std::size_t window_;         ///< of each peer
+  std::size_t backlog_bytes_;  ///< ExchangeOptions
   std::uint64_t program_;
   Peer& peer_of(Rank rank);
   PagedTable<std::unique_ptr<Peer>> peers_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <thread>
@@ -107,7 +108,8 @@ class Runtime::Implementation final : private BalanceActions {
   }
   RankSummary summary() const;
   RankTimeline timeline() const { return timeline_of(trace_, registry_.method_names(), clock_offset_); }
-  std::vector<Payload> gather(const std::function<Payload()>& mine);
+  using Join = std::function<Payload(Payload mine, Payload more)>;
+  Payload gather(const std::function<Payload()>& mine, const Join& join);
 
   Rank rank() const override { return transport_.rank(); }
   int ranks() const override { return transport_.size(); }
@@ -148,6 +150,14 @@ class Runtime::Implementation final : private BalanceActions {
   void declare_failure(Verdict verdict);
   void accept_verdict(Rank from, Verdict verdict);
   void tell_verdict();
+  // A binary tree of ranks, for what goes to rank 0 and comes from it.
+  Rank parent() const { return rank().value > 0 ? Rank((rank().value - 1) / 2) : Rank(); }
+  std::vector<Rank> children() const {
+    std::vector<Rank> those;
+    for (int child = 2 * rank().value + 1; child <= 2 * rank().value + 2 && child < ranks(); ++child)
+      those.push_back(Rank(child));
+    return those;
+  }
   Rank before() const { return Rank((rank().value + ranks() - 1) % ranks()); }
   void peer_lost(const LostPeer& lost);
   void tell_waits();
@@ -159,6 +169,7 @@ class Runtime::Implementation final : private BalanceActions {
     return RunFailure(failure_->what, failure_->reporter == rank(), failure_->broken);
   }
   void read_clock();
+  void tell_clock(Rank to, ClockReading reading);
   void progress_until(const std::function<bool()>& done);
 
   const RuntimeOptions options_;
@@ -195,9 +206,10 @@ class Runtime::Implementation final : private BalanceActions {
   AwakeClock clock_;
   TimePoint wall_ = 0;
   TimePoint communication_ = 0;  ///< processor time
-  std::vector<Payload> gathered_;
-  int gather_missing_ = 0;
+  std::map<Rank, Payload> gathered_;  ///< by child
   std::optional<ClockReading> clock_reading_;
+  bool clock_known_ = false;  ///< in this gathering: clock_offset_ has been read
+  std::vector<std::pair<Rank, ClockReading>> asked_too_early_;
   std::int64_t clock_offset_ = 0;
   std::vector<std::pair<std::string, long>> calls_;  ///< network calls in the loops
 };
@@ -326,22 +338,21 @@ void Runtime::Implementation::receive(Rank from, FrameKind kind, Payload payload
       if (!snapshots_) throw std::runtime_error("a rank takes snapshots, and this one does not");
       return snapshots_->receive(from, unpacked<SnapshotMessage>(std::move(payload)));
     case FrameKind::notice:
-      if (options_.notice) options_.notice->store(true);
-      if (rank().value > 0) notice_told_ = true;  // rank 0 passes it on
+      if (options_.notice) options_.notice->store(true);  // and this rank passes it on
       return;
     case FrameKind::clock: {
-      auto reading = unpacked<ClockReading>(std::move(payload));
-      if (rank().value > 0) {
+      const auto reading = unpacked<ClockReading>(std::move(payload));
+      if (from == parent()) {
         clock_reading_ = reading;
+      } else if (clock_known_) {
+        tell_clock(from, reading);
       } else {
-        reading.at_root = now();
-        exchange_.post(from, FrameKind::clock, packed(reading));
+        asked_too_early_.emplace_back(from, reading);
       }
       return;
     }
     case FrameKind::report:
-      gathered_[from.index()] = std::move(payload);
-      --gather_missing_;
+      gathered_[from] = std::move(payload);
       return;
   }
   throw TransportError("a frame of an unknown kind has come");
@@ -389,8 +400,8 @@ void Runtime::Implementation::show_state(TimePoint time) {
 void Runtime::Implementation::spread_notice() {
   if (notice_told_ || !options_.notice || !options_.notice->load()) return;
   notice_told_ = true;
-  if (rank().value > 0) return exchange_.post(Rank(0), FrameKind::notice, {});
-  for (int r = 1; r < ranks(); ++r) exchange_.post(Rank(r), FrameKind::notice, {});
+  if (parent().valid()) exchange_.post(parent(), FrameKind::notice, {});
+  for (const Rank child : children()) exchange_.post(child, FrameKind::notice, {});
 }
 
 // --- The end
@@ -575,35 +586,44 @@ RankSummary Runtime::Implementation::summary() const {
   return summarize(trace_, facts);
 }
 
-std::vector<Payload> Runtime::Implementation::gather(const std::function<Payload()>& mine) {
+/// Up the tree: each rank joins what its children have gathered to its own. Empty but on rank 0.
+Payload Runtime::Implementation::gather(const std::function<Payload()>& mine, const Join& join) {
   exchange_.begin_phase();
   gathered_.clear();
-  gathered_.resize(static_cast<std::size_t>(ranks()));
-  gather_missing_ = ranks() - 1;
+  clock_known_ = false;
   read_clock();
-  if (rank().value > 0) {
-    exchange_.post(Rank(0), FrameKind::report, mine());
-  } else {
-    gathered_[0] = mine();
+  const std::vector<Rank> below = children();
+  progress_until([&] { return gathered_.size() == below.size(); });
+  Payload all = mine();
+  for (const Rank child : below) all = join(std::move(all), std::move(gathered_.at(child)));
+  if (parent().valid()) {
+    exchange_.post(parent(), FrameKind::report, std::exchange(all, {}));
+    progress_until([this] { return exchange_.idle(); });
   }
-  progress_until([this] { return rank().value > 0 ? exchange_.idle() : gather_missing_ == 0; });
   transport_.end_phase();
-  return rank().value > 0 ? std::vector<Payload>{} : std::move(gathered_);
+  return all;
 }
 
-/// How far rank 0's clock is ahead of this one: the answer that came soonest is the most exact.
+/// How far rank 0's clock is ahead of this one, as the parent knows it: the answer that came soonest is the
+/// most exact.
 void Runtime::Implementation::read_clock() {
-  if (rank().value == 0) return;
   TimePoint shortest = kSecond;
-  for (int i = 0; i < kClockReadings; ++i) {
+  for (int i = 0; i < kClockReadings && parent().valid(); ++i) {
     clock_reading_.reset();
-    exchange_.post(Rank(0), FrameKind::clock, packed(ClockReading{now(), 0}));
+    exchange_.post(parent(), FrameKind::clock, packed(ClockReading{now(), 0}));
     progress_until([this] { return clock_reading_.has_value(); });
     const TimePoint time = now();
     if (time - clock_reading_->asked >= shortest) continue;
     shortest = time - clock_reading_->asked;
     clock_offset_ = clock_reading_->at_root - (clock_reading_->asked + shortest / 2);
   }
+  clock_known_ = true;
+  for (const auto& [child, reading] : std::exchange(asked_too_early_, {})) tell_clock(child, reading);
+}
+
+void Runtime::Implementation::tell_clock(Rank to, ClockReading reading) {
+  reading.at_root = now() + clock_offset_;
+  exchange_.post(to, FrameKind::clock, packed(reading));
 }
 
 void Runtime::Implementation::progress_until(const std::function<bool()>& done) {
@@ -651,20 +671,50 @@ void Runtime::visit(const TypeInfo& type, const std::function<void(ObjectId, voi
   implementation_->visit(type, function);
 }
 
+namespace {
+
+/// Payloads of several ranks as one.
+Payload append(Payload mine, Payload more) {
+  auto all = unpacked<std::vector<Payload>>(std::move(mine));
+  for (Payload& one : unpacked<std::vector<Payload>>(std::move(more))) all.push_back(std::move(one));
+  return packed(std::move(all));
+}
+
+template <class T>
+Payload list_of(T one) {
+  std::vector<Payload> list;
+  list.push_back(packed(std::move(one)));
+  return packed(std::move(list));
+}
+
+/// By rank.
+template <class T>
+std::vector<T> opened(Payload list) {
+  std::vector<T> all;
+  if (list.size() == 0) return all;
+  for (Payload& one : unpacked<std::vector<Payload>>(std::move(list)))
+    all.push_back(unpacked<T>(std::move(one)));
+  std::ranges::sort(all, {}, &T::rank);
+  return all;
+}
+
+}  // namespace
+
 std::vector<RankSummary> Runtime::gather_summaries() {
-  std::vector<RankSummary> summaries;
-  for (Payload& payload : implementation_->gather([this] { return packed(summary()); })) {
-    summaries.push_back(unpacked<RankSummary>(std::move(payload)));
-  }
-  return summaries;
+  return opened<RankSummary>(implementation_->gather([this] { return list_of(summary()); }, append));
 }
 
 std::vector<RankTimeline> Runtime::gather_timelines() {
-  std::vector<RankTimeline> timelines;
-  for (Payload& payload : implementation_->gather([this] { return packed(timeline()); })) {
-    timelines.push_back(unpacked<RankTimeline>(std::move(payload)));
-  }
-  return timelines;
+  return opened<RankTimeline>(implementation_->gather([this] { return list_of(timeline()); }, append));
+}
+
+RunSummary Runtime::gather_sums() {
+  Payload sums = implementation_->gather(
+      [this] { return packed(run_of(summary(), false)); },
+      [](Payload mine, Payload more) {
+        return packed(join(unpacked<RunSummary>(std::move(mine)), unpacked<RunSummary>(std::move(more))));
+      });
+  return sums.size() == 0 ? RunSummary{} : unpacked<RunSummary>(std::move(sums));
 }
 
 void print_failure(const std::string& what) {

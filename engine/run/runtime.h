@@ -70,7 +70,7 @@ struct RuntimeOptions {
   Bulletins bulletins = {};
 
   /// A flag that spreads: once it is set on one rank (by a signal, say), it is soon set on all, in this run
-  /// or at the beginning of the next. Through rank 0, so by no more messages than there are ranks.
+  /// or at the beginning of the next. Along a binary tree, by at most three messages of each rank.
   std::atomic<bool>* notice = nullptr;
 
   /// Takes the copies of snapshots (engine/schedule/snapshot.h); null: there are none. On all ranks or none.
@@ -143,8 +143,11 @@ class Runtime {
   RankSummary summary() const;
   RankTimeline timeline() const;
 
-  /// The summaries and timelines of all ranks, at rank 0, sent point-to-point; elsewhere empty. All ranks
-  /// must call it.
+  // At rank 0, up a binary tree by point-to-point messages; elsewhere empty. All ranks must call it.
+
+  /// The summaries of all ranks, summed on the way: rank 0 gets no more than any other.
+  RunSummary gather_sums();
+  /// The summaries and timelines themselves, by rank.
   std::vector<RankSummary> gather_summaries();
   std::vector<RankTimeline> gather_timelines();
 

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 namespace weft::engine {
 namespace {
@@ -103,12 +105,6 @@ void add_lane(RankSummary& summary, const Lane& lane) {
   summary.dropped_spans += lane.spans().dropped() + lane.departures().dropped();
 }
 
-void add(Spread& spread, double value, bool first) {
-  spread.sum += value;
-  spread.min = first ? value : std::min(spread.min, value);
-  spread.max = first ? value : std::max(spread.max, value);
-}
-
 void add(MethodSummary& sum, const MethodSummary& more) {
   sum.count += more.count;
   sum.seconds += more.seconds;
@@ -129,36 +125,14 @@ void add_methods(std::vector<MethodSummary>& sums, const std::vector<MethodSumma
   }
 }
 
-void add_rank(RunSummary& run, const RankSummary& rank) {
-  run.workers += rank.workers;
-  run.wall = std::max(run.wall, rank.wall);
-  run.times += rank.times;
-  add_methods(run.methods, rank.methods);
-  for (std::size_t i = 0; i < kTraffics; ++i) run.traffic[i] += rank.traffic[i];
-  for (const auto& [name, calls] : rank.network_calls) run.network_calls[name] += calls;
-  run.collective_calls += rank.collective_calls;
-  for (const auto& [name, value] : rank.counters) {
-    const auto [spread, is_new] = run.counters.try_emplace(name);
-    add(spread->second, value, is_new);
-  }
-  run.peak_rss_sum += rank.peak_rss;
-  run.peak_rss_max = std::max(run.peak_rss_max, rank.peak_rss);
-  run.dropped_spans += rank.dropped_spans;
-}
-
 /// Of the ranks' mean compute seconds per worker, the largest over the mean of all workers: ranks with fewer
 /// workers ought to compute less.
 double load_imbalance_of(const RunSummary& run) {
-  double most = 0;
-  for (const RankSummary& rank : run.ranks)
-    most = std::max(most, rank.times.compute / std::max(1, rank.workers));
-  return run.times.compute > 0 ? most * run.workers / run.times.compute : 1;
+  return run.times.compute > 0 ? run.most_compute * run.workers / run.times.compute : 1;
 }
 
 double idle_share_of(const RunSummary& run) {
-  double available = 0;
-  for (const RankSummary& rank : run.ranks) available += rank.workers * rank.wall;
-  return available > 0 ? run.times.idle / available : 0;
+  return run.available > 0 ? run.times.idle / run.available : 0;
 }
 
 double balance_saving_of(const RunSummary& run) {
@@ -166,20 +140,24 @@ double balance_saving_of(const RunSummary& run) {
   return std::max(0.0, 1 - run.times.compute / run.workers / run.wall);
 }
 
-/// Whether each rank received from each what that rank says to have sent it.
-bool pairs_agree(const std::vector<RankSummary>& ranks) {
-  std::map<std::pair<Rank, Rank>, MessageCount>
-      on_the_way;  // from, to; counts wrap around, so the order is free
-  for (const RankSummary& rank : ranks) {
-    for (const auto& [peer, volume] : rank.peers) {
-      on_the_way[{rank.rank, peer}] += volume.sent;
-      MessageCount& came = on_the_way[{peer, rank.rank}];
-      came.messages -= volume.received.messages;
-      came.bytes -= volume.received.bytes;
-    }
+/// An odd number for the messages from one rank to another.
+std::uint64_t mark_of(Rank from, Rank to) {
+  std::uint64_t x = static_cast<std::uint64_t>(static_cast<std::uint32_t>(from.value)) << 32 |
+                    static_cast<std::uint32_t>(to.value);
+  x = (x + 0x9E3779B97F4A7C15ull) * 0xBF58476D1CE4E5B9ull;  // the finish of splitmix64
+  x = (x ^ x >> 27) * 0x94D049BB133111EBull;
+  return (x ^ x >> 31) | 1;
+}
+
+/// Counts wrap around, so the order is free.
+MessageCount on_the_way_of(const RankSummary& rank) {
+  MessageCount sum;
+  for (const auto& [peer, volume] : rank.peers) {
+    const std::uint64_t out = mark_of(rank.rank, peer), in = mark_of(peer, rank.rank);
+    sum.messages += out * volume.sent.messages - in * volume.received.messages;
+    sum.bytes += out * volume.sent.bytes - in * volume.received.bytes;
   }
-  return std::all_of(on_the_way.begin(), on_the_way.end(),
-                     [](const auto& entry) { return entry.second.messages == 0 && entry.second.bytes == 0; });
+  return sum;
 }
 
 Consistency consistency_of(const RunSummary& run) {
@@ -188,8 +166,25 @@ Consistency consistency_of(const RunSummary& run) {
     consistent.messages &= volume.sent.messages == volume.received.messages;
     consistent.bytes &= volume.sent.bytes == volume.received.bytes;
   }
-  consistent.pairs = pairs_agree(run.ranks);
+  consistent.pairs = run.on_the_way.messages == 0 && run.on_the_way.bytes == 0;
   return consistent;
+}
+
+/// What follows from the sums.
+void conclude(RunSummary& run) {
+  run.load_imbalance = load_imbalance_of(run);
+  run.idle_share = idle_share_of(run);
+  run.balance_saving = balance_saving_of(run);
+  run.consistent = consistency_of(run);
+}
+
+void join(std::map<std::string, Spread>& all, const std::map<std::string, Spread>& more) {
+  for (const auto& [name, spread] : more) {
+    const auto [known, is_new] = all.try_emplace(name, spread);
+    if (is_new) continue;
+    known->second = {known->second.sum + spread.sum, std::min(known->second.min, spread.min),
+                     std::max(known->second.max, spread.max)};
+  }
 }
 
 using Json = nlohmann::ordered_json;
@@ -285,16 +280,72 @@ RankSummary summarize(const Trace& trace, const RunFacts& facts) {
   return summary;
 }
 
-RunSummary merge(std::vector<RankSummary> ranks) {
-  std::sort(ranks.begin(), ranks.end(),
-            [](const RankSummary& a, const RankSummary& b) { return a.rank < b.rank; });
+Exchanged exchanged_between(const RankSummary& before, const RankSummary& after) {
+  Exchanged exchanged;
+  auto known = before.peers.begin();  // both ascend by rank
+  for (const PeerSummary& peer : after.peers) {
+    while (known != before.peers.end() && known->rank < peer.rank) ++known;
+    const bool is_known = known != before.peers.end() && known->rank == peer.rank;
+    const Volume old = is_known ? known->volume : Volume{};
+    const std::uint64_t sent = peer.volume.sent.messages - old.sent.messages;
+    exchanged.messages += sent;
+    exchanged.peers += sent > 0 || peer.volume.received.messages > old.received.messages;
+  }
+  return exchanged;
+}
+
+RunSummary run_of(RankSummary rank, bool keep_rank) {
   RunSummary run;
-  for (const RankSummary& rank : ranks) add_rank(run, rank);
-  run.ranks = std::move(ranks);
-  run.load_imbalance = load_imbalance_of(run);
-  run.idle_share = idle_share_of(run);
-  run.balance_saving = balance_saving_of(run);
-  run.consistent = consistency_of(run);
+  run.num_ranks = 1;
+  run.workers = rank.workers;
+  run.wall = rank.wall;
+  run.times = rank.times;
+  run.methods = rank.methods;
+  run.traffic = rank.traffic;
+  for (const auto& [name, calls] : rank.network_calls) run.network_calls[name] += calls;
+  run.collective_calls = rank.collective_calls;
+  for (const auto& [name, value] : rank.counters) run.counters[name] = {value, value, value};
+  run.peak_rss_sum = run.peak_rss_max = rank.peak_rss;
+  run.dropped_spans = rank.dropped_spans;
+  run.most_compute = rank.times.compute / std::max(1, rank.workers);
+  run.available = rank.workers * rank.wall;
+  run.on_the_way = on_the_way_of(rank);
+  if (keep_rank) run.ranks.push_back(std::move(rank));
+  conclude(run);
+  return run;
+}
+
+RunSummary join(RunSummary a, RunSummary b) {
+  a.num_ranks += b.num_ranks;
+  a.workers += b.workers;
+  a.wall = std::max(a.wall, b.wall);
+  a.times += b.times;
+  add_methods(a.methods, b.methods);
+  for (std::size_t i = 0; i < kTraffics; ++i) a.traffic[i] += b.traffic[i];
+  for (const auto& [name, calls] : b.network_calls) a.network_calls[name] += calls;
+  a.collective_calls += b.collective_calls;
+  join(a.counters, b.counters);
+  a.peak_rss_sum += b.peak_rss_sum;
+  a.peak_rss_max = std::max(a.peak_rss_max, b.peak_rss_max);
+  a.dropped_spans += b.dropped_spans;
+  a.most_compute = std::max(a.most_compute, b.most_compute);
+  a.available += b.available;
+  a.on_the_way += b.on_the_way;
+  std::move(b.ranks.begin(), b.ranks.end(), std::back_inserter(a.ranks));
+  std::ranges::sort(a.ranks, {}, &RankSummary::rank);
+  conclude(a);
+  return a;
+}
+
+RunSummary merge(std::vector<RankSummary> ranks) {
+  std::ranges::sort(ranks, {}, &RankSummary::rank);
+  RunSummary run;
+  for (RankSummary& rank : ranks) {
+    std::vector<RankSummary> before = std::exchange(run.ranks, {});
+    run = join(std::move(run), run_of(rank, false));
+    run.ranks = std::move(before);
+    run.ranks.push_back(std::move(rank));
+  }
   return run;
 }
 
@@ -319,7 +370,7 @@ nlohmann::ordered_json json_of(const RankSummary& summary) {
 
 nlohmann::ordered_json json_of(const RunSummary& summary) {
   Json json = {{"schema", "weft-engine-1"},
-               {"ranks", summary.ranks.size()},
+               {"ranks", summary.num_ranks},
                {"workers", summary.workers},
                {"wall", summary.wall}};
   put(json, summary.times);

@@ -25,7 +25,7 @@
 //
 // Of a run:
 //
-//     {"schema": "weft-engine-1", "ranks": 4,
+//     {"schema": "weft-engine-1", "ranks": 4,   how many
 //      "workers": 8,                      of all ranks; so are the times but for "wall"
 //      "wall": 1.3,                       the longest
 //      "compute": 8.0, "unpack": 0.04, "idle": 2.3, "pack": 0.08, "communication": 0.4,
@@ -39,7 +39,7 @@
 //      "peak_rss": {"sum": 419430400, "max": 125829120}, "dropped_spans": 0,
 //      "consistent": {"messages": true, "bytes": true,    as many sent as received, of each traffic
 //                     "pairs": true},                     and from each rank to each
-//      "per_rank": [...]}                 the ranks' own
+//      "per_rank": [...]}                 the ranks' own; empty where the run kept its sums alone
 #pragma once
 
 #include <array>
@@ -129,6 +129,12 @@ struct RunFacts {
 /// Also asks the system for this process's peak memory. The lanes' threads must rest.
 RankSummary summarize(const Trace& trace, const RunFacts& facts);
 
+/// What a rank has sent between two of its summaries, and with how many others it has had messages.
+struct Exchanged {
+  std::uint64_t messages = 0, peers = 0;
+};
+Exchanged exchanged_between(const RankSummary& before, const RankSummary& after);
+
 /// One counter over the ranks that have it.
 struct Spread {
   double sum = 0;
@@ -143,7 +149,9 @@ struct Consistency {
   bool pairs = true;     ///< both, from each rank to each
 };
 
+/// A few numbers whatever the number of ranks, and the ranks' own where they are kept.
 struct RunSummary {
+  int num_ranks = 0;
   int workers = 0;
   double wall = 0;  ///< seconds, the longest of the ranks'
   TimeSummary times;
@@ -161,9 +169,28 @@ struct RunSummary {
   Consistency consistent;
   std::vector<RankSummary> ranks;  ///< by rank
 
+  // What the figures above are made of.
+  double most_compute = 0;  ///< seconds per worker, the largest of the ranks'
+  double available = 0;     ///< workers * wall of each rank, summed
+  /// Messages sent less those received, of each pair of ranks times a number of its own: all 0 where pairs
+  /// agree (else only by an accident of 64 bits), in any order of summing.
+  MessageCount on_the_way;
+
   /// "perfect balance would save 12 % of 1.3 s"
   std::string verdict() const;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(num_ranks, workers, wall, times, load_imbalance, idle_share, balance_saving, methods, traffic,
+            network_calls, collective_calls, counters, peak_rss_sum, peak_rss_max, dropped_spans, consistent,
+            ranks, most_compute, available, on_the_way);
+  }
 };
+
+/// A run of one rank. `keep_rank`: what is the rank's own too.
+RunSummary run_of(RankSummary rank, bool keep_rank);
+/// A run of both's ranks.
+RunSummary join(RunSummary a, RunSummary b);
 
 /// All ranks of a run, in any order; none at all gives an empty summary.
 RunSummary merge(std::vector<RankSummary> ranks);

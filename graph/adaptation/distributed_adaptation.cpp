@@ -15,6 +15,7 @@
 #include "meshing/operators/surface_fit.h"
 #include "partition/communication/reduce.h"
 #include "partition/output/piece_share.h"
+#include "partition/subdomain/adapt_subdomain.h"
 #include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
@@ -42,26 +43,19 @@ double predicted_tets(const SubdomainStart& s) {
   return meshing::kTetsPerComplexity * complexity;
 }
 
-/// Address space for what a subdomain may grow to: in the worst case it receives nearly everything.
-std::size_t tet_capacity(double complexity, std::uint64_t input_tets) {
-  constexpr double kMost = (1u << 30) - 1;
-  return static_cast<std::size_t>(
-      std::min(kMost, 40 * complexity + 4 * static_cast<double>(input_tets) + 1e6));
-}
-
 /// What is made at the start of a run.
 struct Made {
   std::vector<Neighbours> neighbours;  ///< who borders on whom
   std::vector<std::pair<SubdomainTask::Ref, engine::Seconds>> tasks;
 };
 
-Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts, std::size_t capacity,
+Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts,
                      dataflow::Recording recording, const AdaptationPlan& plan) {
   Made made;
   for (SubdomainStart& start : starts) {
     const double predicted = predicted_tets(start);
     const std::size_t num_tets = start.tets.size();
-    Subdomain subdomain(start, capacity);
+    Subdomain subdomain(start, partition::tet_slots_for(predicted, num_tets));
     const auto others = subdomain.interface.neighbours();
     made.neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
     const auto ref =
@@ -329,13 +323,13 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   } else {
     Made made;
     runtime.run([&](engine::Context& context) {
-      made =
-          make_subdomains(context, d.starts, tet_capacity(d.complexity, input_tets), options.recording, plan);
+      made = make_subdomains(context, d.starts, options.recording, plan);
       if (!plan.pauses) start_tasks(context, made);
     });
     if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
     result.planned = std::move(made.neighbours);
   }
+  if (options.on_end) options.on_end();
   if (options.checkpoints) end_checkpoints(peers, *options.checkpoints);
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());

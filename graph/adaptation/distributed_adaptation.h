@@ -32,6 +32,7 @@ struct DistributedOptions {
   /// Called when the decomposition is done and the plan made; may throw on all ranks alike.
   std::function<void()> on_plan = {};
   std::function<void()> on_start = {};  ///< called after that
+  std::function<void()> on_end = {};    ///< called when the loop has ended, before anything else is exchanged
   /// Checks the invariants of all subdomains (partition/verify/check_subdomains.h) after the decomposition,
   /// the adaptation of the interiors, and every shift, for which all ranks wait for each other. The result is
   /// the same.

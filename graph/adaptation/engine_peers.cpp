@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "engine/base/blob_pool.h"
 #include "engine/base/serialize.h"
 
 namespace weft::graph::adaptation {
@@ -39,6 +40,7 @@ std::vector<partition::Bytes> EnginePeers::all_to_all(std::vector<partition::Byt
     received[from] = to_bytes(std::move(payloads[from]));
   }
   received[mine] = std::move(to_each[mine]);
+  engine::give_back_freed_blobs();  // the next exchange is of something else
   return received;
 }
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -26,9 +28,92 @@ struct Contributions {
   }
 };
 
+/// Small payloads that go the same way, packed as one.
+class Bundle {
+ public:
+  struct Letter {
+    std::int32_t from, to;
+    std::uint64_t bytes;     ///< of the payload, its segments' included
+    std::uint64_t segments;  ///< entries of segment_sizes_
+  };
+
+  void add(int from, int to, const engine::Payload& payload) {
+    letters_.push_back({from, to, payload.size(), payload.segments.size()});
+    bytes_.insert(bytes_.end(), payload.bytes.begin(), payload.bytes.end());
+    for (const engine::Blob& segment : payload.segments) {
+      segment_sizes_.push_back(segment.size());
+      bytes_.insert(bytes_.end(), segment.data(), segment.data() + segment.size());
+    }
+  }
+  void append(const Bundle& other) {
+    other.each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
+      add(letter, bytes, sizes);
+    });
+  }
+  /// Takes out the letters for which goes(to).
+  template <class Goes>
+  Bundle take(const Goes& goes) {
+    Bundle going, staying;
+    each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
+      (goes(letter.to) ? going : staying).add(letter, bytes, sizes);
+    });
+    *this = std::move(staying);
+    return going;
+  }
+  /// Calls deliver(from, payload) for each.
+  template <class Deliver>
+  void open(const Deliver& deliver) const {
+    each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
+      engine::Payload payload;
+      std::uint64_t in_segments = 0;
+      for (std::uint64_t s = 0; s < letter.segments; ++s) in_segments += sizes[s];
+      const std::byte* next = bytes + (letter.bytes - in_segments);
+      payload.bytes.assign(bytes, next);
+      for (std::uint64_t s = 0; s < letter.segments; next += sizes[s++]) {
+        payload.segments.push_back(engine::Blob::allocate(sizes[s]));
+        if (sizes[s] > 0) std::memcpy(payload.segments.back().data(), next, sizes[s]);
+      }
+      deliver(letter.from, std::move(payload));
+    });
+  }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(letters_, segment_sizes_, bytes_);
+  }
+
+ private:
+  void add(const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
+    letters_.push_back(letter);
+    bytes_.insert(bytes_.end(), bytes, bytes + letter.bytes);
+    segment_sizes_.insert(segment_sizes_.end(), sizes, sizes + letter.segments);
+  }
+  template <class Visit>
+  void each(const Visit& visit) const {
+    const std::byte* bytes = bytes_.data();
+    const std::uint64_t* sizes = segment_sizes_.data();
+    for (const Letter& letter : letters_) {
+      visit(letter, bytes, sizes);
+      bytes += letter.bytes;
+      sizes += letter.segments;
+    }
+  }
+
+  std::vector<Letter> letters_;
+  std::vector<std::uint64_t> segment_sizes_;
+  std::vector<std::byte> bytes_;
+};
+
 /// Without serialize(): it never moves.
 struct Mailbox {
   std::vector<engine::Payload> from_each;
+
+  // Of small payloads, on their way through this rank: after `step` steps those are here whose way from here,
+  // upwards and round, is a multiple of 2^step ranks.
+  Bundle held;
+  std::map<std::int32_t, Bundle> arrived;  ///< by step; a rank may be steps ahead
+  std::int32_t step = 0;
+  bool began = false, passed = false;  ///< passed: this step's letters have gone on
 
   // Of the tree: rank r has the children 2 r + 1 and 2 r + 2. What has come from this rank and its children.
   std::array<std::optional<Contributions>, 3> parts;
@@ -37,6 +122,35 @@ struct Mailbox {
 
   void put(engine::Context&, std::int32_t from, engine::Payload payload) {
     from_each.at(static_cast<std::size_t>(from)) = std::move(payload);
+  }
+
+  void begin(engine::Context& context, Bundle mine) {
+    held = std::move(mine);
+    began = true;
+    pass_on(context);
+  }
+  void pass(engine::Context& context, std::int32_t at_step, Bundle letters) {
+    arrived[at_step] = std::move(letters);
+    pass_on(context);
+  }
+  void pass_on(engine::Context& context) {
+    const std::int32_t rank = context.rank().value, ranks = context.ranks();
+    while (began && std::int64_t{1} << step < ranks) {
+      const std::int32_t stride = std::int32_t{1} << step;
+      if (!std::exchange(passed, true))
+        context.invoke<&Mailbox::pass>(mailbox_of((rank + stride) % ranks), step, held.take([&](int to) {
+          return ((to - rank + ranks) % ranks & stride) != 0;
+        }));
+      const auto here = arrived.find(step);
+      if (here == arrived.end()) return;
+      held.append(here->second);
+      arrived.erase(here);
+      passed = false;
+      ++step;
+    }
+    if (!began) return;
+    held.open([&](int from, engine::Payload payload) { put(context, from, std::move(payload)); });
+    held = {};
   }
 
   void rise(engine::Context& context, std::int32_t from, Contributions part) {
@@ -97,6 +211,8 @@ Contributions gather(engine::Runtime& runtime, RankExchange::Bytes mine,
 void RankExchange::register_types(engine::Registry& registry) {
   registry.type<Mailbox>("RankExchange")
       .method<&Mailbox::put>("put")
+      .method<&Mailbox::begin>("begin")
+      .method<&Mailbox::pass>("pass")
       .method<&Mailbox::rise>("rise")
       .method<&Mailbox::sink>("sink");
 }
@@ -123,17 +239,25 @@ std::vector<engine::Payload> RankExchange::exchange(std::vector<engine::Payload>
   with_mailbox([&](Mailbox& mailbox) {
     mailbox.from_each.clear();
     mailbox.from_each.resize(static_cast<std::size_t>(ranks));
+    mailbox.step = 0;
+    mailbox.began = mailbox.passed = false;
   });
   runtime_.run([&](engine::Context& context) {
     if (to_each.size() != static_cast<std::size_t>(ranks)) {
       throw std::logic_error(engine::text(to_each.size(), " payloads for ", ranks, " ranks"));
     }
+    Bundle letters;
     for (int step = 1; step < ranks; ++step) {  // not all to the same rank at first
       const int to = (mine + step) % ranks;
       engine::Payload& payload = to_each[static_cast<std::size_t>(to)];
       // What is not sent is empty where it would have come: the run's end says that nothing comes any more.
-      if (payload.size() > 0) context.invoke<&Mailbox::put>(mailbox_of(to), mine, std::move(payload));
+      if (payload.size() == 0) continue;
+      if (payload.size() < kDirectBytes)
+        letters.add(mine, to, std::exchange(payload, {}));
+      else
+        context.invoke<&Mailbox::put>(mailbox_of(to), mine, std::move(payload));
     }
+    if (ranks > 1) context.invoke<&Mailbox::begin>(mailbox_of(mine), std::move(letters));
   });
   std::vector<engine::Payload> received;
   with_mailbox([&](Mailbox& mailbox) { received = std::move(mailbox.from_each); });

@@ -28,8 +28,14 @@ class RankExchange {
 
   engine::Runtime& runtime() const { return runtime_; }
 
+  /// Payloads of at least so many bytes go straight to their rank: there sending them costs more than the
+  /// message does.
+  static constexpr std::size_t kDirectBytes = std::size_t{1} << 15;
+
   /// Sends to_each[r] to rank r and returns what each rank has sent here, [r] from rank r; both have one
-  /// entry a rank. Empty ones are not sent.
+  /// entry a rank. Empty ones are not sent. Small ones travel together, in steps of 1, 2, 4, ... ranks (the
+  /// method of Bruck et al., 1997): one message a step and rank, log2 of the ranks in all, whoever sends to
+  /// whom.
   std::vector<engine::Payload> exchange(std::vector<engine::Payload> to_each);
 
   using Bytes = std::vector<std::byte>;

@@ -1,24 +1,41 @@
 // Texts to and from all ranks.
 #include "partition/communication/agreement.h"
 
-#include <vector>
+#include <cstdint>
+#include <cstring>
+#include <utility>
 
 #include "meshing/base/error.h"
 
 namespace weft::partition {
+namespace {
+
+/// Of the ranks that have one, on all; empty where none has. Over the tree a rank and one text travel.
+std::string text_of_lowest(Peers& peers, bool has, const std::string& text) {
+  std::uint32_t rank = has ? static_cast<std::uint32_t>(peers.rank()) : ~std::uint32_t{0};
+  const auto rank_in = [](const Bytes& bytes) {
+    std::uint32_t value;
+    std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+  };
+  Bytes mine(sizeof rank + (has ? text.size() : 0));
+  std::memcpy(mine.data(), &rank, sizeof rank);
+  if (has && !text.empty()) std::memcpy(mine.data() + sizeof rank, text.data(), text.size());
+  const Bytes lowest = peers.reduce(std::move(mine), [&](Bytes& least, const Bytes& other) {
+    if (rank_in(other) < rank_in(least)) least = other;
+  });
+  return {reinterpret_cast<const char*>(lowest.data()) + sizeof rank, lowest.size() - sizeof rank};
+}
+
+}  // namespace
 
 void agree(Peers& peers, const std::string& complaint) {
-  const std::vector<char> mine(complaint.begin(), complaint.end());
-  for (const std::vector<char>& text : allgather(peers, mine)) {
-    if (!text.empty()) throw meshing::InputError("", "", std::string(text.begin(), text.end()));
-  }
+  const std::string first = text_of_lowest(peers, !complaint.empty(), complaint);
+  if (!first.empty()) throw meshing::InputError("", "", first);
 }
 
 std::string text_of_first(Peers& peers, const std::string& text) {
-  std::vector<char> mine;
-  if (peers.rank() == 0) mine.assign(text.begin(), text.end());
-  const std::vector<char> first = allgather(peers, mine).front();
-  return {first.begin(), first.end()};
+  return text_of_lowest(peers, peers.rank() == 0, text);
 }
 
 }  // namespace weft::partition

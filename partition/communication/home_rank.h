@@ -49,9 +49,7 @@ class Rendezvous {
 
   /// All ranks: what has arrived here, by rank of origin.
   std::vector<std::vector<Record>> deliver(Peers& peers) {
-    auto arrived = partition::all_to_all(peers, outgoing_);
-    outgoing_.clear();
-    return arrived;
+    return partition::all_to_all(peers, std::move(outgoing_));
   }
 
   /// All ranks, after deliver(): answers[r][i] is for arrived[r][i]; returns those to this rank's records.

@@ -1,32 +1,40 @@
 // One error for all ranks.
 #include "partition/communication/input_issue.h"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <utility>
 
 #include "meshing/base/error.h"
-#include "partition/communication/reduce.h"
 
 namespace weft::partition {
 namespace {
 
-using Order = std::array<std::uint64_t, 4>;  // present (0) or not (1), then InputIssue::order
+/// What is compared first: 0 where there is one and 1 where not, InputIssue::order, the rank; then lengths
+/// of the texts, which follow.
+using Head = std::array<std::uint64_t, 7>;
+constexpr std::size_t kCompared = 5;
 
-Bytes bytes_of(const std::string& text) {
-  const auto* data = reinterpret_cast<const std::byte*>(text.data());
-  return {data, data + text.size()};
+Bytes packed(const std::optional<InputIssue>& issue, int rank) {
+  Head head{1, 0, 0, 0, static_cast<std::uint64_t>(rank), 0, 0};
+  std::string texts;
+  if (issue) {
+    head = {0,       issue->order[0],       issue->order[1],      issue->order[2],
+            head[4], issue->entity.size(), issue->reason.size()};
+    texts = issue->entity + issue->reason;
+  }
+  Bytes bytes(sizeof head + texts.size());
+  std::memcpy(bytes.data(), head.data(), sizeof head);
+  if (!texts.empty()) std::memcpy(bytes.data() + sizeof head, texts.data(), texts.size());
+  return bytes;
 }
 
-std::string text_of(const Bytes& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-/// Text that one rank has, on all; empty on the others.
-std::string spread(Peers& peers, const std::string& text) {
-  std::string found;
-  for (const Bytes& bytes :
-       peers.all_to_all(std::vector<Bytes>(static_cast<std::size_t>(peers.ranks()), bytes_of(text))))
-    if (!bytes.empty()) found = text_of(bytes);
-  return found;
+Head head_of(const Bytes& bytes) {
+  Head head;
+  std::memcpy(head.data(), bytes.data(), sizeof head);
+  return head;
 }
 
 }  // namespace
@@ -36,17 +44,16 @@ void keep_least(std::optional<InputIssue>& least, InputIssue complaint) {
 }
 
 void throw_first(Peers& peers, const std::optional<InputIssue>& complaint) {
-  Order mine{1, 0, 0, 0};
-  if (complaint) mine = {0, complaint->order[0], complaint->order[1], complaint->order[2]};
-  const auto orders = allgather(peers, std::vector<Order>{mine});
-  std::size_t least = 0;
-  for (std::size_t r = 1; r < orders.size(); ++r)
-    if (orders[r][0] < orders[least][0]) least = r;
-  if (orders[least][0][0] == 1) return;
-  const bool is_mine = least == static_cast<std::size_t>(peers.rank());
-  const std::string entity = spread(peers, is_mine ? complaint->entity : "");
-  const std::string reason = spread(peers, is_mine ? complaint->reason : "");
-  throw meshing::InputError("", entity, reason);
+  const Bytes least =
+      peers.reduce(packed(complaint, peers.rank()), [](Bytes& first, const Bytes& other) {
+        const Head a = head_of(first), b = head_of(other);
+        if (std::lexicographical_compare(b.begin(), b.begin() + kCompared, a.begin(), a.begin() + kCompared))
+          first = other;
+      });
+  const Head head = head_of(least);
+  if (head[0] == 1) return;
+  const char* texts = reinterpret_cast<const char*>(least.data()) + sizeof head;
+  throw meshing::InputError("", {texts, head[5]}, {texts + head[5], head[6]});
 }
 
 }  // namespace weft::partition

@@ -27,7 +27,7 @@ class Peers {
     return all_to_all(std::vector<Bytes>(static_cast<std::size_t>(ranks()), mine));
   }
 
-  /// Puts the second into the first, of the same length: associative and commutative to the bit.
+  /// Puts the second into the first: associative and commutative to the bit.
   using Combine = std::function<void(Bytes& sum, const Bytes& more)>;
   /// What all ranks give, combined, on all ranks.
   virtual Bytes reduce(Bytes mine, const Combine& combine) {
@@ -60,21 +60,45 @@ std::vector<T> values_of(const Bytes& bytes) {
   return values;
 }
 
+/// Each array is given back as soon as it is copied: all of them together may be most of a rank's memory.
 template <class T>
-std::vector<std::vector<T>> values_of_each(const std::vector<Bytes>& bytes) {
+std::vector<std::vector<T>> values_of_each(std::vector<Bytes> bytes) {
   std::vector<std::vector<T>> values;
   values.reserve(bytes.size());
-  for (const Bytes& of_rank : bytes) values.push_back(values_of<T>(of_rank));
+  for (Bytes& of_rank : bytes) {
+    values.push_back(values_of<T>(of_rank));
+    of_rank = {};
+  }
   return values;
 }
 
-/// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r.
+/// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r. Callers that need `to_each` no
+/// more move it here.
 template <class T>
-std::vector<std::vector<T>> all_to_all(Peers& peers, const std::vector<std::vector<T>>& to_each) {
+std::vector<std::vector<T>> all_to_all(Peers& peers, std::vector<std::vector<T>> to_each) {
   std::vector<Bytes> bytes;
   bytes.reserve(to_each.size());
-  for (const std::vector<T>& values : to_each) bytes.push_back(bytes_of(values));
+  for (std::vector<T>& values : to_each) {
+    bytes.push_back(bytes_of(values));
+    values = {};
+  }
+  to_each = {};
   return values_of_each<T>(peers.all_to_all(std::move(bytes)));
+}
+
+/// The same, joined: in the order of the ranks, and nothing twice at a time.
+template <class T>
+std::vector<T> all_to_all_joined(Peers& peers, std::vector<std::vector<T>> to_each) {
+  std::vector<std::vector<T>> arrived = partition::all_to_all(peers, std::move(to_each));
+  std::size_t size = 0;
+  for (const std::vector<T>& of_rank : arrived) size += of_rank.size();
+  std::vector<T> all;
+  all.reserve(size);
+  for (std::vector<T>& of_rank : arrived) {
+    all.insert(all.end(), of_rank.begin(), of_rank.end());
+    of_rank = {};
+  }
+  return all;
 }
 
 /// The same array to every rank: result[r] is that of rank r.

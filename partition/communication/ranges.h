@@ -38,7 +38,7 @@ std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Numbe
                      const Entry& entry) {
   std::vector<std::vector<Number>> wanted(static_cast<std::size_t>(peers.ranks()));
   for (const Number number : numbers) wanted[ranges.rank_of(number)].push_back(number);
-  wanted = partition::all_to_all(peers, wanted);
+  wanted = partition::all_to_all(peers, std::move(wanted));
   std::vector<std::vector<T>> replies(wanted.size());
   for (std::size_t r = 0; r < wanted.size(); ++r) {
     replies[r].reserve(wanted[r].size());
@@ -47,11 +47,7 @@ std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Numbe
     wanted[r] = {};
   }
   // Ranges ascend with the ranks, and so do the numbers: the replies are in order one after the other.
-  std::vector<T> result;
-  result.reserve(numbers.size());
-  for (auto& reply : partition::all_to_all(peers, replies))
-    result.insert(result.end(), reply.begin(), reply.end());
-  return result;
+  return all_to_all_joined(peers, std::move(replies));
 }
 
 }  // namespace weft::partition

@@ -6,23 +6,34 @@
 
 namespace weft::partition {
 
-double ordered_sum(Peers& peers, std::span<const double> values) {
-  double greatest = 0;
-  for (const double value : values) greatest = std::max(greatest, value);
+std::vector<double> ordered_sums(Peers& peers, std::span<const std::span<const double>> lists) {
+  std::vector<double> greatest(lists.size(), 0);
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    for (const double value : lists[i]) greatest[i] = std::max(greatest[i], value);
   greatest = partition::max(peers, greatest);
-  if (greatest == 0) return 0;
   // In units of 2^-62 of the power of two above the greatest, in two halves that 2^32 values cannot overflow.
-  int exponent = 0;
-  std::frexp(greatest, &exponent);
-  std::vector<std::uint64_t> halves(2, 0);
-  for (const double value : values) {
-    const auto units = static_cast<std::uint64_t>(std::ldexp(value, 62 - exponent));
-    halves[0] += units & 0xFFFFFFFFu;
-    halves[1] += units >> 32;
+  std::vector<int> exponents(lists.size(), 0);
+  std::vector<std::uint64_t> halves(2 * lists.size(), 0);
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    if (greatest[i] == 0) continue;
+    std::frexp(greatest[i], &exponents[i]);
+    for (const double value : lists[i]) {
+      const auto units = static_cast<std::uint64_t>(std::ldexp(value, 62 - exponents[i]));
+      halves[2 * i] += units & 0xFFFFFFFFu;
+      halves[2 * i + 1] += units >> 32;
+    }
   }
+  std::vector<double> sums(lists.size(), 0);
+  if (std::ranges::all_of(greatest, [](double g) { return g == 0; })) return sums;
   halves = partition::sum(peers, halves);
-  return std::ldexp(static_cast<double>(halves[0]), exponent - 62) +
-         std::ldexp(static_cast<double>(halves[1]), exponent - 30);
+  for (std::size_t i = 0; i < lists.size(); ++i)
+    sums[i] = std::ldexp(static_cast<double>(halves[2 * i]), exponents[i] - 62) +
+              std::ldexp(static_cast<double>(halves[2 * i + 1]), exponents[i] - 30);
+  return sums;
+}
+
+double ordered_sum(Peers& peers, std::span<const double> values) {
+  return ordered_sums(peers, std::span(&values, 1))[0];
 }
 
 }  // namespace weft::partition

@@ -12,33 +12,16 @@
 namespace weft::partition {
 
 /// Element by element combine(a, b) over the arrays of all ranks, which must be of one length; every rank
-/// gets the result. Short arrays are combined over the tree of Peers::reduce; of long ones each rank combines
-/// one block for all. The result is independent of the number of ranks where `combine` is exactly associative
+/// gets the result. The result is independent of the number of ranks where `combine` is exactly associative
 /// and commutative: integer sums, extremes.
 template <class T, class Combine>
 std::vector<T> reduce(Peers& peers, const std::vector<T>& mine, const Combine& combine) {
-  constexpr std::size_t kLongBytes = 1 << 12;
-  if (mine.size() * sizeof(T) < kLongBytes) {
-    return values_of<T>(peers.reduce(bytes_of(mine), [&](Bytes& sum, const Bytes& more) {
-      std::vector<T> values = values_of<T>(sum);
-      const std::vector<T> others = values_of<T>(more);
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = combine(values[i], others.at(i));
-      sum = bytes_of(values);
-    }));
-  }
-  const auto ranks = static_cast<std::size_t>(peers.ranks());
-  std::vector<std::vector<T>> blocks(ranks);
-  for (std::size_t r = 0; r < ranks; ++r)
-    blocks[r].assign(mine.begin() + mine.size() * r / ranks, mine.begin() + mine.size() * (r + 1) / ranks);
-  blocks = partition::all_to_all(peers, blocks);
-  std::vector<T> block = std::move(blocks[0]);
-  for (std::size_t r = 1; r < ranks; ++r)
-    for (std::size_t i = 0; i < block.size(); ++i) block[i] = combine(block[i], blocks[r][i]);
-  std::vector<T> result;
-  result.reserve(mine.size());
-  for (const std::vector<T>& part : allgather(peers, block))
-    result.insert(result.end(), part.begin(), part.end());
-  return result;
+  return values_of<T>(peers.reduce(bytes_of(mine), [&](Bytes& sum, const Bytes& more) {
+    std::vector<T> values = values_of<T>(sum);
+    const std::vector<T> others = values_of<T>(more);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = combine(values[i], others.at(i));
+    sum = bytes_of(values);
+  }));
 }
 
 /// Sums over all ranks. T is an integer type: floating-point sums would depend on the number of ranks.
@@ -59,9 +42,15 @@ template <class T>
 T max(Peers& peers, T mine) {
   return max(peers, std::vector<T>{mine})[0];
 }
+template <class T>
+std::vector<T> min(Peers& peers, const std::vector<T>& mine) {
+  return reduce(peers, mine, [](T a, T b) { return b < a ? b : a; });
+}
 
 /// Sum of all ranks' values, each finite and at least 0, to 2^-52 of the greatest for each: the sum is of
 /// integers, and the same bits in any order.
 double ordered_sum(Peers& peers, std::span<const double> values);
+/// Of several lists at once, in as many exchanges as of one.
+std::vector<double> ordered_sums(Peers& peers, std::span<const std::span<const double>> lists);
 
 }  // namespace weft::partition

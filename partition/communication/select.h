@@ -3,13 +3,15 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "partition/communication/peers.h"
 
 namespace weft::partition {
 
-/// All ranks, with the same `place`: the value at index `place` of the values of all ranks in ascending
-/// order. None is NaN; `place` is less than their number. Exact; eight exchanges of 2 KiB a rank.
-double select(Peers& peers, std::span<const double> values, std::uint64_t place);
+/// All ranks, with the same `places`: the values at these indices of the values of all ranks in ascending
+/// order. None is NaN; each place is less than their number. Exact; eight sums of 2 KiB a place.
+std::vector<double> select(Peers& peers, std::span<const double> values,
+                           std::span<const std::uint64_t> places);
 
 }  // namespace weft::partition

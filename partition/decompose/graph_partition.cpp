@@ -74,7 +74,7 @@ std::vector<std::vector<Traveller>> send_groups(Peers& peers, const WeightedItem
     to_each[g % to_each.size()].push_back(
         {g, {items.numbers[i], items.weights[i], faces.vertices[i], faces.areas[i]}});
   }
-  return partition::all_to_all(peers, to_each);
+  return partition::all_to_all(peers, std::move(to_each));
 }
 
 /// The part of each traveller in its group, in the order of arrival.
@@ -119,7 +119,7 @@ std::vector<SubdomainId> graph_partition(Peers& peers, const WeightedItems& item
   const std::vector<std::vector<Traveller>> arrived = send_groups(peers, items, faces, bisected);
   std::vector<std::vector<std::uint32_t>> parts(arrived.size());
   agree_on(peers, [&] { parts = divide(arrived, bisected); });
-  parts = partition::all_to_all(peers, parts);
+  parts = partition::all_to_all(peers, std::move(parts));
 
   std::vector<std::uint32_t> first(bisected.sizes.size(), 0);
   std::exclusive_scan(bisected.sizes.begin(), bisected.sizes.end(), first.begin(), 0u);

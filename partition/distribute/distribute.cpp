@@ -233,11 +233,15 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
   slice.boundary = {};
   result.box = measures.box;
-  const Decomposition decomposition = decompose_slice(peers, slice, measures, options);
+  Decomposition decomposition = decompose_slice(peers, slice, measures, options);
+  measures = {};
 
   const std::vector<TetRecord> mine =
-      send_tets_home(peers, slice, decomposition.subdomains, options.num_subdomains);
+      send_tets_home(peers, slice, std::exchange(decomposition.subdomains, {}), options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
+  slice.points = {};
+  slice.point_refs = {};
+  slice.log_metrics = {};
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
   const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options);
   result.geometry = geometry;

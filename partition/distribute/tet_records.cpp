@@ -41,13 +41,7 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
   }
   slice.tets = {};
   slice.tet_refs = {};
-  auto received = partition::all_to_all(peers, to_each);
-  to_each = {};
-  std::vector<TetRecord> tets;
-  for (auto& part : received) {
-    tets.insert(tets.end(), part.begin(), part.end());
-    part = {};
-  }
+  std::vector<TetRecord> tets = all_to_all_joined(peers, std::move(to_each));
   std::sort(tets.begin(), tets.end(), [](const TetRecord& a, const TetRecord& b) {
     return a.subdomain != b.subdomain ? a.subdomain < b.subdomain : a.number < b.number;
   });
@@ -74,9 +68,7 @@ Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_
   const auto ranks = static_cast<std::uint32_t>(peers.ranks());
   std::vector<std::vector<InputHolder>> to_each(ranks);
   for (const InputHolder& holder : holders_here(tets)) to_each[holder.vertex % ranks].push_back(holder);
-  std::vector<InputHolder> met;
-  for (const auto& part : partition::all_to_all(peers, to_each))
-    met.insert(met.end(), part.begin(), part.end());
+  std::vector<InputHolder> met = all_to_all_joined(peers, std::move(to_each));
   std::sort(met.begin(), met.end());
   to_each.assign(ranks, {});
   Holders result;
@@ -85,8 +77,8 @@ Holders find_holders(Peers& peers, std::span<const TetRecord> tets, std::uint32_
     if (end - begin > 1) send_to_holders(std::span(met).subspan(begin, end - begin), num_subdomains, to_each);
   }
   result.used = partition::sum(peers, result.used);
-  for (const auto& part : partition::all_to_all(peers, to_each))
-    result.shared.insert(result.shared.end(), part.begin(), part.end());
+  met = {};
+  result.shared = all_to_all_joined(peers, std::move(to_each));
   std::sort(result.shared.begin(), result.shared.end());
   return result;
 }

@@ -30,13 +30,7 @@ std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
       const FaceRecord record = face_record(slice.tets[t], slice.tet_refs[t], slice.first_tet + t, f);
       to_each[record.vertices[0] % ranks].push_back(record);
     }
-  auto received = partition::all_to_all(peers, to_each);
-  to_each = {};
-  std::vector<FaceRecord> faces;
-  for (auto& part : received) {
-    faces.insert(faces.end(), part.begin(), part.end());
-    part = {};
-  }
+  std::vector<FaceRecord> faces = all_to_all_joined(peers, std::move(to_each));
   std::sort(faces.begin(), faces.end());
   return faces;
 }

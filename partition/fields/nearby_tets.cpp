@@ -124,7 +124,7 @@ std::vector<std::vector<int>> NearbyTets::ranks_of_cells(const CellGrid& grid, c
       replies[r].insert(replies[r].end(), of_cell.begin(), of_cell.end());
     }
   std::vector<std::vector<int>> result(cells.size());
-  for (const std::vector<Wish>& of_home : partition::all_to_all(peers_, replies))
+  for (const std::vector<Wish>& of_home : partition::all_to_all(peers_, std::move(replies)))
     for (const Wish& wish : of_home)
       result[static_cast<std::size_t>(std::ranges::lower_bound(cells, wish.cell) - cells.begin())].push_back(
           static_cast<int>(wish.rank));
@@ -145,10 +145,8 @@ void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::u
     sort_unique(given_[r]);
     for (const std::uint32_t v : given_[r]) vertices[r].push_back({of.numbers()[v], of.mesh().points[v]});
   }
-  std::vector<Tet> all;
-  for (const std::vector<Tet>& of_rank : partition::all_to_all(peers_, tets))
-    all.insert(all.end(), of_rank.begin(), of_rank.end());
-  build(partition::all_to_all(peers_, vertices), std::move(all));
+  std::vector<Tet> all = all_to_all_joined(peers_, std::move(tets));
+  build(partition::all_to_all(peers_, std::move(vertices)), std::move(all));
 }
 
 /// In an order that does not depend on who has sent what.
@@ -184,7 +182,7 @@ meshing::ValueTable NearbyTets::carry(const meshing::ValueTable& at_part) const 
                         at_part.values.begin() + static_cast<std::ptrdiff_t>((v + 1) * n));
   }
   meshing::ValueTable table{n, std::vector<double>(mesh_.points.size() * n)};
-  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, to_each);
+  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, std::move(to_each));
   for (std::size_t r = 0; r < taken_.size(); ++r)
     for (std::size_t i = 0; i < taken_[r].size(); ++i)
       std::copy_n(from_each[r].data() + i * n, n, table.values.data() + taken_[r][i] * n);

@@ -39,10 +39,8 @@ class RowMail {
   std::vector<Row> deliver() {
     const int me = peers_.rank();
     const std::uint64_t first = first_of(total_, me, peers_.ranks());
-    const auto numbers = partition::all_to_all(peers_, numbers_);
-    numbers_.clear();
-    const auto rows = partition::all_to_all(peers_, rows_);
-    rows_.clear();
+    const auto numbers = partition::all_to_all(peers_, std::move(numbers_));
+    const auto rows = partition::all_to_all(peers_, std::move(rows_));
     std::vector<Row> mine(first_of(total_, me + 1, peers_.ranks()) - first);
     for (std::size_t r = 0; r < numbers.size(); ++r)
       for (std::size_t i = 0; i < numbers[r].size(); ++i) mine[numbers[r][i] - first] = rows[r][i];

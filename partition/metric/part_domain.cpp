@@ -87,7 +87,8 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
   std::vector<TetRecord> tets = first_ring(slice);
   if (rings > 1) {
     const std::vector<TetRecord> first = tets;
-    for (int ring = 1; ring < rings; ++ring) add_ring(first, tets);
+    std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers_.ranks()));
+    for (int ring = 1; ring < rings; ++ring) add_ring(first, asked, tets);
   }
   build_mesh(slice, tets);
   refuse_inverted(tets);
@@ -107,7 +108,7 @@ void PartDomain::choose_owners(const MeshSlice& slice) {
     slice_owners_.push_back(static_cast<std::uint32_t>(owner));
     to_each[static_cast<std::size_t>(owner)].push_back(static_cast<std::uint32_t>(slice.first_point + v));
   }
-  owned_numbers_ = joined(partition::all_to_all(peers_, to_each));  // ascending: so are slices with the ranks
+  owned_numbers_ = all_to_all_joined(peers_, std::move(to_each));  // ascending: so are slices with the ranks
 }
 
 std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice) const {
@@ -129,25 +130,36 @@ std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice
           record.owners.begin() + i)
         to_each[record.owners[i]].push_back(record);
   }
-  return joined(partition::all_to_all(peers_, to_each));  // ascending
+  return all_to_all_joined(peers_, std::move(to_each));  // ascending
 }
 
-/// Adds the tets at all vertices of `tets`, which their owners have among their first rings.
-void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<TetRecord>& tets) const {
-  std::vector<std::vector<std::uint32_t>> wanted(static_cast<std::size_t>(peers_.ranks()));
+/// Adds the tets at all vertices of `tets`, which their owners have among their first rings. Of those that
+/// have been `asked` for, ascending by rank, all are here.
+void PartDomain::add_ring(const std::vector<TetRecord>& first,
+                          std::vector<std::vector<std::uint32_t>>& asked,
+                          std::vector<TetRecord>& tets) const {
+  std::vector<std::vector<std::uint32_t>> wanted(asked.size());
   for (const TetRecord& tet : tets)
-    for (std::size_t i = 0; i < 4; ++i)
-      if (tet.owners[i] != me_) wanted[tet.owners[i]].push_back(tet.vertices[i]);
-  for (auto& vertices : wanted) sort_unique(vertices);
-  wanted = partition::all_to_all(peers_, wanted);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint32_t owner = tet.owners[i], v = tet.vertices[i];
+      if (owner != me_ && !std::ranges::binary_search(asked[owner], v)) wanted[owner].push_back(v);
+    }
+  for (std::size_t r = 0; r < wanted.size(); ++r) {
+    sort_unique(wanted[r]);
+    const auto old = static_cast<std::ptrdiff_t>(asked[r].size());
+    asked[r].insert(asked[r].end(), wanted[r].begin(), wanted[r].end());
+    std::inplace_merge(asked[r].begin(), asked[r].begin() + old, asked[r].end());
+  }
+  wanted = partition::all_to_all(peers_, std::move(wanted));
   std::vector<std::vector<TetRecord>> replies(wanted.size());
-  for (std::size_t r = 0; r < wanted.size(); ++r)
-    for (const TetRecord& tet : wanted[r].empty() ? std::vector<TetRecord>{} : first)
-      if (std::ranges::any_of(tet.vertices, [&](std::uint32_t v) {
-            return std::binary_search(wanted[r].begin(), wanted[r].end(), v);
-          }))
+  for (std::size_t r = 0; r < wanted.size(); ++r) {
+    if (wanted[r].empty()) continue;
+    for (const TetRecord& tet : first)
+      if (std::ranges::any_of(tet.vertices,
+                              [&](std::uint32_t v) { return std::ranges::binary_search(wanted[r], v); }))
         replies[r].push_back(tet);
-  const std::vector<TetRecord> more = joined(partition::all_to_all(peers_, replies));
+  }
+  const std::vector<TetRecord> more = all_to_all_joined(peers_, std::move(replies));
   tets.insert(tets.end(), more.begin(), more.end());
   std::ranges::sort(tets, {}, &TetRecord::number);
   const auto rest = std::ranges::unique(tets, {}, &TetRecord::number);
@@ -198,7 +210,7 @@ void PartDomain::join_copies() {
       wanted[owners_[v]].push_back(numbers_[v]);
       taken_[owners_[v]].push_back(v);
     }
-  given_ = partition::all_to_all(peers_, wanted);
+  given_ = partition::all_to_all(peers_, std::move(wanted));
   for (std::uint32_t r = 0; r < given_.size(); ++r)
     for (std::size_t i = 0; i < given_[r].size(); ++i) {
       given_[r][i] = local(given_[r][i]);
@@ -221,14 +233,16 @@ double PartDomain::sum(const std::function<double(std::size_t)>& at) const {
 }
 
 double PartDomain::signed_sum(const std::function<double(std::size_t)>& at) const {
-  std::vector<double> above, below;
+  std::array<std::vector<double>, 2> terms;  // above 0 and below
+  for (auto& some : terms) some.reserve(owned_numbers_.size());
   for (std::size_t v = 0; v < owners_.size(); ++v)
     if (owns(v)) {
       const double value = at(v);
-      above.push_back(std::max(0.0, value));
-      below.push_back(std::max(0.0, -value));
+      terms[0].push_back(std::max(0.0, value));
+      terms[1].push_back(std::max(0.0, -value));
     }
-  return ordered_sum(peers_, above) - ordered_sum(peers_, below);
+  const std::vector<double> sums = ordered_sums(peers_, std::array<std::span<const double>, 2>{terms[0], terms[1]});
+  return sums[0] - sums[1];
 }
 
 void PartDomain::refresh(std::size_t columns, std::vector<double>& values) const {
@@ -239,7 +253,7 @@ void PartDomain::refresh(std::size_t columns, std::vector<double>& values) const
       to_each[r].insert(to_each[r].end(), values.begin() + static_cast<std::ptrdiff_t>(v * columns),
                         values.begin() + static_cast<std::ptrdiff_t>((v + 1) * columns));
   }
-  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, to_each);
+  const std::vector<std::vector<double>> from_each = partition::all_to_all(peers_, std::move(to_each));
   for (std::size_t r = 0; r < taken_.size(); ++r)
     for (std::size_t i = 0; i < taken_[r].size(); ++i)
       std::copy_n(from_each[r].data() + i * columns, columns, values.data() + taken_[r][i] * columns);
@@ -262,7 +276,7 @@ std::vector<std::uint32_t> PartDomain::refresh_changed(std::span<const std::uint
       to_each[copy->rank].push_back({copy->place, values[v]});
   }
   std::vector<std::uint32_t> refreshed;
-  const std::vector<std::vector<Change>> from_each = partition::all_to_all(peers_, to_each);
+  const std::vector<std::vector<Change>> from_each = partition::all_to_all(peers_, std::move(to_each));
   for (std::size_t r = 0; r < from_each.size(); ++r)
     for (const Change& change : from_each[r]) {
       const std::uint32_t v = taken_[r][change.place];

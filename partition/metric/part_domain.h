@@ -65,7 +65,8 @@ class PartDomain final : public meshing::MetricDomain {
 
   void choose_owners(const MeshSlice& slice);
   std::vector<TetRecord> first_ring(const MeshSlice& slice) const;
-  void add_ring(const std::vector<TetRecord>& first, std::vector<TetRecord>& tets) const;
+  void add_ring(const std::vector<TetRecord>& first, std::vector<std::vector<std::uint32_t>>& asked,
+                std::vector<TetRecord>& tets) const;
   void build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets);
   void join_copies();
   void refuse_inverted(const std::vector<TetRecord>& tets) const;
@@ -101,7 +102,7 @@ std::vector<T> PartDomain::to_slices(const std::vector<T>& values) const {
   std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (const std::uint32_t number : owned_numbers_)
     to_each[points_.rank_of(number)].push_back(values[local(number)]);
-  const std::vector<std::vector<T>> from_each = partition::all_to_all(peers_, to_each);
+  const std::vector<std::vector<T>> from_each = partition::all_to_all(peers_, std::move(to_each));
   std::vector<std::size_t> next(from_each.size(), 0);
   std::vector<T> of_slice;
   of_slice.reserve(slice_owners_.size());
@@ -116,7 +117,7 @@ void PartDomain::refresh_values(std::vector<T>& values) const {
     to_each[r].reserve(given_[r].size());
     for (const std::uint32_t v : given_[r]) to_each[r].push_back(values[v]);
   }
-  const std::vector<std::vector<T>> from_each = partition::all_to_all(peers_, to_each);
+  const std::vector<std::vector<T>> from_each = partition::all_to_all(peers_, std::move(to_each));
   for (std::size_t r = 0; r < taken_.size(); ++r)
     for (std::size_t i = 0; i < taken_[r].size(); ++i) values[taken_[r][i]] = from_each[r][i];
 }

@@ -9,6 +9,7 @@
 #include "meshing/mesh/adjacency.h"
 #include "meshing/metric/measure_totals.h"
 #include "partition/communication/home_rank.h"
+#include "partition/communication/reduce.h"
 #include "partition/communication/select.h"
 #include "partition/output/piece_share.h"
 
@@ -147,19 +148,17 @@ void for_each_count(Sums& sums, const Visit& visit) {
 void add_counts(Peers& peers, Sums& sums) {
   std::vector<std::uint64_t> counts;
   for_each_count(sums, [&](std::uint64_t& count) { counts.push_back(std::exchange(count, 0)); });
-  for (const auto& of_rank : allgather(peers, counts)) {
-    std::size_t next = 0;
-    for_each_count(sums, [&](std::uint64_t& count) { count += of_rank[next++]; });
-  }
+  counts = partition::sum(peers, counts);
+  std::size_t next = 0;
+  for_each_count(sums, [&](std::uint64_t& count) { count = counts[next++]; });
 }
 
 void add_extremes(Peers& peers, Sums& sums) {
-  const std::vector<double> mine = {sums.tets.quality_min, sums.edges.length_min, sums.edges.length_max};
-  for (const auto& of_rank : allgather(peers, mine)) {
-    sums.tets.quality_min = std::min(sums.tets.quality_min, of_rank[0]);
-    sums.edges.length_min = std::min(sums.edges.length_min, of_rank[1]);
-    sums.edges.length_max = std::max(sums.edges.length_max, of_rank[2]);
-  }
+  const std::vector<double> least =
+      partition::min(peers, std::vector{sums.tets.quality_min, sums.edges.length_min, -sums.edges.length_max});
+  sums.tets.quality_min = least[0];
+  sums.edges.length_min = least[1];
+  sums.edges.length_max = -least[2];
 }
 
 /// By subdomain, so that rounding does not depend on who has which.
@@ -186,8 +185,11 @@ Measures measure_parts(Peers& peers, std::span<const MeshPiece> mine, const Vert
   if (m.num_tets == 0) return m;
   put_tets(sums.tets, m.num_tets, m);
   put_edges(sums.edges, m);
-  m.quality_q01 = select(peers, sums.qualities, meshing::quantile_place(m.num_tets, 0.01));
-  m.quality_q001 = select(peers, sums.qualities, meshing::quantile_place(m.num_tets, 0.001));
+  const std::array<std::uint64_t, 2> places = {meshing::quantile_place(m.num_tets, 0.01),
+                                               meshing::quantile_place(m.num_tets, 0.001)};
+  const std::vector<double> quantiles = select(peers, sums.qualities, places);
+  m.quality_q01 = quantiles[0];
+  m.quality_q001 = quantiles[1];
   return m;
 }
 

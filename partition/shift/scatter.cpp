@@ -10,6 +10,7 @@
 
 #include "meshing/kernel/quality.h"
 #include "partition/shift/shift.h"
+#include "partition/subdomain/adapt_subdomain.h"
 #include "partition/subdomain/tets_at.h"
 
 namespace weft::partition {
@@ -389,6 +390,9 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
     for (auto& piece : p.pieces)
       if (!s.background.has(piece->id)) pieces.push_back(std::move(piece));
   if (!pieces.empty()) s.background.add(pieces);
+  std::uint64_t arriving = 0;
+  for (const Parcel& p : parcels) arriving += std::max(p.tets.size(), 2 * p.vertices.size());
+  make_room(s, arriving);
   Joining joining(s);
   joining.add(parcels);
   for (const Parcel& p : parcels) result.received += p.tets.size();

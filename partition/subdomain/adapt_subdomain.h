@@ -9,8 +9,18 @@
 
 namespace weft::partition {
 
+/// Slots to reserve address space for, for a subdomain of `tets` tets that is predicted to have `predicted`:
+/// many times that, since holes and a mesh that must first grow cost slots. What comes beside is for
+/// make_room(). Of the whole mesh it knows nothing, so that a process may have any number of subdomains.
+std::size_t tet_slots_for(double predicted, std::uint64_t tets);
+
+/// Room for `more` tets; where there is too little all arrays are moved to places twice as large as needed.
+/// Numbers and everything else stay. Only while nobody else has the mesh.
+void make_room(Subdomain& subdomain, std::uint64_t more);
+
 /// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
-/// nothing is done where nothing is). Limits::hausd: not 0. `before_level` as in meshing::adapt_in_place; it
+/// nothing is done where nothing is). A mesh that becomes full on the way gets more room and is adapted again.
+/// Limits::hausd: not 0. `before_level` as in meshing::adapt_in_place; it
 /// names its own new vertices, others have their ids afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface,
                                      const meshing::Limits& limits, meshing::Extent extent,

@@ -436,6 +436,42 @@ TEST(Exchange, StopsAtTheWindowUntilTheReceiverHasConsumed) {
   EXPECT_TRUE(here.idle());
 }
 
+TEST(Exchange, ManyRanksTogetherSendNoMoreThanTheInboxHolds) {
+  constexpr int kRanks = 9, kMessages = 200;
+  constexpr std::size_t kBytes = 5'000, kInbox = 400'000;  // all that is posted: 8 MB
+  LoopbackNetwork network(kRanks);
+  const ExchangeOptions options{.window_bytes = 1 << 20, .inbox_bytes = kInbox, .backlog_bytes = 1 << 30};
+  std::vector<std::unique_ptr<Exchange>> exchanges;
+  for (int r = 0; r < kRanks; ++r) {
+    exchanges.push_back(std::make_unique<Exchange>(network.transport(Rank(r)), options));
+    exchanges.back()->begin_phase();
+  }
+  for (int r = 1; r < kRanks; ++r)
+    for (int i = 0; i < kMessages; ++i) {
+      Payload payload;
+      payload.bytes.resize(kBytes);
+      exchanges[static_cast<std::size_t>(r)]->post(Rank(0), FrameKind::task, std::move(payload));
+    }
+  std::vector<std::pair<Rank, std::size_t>> unconsumed;
+  std::size_t most = 0;
+  int arrived = 0;
+  while (arrived < (kRanks - 1) * kMessages) {
+    for (int turn = 0; turn < 20; ++turn)
+      for (int r = kRanks - 1; r >= 0; --r)
+        exchanges[static_cast<std::size_t>(r)]->progress(
+            [&](Rank from, FrameKind, Payload, std::size_t wire_bytes) {
+              unconsumed.emplace_back(from, wire_bytes);
+              ++arrived;
+            });
+    most = std::max<std::size_t>(most, exchanges[0]->traffic().unhandled);
+    ASSERT_FALSE(unconsumed.empty()) << "nothing comes any more";
+    for (const auto& [from, wire_bytes] : std::exchange(unconsumed, {}))
+      exchanges[0]->consumed(from, wire_bytes);
+  }
+  EXPECT_LE(most, kInbox);
+  EXPECT_GT(most, kInbox / 2) << "the windows are used";
+}
+
 TEST(Exchange, AMessageLargerThanTheWindowGoesThoughLittleIsStillUncredited) {
   LoopbackNetwork network(2);
   Exchange here(network.transport(Rank(0)), {.window_bytes = 10'000, .backlog_bytes = 1 << 30});

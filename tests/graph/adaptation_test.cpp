@@ -7,6 +7,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -14,6 +16,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <sstream>
 
 #include "engine/network/loopback_transport.h"
 #include "engine/simulate/simulation.h"
@@ -21,6 +24,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "partition/communication/reduce.h"
 #include "partition/output/measure_pieces.h"
+#include "partition/output/numbering.h"
 #include "partition/verify/check_subdomains.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/partition/scenes.h"
@@ -54,6 +58,7 @@ struct Setting {
   std::uint32_t most_shifts = 12;
   bool check = false;
   std::function<void(partition::Subdomain&)> on_check = {};
+  std::function<void(const Runtime&)> on_start = {}, on_end = {};  ///< of the loop
 };
 
 MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
@@ -95,6 +100,8 @@ void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& s
   options.most_shifts = setting.most_shifts;
   options.check = setting.check;
   options.on_check = setting.on_check;
+  if (setting.on_start) options.on_start = [&] { setting.on_start(runtime); };
+  if (setting.on_end) options.on_end = [&] { setting.on_end(runtime); };
   DistributedResult result =
       adapt_distributed(runtime, peers, rank, slice_of(whole, peers.rank(), peers.ranks()), options);
   look({runtime, peers, result, rank.plan});
@@ -201,6 +208,56 @@ void expect_same_on_simulated_ranks(int ranks, const MetricMesh& whole, const Se
     });
   });
   EXPECT_TRUE(pieces == expected) << "on " << ranks << " simulated ranks";
+}
+
+/// The most that any rank has sent, and the most others it has had messages with: before the loop, in it and
+/// after it.
+using MostExchanged = std::array<engine::Exchanged, 3>;
+
+/// A subdomain of about as many tets for every rank.
+MostExchanged most_exchanged(int ranks) {
+  const int cells = static_cast<int>(std::lround(2 * std::cbrt(ranks)));
+  const MetricMesh whole = metric_mesh(unit_cube(cells), 1.0 / cells);
+  Setting setting;
+  setting.subdomains = static_cast<std::uint32_t>(ranks);
+  std::vector<std::array<engine::RankSummary, 2>> marks(static_cast<std::size_t>(ranks));
+  setting.on_start = [&](const Runtime& runtime) { marks[runtime.rank().index()][0] = runtime.summary(); };
+  setting.on_end = [&](const Runtime& runtime) { marks[runtime.rank().index()][1] = runtime.summary(); };
+  MostExchanged most{};
+  engine::simulate({.ranks = ranks}, [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      measure_pieces(rank.peers, rank.result.pieces);
+      number_pieces(rank.peers, rank.result.pieces);
+      const auto& [start, end] = marks[network.rank().index()];
+      const std::array parts = {engine::exchanged_between({}, start), engine::exchanged_between(start, end),
+                                engine::exchanged_between(end, rank.runtime.summary())};
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        most[i].messages = std::max(most[i].messages, parts[i].messages);
+        most[i].peers = std::max(most[i].peers, parts[i].peers);
+      }
+    });
+  });
+  return most;
+}
+
+/// WEFT_SIMULATED_RANKS="64 1024" prints how it is there too: the table in graph/README.md.
+TEST(SimulatedAdaptation, BeforeAndAfterTheLoopMessagesGoWithTheLogarithmOfTheRanks) {
+  const int few = 16, many = kSlowness > 1 ? 32 : 128;
+  const MostExchanged of_few = most_exchanged(few), of_many = most_exchanged(many);
+  const double steps = std::log2(many) / std::log2(few);
+  for (const std::size_t part : {0u, 2u}) {
+    EXPECT_LE(static_cast<double>(of_many[part].messages), 1.2 * steps * static_cast<double>(of_few[part].messages));
+    EXPECT_LE(static_cast<double>(of_many[part].peers), 3 + 2 * std::log2(many));
+  }
+  std::istringstream more(std::getenv("WEFT_SIMULATED_RANKS") ? std::getenv("WEFT_SIMULATED_RANKS") : "");
+  for (int ranks = 0; more >> ranks;) {
+    const MostExchanged most = most_exchanged(ranks);
+    std::printf("| %d |", ranks);
+    for (const engine::Exchanged& e : most)
+      std::printf(" %llu to %llu |", static_cast<unsigned long long>(e.messages),
+                  static_cast<unsigned long long>(e.peers));
+    std::printf("\n");
+  }
 }
 
 TEST(SimulatedAdaptation, ThePiecesAreThoseOfOneRankUnderBothBalancers) {

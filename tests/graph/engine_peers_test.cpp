@@ -7,6 +7,8 @@
 #include <optional>
 #include <random>
 
+#include "engine/simulate/simulation.h"
+#include "partition/communication/reduce.h"
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"
 
@@ -113,6 +115,58 @@ TEST_P(EnginePeersOnRanks, ExchangesBeforeAndAfterOtherWork) {
     EnginePeers others(runtime);  // the same mailboxes
     expect_exchanges(others, 3, 1000);
     expect_exchanges(peers, 3, 1000);
+  });
+}
+
+int steps_for(int ranks) {
+  int steps = 0;
+  while (1 << steps < ranks) ++steps;
+  return steps;
+}
+
+/// In a simulation, since there are many; large payloads too, from each rank to the next.
+TEST(EnginePeersOnManyRanks, SmallPayloadsTakeAMessageAStepWhoeverSendsToWhom) {
+  constexpr std::size_t kLarge = 2 * dataflow::RankExchange::kDirectBytes;
+  for (const int ranks : {2, 5, 64, 150 / kSlowness}) {
+    engine::simulate({.ranks = ranks}, [&](Transport& transport) {
+      const Registry registry = registry_with_peers();
+      Runtime runtime(transport, registry);
+      EnginePeers peers(runtime);
+      const engine::RankSummary before = runtime.summary();
+      const int rank = peers.rank(), next = (rank + 1) % ranks;
+      std::vector<partition::Bytes> to_each;
+      for (int to = 0; to < ranks; ++to)
+        to_each.emplace_back(to == next ? kLarge : 1, static_cast<std::byte>(rank - to));
+      const std::vector<partition::Bytes> arrived = peers.all_to_all(to_each);
+      for (int from = 0; from < ranks; ++from)
+        ASSERT_TRUE(arrived[static_cast<std::size_t>(from)] ==
+                    partition::Bytes((from + 1) % ranks == rank ? kLarge : 1,
+                                     static_cast<std::byte>(from - rank)));
+      const engine::Exchanged small_and_large = engine::exchanged_between(before, runtime.summary());
+      const auto steps = static_cast<std::uint64_t>(steps_for(ranks));
+      EXPECT_EQ(small_and_large.messages, steps + 1);
+      EXPECT_LE(small_and_large.peers, 2 * steps);
+    });
+  }
+}
+
+TEST(EnginePeersOnManyRanks, GatheringsAndReductionsGoOverATree) {
+  constexpr int kRanks = 100 / kSlowness;
+  engine::simulate({.ranks = kRanks}, [&](Transport& transport) {
+    const Registry registry = registry_with_peers();
+    Runtime runtime(transport, registry);
+    EnginePeers peers(runtime);
+    const engine::RankSummary before = runtime.summary();
+    const int rank = peers.rank();
+    const auto all = partition::allgather(peers, std::vector<int>(rank % 3, rank));
+    for (int r = 0; r < kRanks; ++r)
+      ASSERT_EQ(all[static_cast<std::size_t>(r)], std::vector<int>(r % 3, r));
+    std::vector<int> many(10'000, rank);  // as long as many ranks' payloads that go straight
+    many = partition::max(peers, many);
+    EXPECT_EQ(many, std::vector<int>(10'000, kRanks - 1));
+    const engine::Exchanged exchanged = engine::exchanged_between(before, runtime.summary());
+    EXPECT_LE(exchanged.messages, 6u);  // to the parent and to two children, twice
+    EXPECT_LE(exchanged.peers, 3u);
   });
 }
 

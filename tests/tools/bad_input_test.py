@@ -128,11 +128,14 @@ class BadInput(CommandTest):
 
     def test_more_than_the_memory(self):
         mesh = self.box()
-        self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "--complexity", "3e8", "-o", "out.meshb",
-                          says=["600,000,000 vertices", "3,600,000,000 tets", "900.0 GB", "--force"])
+        self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "--complexity", "8e7", "-o", "out.meshb",
+                          says=["160,000,000 vertices", "960,000,000 tets", "240.0 GB", "--force"])
         self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1e-9", "-o", "out.meshb", says=["tets", "--complexity"])
-        self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "--complexity", "1e12", "--force", "-o",
-                          "out.meshb", says="more tets than one mesh can have")
+        for complexity in "3e8", "1e12":  # a tet's faces have numbers of 32 bits
+            self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "--complexity", complexity, "--force", "-o",
+                              "out.meshb", says="more tets than one mesh can have")
+        self.assert_fails("adapt", mesh, "--metric-fn", "uniform:1", "--complexity", "3e8", "--subdomains", "8",
+                          "--force", "-o", "out.meshb", says="more tets than subdomains can have")
 
     def test_output_that_would_replace_the_metric(self):
         mesh = self.box()

@@ -213,7 +213,7 @@ void check_size_of_parts(const std::string& name, double complexity, const RunOp
                          SizePrediction& predicted) {
   predicted = predict_size(complexity, input.vertices, input.tets);
   const std::string size = size_text(complexity, predicted);
-  if (!(predicted.tets / parts < kMaxTets))
+  if (!(kSlotsOfSubdomain * predicted.tets / parts < kMaxTets))
     throw InputError(name, "", size + ", more tets than subdomains can have: more --subdomains");
   const double of_rank = predicted.bytes / ranks;
   if (run.force || !room || of_rank <= *room) return;

@@ -169,6 +169,7 @@ class DistributedFileJob {
     account_.times.total = total_.lap();
     account_.peak_memory = peak_memory_bytes();
     run_.gather_machines();
+    run_.account_for_exchanges();
     if (!run_.first() || !keep_.record) return;
     try {
       write_accounts();

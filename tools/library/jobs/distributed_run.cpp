@@ -158,8 +158,10 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.program = graph::adaptation::hash_bytes(program.data(), program.size(), registry_.fingerprint());
   if (monitor_.wanted()) method.news = &news_;
   method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
+    before_loop_ = runtime_->summary();
     if (first()) table_.emplace(subdomains, shifts, engine::now());
   };
+  method.on_end = [this] { after_loop_ = runtime_->summary(); };
   return method;
 }
 
@@ -222,37 +224,43 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   gather_statistics(report);
 }
 
-/// Rank 0 hears of all.
+/// Rank 0 hears the sums; of each rank and each run of a node where a record is kept.
 void DistributedRun::gather_statistics(Report& report) {
-  graph::dataflow::ExecutionLog log = gather_log(*exchange_, graph::adaptation::execution_log(*runtime_));
-  const engine::TimePoint clock_offset = keep_.record ? runtime_->timeline().clock_offset : 0;
-  std::vector<engine::RankSummary> summaries = runtime_->gather_summaries();
-  if (keep_.record) gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
+  graph::dataflow::ExecutionLog log = graph::adaptation::execution_log(*runtime_);
+  const RankStats mine = seconds_of_rank(log, runtime_->summary());
+  engine::RunSummary sums;
+  if (keep_.record) {
+    log = gather_log(*exchange_, std::move(log));
+    const engine::TimePoint clock_offset = runtime_->timeline().clock_offset;
+    sums = engine::merge(runtime_->gather_summaries());
+    gather_runs(*exchange_, log, clock_offset, rank_.plan, record_);
+  } else {
+    sums = runtime_->gather_sums();
+  }
   if (keep_.plan) gather_plan(*exchange_, std::move(result_.planned), rank_.plan, record_);
-  std::vector<engine::RankSummary> of_ranks = summaries;
-  std::vector<ShiftRecord> mine;
-  for (const auto& list : result_.shifts) mine.insert(mine.end(), list.begin(), list.end());
-  std::vector<ShiftRecord> all;
-  for (const auto& part : partition::allgather(*peers_, mine))
-    all.insert(all.end(), part.begin(), part.end());
-  for (const auto& counts :
-       partition::allgather(*peers_, std::vector<meshing::OperationCounts>{result_.counts}))
-    report.operations += counts[0];
-  stats_ = std::make_shared<DistributedStats>(account_for(log, std::move(summaries), all));
+  std::vector<ShiftRecord> shifts;
+  for (const auto& list : result_.shifts) shifts.insert(shifts.end(), list.begin(), list.end());
+  report.operations +=
+      partition::reduce(*peers_, std::vector{result_.counts}, [](auto a, const auto& b) {
+        a += b;
+        return a;
+      })[0];
+  stats_ = std::make_shared<DistributedStats>(account_for(*peers_, mine, shifts, keep_.record));
+  account_for_checkpoints(sums, report);
+  add_engine(std::move(sums), *stats_);
   stats_->subdomains = rank_.plan.subdomains;
-  stats_->ranks = runtime_->ranks();
   stats_->partitioner = partitioner_of(options_.distributed);
   stats_->layers = options_.distributed.layers;
   stats_->checks = result_.checks;
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
   stats_->decomposition_seconds = result_.decomposition_seconds;
   stats_->adaptation_seconds = result_.adaptation_seconds;
-  account_for_checkpoints(of_ranks, report);
+  stats_->exchanged_before = sum_exchanges(*peers_, engine::exchanged_between({}, before_loop_));
+  stats_->exchanged_in_loop = sum_exchanges(*peers_, engine::exchanged_between(before_loop_, after_loop_));
   report.distributed = stats_;
 }
 
-void DistributedRun::account_for_checkpoints(const std::vector<engine::RankSummary>& summaries,
-                                             Report& report) {
+void DistributedRun::account_for_checkpoints(const engine::RunSummary& sums, Report& report) {
   CheckpointStats& stats = stats_->checkpoints;
   stats.resumed = result_.resumed.string();
   if (!checkpoints_) return;
@@ -260,12 +268,14 @@ void DistributedRun::account_for_checkpoints(const std::vector<engine::RankSumma
   stats.written = written.written;
   stats.bytes = static_cast<double>(written.bytes);
   stats.failure = written.failure;
-  for (const engine::RankSummary& summary : summaries) {
-    const auto seconds = summary.counters.find("snapshot_seconds");
-    if (seconds != summary.counters.end()) stats.seconds += seconds->second;
-  }
+  const auto seconds = sums.counters.find("snapshot_seconds");
+  if (seconds != sums.counters.end()) stats.seconds = seconds->second.sum;
   if (first() && !stats.failure.empty())
     report.warnings.push_back("the latest checkpoint could not be written: " + stats.failure);
+}
+
+void DistributedRun::account_for_exchanges() {
+  stats_->exchanged_after = sum_exchanges(*peers_, engine::exchanged_between(after_loop_, runtime_->summary()));
 }
 
 void DistributedRun::measure(Report& report) {

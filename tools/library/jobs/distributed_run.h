@@ -48,6 +48,8 @@ class DistributedRun {
   std::vector<partition::MeshPiece>& pieces() { return result_.pieces; }
   const graph::adaptation::AdaptationPlan& plan() const { return rank_.plan; }
   RunRecord& record() { return record_; }
+  /// The last exchange: what was exchanged after the loop goes into the account.
+  void account_for_exchanges();
   /// What the ranks know of their machines goes into the record.
   void gather_machines();
 
@@ -58,7 +60,7 @@ class DistributedRun {
   graph::adaptation::DistributedOptions method_options(double target_complexity);
   void find_checkpoints();
   void add_checkpoint(const std::string& text);
-  void account_for_checkpoints(const std::vector<engine::RankSummary>& summaries, Report& report);
+  void account_for_checkpoints(const engine::RunSummary& sums, Report& report);
   void check_room(const std::string& name, Report& report);
   void gather_statistics(Report& report);
 
@@ -78,6 +80,7 @@ class DistributedRun {
   std::optional<graph::dataflow::RankExchange> exchange_;
   std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   graph::adaptation::DistributedResult result_;
+  engine::RankSummary before_loop_, after_loop_;  ///< of this rank
   std::shared_ptr<DistributedStats> stats_;
   RunRecord record_;
   std::optional<report::MemorySampler> memory_;

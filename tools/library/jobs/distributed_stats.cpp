@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "partition/communication/reduce.h"
 #include "tools/common/text.h"
 #include "tools/report/operations.h"
 
@@ -31,7 +32,6 @@ std::vector<OperationTime> in_order(const std::map<std::string, double>& seconds
   return result;
 }
 
-/// Seconds by operation of one rank: nodes from the log, the rest from the engine.
 std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& log,
                                          const engine::RankSummary& summary) {
   static const graph::dataflow::GraphDescription graph = SubdomainTask::blueprint().description();
@@ -55,19 +55,54 @@ std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& lo
   return seconds;
 }
 
-std::vector<ShiftStats> sum_shifts(const std::vector<ShiftRecord>& records) {
-  std::map<std::uint64_t, ShiftStats> rounds;
+/// By round; a rank that has taken part in fewer rounds has a shorter list.
+std::vector<ShiftStats> sum_shifts(partition::Peers& peers, const std::vector<ShiftRecord>& records) {
+  std::vector<ShiftStats> rounds;
   for (const ShiftRecord& r : records) {
+    if (r.round >= rounds.size()) rounds.resize(r.round + 1);
     ShiftStats& a = rounds[r.round];
-    a.round = r.round;
     a.wanted += r.wanted;
     a.moved += r.received;
     a.receivers += r.received > 0;
     a.thawed += r.thawed;
   }
+  const auto add = [](partition::Bytes& sum, const partition::Bytes& more) {
+    auto all = partition::values_of<ShiftStats>(sum);
+    const auto others = partition::values_of<ShiftStats>(more);
+    if (others.size() > all.size()) all.resize(others.size());
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      all[i].wanted += others[i].wanted;
+      all[i].moved += others[i].moved;
+      all[i].receivers += others[i].receivers;
+      all[i].thawed += others[i].thawed;
+    }
+    sum = partition::bytes_of(all);
+  };
   std::vector<ShiftStats> result;
-  for (const auto& [round, account] : rounds)
-    if (account.moved > 0 || account.wanted > 0) result.push_back(account);
+  const auto all = partition::values_of<ShiftStats>(peers.reduce(partition::bytes_of(rounds), add));
+  for (std::size_t round = 0; round < all.size(); ++round) {
+    if (all[round].moved == 0 && all[round].wanted == 0) continue;
+    result.push_back(all[round]);
+    result.back().round = round;
+  }
+  return result;
+}
+
+/// For accounts only: what real numbers add up to depends on the order, and that on the number of ranks.
+std::vector<double> sum_of_times(partition::Peers& peers, const std::vector<double>& mine) {
+  return partition::reduce(peers, mine, [](double a, double b) { return a + b; });
+}
+
+std::vector<double> plain_seconds(const RankStats& rank) {
+  std::vector<double> seconds;
+  for (const OperationTime& t : rank.operations) seconds.push_back(t.seconds);
+  return seconds;
+}
+
+std::vector<OperationTime> named(const std::vector<double>& seconds) {
+  std::vector<OperationTime> result;
+  const std::vector<std::string> names = operation_names();
+  for (std::size_t i = 0; i < names.size(); ++i) result.push_back({names[i], seconds.at(i)});
   return result;
 }
 
@@ -78,17 +113,20 @@ bool is_adaptation(const std::string& operation) {
 
 }  // namespace
 
-DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
-                             std::vector<engine::RankSummary> summaries,
-                             const std::vector<ShiftRecord>& shifts) {
+RankStats seconds_of_rank(const graph::dataflow::ExecutionLog& log, const engine::RankSummary& summary) {
+  return {summary.rank.value, in_order(seconds_of(log, summary))};
+}
+
+DistributedStats account_for(partition::Peers& peers, const RankStats& mine,
+                             const std::vector<ShiftRecord>& shifts, bool by_rank) {
   DistributedStats account;
-  std::map<std::string, double> sum;
-  for (const engine::RankSummary& summary : summaries) {
-    const std::map<std::string, double> seconds = seconds_of(log, summary);
-    for (const auto& [name, s] : seconds) sum[name] += s;
-    account.by_rank.push_back({summary.rank.value, in_order(seconds)});
+  const std::vector<double> seconds = plain_seconds(mine);
+  if (by_rank) {
+    const auto all = partition::allgather(peers, seconds);
+    for (std::size_t r = 0; r < all.size(); ++r)
+      account.by_rank.push_back({static_cast<int>(r), named(all[r])});
   }
-  account.sum = in_order(sum);
+  account.sum = named(sum_of_times(peers, seconds));
   double busy = 0, adapting = 0;
   for (const OperationTime& t : account.sum) {
     if (t.name == "idle") continue;
@@ -96,9 +134,13 @@ DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
     if (is_adaptation(t.name)) adapting += t.seconds;
   }
   account.beside_adaptation = busy > 0 ? 1 - adapting / busy : 0;
-  account.shifts = sum_shifts(shifts);
-  account.ranks = static_cast<int>(summaries.size());
-  auto all = std::make_shared<engine::RunSummary>(engine::merge(std::move(summaries)));
+  account.shifts = sum_shifts(peers, shifts);
+  account.ranks = peers.ranks();
+  return account;
+}
+
+void add_engine(engine::RunSummary summary, DistributedStats& account) {
+  auto all = std::make_shared<engine::RunSummary>(std::move(summary));
   for (const engine::Volume& v : all->traffic) {
     account.messages += v.sent.messages;
     account.bytes += v.sent.bytes;
@@ -106,7 +148,21 @@ DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
   account.collective_calls = static_cast<std::uint64_t>(all->collective_calls);
   account.verdict = all->verdict();
   account.engine = std::move(all);
-  return account;
+}
+
+ExchangeStats sum_exchanges(partition::Peers& peers, const engine::Exchanged& mine) {
+  struct Sums {
+    std::uint64_t messages, most_messages, peers, most_peers;
+  };
+  const Sums all = partition::reduce(
+      peers, std::vector<Sums>{{mine.messages, mine.messages, mine.peers, mine.peers}},
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.messages + b.messages, std::max(a.most_messages, b.most_messages), a.peers + b.peers,
+                    std::max(a.most_peers, b.most_peers)};
+      })[0];
+  const auto ranks = static_cast<double>(peers.ranks());
+  return {static_cast<double>(all.messages) / ranks, static_cast<double>(all.peers) / ranks,
+          all.most_messages, all.most_peers};
 }
 
 std::string checkpoints_text(const CheckpointStats& c) {
@@ -145,6 +201,14 @@ std::string subdomains_text(const DistributedStats& a) {
   text += checkpoints_text(a.checkpoints);
   text += fmt::format("messages: {} with {}; collective calls in the loop: {}\n", grouped(a.messages),
                       bytes_text(static_cast<double>(a.bytes)), a.collective_calls);
+  if (a.ranks > 1) {
+    const auto line = [](const ExchangeStats& e) {
+      return fmt::format("{} to {}", grouped(e.most_messages), grouped(e.most_peers));
+    };
+    text += fmt::format("messages of a rank, and others it has them with, at most: {} before the loop, {} in "
+                        "it, {} after\n",
+                        line(a.exchanged_before), line(a.exchanged_in_loop), line(a.exchanged_after));
+  }
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",
                       a.former_interface.quality_mean, a.former_interface.quality_q01,
                       a.former_interface.quality_min, percent(a.former_interface.edges_unit));

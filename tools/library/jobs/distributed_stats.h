@@ -7,14 +7,23 @@
 
 #include "engine/trace/summary.h"
 #include "graph/adaptation/distributed_adaptation.h"
+#include "partition/communication/peers.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
 
-/// From the runs of all nodes, the engine's summaries and the shifts of all subdomains.
-DistributedStats account_for(const graph::dataflow::ExecutionLog& log,
-                             std::vector<engine::RankSummary> summaries,
-                             const std::vector<graph::adaptation::ShiftRecord>& shifts);
+/// This rank's seconds by operation: of nodes from its log, of the rest from the engine.
+RankStats seconds_of_rank(const graph::dataflow::ExecutionLog& log, const engine::RankSummary& summary);
+
+/// Sums over all ranks, which call it together: operations and shifts go up and down the tree as sums.
+/// `by_rank`: each rank's operations are kept too.
+DistributedStats account_for(partition::Peers& peers, const RankStats& mine,
+                             const std::vector<graph::adaptation::ShiftRecord>& shifts, bool by_rank);
+/// Of the engine, where it is known: on rank 0.
+void add_engine(engine::RunSummary summary, DistributedStats& account);
+
+/// Over all ranks.
+ExchangeStats sum_exchanges(partition::Peers& peers, const engine::Exchanged& mine);
 
 /// A line each on what the run went on from and what it has written; empty where neither.
 std::string checkpoints_text(const CheckpointStats& account);

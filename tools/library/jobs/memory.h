@@ -12,8 +12,11 @@ namespace weft::tools {
 /// About 2 vertices and 12 tets a unit of complexity; never less than the input, from which the run starts.
 SizePrediction predict_size(double complexity, std::uint64_t input_vertices, std::uint64_t input_tets);
 
-/// More tets than 32-bit indices can name: no machine helps.
-inline constexpr double kMaxTets = 4e9;
+/// More tets than one mesh of the kernel can name, whose faces are tets times four in 32 bits: no machine
+/// helps.
+inline constexpr double kMaxTets = (1u << 30) - 1;
+/// A subdomain may get so many times the mean's tets, and its arrays have as many slots once more for holes.
+inline constexpr double kSlotsOfSubdomain = 4;
 
 /// Bytes this process may still take: free memory of the machine, less where a control group (a container) or
 /// ulimit -v allows less. Empty when the system does not tell.

@@ -97,6 +97,13 @@ Json json_of(const CheckpointStats& c) {
           {"failure", c.failure}};
 }
 
+Json json_of(const ExchangeStats& e) {
+  return {{"messages", e.messages},
+          {"peers", e.peers},
+          {"most_messages", e.most_messages},
+          {"most_peers", e.most_peers}};
+}
+
 Json json_of(const DistributedStats& a) {
   Json shifts = Json::array(), ranks = Json::array();
   for (const ShiftStats& s : a.shifts)
@@ -119,6 +126,10 @@ Json json_of(const DistributedStats& a) {
           {"coarse_shifts", a.coarse_shifts},
           {"shifts", shifts},
           {"by_rank", ranks},
+          {"exchanged_by_rank",
+           {{"before_loop", json_of(a.exchanged_before)},
+            {"in_loop", json_of(a.exchanged_in_loop)},
+            {"after_loop", json_of(a.exchanged_after)}}},
           {"former_interface", tools::json_of(a.former_interface)},
           {"checkpoints", json_of(a.checkpoints)},
           {"engine", engine::json_of(*a.engine)}};

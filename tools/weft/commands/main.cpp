@@ -1,4 +1,6 @@
 // Entry of the `weft` command.
+#include <malloc.h>
+
 #include <cstdio>
 #include <new>
 #include <string>
@@ -7,7 +9,20 @@
 #include "tools/weft/commands/command_line.h"
 #include "tools/weft/terminal/exit_codes.h"
 
+namespace {
+
+/// Freed arrays go back to the system at once. By itself glibc keeps up to 32 MiB of each size that it has
+/// seen, and a rank of a run in subdomains, which has many such arrays one after the other, twice what it
+/// needs.
+void keep_no_freed_arrays() {
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 22);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  keep_no_freed_arrays();
   try {
     return weft::tools::run_command_line(std::vector<std::string>(argv + 1, argv + argc));
   } catch (const std::bad_alloc&) {  // so early, or so late, that no subcommand is there to say it

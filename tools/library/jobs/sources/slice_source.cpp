@@ -123,15 +123,14 @@ std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t tot
           whole.begin() + static_cast<std::ptrdiff_t>(s.first),
           whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
     }
-  return partition::all_to_all(peers, to_each)[0];
+  return partition::all_to_all(peers, std::move(to_each))[0];
 }
 
 /// An array of rank 0, on all ranks.
 template <class T>
 void tell_all(Peers& peers, std::vector<T>& values) {
-  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
-  if (peers.rank() == 0) std::fill(to_each.begin(), to_each.end(), values);
-  values = partition::all_to_all(peers, to_each)[0];
+  if (peers.rank() > 0) values.clear();
+  values = partition::allgather(peers, values)[0];
 }
 
 /// The fields that rank 0 has, at the points of the slices.
@@ -196,10 +195,7 @@ template <class T>
 std::vector<T> concentrate(Peers& peers, const std::vector<T>& mine) {
   std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
   to_each[0] = mine;
-  std::vector<T> all;
-  for (const auto& of_rank : partition::all_to_all(peers, to_each))
-    all.insert(all.end(), of_rank.begin(), of_rank.end());
-  return all;
+  return all_to_all_joined(peers, std::move(to_each));
 }
 
 }  // namespace
@@ -285,7 +281,7 @@ std::vector<meshing::LogMetric> deal_by_slices(Peers& peers, const std::vector<m
       next = end;
     }
   }
-  return partition::all_to_all(peers, to_each)[0];
+  return partition::all_to_all(peers, std::move(to_each))[0];
 }
 
 }  // namespace weft::tools
