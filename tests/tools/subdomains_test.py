@@ -25,9 +25,12 @@ OPERATIONS = {
 class Subdomains(CommandTest):
     def run_on(self, ranks, *words, expect=0):
         """`weft adapt` on so many ranks of mpirun, or (0) without it; returns what it printed."""
+        return self.command_on(ranks, "adapt", *words, expect=expect)
+
+    def command_on(self, ranks, *words, expect=0):
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
-        done = subprocess.run([*launcher, str(WEFT), "adapt", *map(str, words)], cwd=self.folder, capture_output=True,
-                              text=True, timeout=SECONDS)
+        done = subprocess.run([*launcher, str(WEFT), *map(str, words)], cwd=self.folder, capture_output=True, text=True,
+                              timeout=SECONDS)
         self.assertIn(done.returncode, expect if isinstance(expect, tuple) else (expect,),
                       f"{ranks} ranks: {words}\n{done.stdout}{done.stderr}")
         return done
@@ -79,7 +82,7 @@ class Results(Subdomains):
 
     def assert_in_shares(self, whole, done):
         """Whether the run has read the mesh in shares, which it says where it has not."""
-        (self.assertIn if whole else self.assertNotIn)("rank 0 has read the whole mesh", done.stdout + done.stderr)
+        (self.assertIn if whole else self.assertNotIn)("rank 0 has read all of", done.stdout + done.stderr)
 
     def test_same_bytes_with_metrics_that_are_made_in_parts(self):
         self.weft("convert", self.box(4), "box.mesh")
@@ -173,6 +176,41 @@ class Results(Subdomains):
                     self.assertIn(b'"inflow"', meshes[-1])
                     self.assertIn(b'"the wall"', meshes[-1])
             self.assertEqual(meshes, meshes[:1] * 4, f"{name} to {out}")
+
+    def test_a_metric_of_another_mesh(self):
+        self.box(3)
+        self.box(7, "other.meshb")
+        self.weft("metric", "other.meshb", "--metric-fn", "polar-1", "--complexity", 400, "-o", "other.solb")
+        words = ("box.meshb", "--background", "other.meshb", "--metric", "other.solb", "--hgrad", 2, "--subdomains", 4)
+        self.assert_same_on_all(*words, expect=(0, 1))
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        subdomains = self.figures("out")
+        self.run_on(0, *words[:-2], "-o", "one.meshb", "--threads", 1, "--quiet", expect=(0, 1))
+        one = self.figures("one")
+        self.assertGreater(subdomains["edge_length"]["share_unit"], one["edge_length"]["share_unit"] - 0.03)
+        self.assertLess(abs(subdomains["complexity"] / one["complexity"] - 1), 0.05)
+        self.assert_in_shares(False, self.run_on(2, *words, "-o", "told.meshb", expect=(0, 1)))
+        self.weft("convert", "other.meshb", "other.su2")
+        done = self.run_on(2, *[word if word != "other.meshb" else "other.su2" for word in words], "-o", "su2.meshb", "--threads", 1,
+                           expect=(0, 1))
+        self.assertIn("rank 0 has read all of other.su2: meshes", done.stdout + done.stderr)
+        self.assertEqual(*self.bytes_of("su2.meshb", "out.meshb"))
+        self.assert_all_ranks_fail("box.meshb", "--background", "other.meshb", "--metric", "out.solb", "-o",
+                                   "o.meshb", says="out.solb: metric of another mesh")
+
+    def figures(self, name):
+        done = self.weft("stat", f"{name}.meshb", "--metric", f"{name}.solb", "--json")
+        return json.loads(done.stdout)["measures"]
+
+    def test_a_mesh_and_its_metric_in_any_format(self):
+        self.box(3)
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.25", "-o", "m.solb")
+        self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb")
+        words = ("--hmax", 0.22, "--subdomains", 3, "--threads", 1)
+        self.run_on(0, "box.meshb", "--metric", "m.solb", *words, "-o", "gmf.meshb")
+        done = self.run_on(2, "box.vtu", "--metric", "box.vtu", *words, "-o", "vtu.meshb")
+        self.assertIn("rank 0 has read all of box.vtu: fields", done.stdout + done.stderr)
+        self.assertEqual(*self.bytes_of("gmf.meshb", "vtu.meshb"))
 
     def test_what_one_rank_does_is_done_once(self):
         self.box(2)

@@ -2,7 +2,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -17,16 +16,15 @@
 #include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
-#include "partition/verify/check_subdomains.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
-#include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/world.h"
 #include "tools/library/parts/piece_moves.h"
 #include "tools/library/report/report_json.h"
 
@@ -59,7 +57,8 @@ class DistributedFileJob {
     SliceInput input = read();
     const double target = input.target_complexity;
     keep_for_fields(input);
-    run_.adapt(std::move(input.slice), target, files_.input, account_);
+    run_.adapt(std::move(input.slice), target, files_.input, account_,
+               input.background ? &*input.background : nullptr);
     watch_.lap();
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
@@ -206,24 +205,8 @@ class DistributedFileJob {
 
 FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
   FilesResult result;
-  bool first = true;
-  // What all ranks throw alike is for rank 0 to tell.
-  const auto tell = [&](const std::exception& error) {
-    if (first) throw InputError("", "", error.what());
-    throw RunError(error.what(), true);
-  };
-  try {
-    on_world([&](engine::Transport& transport) {
-      first = transport.rank().value == 0;
-      result = DistributedFileJob(files, options, transport).run();
-    });
-  } catch (const InputError& error) {
-    tell(error);
-  } catch (const std::invalid_argument& error) {
-    tell(error);
-  } catch (const partition::InvariantViolation& error) {
-    tell(error);
-  }
+  on_world_telling(
+      [&](engine::Transport& transport) { result = DistributedFileJob(files, options, transport).run(); });
   return result;
 }
 
