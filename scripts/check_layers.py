@@ -49,7 +49,7 @@ PARTITION = {
     "partition/metric": ["communication", "distribute"],
     "partition/shift": ["subdomain"],
     "partition/output": ["communication", "subdomain"],
-    "partition/fields": ["communication", "distribute", "metric", "output", "subdomain"],
+    "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "subdomain"],
     "partition/verify": ["communication", "output", "subdomain"],
 }
 

@@ -14,6 +14,7 @@
 #include "meshing/metric/expectations.h"
 #include "meshing/operators/surface_fit.h"
 #include "partition/communication/reduce.h"
+#include "partition/fields/own_background.h"
 #include "partition/output/piece_share.h"
 #include "partition/subdomain/adapt_subdomain.h"
 #include "partition/verify/check_subdomains.h"
@@ -265,6 +266,17 @@ void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer) {
   if (peers.rank() == 0) writer.remove_unfinished();
 }
 
+/// The complexity is that of the metric on its own mesh.
+partition::Distributed distribute_on_background(EnginePeers& peers, partition::MeshSlice&& slice,
+                                                const DistributedOptions& options) {
+  if (!options.background) return partition::distribute(peers, std::move(slice), options.decomposition);
+  const partition::OwnBackground background(peers, std::move(*options.background), slice);
+  partition::Distributed d = partition::distribute(peers, std::move(slice), options.decomposition);
+  background.deliver(d.starts);
+  d.complexity = background.complexity();
+  return d;
+}
+
 std::vector<Neighbours> neighbours_here(engine::Runtime& runtime) {
   std::vector<Neighbours> all;
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
@@ -286,7 +298,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   DistributedResult result;
   const engine::TimePoint begin = engine::now();
   const std::uint64_t input_tets = slice.num_tets;
-  partition::Distributed d = partition::distribute(peers, std::move(slice), options.decomposition);
+  partition::Distributed d = distribute_on_background(peers, std::move(slice), options);
   result.warnings = d.warnings;
   result.decomposition_seconds = seconds_since(begin);
 

@@ -20,6 +20,9 @@ namespace weft::graph::adaptation {
 
 struct DistributedOptions {
   partition::DecompositionOptions decomposition;
+  /// This rank's slice of another mesh that has the metric, which is taken; null on all ranks: the input has
+  /// it. Not to be scaled any more then (DecompositionOptions::target_complexity).
+  partition::MeshSlice* background = nullptr;
   partition::ShiftOptions shift;
   std::uint32_t most_shifts = 12;
   bool refine_interface = true;

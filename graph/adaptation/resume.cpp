@@ -67,6 +67,7 @@ std::uint64_t hash_of_run(partition::Peers& peers, std::span<const partition::Su
     hash = hash_of(s.log_metrics, hash);
     hash = hash_of(s.ids, hash);
     hash = hash_of(s.tets, hash);
+    for (const auto& piece : s.background) hash = hash_of(piece->log_metrics, hash ^ piece->id);
     sum += hash_of(s.tet_refs, hash);
   }
   return partition::sum(peers, sum) ^ hash_of(plan) ^ program;

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "meshing/base/parallel.h"
 #include "meshing/fields/interpolate.h"
 #include "meshing/fields/overlap_projection.h"
+#include "meshing/fields/reading.h"
 #include "meshing/metric/metric.h"
 
 namespace weft::meshing {
@@ -126,37 +125,6 @@ std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, Soluti
 }
 
 using Way = MeshPair::Way;
-
-/// What one part reads from the other mesh.
-struct Reading {
-  std::unique_ptr<const Background> background;  ///< null: there is nothing to read
-  ValueTable source;
-  ValuesAt at;
-};
-
-/// The values of one mesh, given at the vertices of its part, at those of the part of the other mesh.
-Reading read(MeshPair& meshes, Way way, const ValueTable& at_part) {
-  const MetricDomain& to = way == Way::back ? meshes.old_mesh() : meshes.new_mesh();
-  const std::span<const Point> points = to.mesh().points;
-  for (;;) {
-    Reading reading;
-    const MeshData& source = meshes.source(way);
-    reading.source = meshes.at_source(way, at_part);
-    double farthest = 0;
-    if (points.empty()) {
-      reading.at.table.columns = at_part.columns;
-    } else if (source.tets.empty()) {
-      farthest = std::numeric_limits<double>::infinity();
-    } else {
-      reading.background.reset(new Background(field_background(source)));
-      reading.at = interpolate(*reading.background, reading.source, points);
-      farthest = std::ranges::max(reading.at.distances);
-    }
-    if (meshes.widen(way, to.max(farthest))) continue;
-    to.refresh(at_part.columns, reading.at.table.values);
-    return reading;
-  }
-}
 
 /// Replaces what was read by its projection; accounts for its bounds.
 void conserve(const MeshPair& meshes, std::span<const double> wanted,

@@ -188,6 +188,14 @@ Association read_carried_model(const fs::path& path) {
   return format_of(path).read == &read_gmf ? read_gmf_model(path, read_gmf_layout(path)) : Association{};
 }
 
+bool has_association(const fs::path& path) {
+  if (format_of(path).read != &read_gmf) return false;
+  const GmfLayout layout = read_gmf_layout(path);
+  return std::ranges::any_of(
+      std::array{gmf::kVerticesOnNodes, gmf::kVerticesOnEdges, gmf::kVerticesOnFaces, gmf::kByteFlow},
+      [&](gmf::Keyword keyword) { return layout.find(keyword) != nullptr; });
+}
+
 SolutionData read_solution(const fs::path& path) {
   if (is_gmf_solution(path)) return read_gmf_solution(path);
   if (!holds_fields(path)) fail_extension(path, ".solb, .sol and mesh files that hold fields");

@@ -36,6 +36,9 @@ MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange&
 /// The CAD model that a mesh file carries, without the records of vertices on it; empty where it has none.
 Association read_carried_model(const std::filesystem::path& path);
 
+/// Whether a mesh file says how its vertices lie on a CAD model, or carries one.
+bool has_association(const std::filesystem::path& path);
+
 /// Reads .solb or .sol, or the fields in a mesh file that has some.
 SolutionData read_solution(const std::filesystem::path& path);
 

@@ -5,7 +5,8 @@
 #include <array>
 #include <utility>
 
-#include "partition/communication/reduce.h"
+#include "partition/fields/cell_homes.h"
+#include "partition/metric/morton_shares.h"
 
 namespace weft::partition {
 namespace {
@@ -27,21 +28,14 @@ Box box_of(const MeshData& mesh, const Tet& tet) {
   return box;
 }
 
-/// The box of both meshes, on all ranks.
-Box common_box(Peers& peers, const MeshData& a, const MeshData& b) {
-  Box box;
-  for (const MeshData* mesh : {&a, &b})
-    for (const meshing::Point& p : mesh->points) box.include(p);
-  const std::vector<double> most =
-      partition::max(peers, std::vector{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
-  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
-}
-
 /// A few points of the coarser mesh a cell.
 CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b) {
   constexpr double kPointsPerCell = 4;
   const auto points = static_cast<double>(std::min(a.num_points(), b.num_points()));
-  return {common_box(peers, a.mesh(), b.mesh()), points / kPointsPerCell};
+  Box mine;
+  for (const MeshData* mesh : {&a.mesh(), &b.mesh()})
+    for (const meshing::Point& p : mesh->points) mine.include(p);
+  return {common_box(peers, mine), points / kPointsPerCell};
 }
 
 /// The cells of the tets and points of a part and those beside them, ascending.
@@ -59,18 +53,6 @@ std::vector<std::uint32_t> cells_around(const CellGrid& grid, const MeshData& me
 /// Each tet of the mesh in parts is one rank's: that which owns its first vertex.
 bool has(const PartDomain& of, const Tet& tet) { return of.owns(std::ranges::min(tet)); }
 
-/// Cells have their homes in blocks.
-std::size_t home_of(std::uint32_t cell, const CellGrid& grid, int ranks) {
-  return static_cast<std::size_t>(std::uint64_t{cell} * static_cast<std::uint64_t>(ranks) / grid.size());
-}
-
-std::vector<std::vector<std::uint32_t>> to_homes(const std::vector<std::uint32_t>& cells,
-                                                 const CellGrid& grid, int ranks) {
-  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(ranks));
-  for (const std::uint32_t cell : cells) to_each[home_of(cell, grid, ranks)].push_back(cell);
-  return to_each;
-}
-
 }  // namespace
 
 NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around, std::uint32_t margin)
@@ -86,7 +68,8 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
     for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
       if (touched[cell]) cells.push_back(cell);
   }
-  const std::vector<std::vector<int>> ranks = ranks_of_cells(grid, around, margin, cells);
+  const std::vector<std::vector<int>> ranks =
+      ranks_wanting(peers, grid, cells, cells_around(grid, around.mesh(), margin));
   std::vector<std::vector<std::uint32_t>> tets_for(static_cast<std::size_t>(peers.ranks()));
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (!has(of, mesh.tets[t])) continue;
@@ -99,36 +82,6 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
     });
   }
   send(of, tets_for);
-}
-
-/// For each of `cells` the ranks whose parts of `around` are there.
-std::vector<std::vector<int>> NearbyTets::ranks_of_cells(const CellGrid& grid, const PartDomain& around,
-                                                         std::uint32_t margin,
-                                                         const std::vector<std::uint32_t>& cells) const {
-  const int ranks = peers_.ranks();
-  const auto wanted =
-      partition::all_to_all(peers_, to_homes(cells_around(grid, around.mesh(), margin), grid, ranks));
-  struct Wish {
-    std::uint32_t cell, rank;
-    auto operator<=>(const Wish&) const = default;
-  };
-  std::vector<Wish> wishes;
-  for (std::uint32_t r = 0; r < wanted.size(); ++r)
-    for (const std::uint32_t cell : wanted[r]) wishes.push_back({cell, r});
-  std::ranges::sort(wishes);
-  const auto asked = partition::all_to_all(peers_, to_homes(cells, grid, ranks));
-  std::vector<std::vector<Wish>> replies(asked.size());
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t cell : asked[r]) {
-      const auto of_cell = std::ranges::equal_range(wishes, cell, {}, &Wish::cell);
-      replies[r].insert(replies[r].end(), of_cell.begin(), of_cell.end());
-    }
-  std::vector<std::vector<int>> result(cells.size());
-  for (const std::vector<Wish>& of_home : partition::all_to_all(peers_, std::move(replies)))
-    for (const Wish& wish : of_home)
-      result[static_cast<std::size_t>(std::ranges::lower_bound(cells, wish.cell) - cells.begin())].push_back(
-          static_cast<int>(wish.rank));
-  return result;
 }
 
 void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::uint32_t>>& tets_for) {
@@ -168,7 +121,10 @@ void NearbyTets::build(const std::vector<std::vector<VertexRecord>>& vertices, s
     for (std::uint32_t& v : tet) v = local(v);
   mesh_.tets = std::move(tets);
   mesh_.tet_refs.resize(mesh_.tets.size());
-  for (const VertexRecord& vertex : all) mesh_.points.push_back(vertex.point);
+  for (const VertexRecord& vertex : all) {
+    mesh_.points.push_back(vertex.point);
+    numbers_.push_back(vertex.number);
+  }
   mesh_.point_refs.resize(mesh_.points.size());
 }
 

@@ -21,6 +21,8 @@ class NearbyTets {
   NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around, std::uint32_t margin);
 
   const meshing::MeshData& mesh() const { return mesh_; }
+  /// Of its vertices, in the whole mesh; ascending.
+  const std::vector<std::uint64_t>& numbers() const { return numbers_; }
   /// All ranks: values at the vertices of the part of `of` become values at those of mesh().
   meshing::ValueTable carry(const meshing::ValueTable& at_part) const;
   double reach() const { return reach_; }
@@ -31,9 +33,6 @@ class NearbyTets {
     meshing::Point point;
   };
 
-  std::vector<std::vector<int>> ranks_of_cells(const CellGrid& grid, const PartDomain& around,
-                                               std::uint32_t margin,
-                                               const std::vector<std::uint32_t>& cells) const;
   void send(const PartDomain& of, const std::vector<std::vector<std::uint32_t>>& tets_for);
   void build(const std::vector<std::vector<VertexRecord>>& vertices,
              std::vector<std::array<std::uint32_t, 4>>&& tets);
@@ -41,6 +40,7 @@ class NearbyTets {
   Peers& peers_;
   double reach_;
   meshing::MeshData mesh_;
+  std::vector<std::uint64_t> numbers_;
   /// Of each rank: the vertices of the part of `of` that it gets, and those here that come from it.
   std::vector<std::vector<std::uint32_t>> given_, taken_;
 };

@@ -1,7 +1,9 @@
 // Two meshes in parts between which fields are carried.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "meshing/fields/mesh_pair.h"
 #include "partition/communication/peers.h"
@@ -26,6 +28,9 @@ class PartPair final : public meshing::MeshPair {
     return nearby(way).carry(at_part);
   }
   bool widen(Way way, double distance) override;
+
+  /// Of the source's vertices, in the whole mesh.
+  const std::vector<std::uint64_t>& source_numbers(Way way) const { return nearby(way).numbers(); }
 
  private:
   /// The source and its margin.

@@ -10,11 +10,11 @@
 #include <optional>
 
 #include "meshing/base/box.h"
-#include "meshing/base/morton.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/slice_checks.h"
+#include "partition/metric/morton_shares.h"
 
 namespace weft::partition {
 namespace {
@@ -36,48 +36,6 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
   return all;
 }
 
-Box whole_box(Peers& peers, std::span<const Point> points) {
-  Box box;
-  for (const Point& p : points) box.include(p);
-  const std::vector<double> most =
-      partition::max(peers, std::vector{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
-  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
-}
-
-/// The place of each point along a Morton curve through the box.
-std::vector<std::uint64_t> morton_keys(std::span<const Point> points, const Box& box) {
-  constexpr double kCells = 1u << 21;
-  const meshing::Vec size = box.size();
-  const double side = std::max({size.x, size.y, size.z});
-  std::vector<std::uint64_t> keys;
-  keys.reserve(points.size());
-  for (const Point& p : points) {
-    std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double cell = side > 0 ? (p[i] - box.lo[i]) / side * kCells : 0;
-      key |= meshing::spread_bits(static_cast<std::uint64_t>(std::clamp(cell, 0.0, kCells - 1))) << i;
-    }
-    keys.push_back(key);
-  }
-  return keys;
-}
-
-/// The first key of every rank but the first: ranks get about equally many points, judged by samples.
-std::vector<std::uint64_t> splitters(Peers& peers, std::vector<std::uint64_t> keys) {
-  constexpr std::size_t kSamples = 64;
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::uint64_t> samples;
-  for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i)
-    samples.push_back(keys[keys.size() * i / kSamples]);
-  samples = joined(allgather(peers, samples));
-  std::sort(samples.begin(), samples.end());
-  const auto ranks = static_cast<std::size_t>(peers.ranks());
-  std::vector<std::uint64_t> firsts;
-  for (std::size_t r = 1; r < ranks && !samples.empty(); ++r)
-    firsts.push_back(samples[samples.size() * r / ranks]);
-  return firsts;
-}
-
 }  // namespace
 
 PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
@@ -97,10 +55,12 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
 }
 
 void PartDomain::choose_owners(const MeshSlice& slice) {
-  const Box box = whole_box(peers_, slice.points);
+  Box mine;
+  for (const Point& p : slice.points) mine.include(p);
+  const Box box = common_box(peers_, mine);
   if (points_.total() > 0 && norm(box.size()) > 0) largest_size_ = norm(box.size());
   const std::vector<std::uint64_t> keys = morton_keys(slice.points, box);
-  const std::vector<std::uint64_t> firsts = splitters(peers_, keys);
+  const std::vector<std::uint64_t> firsts = first_keys(peers_, keys);
   std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
   slice_owners_.reserve(keys.size());
   for (std::size_t v = 0; v < keys.size(); ++v) {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "meshing/io/files/atomic_file.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
+#include "partition/output/common_file.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
 #include "partition/output/whole_mesh.h"
@@ -22,31 +22,8 @@ namespace weft::partition {
 namespace {
 
 using namespace meshing::gmf;
-using meshing::AtomicFile;
 using meshing::GmfPlan;
 using meshing::GmfSliceWriter;
-
-/// One file that all ranks write: rank 0 creates it and makes it appear.
-class CommonFile {
- public:
-  explicit CommonFile(std::filesystem::path name) : name_(std::move(name)) {}
-
-  /// All ranks.
-  void create(Peers& peers) {
-    agree_on(peers, [&] {
-      if (peers.rank() == 0) file_ = std::make_unique<AtomicFile>(name_);
-    });
-    temporary_ = text_of_first(peers, file_ ? file_->temporary().string() : "");
-  }
-  const std::filesystem::path& name() const { return name_; }
-  const std::filesystem::path& temporary() const { return temporary_; }
-  /// On rank 0, when all have written.
-  void commit() { file_->commit(); }
-
- private:
-  std::filesystem::path name_, temporary_;
-  std::unique_ptr<AtomicFile> file_;  ///< on rank 0
-};
 
 /// This rank's pieces and where they go.
 struct Share {

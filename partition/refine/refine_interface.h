@@ -6,7 +6,8 @@
 // that share a face see the same edges of it appear in the same order, whatever happens elsewhere: the
 // longest edge of the face is split before all others of it, and splits in other faces do not change them.
 // Metrics at new vertices are interpolated along the edge, which is what the background has there: interface
-// faces are faces of the background's tets.
+// faces are faces of the background's tets. Where it is another mesh that is a guess, the same for all
+// holders; who frees such a vertex reads its metric anew.
 #pragma once
 
 #include <array>

@@ -335,7 +335,8 @@ std::vector<VertexId> replace_interface(Subdomain& s, Interface interface,
 }
 
 /// Vertices made on interface edges have the metric that the edges' ends give, since all holders have those
-/// alike. Where edges were longer than the background's that is not what the background says.
+/// alike. Where edges were longer than the background's, or no edges of it, that is not what the background
+/// says.
 void read_metrics_anew(Subdomain& s, std::span<const VertexId> vertices) {
   for (const VertexId v : vertices) {
     if (!s.global_id(v).derived()) continue;
@@ -351,7 +352,7 @@ void read_metrics_anew(Subdomain& s, std::span<const VertexId> vertices) {
 void freshen(Subdomain& s, std::span<const VertexId> vertices) {
   if (vertices.empty()) return;
   TetMesh& mesh = *s.mesh;
-  const bool new_metrics = s.phase > 0;
+  const bool new_metrics = s.phase > 0 || s.background.of_another_mesh();
   if (new_metrics) read_metrics_anew(s, vertices);
   std::vector<std::uint8_t> thawed(mesh.vertex_slots(), 0);
   for (const VertexId v : vertices) thawed[v.value] = 1;

@@ -17,10 +17,6 @@ using meshing::kNoNeighbour;
 
 namespace {
 
-/// Small enough that a parcel takes little more background than it needs, large enough that the faces between
-/// pieces, which have to be matched, are few.
-constexpr std::size_t kTetsOfPiece = 512;
-
 using OpenFace = BackgroundPiece::OpenFace;
 
 bool by_name(const OpenFace& a, const OpenFace& b) { return a.name < b.name; }
@@ -120,17 +116,23 @@ void BackgroundPiece::find_neighbours() {
     }
 }
 
+std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
+    std::uint64_t first_id, std::span<const meshing::Point> points,
+    std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
+    std::span<const std::array<std::uint32_t, 4>> tets) {
+  PieceCutter cutter(points, log_metrics, ids);
+  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece)
+    pieces.push_back(cutter.cut(first_id + pieces.size(),
+                                tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
+  return pieces;
+}
+
 BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                                  std::span<const meshing::LogMetric> log_metrics,
                                  std::span<const GlobalId> ids,
                                  std::span<const std::array<std::uint32_t, 4>> tets) {
-  PieceCutter cutter(points, log_metrics, ids);
-  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
-  for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece) {
-    const std::uint64_t id = std::uint64_t{subdomain.value} << 32 | pieces.size();
-    pieces.push_back(cutter.cut(id, tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
-  }
-  add(pieces);
+  add(cut_background(std::uint64_t{subdomain.value} << 32, points, log_metrics, ids, tets));
 }
 
 void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces) {

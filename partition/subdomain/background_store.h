@@ -1,5 +1,5 @@
-// The background of one subdomain: the pieces of the input mesh that its tets cover, and more of them as tets
-// arrive.
+// The background of one subdomain: the pieces of the input mesh, or of another one that has the metric, that
+// its tets cover, and more of them as tets arrive.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace weft::partition {
 
-/// Some hundreds of tets of the input with their metric, cut out once and never changed: the unit in which
-/// the background travels with the tets that cover it. Plain arrays.
+/// Some hundreds of tets of the background's mesh with their metric, cut out once and never changed: the unit
+/// in which the background travels with the tets that cover it. Plain arrays.
 struct BackgroundPiece {
   /// A face that has its other side, if any, in another piece.
   struct OpenFace {
@@ -58,6 +58,20 @@ void serialize_pieces(Archive& archive, std::vector<std::shared_ptr<const Backgr
   }
 }
 
+/// Small enough that a parcel takes little more background than it needs, large enough that the faces between
+/// pieces, which have to be matched, are few.
+inline constexpr std::size_t kTetsOfPiece = 512;
+
+/// Pieces of a background that is another mesh than the input have ids with this bit.
+inline constexpr std::uint64_t kOfAnotherMesh = std::uint64_t{1} << 63;
+
+/// Cuts tets, in an order in which neighbours are near each other, into pieces with the ids from `first_id`
+/// on.
+std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
+    std::uint64_t first_id, std::span<const meshing::Point> points,
+    std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
+    std::span<const std::array<std::uint32_t, 4>> tets);
+
 /// A tet of the background, named so that every subdomain understands it.
 struct BackgroundTet {
   std::uint64_t piece = 0;
@@ -75,6 +89,9 @@ class BackgroundStore {
   BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                   std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
                   std::span<const std::array<std::uint32_t, 4>> tets);
+
+  /// Whether it is another mesh than the input: its faces and the input's have nothing in common.
+  bool of_another_mesh() const { return !pieces_.empty() && (pieces_.front()->id & kOfAnotherMesh) != 0; }
 
   /// Joins pieces; those that are here already are passed over.
   void add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces);

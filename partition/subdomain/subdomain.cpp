@@ -38,13 +38,21 @@ void fill_tets(const SubdomainStart& s, meshing::TetMesh& mesh) {
       mesh.set_vertex(t, f, v);
       mesh.set_neighbour(t, f, TetFace(adjacency.neighbours[i][f]));
       mesh.set_tet_of(v, t);
-      mesh.set_background_hint(v, i);  // the background's tets are these, in the same order
+      mesh.set_background_hint(
+          v, i);  // the background's tets are these, in the same order, if it is not another mesh
     }
     mesh.set_ref(t, s.tet_refs[i]);
     mesh.set_quality(t, 1);  // not judged yet
   }
   for (const auto& b : s.boundary_faces) mesh.set_patch(TetId(b.tet), static_cast<int>(b.face), b.patch);
   for (const auto& e : s.feature_edges) mesh.set_curve(VertexId(e.ends[0]), VertexId(e.ends[1]), e.curve);
+}
+
+BackgroundStore background_of(const SubdomainStart& s) {
+  if (s.background_places.empty()) return {s.subdomain, s.points, s.log_metrics, s.ids, s.tets};
+  BackgroundStore store;
+  store.add(s.background);
+  return store;
 }
 
 }  // namespace
@@ -55,9 +63,11 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
       next_local(std::uint64_t{1} << (GlobalId::kLocalBits - 1)),  // beyond all numbers of the input
       mesh(meshing::reserve_tet_mesh({vertex_capacity(capacity), capacity},
                                      {start.points.size(), start.tets.size()}, meshing::Pages::small)),
-      background(start.subdomain, start.points, start.log_metrics, start.ids, start.tets) {
+      background(background_of(start)) {
   fill_vertices(start, *mesh);
   fill_tets(start, *mesh);
+  for (std::uint32_t v = 0; v < start.background_places.size(); ++v)
+    mesh->set_background_hint(VertexId(v), background.tet_of(start.background_places[v]));
   std::vector<Holder> lines;
   for (const auto& [vertex, other] : start.shared) lines.push_back({start.ids[vertex], other});
   interface = Interface(std::move(lines));

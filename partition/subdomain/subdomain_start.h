@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
 #include "meshing/geometry/surface.h"
 #include "meshing/metric/metric.h"
+#include "partition/subdomain/background_store.h"
 #include "partition/subdomain/global_id.h"
 
 namespace weft::partition {
@@ -52,6 +54,11 @@ struct SubdomainStart {
     friend auto operator<=>(const Shared&, const Shared&) = default;
   };
   std::vector<Shared> shared;
+
+  /// Where the background is another mesh: the pieces of it that the tets cover or their vertices are in, and
+  /// the place of each vertex there. Else empty: the background is made of the tets.
+  std::vector<std::shared_ptr<const BackgroundPiece>> background;
+  std::vector<BackgroundTet> background_places;
 };
 
 }  // namespace weft::partition

@@ -142,10 +142,6 @@ TEST(Door, RefusesABackgroundWhereThereIsNoPlaceForOne) {
   const Mesh start = box_of(2), background = box_of(3);
   const Metric metric = sizes(background, 0.4);
   Options options = one_thread();
-  options.distributed.subdomains = 2;
-  EXPECT_THAT(error_of<OptionError>([&] { adapt(start, background, metric, options); }),
-              HasSubstr("--background: is not possible in subdomains"));
-  options = one_thread();
   options.run.repair = true;
   EXPECT_THAT(error_of<OptionError>([&] { adapt(start, background, metric, options); }),
               HasSubstr("--repair"));
@@ -225,6 +221,14 @@ TEST(Door, ReadsAMetricFromAnotherMesh) {
   EXPECT_TRUE(verify(fine.mesh).ok());
   EXPECT_GT(fine.after.edges_unit, 0.85);
   EXPECT_FALSE(fine.before);
+  Options options = one_thread();
+  options.distributed.subdomains = 4;
+  const Result parts = adapt(start, background, Metric::from_sizes(h), options);
+  EXPECT_TRUE(verify(parts.mesh).ok());
+  EXPECT_GT(parts.after.edges_unit, 0.85);
+  EXPECT_NEAR(parts.target_complexity, fine.target_complexity, 1e-9 * fine.target_complexity);
+  EXPECT_NEAR(parts.after.complexity, fine.after.complexity, 0.05 * fine.after.complexity);
+  EXPECT_FALSE(parts.before);
 }
 
 TEST(Door, MakesMetricsOfSolutionsInMemory) {

@@ -144,6 +144,21 @@ Rule dealt(int ranks) {
   };
 }
 
+/// What all ranks throw, which must be the same.
+std::string common_error(const Split& split, const std::function<void()>& call) {
+  std::string text;
+  try {
+    call();
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  std::array<char, 512> first{};
+  std::snprintf(first.data(), first.size(), "%s", text.c_str());
+  MPI_Bcast(first.data(), static_cast<int>(first.size()), MPI_CHAR, 0, split.communicator);
+  EXPECT_EQ(text, first.data());
+  return text;
+}
+
 TEST(Parts, GiveTheSameMeshHoweverTheyAreSpreadAndAsOneMeshInSubdomainsDoes) {
   const Split split;
   const Mesh whole = whole_box();
@@ -161,6 +176,35 @@ TEST(Parts, GiveTheSameMeshHoweverTheyAreSpreadAndAsOneMeshInSubdomainsDoes) {
   EXPECT_EQ(12 * in_memory.mesh.tets.size(), expected.size());
   const PartResult alone = adapt(MPI_COMM_SELF, all, metric_of(all), options_of());
   EXPECT_EQ(shape_of(alone, MPI_COMM_SELF), expected);
+}
+
+TEST(Parts, ReadTheirMetricFromAnotherMeshInParts) {
+  const Split split;
+  const Mesh whole = whole_box();
+  BoxOptions finer;
+  finer.cells = {8, 7, 8};
+  const Mesh background = box(finer);
+  const Part one = part_of(whole, split.rank, blocks(whole, split.ranks));
+  const Part other = part_of(background, split.rank, dealt(split.ranks));
+  const PartResult fine = adapt(split.communicator, one, other, metric_of(other), options_of());
+  EXPECT_FALSE(fine.before);
+  const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
+  const Part all_other = part_of(background, 0, [](std::size_t) { return 0; });
+  const PartResult alone = adapt(MPI_COMM_SELF, all, all_other, metric_of(all_other), options_of());
+  EXPECT_EQ(shape_of(fine, split.communicator), shape_of(alone, MPI_COMM_SELF));
+  Part same;
+  same.mesh = background;
+  const Result in_memory = adapt(whole, background, metric_of(same), options_of());
+  EXPECT_EQ(12 * in_memory.mesh.tets.size(), shape_of(alone, MPI_COMM_SELF).size());
+  EXPECT_GT(fine.after.edges_unit, 0.85);
+  EXPECT_NE(common_error(split,
+                         [&] {
+                           Part bad = other;
+                           bad.ids.pop_back();
+                           adapt(split.communicator, one, bad, metric_of(other), options_of());
+                         })
+                .find("background"),
+            std::string::npos);
 }
 
 TEST(Parts, ComeBackBalancedNumberedAndOwned) {
@@ -304,21 +348,6 @@ TEST(Parts, MetricsOfSolutionsAreThoseOfTheWholeMesh) {
   EXPECT_EQ(shape_of(fine, split.communicator), shape_of(alone, MPI_COMM_SELF));
   EXPECT_EQ(12 * adapt(whole, with(whole)).mesh.tets.size(), shape_of(alone, MPI_COMM_SELF).size());
   EXPECT_NEAR(fine.after.complexity, 700, 70);
-}
-
-/// What all ranks throw, which must be the same.
-std::string common_error(const Split& split, const std::function<void()>& call) {
-  std::string text;
-  try {
-    call();
-  } catch (const InputError& error) {
-    text = error.what();
-  }
-  std::array<char, 512> first{};
-  std::snprintf(first.data(), first.size(), "%s", text.c_str());
-  MPI_Bcast(first.data(), static_cast<int>(first.size()), MPI_CHAR, 0, split.communicator);
-  EXPECT_EQ(text, first.data());
-  return text;
 }
 
 TEST(Parts, WrongOnesAreRefusedOnAllRanksNamingRankAndEntity) {

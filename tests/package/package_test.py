@@ -48,7 +48,7 @@ class Package(unittest.TestCase):
     def test_the_public_headers_are_installed(self):
         headers = {p.relative_to(self.prefix / "include").as_posix() for p in (self.prefix / "include").rglob("*.h")}
         headers.discard("weft_petsc.h")  # where PETSc is
-        self.assertEqual(headers, {"weft/weft.h", "weft/data.h", "weft/replay.h", "weft/weft-c.h"})
+        self.assertEqual(headers, {"weft/weft.h", "weft/data.h", "weft/replay.h", "weft/on_ranks.h", "weft/weft-c.h"})
 
     def test_only_the_interface_is_exported(self):
         library = next((self.prefix).rglob("libweft.so"))

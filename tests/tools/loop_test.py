@@ -75,6 +75,42 @@ class Cycles(LoopTest):
         self.assertTrue((self.folder / "other name/002/solution.sol").exists())
 
 
+class OnRanks(LoopTest):
+    LAUNCHER = " ".join(os.environ["WEFT_MPIRUN"].split(";"))
+
+    def test_adaptations_run_on_the_ranks_of_the_launcher_and_the_solver_by_its_own_line(self):
+        solver = "echo $OMPI_COMM_WORLD_SIZE$PMI_SIZE > ranks; " + POISSON
+        text = self.loop(solver=solver, metric={"hgrad": 1.5, "norm": 4}, transfer="conservative",
+                         adapt={"launcher": self.LAUNCHER + " -n 2", "subdomains": 4}).stdout
+        self.assertRegex(text, r"cycle 2 of 2: complexity .* adapted on 2 ranks in ")
+        self.assertEqual((self.folder / "ranks").read_text().strip(), "", "the solver was not started by mpirun")
+        self.assertEqual(self.kept(1), ["adapt.log", "done.json", "mesh-fields.solb", "mesh.meshb", "mesh.solb", "report.json",
+                                        "solution.solb", "solver.log"])
+        report = json.loads((self.folder / "run/002/report.json").read_text())
+        self.assertEqual((report["subdomains"]["ranks"], report["subdomains"]["subdomains"], report["threads"]), (2, 4, 1))
+        self.assertEqual(report["fields"]["transfer"], "conservative")
+        self.weft("verify", "run/002/mesh.meshb", "--against", "box.meshb")
+        # The same mesh as the command makes of the same options.
+        self.weft("adapt", "run/001/mesh.meshb", "--sol", "run/001/solution.solb", "--field", "run/001/solution.solb", "--complexity", 600,
+                  "--hgrad", 1.5, "--norm", 4, "--transfer", "conservative", "--subdomains", 4, "--threads", 1, "-o", "same.meshb",
+                  expect=(0, 1))
+        self.assertEqual((self.folder / "same.meshb").read_bytes(), (self.folder / "run/002/mesh.meshb").read_bytes())
+
+    def test_a_rank_that_fails_is_told_with_the_cycle(self):
+        self.fails("run.json: adapt.launcher: cycle 1: ended with 3", "adapt.log", adapt={"launcher": "exit 3 #"})
+        self.fails("run.json: adapt.launcher: cycle 1: wrote no mesh", adapt={"launcher": ": #"})
+        self.fails("run.json: adapt.launcher: cycle 1: ended with ", "partitioner 'nobody'", "adapt.log",
+                   adapt={"launcher": self.LAUNCHER + " -n 2", "partitioner": "nobody"})
+        self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
+
+    def test_the_loop_itself_is_not_started_by_mpirun(self):
+        done = subprocess.run([*os.environ["WEFT_MPIRUN"].split(";"), "-n", "2", str(WEFT), "loop", self.write_config()], cwd=self.folder,
+                              capture_output=True, text=True)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertEqual(done.stderr.count("start the loop without it"), 1, done.stderr)
+        self.assertFalse((self.folder / "run").exists())
+
+
 class Resumption(LoopTest):
     SLOW = "if [ {cycle} = 2 ] && [ -e slow ]; then echo $$ > pid; exec sleep 100; fi; " + POISSON
 

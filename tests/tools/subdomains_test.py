@@ -25,9 +25,12 @@ OPERATIONS = {
 class Subdomains(CommandTest):
     def run_on(self, ranks, *words, expect=0):
         """`weft adapt` on so many ranks of mpirun, or (0) without it; returns what it printed."""
+        return self.command_on(ranks, "adapt", *words, expect=expect)
+
+    def command_on(self, ranks, *words, expect=0):
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
-        done = subprocess.run([*launcher, str(WEFT), "adapt", *map(str, words)], cwd=self.folder, capture_output=True,
-                              text=True, timeout=SECONDS)
+        done = subprocess.run([*launcher, str(WEFT), *map(str, words)], cwd=self.folder, capture_output=True, text=True,
+                              timeout=SECONDS)
         self.assertIn(done.returncode, expect if isinstance(expect, tuple) else (expect,),
                       f"{ranks} ranks: {words}\n{done.stdout}{done.stderr}")
         return done
@@ -79,7 +82,7 @@ class Results(Subdomains):
 
     def assert_in_shares(self, whole, done):
         """Whether the run has read the mesh in shares, which it says where it has not."""
-        (self.assertIn if whole else self.assertNotIn)("rank 0 has read the whole mesh", done.stdout + done.stderr)
+        (self.assertIn if whole else self.assertNotIn)("rank 0 has read all of", done.stdout + done.stderr)
 
     def test_same_bytes_with_metrics_that_are_made_in_parts(self):
         self.weft("convert", self.box(4), "box.mesh")
@@ -174,13 +177,40 @@ class Results(Subdomains):
                     self.assertIn(b'"the wall"', meshes[-1])
             self.assertEqual(meshes, meshes[:1] * 4, f"{name} to {out}")
 
-    def test_what_one_rank_does_is_done_once(self):
-        self.box(2)
-        for ranks in (1, 3):
-            done = subprocess.run([*MPIRUN, "-n", str(ranks), str(WEFT), "stat", "box.meshb"], cwd=self.folder, capture_output=True,
-                                  text=True, timeout=SECONDS)
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual(done.stdout.count("vertices"), 1, done.stdout)
+    def test_a_metric_of_another_mesh(self):
+        self.box(3)
+        self.box(7, "other.meshb")
+        self.weft("metric", "other.meshb", "--metric-fn", "polar-1", "--complexity", 400, "-o", "other.solb")
+        words = ("box.meshb", "--background", "other.meshb", "--metric", "other.solb", "--hgrad", 2, "--subdomains", 4)
+        self.assert_same_on_all(*words, expect=(0, 1))
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+        subdomains = self.figures("out")
+        self.run_on(0, *words[:-2], "-o", "one.meshb", "--threads", 1, "--quiet", expect=(0, 1))
+        one = self.figures("one")
+        self.assertGreater(subdomains["edge_length"]["share_unit"], one["edge_length"]["share_unit"] - 0.03)
+        self.assertLess(abs(subdomains["complexity"] / one["complexity"] - 1), 0.05)
+        self.assert_in_shares(False, self.run_on(2, *words, "-o", "told.meshb", expect=(0, 1)))
+        self.weft("convert", "other.meshb", "other.su2")
+        done = self.run_on(2, *[word if word != "other.meshb" else "other.su2" for word in words], "-o", "su2.meshb", "--threads", 1,
+                           expect=(0, 1))
+        self.assertIn("rank 0 has read all of other.su2: meshes", done.stdout + done.stderr)
+        self.assertEqual(*self.bytes_of("su2.meshb", "out.meshb"))
+        self.assert_all_ranks_fail("box.meshb", "--background", "other.meshb", "--metric", "out.solb", "-o",
+                                   "o.meshb", says="out.solb: metric of another mesh")
+
+    def figures(self, name):
+        done = self.weft("stat", f"{name}.meshb", "--metric", f"{name}.solb", "--json")
+        return json.loads(done.stdout)["measures"]
+
+    def test_a_mesh_and_its_metric_in_any_format(self):
+        self.box(3)
+        self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.25", "-o", "m.solb")
+        self.weft("convert", "box.meshb", "box.vtu", "--sol", "m.solb")
+        words = ("--hmax", 0.22, "--subdomains", 3, "--threads", 1)
+        self.run_on(0, "box.meshb", "--metric", "m.solb", *words, "-o", "gmf.meshb")
+        done = self.run_on(2, "box.vtu", "--metric", "box.vtu", *words, "-o", "vtu.meshb")
+        self.assertIn("rank 0 has read all of box.vtu: fields", done.stdout + done.stderr)
+        self.assertEqual(*self.bytes_of("gmf.meshb", "vtu.meshb"))
 
     def test_pieces(self):
         self.box(3)
@@ -294,6 +324,111 @@ class Simulated(Subdomains):
         for option in (("--time-limit", 5), ("--max-memory", "4G"), ("--checkpoint", "states")):
             self.assert_fails("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "--subdomains", 2, "-o", "out.meshb", "--simulate-ranks", 4,
                               *option, says="--simulate-ranks", code=64)
+
+
+class OtherCommands(Subdomains):
+    """Those that all ranks do together, or rank 0 alone, which is said then."""
+
+    def test_stat_has_the_figures_of_one_process(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", 0.4)
+        for words in (("ball.meshb",), ("ball.meshb", "--metric-fn", "polar-2", "--histogram")):
+            expected = self.command_on(0, "stat", *words)
+            for ranks in (1, 2, 3):
+                done = self.command_on(ranks, "stat", *words)
+                self.assertEqual(done.stdout, expected.stdout, f"{ranks} ranks")
+        whole = json.loads(self.command_on(0, "stat", *words, "--json").stdout)
+        parts = json.loads(self.command_on(3, "stat", *words, "--json").stdout)
+        self.assert_near(parts, whole)
+
+    def assert_near(self, a, b):
+        """Counts and words alike, numbers but for rounding."""
+        self.assertEqual(type(a), type(b))
+        if isinstance(a, dict):
+            self.assertEqual(a.keys(), b.keys())
+            for key in a:
+                self.assert_near(a[key], b[key])
+        elif isinstance(a, list):
+            self.assertEqual(len(a), len(b))
+            for x, y in zip(a, b):
+                self.assert_near(x, y)
+        elif isinstance(a, float):
+            self.assertAlmostEqual(a, b, delta=1e-12 * max(1, abs(a)))
+        else:
+            self.assertEqual(a, b)
+
+    def test_metrics_have_the_same_bytes(self):
+        self.box(5)
+        for words in (("--metric-fn", "polar-2", "--hmax", 0.2, "--hgrad", 1.5), ("--implied", "--hmin", 0.01)):
+            self.command_on(0, "metric", "box.meshb", *words, "-o", "out.solb")
+            expected = self.bytes_of("out.solb")
+            for ranks in (1, 2, 3):
+                (self.folder / "out.solb").unlink()
+                done = self.command_on(ranks, "metric", "box.meshb", *words, "-o", "out.solb")
+                self.assertEqual(self.bytes_of("out.solb"), expected, f"{words} on {ranks} ranks")
+                self.assertEqual(done.stdout.count("metric at 216 vertices"), 1, done.stdout)
+        made = []
+        for ranks in (1, 2, 4):  # what is scaled is so by another order of summation than in one process
+            self.command_on(ranks, "metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 500, "--hgrad", 1.5, "-o", "out.solb")
+            made += self.bytes_of("out.solb")
+        self.assertEqual(made, made[:1] * 3)
+
+    def test_interpolation_has_the_same_bytes(self):
+        self.box(4, "from.meshb")
+        self.box(5, "to.meshb")
+        self.weft("metric", "from.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
+        for transfer in ("linear", "conservative"):
+            told = []
+            for ranks in (0, 1, 3):
+                done = self.command_on(ranks, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "--transfer", transfer, "-o",
+                                       f"on{ranks}.solb")
+                told.append(done.stdout.replace(f"on{ranks}.solb", "out.solb").splitlines())
+            self.assertEqual(*self.bytes_of("on1.solb", "on3.solb"))
+            self.assertEqual(told[1], told[2])
+            self.assertEqual((told[0][:2], len(told[0])), (told[1][:2], len(told[1])))  # the rest says how much was lost: rounding
+        done = self.command_on(2, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on2.sol")
+        self.assertIn("rank 0 has written all of on2.sol", done.stdout)
+        self.command_on(1, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on1.sol")
+        self.assertEqual(*self.bytes_of("on1.sol", "on2.sol"))
+
+    def test_conversion_has_the_same_bytes(self):
+        self.weft("mesh", "ball", "-o", "a.meshb", "--size", 0.6)
+        self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
+        self.weft("convert", "a.meshb", "b.lb8.ugrid")
+        (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
+        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
+                            ("b.lb8.ugrid", "o.msh")):
+            self.command_on(0, "convert", source, out, "--sol", "f.solb")
+            expected, told, files = self.bytes_of(out), None, self.files()
+            for ranks in (1, 3):
+                (self.folder / out).unlink()
+                done = self.command_on(ranks, "convert", source, out, "--sol", "f.solb")
+                self.assertEqual(self.bytes_of(out), expected, f"{source} to {out} on {ranks} ranks")
+                self.assertEqual(self.files(), files)
+                self.assertNotIn("alone", done.stderr)
+                told = told or done.stdout
+                self.assertEqual(done.stdout, told)
+            self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
+        done = self.command_on(2, "convert", "a.meshb", "o.su2")
+        self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
+
+    def test_what_rank_0_does_alone_is_done_once_and_told(self):
+        self.box(2)
+        for ranks in (1, 3):
+            done = self.command_on(ranks, "verify", "box.meshb")
+            self.assertEqual(done.stdout.count("conforms"), 1, done.stdout)
+            self.assertEqual(done.stderr.count("rank 0 alone does `weft verify`"), ranks > 1, done.stderr)
+
+    def test_what_is_wrong_is_told_once(self):
+        self.box(2)
+        for words in (("stat", "none.meshb"), ("metric", "box.meshb", "--metric", "none.solb", "-o", "o.solb"),
+                      ("interpolate", "box.meshb", "none.meshb", "--field", "none.solb", "-o", "o.solb"),
+                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb")):
+            before = self.files()
+            done = self.command_on(3, *words, expect=2)
+            lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
+            self.assertEqual(len(lines), 1, done.stderr)
+            self.assertRegex(lines[0], "none|nowhere")
+            self.assertEqual(self.files(), before)
 
 
 class LookingOn(Subdomains):

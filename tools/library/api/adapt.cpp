@@ -18,7 +18,7 @@
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
-#include "tools/library/jobs/sources/slice_source.h"
+#include "tools/library/jobs/sources/shares.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
 #include "tools/library/report/report_json.h"
@@ -34,16 +34,22 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   tools::Stopwatch watch;
   result.input_counts = tools::count(input.mesh);
   MetricOptions metric = options.metric;
-  const double target = tools::scaled_alone(metric) ? std::exchange(metric.complexity, 0) : 0;
+  const bool in_parts = tools::scaled_alone(metric) && !input.background;
+  const double target = in_parts ? std::exchange(metric.complexity, 0) : 0;
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);
-    tools::LogMetricMade made = tools::make_log_metric(metric, input.mesh, input.name, input.metric,
-                                                       run.read_model(input.mesh, input.name));
+    const meshing::MeshData& owner = input.background ? *input.background : input.mesh;
+    tools::LogMetricMade made =
+        tools::make_log_metric(metric, owner, input.background ? input.background_name : input.name,
+                               input.metric, run.read_model(input.mesh, input.name));
     result.warnings = std::move(made.warnings);
-    run.adapt(tools::deal_out(run.peers(), input.mesh, made.field), target, input.name, result);
+    partition::MeshSlice of_metric = tools::deal_out(run.peers(), owner, made.field), of_mesh;
+    if (input.background) of_mesh = tools::deal_out(run.peers(), input.mesh, {});
+    run.adapt(std::move(input.background ? of_mesh : of_metric), target, input.name, result,
+              input.background ? &of_metric : nullptr);
     if (options.run.measure) {
       if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);
-      result.before = meshing::measure(input.mesh, made.field);
+      if (!input.background) result.before = meshing::measure(input.mesh, made.field);
       run.measure(result);
     }
     partition::MergedMesh merged = partition::merge_pieces(run.pieces());
@@ -121,7 +127,6 @@ Result adapt(const Mesh& mesh, const Options& options, const Fields& fields) {
 Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, const Options& options,
              const Fields& fields) {
   validate(options);
-  if (options.distributed.asked()) throw OptionError("--background", "is not possible in subdomains");
   if (options.run.repair)
     throw OptionError("--repair", "call repair() for a mesh with a background of its own");
   const WholeMesh whole(mesh), whole_background(background);

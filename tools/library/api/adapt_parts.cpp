@@ -1,5 +1,6 @@
 // Adaptation of a mesh in parts, on a caller's communicator.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,12 +14,12 @@
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/numbering.h"
 #include "tools/common/field_text.h"
+#include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
-#include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/parts/part_fields.h"
 #include "tools/library/parts/part_input.h"
@@ -34,36 +35,35 @@ bool only_scaled(const MetricOptions& options) {
   return tools::scaled_alone(options) && options.file.empty() && options.function.empty();
 }
 
-/// Rank 0 makes the metric of the whole mesh, and deals it out again.
-void make_metric_by_first(partition::Peers& peers, MetricOptions options,
-                          const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
-                          std::vector<std::string>& warnings) {
-  Mesh whole = tools::gather_whole(peers, slice);
-  tools::LogMetricMade made;
-  const std::vector<Tensor> source = tools::gather_to_first(peers, slice.log_metrics);
-  for (Fields& solution : options.solutions) {
-    for (Field& field : solution.fields) field.values = tools::gather_to_first(peers, field.values);
-    solution.num_points = whole.points.size();
-  }
-  partition::agree_on(peers, [&] {
-    if (peers.rank() == 0)
-      made = tools::make_log_metric(options, whole, "", source.empty() ? nullptr : &source, model);
-  });
-  slice.log_metrics = tools::deal_by_slices(peers, made.field, slice);
-  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
-  if (peers.ranks() > 1)
-    warnings.emplace_back("rank 0 has made the metric of the whole mesh, as files other than GMF want it");
-}
-
-/// In parts where that is possible. `options`: with solutions at the slice's points.
-void make_metric(partition::Peers& peers, const MetricOptions& options,
-                 const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
-                 std::vector<std::string>& warnings) {
-  if (!tools::can_be_made_in_parts(options))
-    return make_metric_by_first(peers, options, model, slice, warnings);
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, "", model);
+/// The metric of the slices' mesh: what `metric` (null: nothing) and the options give. Returns the complexity
+/// that it still has to be scaled to.
+double add_metric(partition::Peers& peers, const Part& part, const Metric* metric, const Options& options,
+                  const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
+                  std::vector<std::string>& warnings) {
+  if (metric && only_scaled(options.metric)) return options.metric.complexity;
+  MetricOptions of_slice = options.metric;
+  if (partition::max(peers, of_slice.solutions.empty() ? 0 : 1) != 0)
+    of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, of_slice, slice, "", model);
   slice.log_metrics = std::move(made.field);
   warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  return 0;
+}
+
+/// Another mesh that has the metric, with which nothing is to be done any more.
+partition::MeshSlice background_of(partition::Peers& peers, const Part& part, const Metric& metric,
+                                   const Options& options, const std::shared_ptr<const meshing::Model>& model,
+                                   std::vector<std::string>& warnings) {
+  return tools::naming("background", [&] {
+    partition::MeshSlice slice = tools::slice_of_parts(peers, part, &metric);
+    if (add_metric(peers, part, &metric, options, model, slice, warnings) > 0) {
+      tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", nullptr);
+      slice.log_metrics = std::move(made.field);
+      warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+    }
+    slice.boundary = {};
+    return slice;
+  });
 }
 
 void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, const Fields& fields,
@@ -78,28 +78,27 @@ void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, c
   result.field_accounts = std::move(transfer.accounts);
 }
 
-PartResult adapt_part(engine::Transport& transport, const Part& part, const Metric* metric,
-                      const Options& options) {
+/// `background`: the part that `metric` belongs to; null: `part`.
+PartResult adapt_part(engine::Transport& transport, const Part& part, const Part* background,
+                      const Metric* metric, const Options& options) {
   tools::Stopwatch watch, total;
   tools::DistributedRun run(options, transport);
   PartResult result;
-  partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, metric);
+  partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, background ? nullptr : metric);
   const auto model = run.read_model(part.mesh, "");
-  double target = options.metric.complexity;
-  if (!metric || !only_scaled(options.metric)) {
-    MetricOptions of_slice = options.metric;
-    if (partition::max(run.peers(), of_slice.solutions.empty() ? 0 : 1) != 0)
-      of_slice.solutions = {tools::solutions_of_slices(run.peers(), part, options.metric.solutions)};
-    make_metric(run.peers(), of_slice, model, slice, result.warnings);
-    target = 0;
-  }
+  double target = 0;
+  std::optional<partition::MeshSlice> of_metric;
+  if (background)
+    of_metric = background_of(run.peers(), *background, *metric, options, model, result.warnings);
+  else
+    target = add_metric(run.peers(), part, metric, options, model, slice, result.warnings);
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
                          slice.boundary.edges.size()};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;
   if (!fields.fields.empty()) old = partition::without_boundary(slice);
   result.times.read = watch.lap();
-  run.adapt(std::move(slice), target, "", result);
+  run.adapt(std::move(slice), target, "", result, of_metric ? &*of_metric : nullptr);
   watch.lap();
   if (options.run.measure) run.measure(result);
   result.times.measure = watch.lap();
@@ -114,13 +113,13 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Metr
   return result;
 }
 
-PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Metric* metric,
-                         const Options& options) {
+PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Part* background,
+                         const Metric* metric, const Options& options) {
   validate(options);
   if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
   PartResult result;
   tools::on_communicator(communicator, [&](engine::Transport& transport) {
-    result = adapt_part(transport, part, metric, options);
+    result = adapt_part(transport, part, background, metric, options);
   });
   return result;
 }
@@ -128,11 +127,16 @@ PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Metric* 
 }  // namespace
 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, const Options& options) {
-  return adapt_checked(communicator, part, &metric, options);
+  return adapt_checked(communicator, part, nullptr, &metric, options);
+}
+
+PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background, const Metric& metric,
+                 const Options& options) {
+  return adapt_checked(communicator, part, &background, &metric, options);
 }
 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options) {
-  return adapt_checked(communicator, part, nullptr, options);
+  return adapt_checked(communicator, part, nullptr, nullptr, options);
 }
 
 Complaint first_complaint(MPI_Comm communicator, const std::string& complaint) {

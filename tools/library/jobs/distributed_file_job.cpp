@@ -1,9 +1,7 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -18,16 +16,15 @@
 #include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
-#include "partition/verify/check_subdomains.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/memory.h"
-#include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/world.h"
 #include "tools/library/parts/piece_moves.h"
 #include "tools/library/report/report_json.h"
 
@@ -60,7 +57,8 @@ class DistributedFileJob {
     SliceInput input = read();
     const double target = input.target_complexity;
     keep_for_fields(input);
-    run_.adapt(std::move(input.slice), target, files_.input, account_);
+    run_.adapt(std::move(input.slice), target, files_.input, account_,
+               input.background ? &*input.background : nullptr);
     watch_.lap();
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
@@ -204,23 +202,6 @@ class DistributedFileJob {
   meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
 };
 
-/// `run` runs the job on all ranks. What all throw alike is for rank 0 to tell: `first`.
-void run_and_tell(const bool& first, const std::function<void()>& run) {
-  const auto tell = [&](const std::exception& error) {
-    if (first) throw InputError("", "", error.what());
-    throw RunError(error.what(), true);
-  };
-  try {
-    run();
-  } catch (const InputError& error) {
-    tell(error);
-  } catch (const std::invalid_argument& error) {
-    tell(error);
-  } catch (const partition::InvariantViolation& error) {
-    tell(error);
-  }
-}
-
 /// Of ranks in one process the first alone says how far it is, and none watches the machine.
 Options options_of_simulated(const Options& options, engine::Rank rank) {
   Options mine = options;
@@ -235,13 +216,8 @@ Options options_of_simulated(const Options& options, engine::Rank rank) {
 
 FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
   FilesResult result;
-  bool first = true;
-  run_and_tell(first, [&] {
-    on_world([&](engine::Transport& transport) {
-      first = transport.rank().value == 0;
-      result = DistributedFileJob(files, options, transport).run();
-    });
-  });
+  on_world_telling(
+      [&](engine::Transport& transport) { result = DistributedFileJob(files, options, transport).run(); });
   return result;
 }
 
@@ -249,7 +225,7 @@ FilesResult adapt_files_on_simulated_ranks(const Files& files, const Options& op
                                            const engine::SimulationOptions& simulation,
                                            engine::SimulationResult& simulated) {
   FilesResult result;
-  run_and_tell(true, [&] {
+  telling(true, [&] {
     simulated = on_simulated_ranks(simulation, [&](engine::Transport& transport) {
       const Options mine = options_of_simulated(options, transport.rank());
       FilesResult of_rank = DistributedFileJob(files, mine, transport).run();

@@ -196,7 +196,7 @@ std::shared_ptr<const meshing::Model> DistributedRun::read_model(const meshing::
 }
 
 void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name,
-                           Report& report) {
+                           Report& report, partition::MeshSlice* background) {
   report.threads = threads_;
   if (first()) {
     const std::vector<std::string> of_model = model_warnings(model_.get());
@@ -205,6 +205,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   monitor_.update("decomposition", 0, report.input_counts.tets);
   result_ = naming(name, [&] {
     graph::adaptation::DistributedOptions method = method_options(target_complexity);
+    method.background = background;
     method.on_plan = [&] { check_room("", report); };
     return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
   });

@@ -40,8 +40,10 @@ class DistributedRun {
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
   /// fails.
   std::shared_ptr<const meshing::Model> read_model(const meshing::MeshData& mesh, const std::string& name);
-  /// Adapts the mesh of the slices, which errors call `name`; fills pieces and `report`.
-  void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report);
+  /// Adapts the mesh of the slices, which errors call `name`; fills pieces and `report`. `background`: slices
+  /// of another mesh that has the metric, with which nothing is to be done any more; null: the mesh has it.
+  void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report,
+             partition::MeshSlice* background = nullptr);
   /// Fills the measures of the result.
   void measure(Report& report);
 

@@ -5,17 +5,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string_view>
+#include <thread>
 
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/arguments.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/help.h"
 #include "tools/weft/terminal/help_data.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -66,14 +69,14 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return kUsage;
 }
 
-/// Under mpirun only `adapt` and the solver's loop around it work on all ranks; anything else is done once,
-/// by the first.
-bool is_for_another_rank(const std::string& subcommand) {
-  if (subcommand == "adapt" || subcommand == "loop" || !under_mpirun()) return false;
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"})
-    if (const char* rank = std::getenv(name)) return std::string_view(rank) != "0";
-  return false;
+/// Under mpirun what these do not do together is done once, by the first.
+bool is_done_by_first(const std::string& subcommand) {
+  constexpr std::string_view kTogether[] = {"adapt", "stat", "metric", "interpolate", "convert"};
+  return under_mpirun() && std::ranges::find(kTogether, subcommand) == std::end(kTogether);
 }
+
+/// mpirun ends all ranks when one has ended with an error: the one that says why gets a moment for its words.
+void wait_for_words() { std::this_thread::sleep_for(std::chrono::milliseconds(300)); }
 
 int run_action(const Action& action) {
   try {
@@ -84,6 +87,7 @@ int run_action(const Action& action) {
     throw CLI::ValidationError(error.option(), error.reason());
   } catch (const RunError& error) {
     if (!error.reported()) fmt::print(stderr, "weft: {}\n", printable(error.what()));
+    if (error.reported()) wait_for_words();
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "weft: out of memory\n");
   } catch (const std::exception& error) {
@@ -93,6 +97,10 @@ int run_action(const Action& action) {
 }
 
 }  // namespace
+
+std::string done_by_first(const std::string& what) {
+  return "warning: rank 0 alone does `weft " + what + "`, with all of the mesh; the other ranks do nothing\n";
+}
 
 int run_command_line(const std::vector<std::string>& arguments) {
   CLI::App app("weft adapts tetrahedral meshes to anisotropic metric fields.", "weft");
@@ -114,7 +122,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   add_replay_command(app, action);
   add_report_command(app, action);
   add_loop_command(app, action);
-  if (!arguments.empty() && is_for_another_rank(arguments[0])) return kDone;
+  if (!arguments.empty() && is_done_by_first(arguments[0]) && place_on_ranks().rank != 0) return kDone;
   if (arguments.empty()) {
     fmt::print(stderr, "{}", app.help());
     return kUsage;
@@ -128,6 +136,8 @@ int run_command_line(const std::vector<std::string>& arguments) {
     std::vector<std::string> reversed = translate_aliases(arguments);
     std::reverse(reversed.begin(), reversed.end());  // the order that CLI11 takes a vector in
     app.parse(std::move(reversed));
+    if (is_done_by_first(arguments[0]) && place_on_ranks().ranks > 1 && arguments[0] != "loop")
+      fmt::print(stderr, "{}", done_by_first(arguments[0]));
     return run_action(action);
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);

@@ -28,4 +28,7 @@ void add_replay_command(CLI::App& app, Action& action);
 void add_report_command(CLI::App& app, Action& action);
 void add_loop_command(CLI::App& app, Action& action);
 
+/// Under mpirun, of what is not done by all ranks together; a line for stderr.
+std::string done_by_first(const std::string& what);
+
 }  // namespace weft::tools

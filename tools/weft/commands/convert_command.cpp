@@ -13,6 +13,7 @@
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -66,7 +67,34 @@ std::vector<Dropped> write(const ConvertCommand& command, const MeshFile& conten
   return dropped;
 }
 
+void tell(const ConvertCommand& command, const MeshCounts& counts) {
+  command.verbosity.print("{}: {} vertices, {} tets, {} triangles\n", command.output,
+                          grouped(counts.vertices), grouped(counts.tets), grouped(counts.triangles));
+}
+
+int run_on_ranks(const ConvertCommand& command) {
+  const ConvertedOnRanks done = convert_on_ranks(command.input, command.solution, command.output);
+  if (!done.first) return kDone;
+  for (const std::string& warning : done.warnings) command.verbosity.print("warning: {}\n", warning);
+  tell(command, done.counts);
+  command.verbosity.print("{}", dropped_text(done.dropped));
+  return kDone;
+}
+
+bool is_plain(const WriteOptions& options) {
+  const WriteOptions plain;
+  return options.encoding == plain.encoding && options.gmsh_version == plain.gmsh_version &&
+         options.compress == plain.compress && options.pieces == plain.pieces;
+}
+
 int run_convert(const ConvertCommand& command) {
+  if (under_mpirun()) {
+    if (is_plain(command.options) && can_convert_on_ranks(command.input, command.solution, command.output))
+      return run_on_ranks(command);
+    const PlaceOnRanks place = place_on_ranks();
+    if (place.rank != 0) return kDone;
+    if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("convert"));
+  }
   check_writable(command.output);
   Progress progress(command.verbosity.style());
   progress.phase("reading");
@@ -76,9 +104,7 @@ int run_convert(const ConvertCommand& command) {
   const std::vector<Dropped> dropped = write(command, contents);
   progress.finish();
   const auto& mesh = contents.mesh;
-  command.verbosity.print(
-      "{}: {} vertices, {} tets, {} triangles\n", command.output, grouped(std::uint64_t{mesh.points.size()}),
-      grouped(std::uint64_t{mesh.tets.size()}), grouped(std::uint64_t{mesh.triangles.size()}));
+  tell(command, {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()});
   command.verbosity.print("{}{}", dropped_text(contents.dropped), dropped_text(dropped));
   return kDone;
 }

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -35,7 +38,25 @@ struct InterpolateCommand {
   Verbosity verbosity;
 };
 
+void tell(const InterpolateCommand& command, std::size_t fields, std::uint64_t vertices,
+          const Transfer& result) {
+  command.verbosity.print("{}: {} fields at {} vertices\n", command.output, fields, grouped(vertices));
+  command.verbosity.print("{}", accounts_text(result.accounts, command.fields.method));
+  for (const std::string& warning : transfer_warnings(result, command.from))
+    command.verbosity.print("warning: {}\n", warning);
+}
+
+int run_on_ranks(const InterpolateCommand& command) {
+  const TransferOnRanks done = interpolate_on_ranks(command.from, command.fields.files, command.to,
+                                                    command.output, command.fields.method);
+  if (!done.first) return kDone;
+  for (const std::string& warning : done.warnings) command.verbosity.print("warning: {}\n", warning);
+  tell(command, done.fields, done.vertices, done.transfer);
+  return kDone;
+}
+
 int run_interpolate(const InterpolateCommand& command) {
+  if (under_mpirun()) return run_on_ranks(command);
   check_writable(command.output);
   Progress progress(command.verbosity.style());
   progress.phase("reading");
@@ -47,11 +68,7 @@ int run_interpolate(const InterpolateCommand& command) {
   progress.phase("writing");
   write_fields(command.output, result.fields);
   progress.finish();
-  command.verbosity.print("{}: {} fields at {} vertices\n", command.output, fields.fields.size(),
-                          grouped(std::uint64_t{to.points.size()}));
-  command.verbosity.print("{}", accounts_text(result.accounts, command.fields.method));
-  for (const std::string& warning : transfer_warnings(result, command.from))
-    command.verbosity.print("warning: {}\n", warning);
+  tell(command, fields.fields.size(), to.points.size(), result);
   return kDone;
 }
 

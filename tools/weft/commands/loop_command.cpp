@@ -25,7 +25,10 @@ The solver is a shell command: it reads {mesh}, writes its fields at the vertice
 from {restart}, the previous solution on this mesh ('' in cycle 0), and may use the number {cycle}. All
 scalar fields drive the metric. Optional: folder (default: CONFIG's name), cycles (for each complexity),
 mesh_extension and solution_extension (.meshb and .solb), metric (norm, recovery, hmin, hmax, aspect,
-hgrad, hgrad_space), adapt (threads, hausd, ridge_angle) and transfer, all as in `weft adapt`.
+hgrad, hgrad_space), adapt (threads, hausd, ridge_angle, subdomains, partitioner) and transfer, all as in
+`weft adapt`. On a cluster start the loop itself without mpirun: "adapt": {"launcher": "mpirun -n 8"}
+starts each adaptation on ranks, with one thread each unless threads says otherwise; "solver" has a
+launcher of its own: "mpirun -n 64 ./flow ...".
 Every cycle keeps its mesh, metric, fields, report, solution and log in its own folder, 000, 001, ...
 The same command continues where an earlier run stopped, even if it was killed. Ctrl-C: exit code 1.)";
 
@@ -42,7 +45,12 @@ void add_loop_command(CLI::App& app, Action& action) {
   sub->add_option("CONFIG", command->config, "the configuration, .json")->type_name("FILE")->required();
   add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] {
-    action = [command] { return run_loop(read_loop_config(command->config), command->verbosity); };
+    action = [command] {
+      if (under_mpirun())
+        throw CLI::ValidationError(
+            "mpirun", "start the loop without it: adapt.launcher in CONFIG starts the adaptations on ranks");
+      return run_loop(read_loop_config(command->config), command->verbosity);
+    };
   });
 }
 

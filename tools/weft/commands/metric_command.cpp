@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
@@ -10,6 +13,7 @@
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -31,11 +35,25 @@ struct MetricCommand {
   Verbosity verbosity;
 };
 
+void tell(const MetricCommand& command, const std::vector<std::string>& warnings, std::uint64_t vertices,
+          double complexity) {
+  for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
+  command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output, grouped(vertices),
+                          grouped(complexity));
+}
+
+int run_on_ranks(const MetricCommand& command) {
+  const MetricOnRanks done = write_metric_on_ranks(command.mesh, command.metric, command.output);
+  if (done.first) tell(command, done.warnings, done.vertices, done.complexity);
+  return kDone;
+}
+
 int run_metric(const MetricCommand& command) {
   if (!command.metric.given())
     throw CLI::RequiredError(
         "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
         CLI::ExitCodes::RequiredError);
+  if (under_mpirun()) return run_on_ranks(command);
   check_writable(command.output);
   Progress progress(command.verbosity.style());
   progress.phase("reading");
@@ -45,9 +63,7 @@ int run_metric(const MetricCommand& command) {
   progress.phase("writing");
   write_fields(command.output, metric.fields());
   progress.finish();
-  for (const std::string& warning : warnings) command.verbosity.print("warning: {}\n", warning);
-  command.verbosity.print("{}: metric at {} vertices, complexity {}\n", command.output,
-                          grouped(std::uint64_t{metric.size()}), grouped(complexity(mesh, metric)));
+  tell(command, warnings, metric.size(), complexity(mesh, metric));
   return kDone;
 }
 

@@ -16,6 +16,7 @@
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -47,19 +48,34 @@ Json json_of(const std::map<std::int32_t, double>& by_ref) {
   return all;
 }
 
-Json json_of(const Mesh& mesh, const Geometry& g) {
+/// What is measured of a mesh, or of one that lies on many ranks.
+MeasuresOnRanks figures_of(const Mesh& mesh) {
+  MeasuresOnRanks figures;
+  figures.counts = {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()};
+  figures.corners = mesh.corners.size();
+  figures.ridges = mesh.ridges.size();
+  figures.required_vertices = mesh.required_points.size();
+  figures.required_edges = mesh.required_edges.size();
+  figures.required_triangles = mesh.required_triangles.size();
+  figures.geometry = measure_geometry(mesh);
+  return figures;
+}
+
+Json json_of(const MeasuresOnRanks& figures) {
+  const MeshCounts& counts = figures.counts;
+  const Geometry& g = figures.geometry;
   return {{"schema", "weft-stat-1"},
           {"version", version()},
-          {"vertices", mesh.points.size()},
-          {"tets", mesh.tets.size()},
-          {"triangles", mesh.triangles.size()},
-          {"edges", mesh.edges.size()},
-          {"corners", mesh.corners.size()},
-          {"ridges", mesh.ridges.size()},
+          {"vertices", counts.vertices},
+          {"tets", counts.tets},
+          {"triangles", counts.triangles},
+          {"edges", counts.edges},
+          {"corners", figures.corners},
+          {"ridges", figures.ridges},
           {"required",
-           {{"vertices", mesh.required_points.size()},
-            {"edges", mesh.required_edges.size()},
-            {"triangles", mesh.required_triangles.size()}}},
+           {{"vertices", figures.required_vertices},
+            {"edges", figures.required_edges},
+            {"triangles", figures.required_triangles}}},
           {"shape",
            {{"quality",
              {{"mean", g.shape.quality_mean},
@@ -82,21 +98,23 @@ std::string by_ref_text(const char* what, const std::map<std::int32_t, double>& 
   return text;
 }
 
-std::string geometry_text(const Mesh& mesh, const Geometry& g) {
+std::string geometry_text(const MeasuresOnRanks& figures) {
+  const MeshCounts& counts = figures.counts;
+  const Geometry& g = figures.geometry;
   std::string text;
-  const auto line = [&](const char* name, std::size_t n) {
-    if (n > 0) text += fmt::format("  {:<20}{:>14}\n", name, grouped(std::uint64_t{n}));
+  const auto line = [&](const char* name, std::uint64_t n) {
+    if (n > 0) text += fmt::format("  {:<20}{:>14}\n", name, grouped(n));
   };
-  line("vertices", mesh.points.size());
-  line("tets", mesh.tets.size());
-  line("triangles", mesh.triangles.size());
-  line("edges", mesh.edges.size());
-  line("corners", mesh.corners.size());
-  line("ridges", mesh.ridges.size());
-  line("required vertices", mesh.required_points.size());
-  line("required edges", mesh.required_edges.size());
-  line("required triangles", mesh.required_triangles.size());
-  if (!mesh.tets.empty()) text += fmt::format("  {}\n", shape_text(g.shape));
+  line("vertices", counts.vertices);
+  line("tets", counts.tets);
+  line("triangles", counts.triangles);
+  line("edges", counts.edges);
+  line("corners", figures.corners);
+  line("ridges", figures.ridges);
+  line("required vertices", figures.required_vertices);
+  line("required edges", figures.required_edges);
+  line("required triangles", figures.required_triangles);
+  if (counts.tets > 0) text += fmt::format("  {}\n", shape_text(g.shape));
   text += fmt::format("  box from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})\n", g.min.x, g.min.y,
                       g.min.z, g.max.x, g.max.y, g.max.z);
   return text + by_ref_text("volume", g.volume_by_ref) + by_ref_text("area  ", g.area_by_ref);
@@ -124,26 +142,51 @@ void plot(const StatCommand& command, const Measures& measures) {
   draw_histograms(command.plot, measures, plot_text(command, measures));
 }
 
+/// The table of measures, with histograms and a plot where they are asked for.
+std::string measures_text(const StatCommand& command, const Measures& measures) {
+  std::string text = measures_table({{"", &measures}});
+  if (command.histogram) text += "\n" + histograms_text(measures);
+  if (!command.plot.empty()) plot(command, measures);
+  return text;
+}
+
+int run_on_ranks(const StatCommand& command) {
+  const MeasuresOnRanks done = measure_on_ranks(command.mesh, command.metric);
+  if (!done.first) return kDone;
+  Json json = json_of(done);
+  std::string text = geometry_text(done);
+  if (done.measures) {
+    json["measures"] = Json::parse(to_json(*done.measures));
+    text = measures_text(command, *done.measures);
+  }
+  for (const std::string& warning : done.warnings)
+    if (!command.verbosity.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  command.verbosity.print("{}", command.json ? json.dump(1) + "\n" : text);
+  return kDone;
+}
+
 int run_stat(const StatCommand& command) {
   if (command.histogram && !command.metric.given())
     throw CLI::RequiresError("--histogram", "--metric or --metric-fn");
   if (!command.plot.empty() && !command.metric.given())
     throw CLI::RequiresError("--plot", "--metric or --metric-fn");
-  if (!command.plot.empty()) check_writable(command.plot);
+  const PlaceOnRanks place = place_on_ranks();
+  if (!command.plot.empty() && place.rank == 0) check_writable(command.plot);
+  if (under_mpirun() && command.geometry.model.empty()) return run_on_ranks(command);
+  if (place.rank != 0) return kDone;
+  if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("stat --geometry"));
   Progress progress(command.verbosity.style());
   progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);
   progress.phase("measuring");
-  const Geometry geometry = measure_geometry(mesh);
-  Json json = json_of(mesh, geometry);
-  std::string text = geometry_text(mesh, geometry);
+  const MeasuresOnRanks figures = figures_of(mesh);
+  Json json = json_of(figures);
+  std::string text = geometry_text(figures);
   if (command.metric.given()) {
     const Measures measures =
         measure(mesh, make_metric(mesh, command.metric, command.geometry, command.mesh).metric);
     json["measures"] = Json::parse(to_json(measures));
-    text = measures_table({{"", &measures}});
-    if (command.histogram) text += "\n" + histograms_text(measures);
-    if (!command.plot.empty()) plot(command, measures);
+    text = measures_text(command, measures);
   }
   if (!command.geometry.model.empty()) {
     const ModelAccount account = measure_on_model(mesh, command.geometry, command.mesh);

@@ -159,6 +159,12 @@ class Loop {
     Options options = config_.options;
     options.metric.sol = files.fields;
     options.metric.complexity = config_.complexities[cycle - 1];
+    marker["target_complexity"] = options.metric.complexity;
+    return config_.launcher.empty() ? adapt_here(files, options, marker)
+                                    : adapt_on_ranks(cycle, files, options, marker);
+  }
+
+  bool adapt_here(const Files& files, Options& options, Json& marker) const {
     const InterruptGuard interrupt;
     options.run.cancel = interrupt.flag();
     Progress progress(verbosity_.style());
@@ -169,12 +175,83 @@ class Loop {
     const FilesResult run = adapt_files(files, options);
     if (run.cancelled) return false;
     marker["goal_met"] = run.missed.empty();
-    marker["target_complexity"] = options.metric.complexity;
     marker["complexity"] = run.after.complexity;
     marker["vertices"] = run.after.num_vertices;
     marker["tets"] = run.after.num_tets;
     marker["unit_edges"] = run.after.edges_unit;
     marker["adapt_seconds"] = run.times.total;
+    return true;
+  }
+
+  /// `weft adapt`, started by the launcher.
+  bool adapt_on_ranks(std::size_t cycle, const Files& files, const Options& options, Json& marker) const {
+    const fs::path folder = files.report, log = folder / "adapt.log", json = folder / "report.json";
+    for (const fs::path& file : {fs::path(files.output), json}) fs::remove(file);
+    const InterruptGuard interrupt;
+    const ShellResult result =
+        run_shell(config_.launcher + " " + adapt_line(files, options), config_.home, log, *interrupt.flag());
+    if (interrupt.raised()) return false;
+    const bool ended_well = result.status == kDone || result.status == kGoalNotMet;
+    if (!ended_well || !fs::exists(files.output) || !fs::exists(json))
+      throw InputError(config_.file, "adapt.launcher",
+                       fmt::format("cycle {}: {}{}; it said: {}", cycle,
+                                   ended_well ? "wrote no mesh" : fmt::format("ended with {}", result.status),
+                                   complaint_in(log), log.string()));
+    for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
+    return read_report(json, marker);
+  }
+
+  static std::string adapt_line(const Files& files, const Options& options) {
+    const MetricOptions& metric = options.metric;
+    std::string line =
+        "{weft} adapt {in} --sol {sol} --field {sol} -o {out} --report {report} --progress none";
+    const auto add = [&](const char* name, const auto& value) { line += fmt::format(" {} {}", name, value); };
+    const auto add_positive = [&](const char* name, double value) {
+      if (value > 0) add(name, value);
+    };
+    add("--complexity", metric.complexity);
+    add("--norm", metric.norm);
+    add("--recovery", metric.recovery == HessianRecovery::least_squares ? "lsq" : "l2");
+    add_positive("--hmin", metric.hmin);
+    add_positive("--hmax", metric.hmax);
+    add_positive("--aspect", metric.aspect);
+    add_positive("--hgrad", metric.hgrad);
+    add("--hgrad-space", metric.hgrad_space == GradationSpace::metric ? "metric" : "mixed");
+    add("--transfer", options.transfer == TransferMethod::linear ? "linear" : "conservative");
+    add("--threads", options.run.threads);
+    add_positive("--hausd", options.geometry.hausd);
+    add("--ridge-angle", options.geometry.ridge_angle);
+    if (options.distributed.subdomains > 0) add("--subdomains", options.distributed.subdomains);
+    if (!options.distributed.partitioner.empty()) line += " --partitioner {partitioner}";
+    return filled_in(line, {{"weft", fs::read_symlink("/proc/self/exe").string()},
+                            {"in", files.input},
+                            {"sol", files.fields[0]},
+                            {"out", files.output},
+                            {"report", files.report},
+                            {"partitioner", options.distributed.partitioner}});
+  }
+
+  /// What weft itself said in a log, if anything.
+  static std::string complaint_in(const fs::path& log) {
+    std::ifstream in(log);
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("weft")) return ": " + line;
+    return {};
+  }
+
+  /// False where the adaptation was interrupted.
+  static bool read_report(const fs::path& path, Json& marker) {
+    std::ifstream in(path);
+    const Json report = Json::parse(in);
+    if (report.at("interrupted") == true) return false;
+    const Json &after = report.at("after"), &subdomains = report.at("subdomains");
+    marker["goal_met"] = report.at("goal_met");
+    marker["complexity"] = after.at("complexity");
+    marker["vertices"] = after.at("vertices");
+    marker["tets"] = after.at("tets");
+    marker["unit_edges"] = after.at("edge_length").at("share_unit");
+    marker["adapt_seconds"] = report.at("seconds").at("total");
+    marker["ranks"] = subdomains.is_null() ? Json(1) : subdomains.at("ranks");
     return true;
   }
 
@@ -216,10 +293,11 @@ class Loop {
     std::string text = fmt::format("cycle {} of {}: ", cycle, cycles() - 1);
     if (cycle > 0)
       text += fmt::format(
-          "complexity {}, {} vertices, {} tets, {} unit edges{}; adapted in {}, ",
+          "complexity {}, {} vertices, {} tets, {} unit edges{}; adapted{} in {}, ",
           grouped(marker.at("complexity").get<double>()), grouped(marker.at("vertices").get<std::uint64_t>()),
           grouped(marker.at("tets").get<std::uint64_t>()), percent(marker.at("unit_edges").get<double>()),
           marker.at("goal_met") == true ? "" : " (GOAL NOT MET)",
+          marker.contains("ranks") ? fmt::format(" on {} ranks", marker.at("ranks").get<int>()) : "",
           seconds_text(marker.at("adapt_seconds").get<double>()));
     verbosity_.print("{}solved in {}\n", text, seconds_text(marker.at("solver_seconds").get<double>()));
     std::fflush(stdout);  // a loop can take days: its lines must not wait in a buffer

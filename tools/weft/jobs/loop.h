@@ -12,6 +12,7 @@ namespace weft::tools {
 ///     001/mesh.meshb, mesh.solb       the adapted mesh and its metric (not in 000)
 ///     001/mesh-fields.solb            the last solution carried over: {restart} (not in 000)
 ///     001/report.json                 of the adaptation (not in 000)
+///     001/adapt.log                   what it said, where a launcher starts it (not in 000)
 ///     001/solution.solb, solver.log   what the solver wrote: {solution}, and what it said
 ///     001/done.json                   the marker: written last, whole or not at all
 ///

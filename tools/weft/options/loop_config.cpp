@@ -136,10 +136,17 @@ void read_metric(const std::string& file, const Json& json, MetricOptions& metri
   if (metric.hmax > 0 && metric.hmin > metric.hmax) section.fail("hmin", "is larger than hmax");
 }
 
-void read_adapt(const std::string& file, const Json& json, Options& options) {
+void read_adapt(const std::string& file, const Json& json, LoopConfig& config) {
+  Options& options = config.options;
   Section section(file, json, "adapt.");
+  section.text("launcher", config.launcher);
+  if (!config.launcher.empty()) options.run.threads = 1;  // of each rank
   if (const Json* threads = section.find("threads"))
     options.run.threads = section.count_of("threads", *threads, 1024);
+  if (const Json* subdomains = section.find("subdomains"))
+    options.distributed.subdomains =
+        static_cast<std::uint32_t>(section.count_of("subdomains", *subdomains, 1 << 22));
+  section.text("partitioner", options.distributed.partitioner);
   section.number("hausd", 0, options.geometry.hausd);
   section.number("ridge_angle", 0, options.geometry.ridge_angle);
   if (options.geometry.ridge_angle > 180) section.fail("ridge_angle", "must be at most 180");
@@ -195,7 +202,7 @@ LoopConfig read_loop_config(const std::string& file) {
   config.folder = config.home / folder;
   read_extensions(section, config);
   if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.options.metric);
-  if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config.options);
+  if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config);
   section.choice("transfer", methods, config.options.transfer);
   section.refuse_unknown();
   if (!fs::is_regular_file(config.mesh)) section.fail("mesh", "there is no file " + config.mesh.string());
@@ -219,6 +226,9 @@ Json LoopConfig::settings(std::size_t cycle) const {
                    {"hgrad", metric.hgrad},
                    {"hgrad_space", metric.hgrad_space == GradationSpace::metric ? "metric" : "mixed"}};
   all["adapt"] = {{"hausd", options.geometry.hausd}, {"ridge_angle", options.geometry.ridge_angle}};
+  const DistributedOptions& distributed = options.distributed;
+  if (distributed.subdomains > 0) all["adapt"]["subdomains"] = distributed.subdomains;
+  if (!distributed.partitioner.empty()) all["adapt"]["partitioner"] = distributed.partitioner;
   all["transfer"] = options.transfer == TransferMethod::linear ? "linear" : "conservative";
   return all;
 }

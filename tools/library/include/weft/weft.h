@@ -419,6 +419,11 @@ struct PartResult : Report {
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
 
+/// To a metric at the vertices of another mesh of the same domain, which is in parts too: any tets of it may
+/// be on any rank. options.metric.solutions are at its vertices.
+WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background,
+                          const Metric& metric, const Options& options);
+
 /// To the metric that options.metric makes: of solutions at the vertices of the parts, for instance.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options);
 

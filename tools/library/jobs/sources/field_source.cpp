@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "meshing/base/error.h"
-#include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
+#include "tools/library/jobs/sources/shares.h"
 
 namespace weft::tools {
 namespace {
@@ -39,12 +40,8 @@ void name_fields(const std::string& file, SolutionData& solution) {
       solution.fields[f].name = solution.fields.size() == 1 ? stem : fmt::format("{}_{}", stem, f + 1);
 }
 
-void check_length(const std::string& file, std::uint64_t length, const std::string& mesh_file,
-                  std::uint64_t num_points) {
-  if (length != num_points)
-    throw InputError(
-        file, "",
-        fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, mesh_file, num_points));
+std::string of_another_mesh(std::uint64_t length, const std::string& mesh_file, std::uint64_t num_points) {
+  return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, mesh_file, num_points);
 }
 
 /// Checks and names.
@@ -63,20 +60,21 @@ SolutionData read_all_fields(const std::vector<std::string>& files, std::size_t 
   SolutionData all{num_points, {}};
   for (const std::string& file : files) {
     SolutionData solution = meshing::read_solution(file);
-    check_length(file, solution.num_points, mesh_file, num_points);
+    if (solution.num_points != num_points)
+      throw InputError(file, "", of_another_mesh(solution.num_points, mesh_file, num_points));
     add_fields(file, std::move(solution), 0, all);
   }
   return all;
 }
 
-SolutionData read_fields_of_slice(const std::vector<std::string>& files, const partition::MeshSlice& slice,
-                                  const std::string& mesh_file) {
+SolutionData read_fields_of_slice(partition::Peers& peers, const std::vector<std::string>& files,
+                                  const partition::MeshSlice& slice, const std::string& mesh_file) {
   SolutionData all{slice.points.size(), {}};
   for (const std::string& file : files) {
-    const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
-    check_length(file, layout.num_solution_points(), mesh_file, slice.num_points);
-    add_fields(file, meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size()),
-               slice.first_point, all);
+    SolutionData solution = read_fields_share(peers, file, slice, [&](std::uint64_t length) {
+      return of_another_mesh(length, mesh_file, slice.num_points);
+    });
+    partition::agree_on(peers, [&] { add_fields(file, std::move(solution), slice.first_point, all); });
   }
   return all;
 }

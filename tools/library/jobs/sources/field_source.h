@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "partition/communication/peers.h"
 #include "partition/distribute/mesh_slice.h"
 #include "weft/weft.h"
 
@@ -16,8 +17,8 @@ namespace weft::tools {
 Fields read_all_fields(const std::vector<std::string>& files, std::size_t num_points,
                        const std::string& mesh_file);
 
-/// The same at this rank's slice of points, of GMF files, whose ranges can be read.
-Fields read_fields_of_slice(const std::vector<std::string>& files, const partition::MeshSlice& slice,
-                            const std::string& mesh_file);
+/// All ranks: the same at this rank's slice of points. Throws alike on all ranks.
+Fields read_fields_of_slice(partition::Peers& peers, const std::vector<std::string>& files,
+                            const partition::MeshSlice& slice, const std::string& mesh_file);
 
 }  // namespace weft::tools

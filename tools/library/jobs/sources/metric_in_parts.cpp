@@ -2,19 +2,18 @@
 #include "tools/library/jobs/sources/metric_in_parts.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "meshing/base/error.h"
-#include "meshing/io/gmf/gmf_slice.h"
 #include "meshing/metric/sources/hessian.h"
 #include "meshing/metric/sources/multiscale.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/metric/part_domain.h"
 #include "tools/common/naming.h"
+#include "tools/library/jobs/sources/shares.h"
 
 namespace weft::tools {
 namespace {
@@ -23,20 +22,13 @@ using partition::MeshSlice;
 using partition::PartDomain;
 using partition::Peers;
 
-bool is_gmf_solution(const std::string& file) {
-  const std::string extension = std::filesystem::path(file).extension();
-  return extension == ".solb" || extension == ".sol";
-}
-
 /// The values of a file at this rank's slice of points. `kind`: what it is called where it is of another
 /// mesh.
-Fields read_slice_of(const std::string& file, const MeshSlice& slice, const std::string& kind) {
-  const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
-  if (layout.num_solution_points() != slice.num_points)
-    throw InputError(file, "",
-                     kind + " of another mesh: it has " + std::to_string(layout.num_solution_points()) +
-                         " vertices, the mesh " + std::to_string(slice.num_points));
-  return meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size());
+Fields read_share_of(Peers& peers, const std::string& file, const MeshSlice& slice, const std::string& kind) {
+  return read_fields_share(peers, file, slice, [&](std::uint64_t length) {
+    return kind + " of another mesh: it has " + std::to_string(length) + " vertices, the mesh " +
+           std::to_string(slice.num_points);
+  });
 }
 
 /// The scalar fields at the vertices of the part.
@@ -50,19 +42,15 @@ Fields of_part(const PartDomain& domain, const Fields& of_slice) {
 
 /// The scalar fields of a file, checked, at the vertices of the part.
 Fields read_fields(Peers& peers, const MeshSlice& slice, const PartDomain& domain, const std::string& file) {
-  Fields of_slice;
-  partition::agree_on(peers, [&] {
-    of_slice = read_slice_of(file, slice, "solution");
-    meshing::scalar_fields(of_slice, slice.points.size(), file, slice.first_point);
-  });
+  const Fields of_slice = read_share_of(peers, file, slice, "solution");
+  partition::agree_on(
+      peers, [&] { meshing::scalar_fields(of_slice, slice.points.size(), file, slice.first_point); });
   return of_part(domain, of_slice);
 }
 
 meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const PartDomain& domain,
                                     const std::string& file) {
-  meshing::LogMetricField of_slice;
-  partition::agree_on(peers, [&] { of_slice = metric_of_slice(file, slice); });
-  return domain.from_slices(of_slice);
+  return domain.from_slices(metric_of_slice(peers, file, slice));
 }
 
 /// The whole boundary, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
@@ -108,13 +96,13 @@ std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& optio
 
 }  // namespace
 
-bool can_be_made_in_parts(const MetricOptions& options) {
-  return std::ranges::all_of(files_of(options), is_gmf_solution);
-}
-
-meshing::LogMetricField metric_of_slice(const std::string& file, const MeshSlice& slice) {
-  return meshing::metric_from_solution(read_slice_of(file, slice, "metric"), slice.points.size(), file,
-                                       slice.first_point);
+meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, const MeshSlice& slice) {
+  const Fields fields = read_share_of(peers, file, slice, "metric");
+  meshing::LogMetricField metric;
+  partition::agree_on(peers, [&] {
+    metric = meshing::metric_from_solution(fields, slice.points.size(), file, slice.first_point);
+  });
+  return metric;
 }
 
 LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,

@@ -11,11 +11,9 @@
 
 namespace weft::tools {
 
-/// Whether make_metric_in_parts() can make it: files that are read are GMF.
-bool can_be_made_in_parts(const MetricOptions& options);
-
-/// The metric of a GMF file at the points of the slice.
-meshing::LogMetricField metric_of_slice(const std::string& file, const partition::MeshSlice& slice);
+/// All ranks: the metric of a file at the points of the slice. Throws alike on all ranks.
+meshing::LogMetricField metric_of_slice(partition::Peers& peers, const std::string& file,
+                                        const partition::MeshSlice& slice);
 
 /// All ranks: make_log_metric() of the mesh of all slices, at the points of this rank's slice; the same bits
 /// for any number of ranks and any shares. slice.log_metrics are one more source where there are any;

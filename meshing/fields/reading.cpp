@@ -1,0 +1,33 @@
+// Reads what is near, and again from farther off where that was not enough.
+#include "meshing/fields/reading.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+namespace weft::meshing {
+
+Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part) {
+  const MetricDomain& to = way == MeshPair::Way::back ? meshes.old_mesh() : meshes.new_mesh();
+  const std::span<const Point> points = to.mesh().points;
+  for (;;) {
+    Reading reading;
+    const MeshData& source = meshes.source(way);
+    reading.source = meshes.at_source(way, at_part);
+    double farthest = 0;
+    if (points.empty()) {
+      reading.at.table.columns = at_part.columns;
+    } else if (source.tets.empty()) {
+      farthest = std::numeric_limits<double>::infinity();
+    } else {
+      reading.background.reset(new Background(field_background(source)));
+      reading.at = interpolate(*reading.background, reading.source, points);
+      farthest = std::ranges::max(reading.at.distances);
+    }
+    if (meshes.widen(way, to.max(farthest))) continue;
+    to.refresh(at_part.columns, reading.at.table.values);
+    return reading;
+  }
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,23 @@
+// What a part of one mesh reads from the other mesh of a pair.
+#pragma once
+
+#include <memory>
+
+#include "meshing/base/value_table.h"
+#include "meshing/fields/interpolate.h"
+#include "meshing/fields/mesh_pair.h"
+#include "meshing/metric/background.h"
+
+namespace weft::meshing {
+
+struct Reading {
+  std::unique_ptr<const Background> background;  ///< of MeshPair::source; null: there is nothing to read
+  ValueTable source;                             ///< at its vertices
+  ValuesAt at;  ///< at the vertices of the part that reads; places are tets of the source
+};
+
+/// The values of one mesh, given at the vertices of its part, at those of the part of the other mesh: linear
+/// in each tet, and beyond the mesh those of its closest point. All parts call together.
+Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part);
+
+}  // namespace weft::meshing

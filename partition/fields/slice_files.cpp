@@ -1,0 +1,252 @@
+// Slices have their places already.
+#include "partition/fields/slice_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "meshing/base/box.h"
+#include "meshing/io/gmf/gmf_slice_writer.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/communication/ranges.h"
+#include "partition/communication/reduce.h"
+#include "partition/metric/morton_shares.h"
+#include "partition/output/common_file.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::GmfPlan;
+using meshing::GmfSliceWriter;
+using meshing::MeshData;
+using meshing::RefCounts;
+using meshing::WholeMesh;
+
+/// This rank's share of a list that all ranks have.
+struct Range {
+  std::size_t begin, end;
+};
+Range share_of(std::size_t count, const Peers& peers) {
+  const auto rank = static_cast<std::size_t>(peers.rank()), ranks = static_cast<std::size_t>(peers.ranks());
+  return {count * rank / ranks, count * (rank + 1) / ranks};
+}
+
+template <std::size_t N>
+std::vector<std::array<std::uint64_t, N>> rows_of(const std::vector<std::array<std::uint32_t, N>>& elements,
+                                                  Range range) {
+  std::vector<std::array<std::uint64_t, N>> rows;
+  rows.reserve(range.end - range.begin);
+  for (std::size_t e = range.begin; e < range.end; ++e) {
+    std::array<std::uint64_t, N>& row = rows.emplace_back();
+    std::copy(elements[e].begin(), elements[e].end(), row.begin());
+  }
+  return rows;
+}
+
+std::vector<std::int32_t> refs_of(const std::vector<std::int32_t>& refs, Range range) {
+  return {refs.begin() + static_cast<std::ptrdiff_t>(range.begin),
+          refs.begin() + static_cast<std::ptrdiff_t>(range.end)};
+}
+
+std::vector<std::uint64_t> wide(const std::vector<std::uint32_t>& list) { return {list.begin(), list.end()}; }
+
+/// What this rank writes of the mesh: its points and tets, and a share of the boundary.
+struct Rows {
+  Range triangle_range, edge_range;
+  std::vector<std::array<std::uint64_t, 4>> tets;
+  std::vector<std::array<std::uint64_t, 3>> triangles;
+  std::vector<std::array<std::uint64_t, 2>> edges;
+  std::vector<std::int32_t> triangle_refs, edge_refs;
+
+  Rows(const Peers& peers, const MeshSlice& slice)
+      : triangle_range(share_of(slice.boundary.triangles.size(), peers)),
+        edge_range(share_of(slice.boundary.edges.size(), peers)),
+        tets(rows_of(slice.tets, {0, slice.tets.size()})),
+        triangles(rows_of(slice.boundary.triangles, triangle_range)),
+        edges(rows_of(slice.boundary.edges, edge_range)),
+        triangle_refs(refs_of(slice.boundary.triangle_refs, triangle_range)),
+        edge_refs(refs_of(slice.boundary.edge_refs, edge_range)) {}
+};
+
+GmfPlan gmf_plan(const MeshSlice& slice, const std::filesystem::path& file) {
+  const MeshData& b = slice.boundary;
+  return GmfPlan::of_mesh(file, {.points = slice.num_points,
+                                 .edges = b.edges.size(),
+                                 .triangles = b.triangles.size(),
+                                 .tets = slice.num_tets,
+                                 .corners = b.corners.size(),
+                                 .ridges = b.ridges.size(),
+                                 .required_points = b.required_points.size(),
+                                 .required_edges = b.required_edges.size(),
+                                 .required_triangles = b.required_triangles.size()});
+}
+
+void write_gmf(const Peers& peers, const MeshSlice& slice, const std::filesystem::path& file,
+               const GmfPlan& plan) {
+  namespace gmf = meshing::gmf;
+  const Rows rows(peers, slice);
+  const MeshData& b = slice.boundary;
+  GmfSliceWriter out(file, plan);
+  out.vertices(slice.first_point, slice.points, slice.point_refs);
+  out.elements(gmf::kEdges, rows.edge_range.begin, rows.edges, rows.edge_refs);
+  out.elements(gmf::kTriangles, rows.triangle_range.begin, rows.triangles, rows.triangle_refs);
+  out.elements(gmf::kTetrahedra, slice.first_tet, rows.tets, slice.tet_refs);
+  if (peers.rank() == 0) {
+    out.frame();
+    out.indices(gmf::kCorners, 0, wide(b.corners));
+    out.indices(gmf::kRidges, 0, wide(b.ridges));
+    out.indices(gmf::kRequiredVertices, 0, wide(b.required_points));
+    out.indices(gmf::kRequiredEdges, 0, wide(b.required_edges));
+    out.indices(gmf::kRequiredTriangles, 0, wide(b.required_triangles));
+  }
+  out.finish();
+}
+
+/// All ranks: how many tets of all have each reference; `lower`: of those in front of this rank's.
+RefCounts count_tets(Peers& peers, const std::vector<std::int32_t>& refs, RefCounts& lower) {
+  struct Row {
+    std::uint64_t count;
+    std::int64_t ref;
+  };
+  std::vector<Row> mine;
+  for (const auto& [ref, count] : meshing::count_refs(refs)) mine.push_back({count, ref});
+  RefCounts all;
+  const auto of_ranks = partition::allgather(peers, mine);
+  for (std::size_t r = 0; r < of_ranks.size(); ++r) {
+    if (r == static_cast<std::size_t>(peers.rank())) lower = all;
+    for (const Row& row : of_ranks[r]) all[static_cast<std::int32_t>(row.ref)] += row.count;
+  }
+  for (const auto& [ref, count] : all) lower.try_emplace(ref, 0);
+  return all;
+}
+
+/// Of each reference how many entries stand before `end`.
+RefCounts count_before(const std::vector<std::int32_t>& refs, std::size_t end) {
+  RefCounts counts;
+  for (const std::int32_t ref : refs) counts.try_emplace(ref, 0);
+  for (const auto& [ref, count] : meshing::count_refs({refs.data(), end})) counts[ref] = count;
+  return counts;
+}
+
+/// All ranks: the corners with their points, which their owners have.
+std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) {
+  const Ranges points(peers, slice.points.size());
+  std::vector<std::uint32_t> numbers = slice.boundary.corners;
+  std::ranges::sort(numbers);
+  struct Place {
+    meshing::Point point;
+    std::int64_t ref;
+  };
+  const auto places = fetch<Place>(peers, points, numbers, [&](std::size_t i) {
+    return Place{slice.points[i], slice.point_refs[i]};
+  });
+  std::vector<WholeMesh::Corner> corners;
+  for (const std::uint32_t v : slice.boundary.corners) {
+    const Place& at =
+        places[static_cast<std::size_t>(std::ranges::lower_bound(numbers, v) - numbers.begin())];
+    corners.push_back({v, at.point, static_cast<std::int32_t>(at.ref)});
+  }
+  return corners;
+}
+
+/// All ranks: as meshing::describe() does of the whole mesh. `first_tets`: RefRows of this rank.
+WholeMesh describe_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+                          const meshing::RefNames& names, RefCounts& first_tets) {
+  WholeMesh whole;
+  whole.points = whole.fields.num_points = slice.num_points;
+  whole.tets = count_tets(peers, slice.tet_refs, first_tets);
+  whole.triangles = meshing::count_refs(slice.boundary.triangle_refs);
+  whole.edges = meshing::count_refs(slice.boundary.edge_refs);
+  whole.corners = corners_of(peers, slice);
+  const bool refs = std::ranges::any_of(slice.point_refs, [](std::int32_t ref) { return ref != 0; });
+  whole.point_refs = partition::max(peers, static_cast<int>(refs)) != 0;
+  meshing::Box mine;
+  for (const meshing::Point& p : slice.points) mine.include(p);
+  if (slice.num_points > 0) {
+    const meshing::Box box = common_box(peers, mine);
+    whole.low = box.lo;
+    whole.high = box.hi;
+  }
+  if (peers.rank() == 0) whole.names = names;
+  for (const meshing::Field& field : fields.fields)
+    whole.fields.fields.push_back({field.kind, {}, field.name});
+  return whole;
+}
+
+void write_rows(const Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+                const RefCounts& first_tets, meshing::PartWriter& out) {
+  const Rows rows(peers, slice);
+  const MeshData& b = slice.boundary;
+  out.write(
+      {slice.first_point,
+       slice.points,
+       slice.point_refs,
+       {rows.tets, slice.tet_refs, slice.first_tet, first_tets},
+       {rows.triangles, rows.triangle_refs, rows.triangle_range.begin,
+        count_before(b.triangle_refs, rows.triangle_range.begin)},
+       {rows.edges, rows.edge_refs, rows.edge_range.begin, count_before(b.edge_refs, rows.edge_range.begin)},
+       fields});
+  out.finish();
+}
+
+/// All ranks: it appears when all have written.
+template <class Write>
+void write_together(Peers& peers, CommonFile& common, const Write& write) {
+  agree_on(peers, write);
+  agree_on(peers, [&] {
+    if (peers.rank() == 0) common.commit();
+  });
+}
+
+}  // namespace
+
+void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+                            const std::filesystem::path& file) {
+  std::vector<meshing::Field::Kind> kinds;
+  for (const meshing::Field& field : fields.fields) kinds.push_back(field.kind);
+  std::optional<GmfPlan> plan;
+  agree_on(peers, [&] { plan = GmfPlan::of_solution(file, slice.num_points, kinds); });
+  CommonFile common(file);
+  common.create(peers);
+  write_together(peers, common, [&] {
+    GmfSliceWriter out(common.temporary(), *plan);
+    if (peers.rank() == 0) out.frame();
+    out.solution(slice.first_point, fields);
+    out.finish();
+  });
+}
+
+bool can_write_slices(const std::filesystem::path& mesh) {
+  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh);
+}
+
+void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+                          const meshing::RefNames& names, const std::filesystem::path& file) {
+  CommonFile common(file);
+  if (file.extension() == ".meshb") {
+    std::optional<GmfPlan> plan;
+    agree_on(peers, [&] { plan = gmf_plan(slice, file); });
+    common.create(peers);
+    write_together(peers, common, [&] { write_gmf(peers, slice, common.temporary(), *plan); });
+    return;
+  }
+  const meshing::SolutionData none;
+  const meshing::SolutionData& inside = meshing::holds_fields(file) ? fields : none;
+  RefCounts first_tets;
+  const WholeMesh whole = describe_slices(peers, slice, inside, names, first_tets);
+  common.create(peers);
+  meshing::PartPlaces places;
+  agree_on(peers, [&] {
+    if (peers.rank() == 0) places = meshing::begin_parts(common.temporary(), file, whole);
+  });
+  places = allgather(peers, places)[0];
+  write_together(peers, common, [&] {
+    write_rows(peers, slice, inside, first_tets,
+               *meshing::open_part(common.temporary(), file, whole, places));
+  });
+}
+
+}  // namespace weft::partition

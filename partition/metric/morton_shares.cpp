@@ -1,0 +1,52 @@
+// Keys, and where the shares begin.
+#include "partition/metric/morton_shares.h"
+
+#include <algorithm>
+
+#include "meshing/base/morton.h"
+#include "partition/communication/reduce.h"
+
+namespace weft::partition {
+
+using meshing::Box;
+using meshing::Point;
+
+Box common_box(Peers& peers, const Box& box) {
+  const std::vector<double> most =
+      partition::max(peers, std::vector{-box.lo.x, -box.lo.y, -box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  return {{-most[0], -most[1], -most[2]}, {most[3], most[4], most[5]}};
+}
+
+std::vector<std::uint64_t> morton_keys(std::span<const Point> points, const Box& box) {
+  constexpr double kCells = 1u << 21;
+  const meshing::Vec size = box.size();
+  const double side = std::max({size.x, size.y, size.z});
+  std::vector<std::uint64_t> keys;
+  keys.reserve(points.size());
+  for (const Point& p : points) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double cell = side > 0 ? (p[i] - box.lo[i]) / side * kCells : 0;
+      key |= meshing::spread_bits(static_cast<std::uint64_t>(std::clamp(cell, 0.0, kCells - 1))) << i;
+    }
+    keys.push_back(key);
+  }
+  return keys;
+}
+
+std::vector<std::uint64_t> first_keys(Peers& peers, std::vector<std::uint64_t> keys) {
+  constexpr std::size_t kSamples = 64;
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::uint64_t> samples;
+  for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i)
+    samples.push_back(keys[keys.size() * i / kSamples]);
+  std::vector<std::uint64_t> all;
+  for (const auto& of_rank : allgather(peers, samples)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::sort(all.begin(), all.end());
+  const auto ranks = static_cast<std::size_t>(peers.ranks());
+  std::vector<std::uint64_t> firsts;
+  for (std::size_t r = 1; r < ranks && !all.empty(); ++r) firsts.push_back(all[all.size() * r / ranks]);
+  return firsts;
+}
+
+}  // namespace weft::partition

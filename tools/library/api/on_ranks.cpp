@@ -1,0 +1,211 @@
+// Shares are read, worked on together, and written together.
+#include "weft/on_ranks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+#include "partition/fields/measure_slices.h"
+#include "partition/fields/slice_files.h"
+#include "partition/fields/transfer_in_parts.h"
+#include "partition/metric/part_domain.h"
+#include "tools/common/naming.h"
+#include "tools/library/jobs/outputs.h"
+#include "tools/library/jobs/sources/field_source.h"
+#include "tools/library/jobs/sources/metric_in_parts.h"
+#include "tools/library/jobs/sources/shares.h"
+#include "tools/library/jobs/sources/slice_source.h"
+#include "tools/library/jobs/world.h"
+
+namespace weft {
+namespace {
+
+using partition::MeshSlice;
+using partition::Peers;
+
+/// A mesh file's share; warns where rank 0 has read all of it.
+tools::MeshShare read_mesh(Peers& peers, const std::string& file, DoneOnRanks& done) {
+  tools::MeshShare share = tools::read_mesh_share(peers, file);
+  if (share.read_whole && peers.ranks() > 1)
+    done.warnings.push_back(tools::read_whole_warning(file, "meshes"));
+  return share;
+}
+
+void warn_of_fields(Peers& peers, const std::vector<std::string>& files, DoneOnRanks& done) {
+  for (const std::string& file : files)
+    if (peers.ranks() > 1 && !tools::fields_in_ranges(file))
+      done.warnings.push_back(tools::read_whole_warning(file, "fields"));
+}
+
+/// Text has no fixed places: rank 0 writes it.
+void write_fields(Peers& peers, const MeshSlice& slice, const Fields& fields, const std::string& output,
+                  DoneOnRanks& done) {
+  if (std::filesystem::path(output).extension() == ".solb")
+    return partition::write_fields_of_slices(peers, slice, fields, output);
+  const Fields whole = tools::gather_to_first(peers, fields);
+  partition::agree_on(peers, [&] {
+    if (peers.rank() == 0) meshing::write_solution(output, whole);
+  });
+  if (peers.ranks() > 1)
+    done.warnings.push_back("rank 0 has written all of " + output + ": text is not written in shares");
+}
+
+/// The metric that the options ask for at the points of the slice, scaled and limited.
+void add_metric(Peers& peers, const MetricOptions& options, const std::string& mesh, MeshSlice& slice,
+                DoneOnRanks& done) {
+  warn_of_fields(peers, tools::files_of(options), done);
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, mesh, nullptr);
+  slice.log_metrics = std::move(made.field);
+  done.warnings.insert(done.warnings.end(), made.warnings.begin(), made.warnings.end());
+}
+
+void check_output(Peers& peers, const std::string& output) {
+  partition::agree_on(peers, [&] {
+    if (peers.rank() == 0) tools::check_writable(output);
+  });
+}
+
+int number_in_environment(std::initializer_list<const char*> names, int otherwise) {
+  for (const char* name : names)
+    if (const char* text = std::getenv(name)) return std::atoi(text);
+  return otherwise;
+}
+
+}  // namespace
+
+PlaceOnRanks place_on_ranks() {
+  if (!under_mpirun()) return {};
+  return {number_in_environment({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"}, 0),
+          number_in_environment({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_NTASKS"}, 1)};
+}
+
+MetricOnRanks write_metric_on_ranks(const std::string& mesh, const MetricOptions& options,
+                                    const std::string& output) {
+  Options all;
+  all.metric = options;
+  validate(all);
+  MetricOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    check_output(peers, output);
+    MeshSlice slice = read_mesh(peers, mesh, result).slice;
+    add_metric(peers, options, mesh, slice, result);
+    result.vertices = slice.num_points;
+    const partition::PartDomain domain(peers, slice, 1);
+    result.complexity = domain.complexity(domain.from_slices(slice.log_metrics));
+    write_fields(peers, slice, meshing::solution_from_metric(slice.log_metrics), output, result);
+  });
+  result.first = first;
+  return result;
+}
+
+TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<std::string>& files,
+                                     const std::string& to, const std::string& output,
+                                     TransferMethod method) {
+  TransferOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    check_output(peers, output);
+    const MeshSlice old = partition::without_boundary(read_mesh(peers, from, result).slice);
+    const MeshSlice now = partition::without_boundary(read_mesh(peers, to, result).slice);
+    warn_of_fields(peers, files, result);
+    const Fields fields = tools::read_fields_of_slice(peers, files, old, from);
+    result.transfer =
+        tools::naming(from, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
+    result.vertices = now.num_points;
+    result.fields = fields.fields.size();
+    write_fields(peers, now, std::exchange(result.transfer.fields, {}), output, result);
+  });
+  result.first = first;
+  return result;
+}
+
+MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& options) {
+  MeasuresOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    MeshSlice slice = read_mesh(peers, mesh, result).slice;
+    const Mesh& boundary = slice.boundary;
+    result.counts = {slice.num_points, slice.num_tets, boundary.triangles.size(), boundary.edges.size()};
+    result.corners = boundary.corners.size();
+    result.ridges = boundary.ridges.size();
+    result.required_vertices = boundary.required_points.size();
+    result.required_edges = boundary.required_edges.size();
+    result.required_triangles = boundary.required_triangles.size();
+    partition::SlicesGeometry geometry = partition::measure_geometry_of_slices(peers, slice);
+    if (slice.num_points > 0) {
+      result.geometry.min = geometry.box.lo;
+      result.geometry.max = geometry.box.hi;
+    }
+    result.geometry.shape = geometry.shape;
+    result.geometry.volume_by_ref = std::move(geometry.volume_by_ref);
+    result.geometry.area_by_ref = std::move(geometry.area_by_ref);
+    if (!options.given()) return;
+    add_metric(peers, options, mesh, slice, result);
+    result.measures = partition::measure_slices(peers, slice);
+  });
+  result.first = first;
+  return result;
+}
+
+namespace {
+
+/// The mesh, as far as lost_in() counts it: all of the boundary, and as many references as are not 0.
+std::vector<Dropped> lost_of_slices(Peers& peers, const MeshSlice& slice, const Fields& fields,
+                                    const meshing::RefNames& names, const std::string& output) {
+  const auto count = [&](const std::vector<std::int32_t>& refs) {
+    const auto mine =
+        static_cast<std::uint64_t>(std::ranges::count_if(refs, [](auto ref) { return ref != 0; }));
+    return std::vector<std::int32_t>(partition::sum(peers, mine), 1);
+  };
+  meshing::MeshData counted = slice.boundary;
+  counted.point_refs = count(slice.point_refs);
+  counted.tet_refs = count(slice.tet_refs);
+  return meshing::lost_in(output, meshing::MeshView(counted, fields, names));
+}
+
+}  // namespace
+
+bool can_convert_on_ranks(const std::string& input, const std::string& solution, const std::string& output) {
+  try {
+    return !meshing::holds_fields(input) && meshing::size_for_ranges(input) &&
+           !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
+           partition::can_write_slices(output);
+  } catch (const InputError&) {  // that whoever reads the file whole tells once
+    return false;
+  }
+}
+
+ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& solution,
+                                  const std::string& output) {
+  ConvertedOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    check_output(peers, output);
+    const tools::MeshShare share = read_mesh(peers, input, result);
+    const MeshSlice& slice = share.slice;
+    Fields fields{slice.points.size(), {}};
+    if (!solution.empty())
+      fields = tools::read_fields_share(peers, solution, slice, [&](std::uint64_t length) {
+        return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, input,
+                           slice.num_points);
+      });
+    const bool beside = !fields.fields.empty() && !meshing::holds_fields(output);
+    const std::string file = meshing::solution_beside(output).string();
+    if (beside) check_output(peers, file);
+    result.counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
+                     slice.boundary.edges.size()};
+    result.dropped = share.dropped;
+    for (Dropped& lost : lost_of_slices(peers, slice, fields, share.names, output))
+      result.dropped.push_back(std::move(lost));
+    partition::write_mesh_of_slices(peers, slice, fields, share.names, output);
+    if (beside) partition::write_fields_of_slices(peers, slice, fields, file);
+  });
+  result.first = first;
+  return result;
+}
+
+}  // namespace weft

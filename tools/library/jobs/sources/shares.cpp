@@ -1,0 +1,172 @@
+// Ranges of files, and what rank 0 deals out.
+#include "tools/library/jobs/sources/shares.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "meshing/base/error.h"
+#include "meshing/io/gmf/gmf_slice.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+#include "partition/fields/by_components.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::InputError;
+using meshing::MeshData;
+using partition::MeshSlice;
+using partition::Peers;
+
+/// The file's share of this rank.
+MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, Share points, Share tets,
+                        MeshShare& share) {
+  meshing::MeshContents part =
+      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count});
+  MeshSlice slice;
+  slice.num_points = size.points;
+  slice.num_tets = size.tets;
+  slice.first_point = points.first;
+  slice.first_tet = tets.first;
+  slice.boundary = std::move(part.mesh);
+  slice.points = std::exchange(slice.boundary.points, {});
+  slice.point_refs = std::exchange(slice.boundary.point_refs, {});
+  slice.tets = std::exchange(slice.boundary.tets, {});
+  slice.tet_refs = std::exchange(slice.boundary.tet_refs, {});
+  share.names = std::move(part.names);
+  share.dropped = std::move(part.dropped);
+  return slice;
+}
+
+/// What is handed out of the whole mesh, as plain bytes.
+template <class T>
+std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t total) {
+  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
+  if (peers.rank() == 0)
+    for (int r = 0; r < peers.ranks(); ++r) {
+      const Share s = share_of(total, r, peers.ranks());
+      to_each[static_cast<std::size_t>(r)].assign(
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first),
+          whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
+    }
+  return partition::all_to_all(peers, std::move(to_each))[0];
+}
+
+/// An array of rank 0, on all ranks.
+template <class T>
+void tell_all(Peers& peers, std::vector<T>& values) {
+  if (peers.rank() > 0) values.clear();
+  values = partition::allgather(peers, values)[0];
+}
+
+}  // namespace
+
+Share share_of(std::uint64_t total, int rank, int ranks) {
+  const auto r = static_cast<std::uint64_t>(rank), n = static_cast<std::uint64_t>(ranks);
+  const std::uint64_t first = total * r / n;
+  return {first, total * (r + 1) / n - first};
+}
+
+bool fields_in_ranges(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension();
+  return extension == ".solb" || extension == ".sol";
+}
+
+MeshShare read_mesh_share(Peers& peers, const std::string& file) {
+  MeshShare share;
+  std::optional<meshing::MeshSize> size;
+  MeshData whole;
+  partition::agree_on(peers, [&] {
+    size = meshing::size_for_ranges(file);
+    if (size) {
+      const Share points = share_of(size->points, peers.rank(), peers.ranks());
+      const Share tets = share_of(size->tets, peers.rank(), peers.ranks());
+      share.slice = slice_of_file(file, *size, points, tets, share);
+    } else if (peers.rank() == 0) {
+      whole = meshing::read_mesh(file, &share.names);
+    }
+  });
+  share.read_whole = !size;
+  if (!size) share.slice = deal_out(peers, whole, {});
+  return share;
+}
+
+Fields read_fields_share(Peers& peers, const std::string& file, const MeshSlice& slice,
+                         const std::function<std::string(std::uint64_t)>& of_another_mesh) {
+  const auto check_length = [&](std::uint64_t length) {
+    if (length != slice.num_points) throw InputError(file, "", of_another_mesh(length));
+  };
+  Fields fields;
+  const bool in_ranges = fields_in_ranges(file);
+  partition::agree_on(peers, [&] {
+    if (in_ranges) {
+      const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
+      check_length(layout.num_solution_points());
+      fields = meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size());
+    } else if (peers.rank() == 0) {
+      fields = meshing::read_solution(file);
+      check_length(fields.num_points);
+    }
+  });
+  return in_ranges ? fields : deal_fields(peers, fields, slice);
+}
+
+MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {
+  MeshSlice slice;
+  std::vector<std::uint64_t> totals = {mesh.points.size(), mesh.tets.size(), metric.size()};
+  tell_all(peers, totals);
+  slice.num_points = totals[0];
+  slice.num_tets = totals[1];
+  slice.first_point = share_of(totals[0], peers.rank(), peers.ranks()).first;
+  slice.first_tet = share_of(totals[1], peers.rank(), peers.ranks()).first;
+  slice.points = deal(peers, mesh.points, totals[0]);
+  slice.point_refs = deal(peers, mesh.point_refs, totals[0]);
+  slice.log_metrics = deal(peers, metric, totals[2]);
+  slice.tets = deal(peers, mesh.tets, totals[1]);
+  slice.tet_refs = deal(peers, mesh.tet_refs, totals[1]);
+  MeshData& b = slice.boundary;
+  b.triangles = mesh.triangles;
+  b.triangle_refs = mesh.triangle_refs;
+  b.edges = mesh.edges;
+  b.edge_refs = mesh.edge_refs;
+  tell_all(peers, b.triangles);
+  tell_all(peers, b.triangle_refs);
+  tell_all(peers, b.edges);
+  tell_all(peers, b.edge_refs);
+  const auto list = [&](auto member) {
+    b.*member = mesh.*member;
+    tell_all(peers, b.*member);
+  };
+  list(&MeshData::corners);
+  list(&MeshData::required_points);
+  list(&MeshData::ridges);
+  list(&MeshData::required_edges);
+  list(&MeshData::required_triangles);
+  return slice;
+}
+
+Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
+  std::vector<Field::Kind> kinds;
+  for (const Field& field : whole.fields) kinds.push_back(field.kind);
+  tell_all(peers, kinds);
+  Fields fields{0, {}};
+  for (std::size_t f = 0; f < kinds.size(); ++f) {
+    std::vector<char> name;
+    if (f < whole.fields.size()) name.assign(whole.fields[f].name.begin(), whole.fields[f].name.end());
+    tell_all(peers, name);
+    fields.fields.push_back({kinds[f], {}, {name.begin(), name.end()}});
+    if (f < whole.fields.size()) fields.fields[f].values = whole.fields[f].values;
+  }
+  return partition::by_components(fields, slice.points.size(), [&](const std::vector<double>& column) {
+    return deal(peers, column, slice.num_points);
+  });
+}
+
+std::string read_whole_warning(const std::string& file, const std::string& what) {
+  return "rank 0 has read all of " + file + ": " + what + " of this format are not read in shares";
+}
+
+}  // namespace weft::tools

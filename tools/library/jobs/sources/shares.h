@@ -1,0 +1,51 @@
+// Every rank's share of a file: read by each where ranges of it can be read, else by rank 0, which deals it
+// out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_field.h"
+#include "partition/communication/peers.h"
+#include "partition/distribute/mesh_slice.h"
+#include "weft/weft.h"
+
+namespace weft::tools {
+
+/// Of so many entities those of one rank.
+struct Share {
+  std::uint64_t first, count;
+};
+Share share_of(std::uint64_t total, int rank, int ranks);
+
+struct MeshShare {
+  partition::MeshSlice slice;    ///< without metric
+  meshing::RefNames names;       ///< on rank 0 at least
+  std::vector<Dropped> dropped;  ///< likewise: what of the file has no place here
+  bool read_whole = false;       ///< by rank 0: the same on all ranks
+};
+/// All ranks: the share of a mesh file. Throws InputError alike on all ranks.
+MeshShare read_mesh_share(partition::Peers& peers, const std::string& file);
+
+/// All ranks: the fields of a file at the points of the slice of a mesh: GMF in ranges, else dealt out by
+/// rank 0. Throws InputError alike on all ranks, with of_another_mesh(its vertices) as the reason where it
+/// has another number of vertices than the mesh.
+Fields read_fields_share(partition::Peers& peers, const std::string& file, const partition::MeshSlice& slice,
+                         const std::function<std::string(std::uint64_t)>& of_another_mesh);
+
+/// All ranks: the shares of a mesh that rank 0 has whole (elsewhere `mesh` is empty), with its metric (none:
+/// without).
+partition::MeshSlice deal_out(partition::Peers& peers, const meshing::MeshData& mesh,
+                              const meshing::LogMetricField& metric);
+/// All ranks: the fields that rank 0 has, at the points of the slices.
+Fields deal_fields(partition::Peers& peers, const Fields& whole, const partition::MeshSlice& slice);
+
+/// Whether read_fields_share() reads ranges of the file.
+bool fields_in_ranges(const std::string& file);
+/// That rank 0 has held all of a file, of which `what` are not read in shares; for the user.
+std::string read_whole_warning(const std::string& file, const std::string& what);
+
+}  // namespace weft::tools
