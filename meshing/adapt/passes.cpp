@@ -2,6 +2,7 @@
 #include "meshing/adapt/passes.h"
 
 #include <algorithm>
+#include <array>
 
 #include "meshing/operators/collapse_edge.h"
 #include "meshing/operators/relocate_vertex.h"
@@ -63,10 +64,65 @@ Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
   return Verdict::not_needed;
 }
 
+/// The neighbours of a vertex that is in its tets' way make room, those inside first.
+void make_room(Worker& w, VertexId v) {
+  if (gather_ball(w.mesh, w.claims, v, w.ball) != Verdict::accepted) return w.claims.release();
+  std::vector<VertexId> inside;
+  for (const auto& [t, local] : w.ball.tets)
+    for (const VertexId u : w.mesh.vertices(t))
+      if (u != v && w.mesh.kind(u) == VertexKind::interior) inside.push_back(u);
+  w.claims.release();
+  std::sort(inside.begin(), inside.end());
+  inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
+  for (const VertexId u : inside) {
+    if (done(w, Operator::smooth, smooth_vertex(w, u)) == Verdict::accepted) continue;
+    done(w, Operator::relocate, relocate_vertex(w, u));
+  }
+}
+
+/// Takes back the split that has made `v` between `a` and `b`.
+Verdict take_back(Worker& w, VertexId v, VertexId a, VertexId b) {
+  Verdict r = Verdict::not_needed;
+  for (const VertexId kept : {a, b}) {
+    r = gather_ball(w.mesh, w.claims, v, w.ball);
+    const auto has = [&](const Ball::Entry& e) { return w.mesh.local_index(e.tet, kept) >= 0; };
+    if (r == Verdict::accepted)
+      r = std::ranges::any_of(w.ball.tets, has) ? collapse_edge(w, v, kept, CollapseGoal::undo)
+                                                : Verdict::breaks_topology;
+    w.claims.release();
+    if (r == Verdict::accepted) break;
+  }
+  return r;
+}
+
+/// Splits an edge of curved boundary where the surface lies behind what lies upon the edge: on the chord,
+/// from where the new vertex rises while its neighbours make room. Where it does not arrive all is taken
+/// back. Claims nothing in the end.
+Verdict split_below(Worker& w, TetId t, VertexId a, VertexId b) {
+  constexpr int kTries = 8;
+  const SplitBounds bounds{
+      .shortest = w.kernel.limits.finest_split_shortest, .keep_share = 0.1, .on_chord = true};
+  VertexId made;
+  Verdict r = done(w, Operator::split, split_edge(w, t, a, b, bounds, &made));
+  if (r != Verdict::accepted) return r;
+  const auto again = [](Verdict x) { return x == Verdict::inverts || x == Verdict::conflict; };
+  r = Verdict::inverts;
+  for (int i = 0; i < kTries && again(r); ++i) {
+    if (i > 0) make_room(w, made);
+    r = raise_vertex(w, made);
+    w.claims.release();
+  }
+  if (r == Verdict::accepted) return r;
+  for (int i = 0; i < kTries && take_back(w, made, a, b) == Verdict::conflict; ++i) continue;
+  return Verdict::inverts;
+}
+
 /// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are
 /// still thick, and before anything is created between them and the surface.
 Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
   const Limits& limits = w.kernel.limits;
+  std::array<std::array<VertexId, 2>, 12> behind;
+  std::size_t refused = 0;
   for (int f = 0; f < 4; ++f) {
     const PatchId patch = w.mesh.patch(t, f);
     if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
@@ -76,7 +132,13 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
       const Verdict r = split_edge(w, t, a, b, {limits.finest_split_shortest});
       if (r == Verdict::accepted || r == Verdict::conflict) return r;
       w.counts.add(Operator::split, r);
+      if (r == Verdict::inverts || r == Verdict::worsens_quality) behind[refused++] = {a, b};
     }
+  }
+  for (std::size_t i = 0; i < refused && w.kernel.policy.allowed.move; ++i) {
+    const Verdict r = split_below(w, t, behind[i][0], behind[i][1]);
+    if (r == Verdict::accepted || r == Verdict::conflict || !w.mesh.alive(t)) return r;
+    if (w.claims.claim_tet(t) != Verdict::accepted || w.mesh.vertices(t) != v) return r;
   }
   return w.mesh.all_on_curved_boundary(v) ? split_lying(w, t, v) : Verdict::not_needed;
 }
@@ -248,26 +310,6 @@ Verdict improve(Worker& w, TetId t, double quality) {
     if (const Verdict r = operation(w, t); r == Verdict::accepted || r == Verdict::conflict) return r;
   }
   return Verdict::worsens_quality;
-}
-
-}  // namespace
-
-namespace {
-
-/// The neighbours of a vertex that is in its tets' way make room, those inside first.
-void make_room(Worker& w, VertexId v) {
-  if (gather_ball(w.mesh, w.claims, v, w.ball) != Verdict::accepted) return w.claims.release();
-  std::vector<VertexId> inside;
-  for (const auto& [t, local] : w.ball.tets)
-    for (const VertexId u : w.mesh.vertices(t))
-      if (u != v && w.mesh.kind(u) == VertexKind::interior) inside.push_back(u);
-  w.claims.release();
-  std::sort(inside.begin(), inside.end());
-  inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
-  for (const VertexId u : inside) {
-    if (done(w, Operator::smooth, smooth_vertex(w, u)) == Verdict::accepted) continue;
-    done(w, Operator::relocate, relocate_vertex(w, u));
-  }
 }
 
 }  // namespace

@@ -66,7 +66,9 @@ class Classifier {
   void refuse_another_body() const;
   std::string hint_of_scale() const;
   void find_faces_of_triangles();
-  std::uint32_t face_of_triangle(const std::array<std::uint32_t, 3>& t) const;
+  std::vector<std::uint32_t> shared_faces(const std::array<std::uint32_t, 3>& t) const;
+  bool references_are_faces() const;
+  std::uint32_t face_of_triangle(std::uint32_t triangle, bool by_reference) const;
   void fill_gaps();
   void sort_sides();
   void find_nodes();
@@ -238,7 +240,8 @@ void Classifier::refuse_another_body() const {
           vertices_.size(), on_model, all[all.size() / 2], farthest, model_.size(), hint_of_scale()));
 }
 
-std::uint32_t Classifier::face_of_triangle(const std::array<std::uint32_t, 3>& t) const {
+/// The faces that all vertices of a triangle may lie on.
+std::vector<std::uint32_t> Classifier::shared_faces(const std::array<std::uint32_t, 3>& t) const {
   std::vector<std::uint32_t> shared;
   for (const Candidate& c : near_[t[0]]) {
     const auto has = [&](std::uint32_t v) {
@@ -246,7 +249,30 @@ std::uint32_t Classifier::face_of_triangle(const std::array<std::uint32_t, 3>& t
     };
     if (has(t[1]) && has(t[2])) shared.push_back(c.face);
   }
+  return shared;
+}
+
+/// Whether references are the faces' ids, as far as vertices alone tell the faces.
+bool Classifier::references_are_faces() const {
+  std::size_t told = 0, agree = 0;
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const std::vector<std::uint32_t> shared = shared_faces(mesh_.triangles[i]);
+    if (shared.size() != 1) continue;
+    ++told;
+    agree += mesh_.triangle_refs[i] == static_cast<std::int64_t>(shared.front()) + 1;
+  }
+  return told > 0 && agree == told;
+}
+
+/// By the vertices; where these allow several, by the reference or by the place and the normal. Of a narrow
+/// face beside a curved one a coarse triangle is as far from both, and its normal is any.
+std::uint32_t Classifier::face_of_triangle(std::uint32_t triangle, bool by_reference) const {
+  const auto& t = mesh_.triangles[triangle];
+  const std::vector<std::uint32_t> shared = shared_faces(t);
   if (shared.size() < 2) return shared.empty() ? kNoEntity : shared.front();
+  if (by_reference)
+    for (const std::uint32_t f : shared)
+      if (mesh_.triangle_refs[triangle] == static_cast<std::int64_t>(f) + 1) return f;
   const Point &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
   const Point centroid = (1.0 / 3) * (a + b + c);
   const Vec n = cross(b - a, c - a);
@@ -264,8 +290,10 @@ std::uint32_t Classifier::face_of_triangle(const std::array<std::uint32_t, 3>& t
 
 void Classifier::find_faces_of_triangles() {
   c_.triangle_face.resize(mesh_.triangles.size());
-  for_each_index(mesh_.triangles.size(),
-                 [&](std::size_t i) { c_.triangle_face[i] = face_of_triangle(mesh_.triangles[i]); });
+  const bool by_reference = references_are_faces();
+  for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
+    c_.triangle_face[i] = face_of_triangle(static_cast<std::uint32_t>(i), by_reference);
+  });
 }
 
 void Classifier::sort_sides() {

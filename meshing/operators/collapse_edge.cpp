@@ -135,6 +135,7 @@ double longest_spoke(Worker& w) {
 Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const VertexId kept = plan.kept;
   const TetMesh& mesh = w.mesh;
+  if (goal == CollapseGoal::undo) return Verdict::accepted;
   const double longest = goal == CollapseGoal::quality
                              ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
                              : w.kernel.limits.collapse_longest;
@@ -160,7 +161,8 @@ Verdict judge_qualities(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const TetMesh& mesh = w.mesh;
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const double enough = goal == CollapseGoal::quality
+  const double enough = goal == CollapseGoal::undo ? 0
+                        : goal == CollapseGoal::quality
                             ? std::max(1.1 * old_worst, old_worst + 1e-3)
                             : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
   const Corner k = w.corner(kept);
@@ -294,12 +296,13 @@ Verdict judge(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   if (boundary)
     if (const Verdict r = classify_edge(w, plan); r != Verdict::accepted) return r;
   if (const Verdict r = judge_classification(w, plan.edge, removed); r != Verdict::accepted) return r;
-  if (lies_down(w.mesh, w.ball, kept)) return Verdict::breaks_topology;
+  if (goal != CollapseGoal::undo && lies_down(w.mesh, w.ball, kept)) return Verdict::breaks_topology;
   if (const Verdict r = judge_lengths(w, goal, plan); r != Verdict::accepted) return r;
   if (const Verdict r = judge_qualities(w, goal, plan); r != Verdict::accepted) return r;
   if (!boundary) return Verdict::accepted;
   if (const Verdict r = judge_topology(w, removed, kept, plan.edge); r != Verdict::accepted) return r;
-  if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
+  if (goal != CollapseGoal::undo)
+    if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
   return judge_link(w, removed, kept);
 }
 

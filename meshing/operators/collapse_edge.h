@@ -9,6 +9,7 @@ namespace weft::meshing {
 enum class CollapseGoal {
   length,   ///< remove a short edge; quality may fall to limits.collapse_quality
   quality,  ///< the worst tet of the ball must become better
+  undo,     ///< a split is taken back: any valid result will do
 };
 
 /// Collapses `removed`, whose ball has been gathered in w.ball, into its neighbour `kept`. The removed vertex

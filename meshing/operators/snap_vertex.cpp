@@ -30,9 +30,32 @@ std::optional<Point> place_on_model(const Worker& w, VertexId v) {
   return s.project_to_patch(space.patch, mesh.point(v), space.kind, mesh.surface_hint(v)).x;
 }
 
+/// On the reference surface, whatever that is.
+std::optional<Point> place_on_surface(const Worker& w, VertexId v) {
+  const Surface& s = w.kernel.surface;
+  MoveSpace space;
+  if (move_space(w, v, space) != Verdict::accepted || space.kind == VertexKind::interior) return std::nullopt;
+  if (space.kind == VertexKind::ridge)
+    return s.project_to_curve(space.curve, w.mesh.point(v), space.kind, w.mesh.surface_hint(v)).x;
+  return s.project_to_patch(space.patch, w.mesh.point(v), space.kind, w.mesh.surface_hint(v)).x;
+}
+
 MovedVertex moved_to(const Worker& w, VertexId v, const Point& x) {
   const Background::Sample sample = w.kernel.background.at(x, w.mesh.background_hint(v));
   return {x, sample.log_metric, exp_fast(sample.log_metric), sample.tet, w.mesh.surface_hint(v)};
+}
+
+Verdict move_towards(Worker& w, VertexId v, const Point& target) {
+  const Point from = w.mesh.point(v);
+  const Vec way = target - from;
+  w.faces.gather(w.mean(), w.mesh, w.ball);
+  for (double share = 1; share > 0.1; share *= 0.5) {
+    const MovedVertex moved = moved_to(w, v, share == 1 ? target : from + share * way);
+    if (w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities) <= 0) continue;
+    commit_move(w, w.ball, moved, w.qualities);
+    return share == 1 ? Verdict::accepted : Verdict::inverts;
+  }
+  return Verdict::inverts;
 }
 
 }  // namespace
@@ -44,17 +67,15 @@ Verdict snap_vertex(Worker& w, VertexId v) {
   if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
   const std::optional<Point> target = place_on_model(w, v);
   if (!target) return Verdict::not_needed;
-  const Point from = mesh.point(v);
-  const Vec way = *target - from;
-  if (norm(way) <= kRounding * w.kernel.surface.model()->size()) return Verdict::not_needed;
-  w.faces.gather(w.mean(), mesh, w.ball);
-  for (double share = 1; share > 0.1; share *= 0.5) {
-    const MovedVertex moved = moved_to(w, v, share == 1 ? *target : from + share * way);
-    if (w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities) <= 0) continue;
-    commit_move(w, w.ball, moved, w.qualities);
-    return share == 1 ? Verdict::accepted : Verdict::inverts;
-  }
-  return Verdict::inverts;
+  if (norm(*target - mesh.point(v)) <= kRounding * w.kernel.surface.model()->size())
+    return Verdict::not_needed;
+  return move_towards(w, v, *target);
+}
+
+Verdict raise_vertex(Worker& w, VertexId v) {
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
+  const std::optional<Point> target = place_on_surface(w, v);
+  return target ? move_towards(w, v, *target) : Verdict::not_needed;
 }
 
 }  // namespace weft::meshing

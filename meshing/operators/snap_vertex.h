@@ -10,4 +10,7 @@ namespace weft::meshing {
 /// it was, or lies on no entity of the model; inverts: it is off still.
 Verdict snap_vertex(Worker& w, VertexId v);
 
+/// The same for any vertex of curved boundary and whatever the reference surface is.
+Verdict raise_vertex(Worker& w, VertexId v);
+
 }  // namespace weft::meshing

@@ -17,7 +17,7 @@ struct NewVertex {
   std::uint32_t background_hint, surface_hint = 0;
 };
 
-NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
+NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bool on_chord) {
   const TetMesh& mesh = w.mesh;
   const Point &pa = mesh.point(a), &pb = mesh.point(b);
   const Vec e = pb - pa;
@@ -28,11 +28,11 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on) {
   const Surface& s = w.kernel.surface;
   if (on.kind == VertexKind::ridge) {
     const auto q = s.project_to_curve(on.curve, n.x, mesh.kind(a), mesh.surface_hint(a));
-    if (!s.curves()[on.curve.value].straight) n.x = q.x;
+    if (!on_chord && !s.curves()[on.curve.value].straight) n.x = q.x;
     n.surface_hint = q.hint;
   } else if (on.kind == VertexKind::surface) {
     const auto q = s.project_to_patch(on.patch, n.x, mesh.kind(a), mesh.surface_hint(a));
-    if (!s.patches()[on.patch.value].planar) n.x = q.x;
+    if (!on_chord && !s.patches()[on.patch.value].planar) n.x = q.x;
     n.surface_hint = q.hint;
   }
   const Background::Sample sample = w.kernel.background.at(n.x, mesh.background_hint(a));
@@ -225,12 +225,12 @@ double metric_middle(double la, double lb) {
   return std::clamp(std::log(0.5 * (1 + ratio)) / std::log(ratio), 0.2, 0.8);
 }
 
-Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds) {
+Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds, VertexId* made) {
   if (const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell); r != Verdict::accepted) return r;
   if (incomplete(w.mesh, w.shell)) return Verdict::frozen;
   const EdgeClass on = classify(w.mesh, w.shell);
   if (on.curve.valid() && w.kernel.surface.curves()[on.curve.value].required) return Verdict::required;
-  const NewVertex n = place(w, a, b, on);
+  const NewVertex n = place(w, a, b, on, bounds.on_chord);
   SplitPlan plan{w.shell, n, {}, {}};
   if (const Verdict r = judge(w, bounds, plan); r != Verdict::accepted) return r;
   if (!w.secure(static_cast<std::size_t>(w.shell.size), 1)) return Verdict::too_large;
@@ -239,6 +239,7 @@ Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds
   create(w, p, n, w.shell);
   commit(w, plan, p);
   check_cavity(w, p);
+  if (made) *made = p;
   return Verdict::accepted;
 }
 

@@ -17,12 +17,15 @@ struct SplitBounds {
   double keep_share =
       0.8;  ///< no new tet worse than limits.split_quality unless better than this share of the worst before
   bool must_improve = false;  ///< instead, all new tets are better than the worst before
+  bool on_chord = false;      ///< the new vertex stays on the edge where the boundary is curved, too
 };
 
 /// Splits edge (a, b) of the claimed tet `t` at its middle in the metric; on curved boundary the new vertex
 /// is put on the reference surface. Refuses what would invert or break `bounds`. All touched vertices stay
 /// claimed; the caller releases.
-Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds);
+/// `made`: where not null, becomes the new vertex.
+Verdict split_edge(Worker& w, TetId t, VertexId a, VertexId b, const SplitBounds& bounds,
+                   VertexId* made = nullptr);
 
 /// Where and what a vertex is that the caller puts on an edge.
 struct VertexOnEdge {

@@ -6,6 +6,10 @@
 namespace weft::meshing {
 namespace {
 
+// Of an edge's length: the arc above it turns by 30 degrees. Tets upon longer arcs are in the way of what is
+// to come, however far the boundary may bulge at a level.
+constexpr double kMostBulge = 0.0658;
+
 Vec triangle_normal(const TetMesh& mesh, const std::array<VertexId, 3>& t) {
   return cross(mesh.point(t[1]) - mesh.point(t[0]), mesh.point(t[2]) - mesh.point(t[0]));
 }
@@ -49,7 +53,8 @@ bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   const Vec way = bulge(k, a, b, patch);
   const Limits& limits = k.limits;
   if (norm(way) > limits.hausd) return true;
-  return edge_length_fast(way, k.mesh.metric(a), k.mesh.metric(b)) > limits.largest_bulge &&
+  return (norm(way) > kMostBulge * norm(k.mesh.point(b) - k.mesh.point(a)) ||
+          edge_length_fast(way, k.mesh.metric(a), k.mesh.metric(b)) > limits.largest_bulge) &&
          length_between(k.mesh, a, b) > limits.finest_long_edge;
 }
 

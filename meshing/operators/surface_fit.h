@@ -9,8 +9,9 @@ namespace weft::meshing {
 
 /// Must boundary edge (a, b) of a curved `patch` be split? Its middle is farther than limits.hausd from the
 /// reference surface (or curve), or the edge is longer than limits.finest_long_edge and the way from its
-/// middle to the surface longer than limits.largest_bulge in the metric: a vertex put there would be pushed
-/// through the tets upon it once they are thin. Both ends must be claimed.
+/// middle to the surface longer than limits.largest_bulge in the metric, or than that over an arc of 30
+/// degrees: a vertex put there would be pushed through the tets upon it once they are thin. Both ends must be
+/// claimed.
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
 
 /// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much,

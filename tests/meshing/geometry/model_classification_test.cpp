@@ -103,5 +103,29 @@ TEST(ModelClassification, FindsTheEdgeAtANodeFromWhichItsCurveIsOff) {
   expect_rings_on_edges(classify_on_model(m, std::make_shared<const Model>(model)));
 }
 
+/// The cylinder with triangles below each side, of the side's reference, whose vertices are all on the edge
+/// between the side and the lower end: by place and normal they are the end's.
+MeshData cylinder_with_caps(std::int32_t more) {
+  MeshData m = cylinder();
+  for (std::uint32_t k = 0; k + 2 < kRing; k += 2) {
+    m.triangles.push_back({k, k + 1, k + 2});
+    m.triangle_refs.push_back(1);
+  }
+  for (std::int32_t& ref : m.triangle_refs) ref += more;
+  return m;
+}
+
+TEST(ModelClassification, BelievesReferencesThatAreIdsOfFacesWhereVerticesAllowSeveral) {
+  const auto model = std::make_shared<const Model>(frustum_model({}, 1, 1, 2));
+  const MeshData with_ids = cylinder_with_caps(0), others = cylinder_with_caps(10);
+  const ModelClassification c = classify_on_model(with_ids, model), d = classify_on_model(others, model);
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < with_ids.triangles.size(); ++i) {
+    EXPECT_EQ(c.triangle_face[i] + 1, static_cast<std::uint32_t>(with_ids.triangle_refs[i]));
+    differ += c.triangle_face[i] != d.triangle_face[i];
+  }
+  EXPECT_EQ(differ, kRing / 2 - 1);  // other references tell nothing
+}
+
 }  // namespace
 }  // namespace weft::meshing

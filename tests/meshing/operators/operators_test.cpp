@@ -11,6 +11,7 @@
 #include "meshing/operators/collapse_edge.h"
 #include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
+#include "meshing/operators/snap_vertex.h"
 #include "meshing/operators/split_edge.h"
 #include "meshing/operators/surface_fit.h"
 #include "meshing/operators/swap_edge.h"
@@ -293,6 +294,58 @@ TEST(SplitEdge, OnACurvedBoundaryTheVertexLiesOnTheReferenceSurface) {
   EXPECT_NEAR(norm(rig.mesh.point(p)), 1, 0.005);
   expect_sound(rig.mesh);
   EXPECT_TRUE(check_mesh(rig.export_data()).ok());
+}
+
+TEST(SplitEdge, OnTheChordTheVertexStaysThereRisesWhenToldAndCanBeTakenBack) {
+  KernelRig rig(support::ball(1, 1), 0.3);
+  const auto on_sphere = [&](VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; };
+  const auto vertices = rig.live_vertices();
+  const VertexId a = *std::find_if(vertices.begin(), vertices.end(), on_sphere);
+  const auto neighbours = rig.neighbours_of(a);
+  const VertexId b = *std::find_if(neighbours.begin(), neighbours.end(), on_sphere);
+  const Point middle = midpoint(rig.mesh.point(a), rig.mesh.point(b));
+  const std::size_t tets = rig.live_tets().size();
+  const auto split_on_chord = [&] {
+    VertexId made;
+    const TetId t = rig.tet_with(a, b);
+    EXPECT_EQ(rig.worker.claims.claim_tet(t), Verdict::accepted);
+    EXPECT_EQ(split_edge(rig.worker, t, a, b, {.shortest = 0, .on_chord = true}, &made), Verdict::accepted);
+    rig.worker.claims.release();
+    return made;
+  };
+  const VertexId first = split_on_chord();
+  EXPECT_NEAR(norm(rig.mesh.point(first) - middle), 0, 1e-12);
+  // As a short edge it may not go: the edge that comes back is long and far from the surface.
+  EXPECT_NE(collapse(rig, first, a), Verdict::accepted);
+  EXPECT_EQ(collapse(rig, first, a, CollapseGoal::undo), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), tets);
+  const VertexId second = split_on_chord();
+  EXPECT_EQ(raise_vertex(rig.worker, second), Verdict::accepted);
+  rig.worker.claims.release();
+  EXPECT_NEAR(norm(rig.mesh.point(second)), 1, 0.005);
+  expect_sound(rig.mesh);
+  EXPECT_TRUE(check_mesh(rig.export_data()).ok());
+}
+
+TEST(CurvesTooMuch, AnEdgeUnderMoreThanThirtyDegreesHoweverFarTheBoundaryMayBulge) {
+  for (const auto& [size, too_much] : {std::pair(0.1, true), std::pair(10.0, false)}) {
+    KernelRig rig(support::ball(1, 1), size);
+    rig.kernel.limits.hausd = 10;
+    rig.kernel.limits.largest_bulge = 1000;
+    const TetMesh& mesh = rig.mesh;
+    int seen = 0;
+    for (const TetId t : rig.live_tets())
+      for (int f = 0; f < 4; ++f) {
+        if (!mesh.patch(t, f).valid()) continue;
+        const VertexId a = mesh.vertex(t, kTetFaces[f][0]), b = mesh.vertex(t, kTetFaces[f][1]);
+        const double degrees = 2 * std::asin(norm(mesh.point(a) - mesh.point(b)) / 2) * 180 / 3.14159265;
+        if (degrees < 35) continue;
+        ++seen;
+        // Edges that are short enough for the metric stay.
+        EXPECT_EQ(curves_too_much(rig.kernel, a, b, mesh.patch(t, f)), too_much) << degrees;
+      }
+    EXPECT_GT(seen, 0);
+  }
 }
 
 // --- collapse ---
