@@ -33,9 +33,9 @@ class LineWords {
   std::string_view line_;
 };
 
-class Reader {
+class ObjReader {
  public:
-  Reader(Cursor& in, MeshContents& contents)
+  ObjReader(Cursor& in, MeshContents& contents)
       : in_(in), contents_(contents), face_refs_(2, contents.names), line_refs_(1, contents.names) {}
 
   void read() {
@@ -192,7 +192,7 @@ MeshContents read_obj(const std::filesystem::path& path) {
   const FileBytes file(path);
   Cursor in(file.name(), file.bytes());
   MeshContents contents;
-  Reader(in, contents).read();
+  ObjReader(in, contents).read();
   contents.complete();
   return contents;
 }

@@ -36,9 +36,9 @@ constexpr std::array<ElementType, 8> kElementTypes = {{{1, 0, 1, "points"},
                                                        {13, 3, 6, "prisms"},
                                                        {14, 3, 5, "pyramids"}}};
 
-class Reader {
+class Su2Reader {
  public:
-  Reader(Cursor& in, MeshContents& contents)
+  Su2Reader(Cursor& in, MeshContents& contents)
       : in_(in), mesh_(contents.mesh), contents_(contents), markers_(2, contents.names) {
     in_.set_comment('%');
   }
@@ -210,7 +210,7 @@ MeshContents read_su2(const std::filesystem::path& path) {
   const FileBytes file(path);
   Cursor in(file.name(), file.bytes());
   MeshContents contents;
-  Reader(in, contents).read();
+  Su2Reader(in, contents).read();
   contents.complete();
   return contents;
 }

@@ -82,9 +82,9 @@ void drop_foreign(const Counts& counts, MeshContents& contents) {
 }
 
 /// Reads what lies at the cursor; indices are checked against `num_points`.
-class Reader {
+class UgridReader {
  public:
-  Reader(Cursor& in, const Encoding& encoding, MeshContents& contents, std::uint64_t num_points = 0)
+  UgridReader(Cursor& in, const Encoding& encoding, MeshContents& contents, std::uint64_t num_points = 0)
       : in_(in), encoding_(encoding), mesh_(contents.mesh), contents_(contents), num_points_(num_points) {
     in_.set_swapped(encoding.swapped);
   }
@@ -217,7 +217,7 @@ class RangeReader {
     const std::uint64_t integer = encoding_.integer_size;
     if (file_.size() < 7 * integer) throw InputError(file_.name(), "header", "the file is truncated");
     MeshContents none;
-    at(0, 7, integer, none, [this](Reader& in) { counts_ = in.read_counts(); });
+    at(0, 7, integer, none, [this](UgridReader& in) { counts_ = in.read_counts(); });
     points_ = 7 * integer;
     triangles_ = points_ + 3 * counts_.points * encoding_.real_size;
     triangle_ids_ = triangles_ + (3 * counts_.triangles + 4 * counts_.quads) * integer;
@@ -232,16 +232,17 @@ class RangeReader {
   void read(const MeshRange& range, MeshContents& out) const {
     const std::uint64_t integer = encoding_.integer_size, real = 3 * encoding_.real_size;
     at(points_ + range.first_point * real, range.num_points, real, out,
-       [&](Reader& in) { in.read_points(range.num_points, range.first_point); });
+       [&](UgridReader& in) { in.read_points(range.num_points, range.first_point); });
     at(triangles_, counts_.triangles, 3 * integer, out,
-       [&](Reader& in) { in.read_elements("triangle", counts_.triangles, out.mesh.triangles); });
+       [&](UgridReader& in) { in.read_elements("triangle", counts_.triangles, out.mesh.triangles); });
     at(triangle_ids_, counts_.triangles, integer, out,
-       [&](Reader& in) { in.read_refs("surface ID", counts_.triangles, out.mesh.triangle_refs); });
+       [&](UgridReader& in) { in.read_refs("surface ID", counts_.triangles, out.mesh.triangle_refs); });
     at(tets_ + range.first_tet * 4 * integer, range.num_tets, 4 * integer, out,
-       [&](Reader& in) { in.read_elements("tet", range.num_tets, out.mesh.tets, range.first_tet); });
+       [&](UgridReader& in) { in.read_elements("tet", range.num_tets, out.mesh.tets, range.first_tet); });
     if (volume_ids_ > 0)
-      at(volume_ids_ + range.first_tet * integer, range.num_tets, integer, out,
-         [&](Reader& in) { in.read_refs("volume ID", range.num_tets, out.mesh.tet_refs, range.first_tet); });
+      at(volume_ids_ + range.first_tet * integer, range.num_tets, integer, out, [&](UgridReader& in) {
+        in.read_refs("volume ID", range.num_tets, out.mesh.tet_refs, range.first_tet);
+      });
     drop_foreign(counts_, out);
   }
 
@@ -265,7 +266,7 @@ class RangeReader {
     std::vector<char> bytes(rows * row_size);
     file_.read_at(position, bytes.data(), bytes.size());
     Cursor in(file_.name(), {bytes.data(), bytes.size()});
-    Reader reader(in, encoding_, out, counts_.points);
+    UgridReader reader(in, encoding_, out, counts_.points);
     read(reader);
   }
 
@@ -386,7 +387,7 @@ MeshContents read_ugrid(const fs::path& path) {
   const FileBytes file(path);
   Cursor in(file.name(), file.bytes());
   MeshContents contents;
-  Reader(in, encoding, contents).read();
+  UgridReader(in, encoding, contents).read();
   contents.complete();
   if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);
   return contents;

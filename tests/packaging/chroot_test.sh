@@ -16,7 +16,8 @@ cp "${packages[@]}" "$root/packages/"
 inside() { chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive LC_ALL=C "$@"; }
 
 inside apt-get update -qq
-inside apt-get install -y -qq --no-install-recommends $(cd "$root" && ls -d ./packages/*.deb | sed 's|^\.||') g++ pkg-config >/dev/null
+mapfile -t inside_packages < <(cd "$root" && printf '/%s\n' packages/*.deb)
+inside apt-get install -y -qq --no-install-recommends "${inside_packages[@]}" g++ pkg-config >/dev/null
 inside weft --version | head -1
 inside sh -c 'cd /tmp && weft mesh box --cells 4 4 4 -o box.meshb && weft adapt box.meshb --metric-fn uniform:0.2 -o fine.meshb --quiet && weft verify fine.meshb --quiet'
 cat tests/package/one_mesh.cpp >"$root/tmp/one_mesh.cpp"

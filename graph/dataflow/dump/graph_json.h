@@ -1,4 +1,4 @@
-// Graph dumps as JSON, schema "weft-graph-1": described with an example in graph/README.md, and formally in
+// Graph dumps as JSON, schema "weft-graph-1": described with an example in README.md, and formally in
 // graph/weft-graph-1.schema.json.
 #pragma once
 
