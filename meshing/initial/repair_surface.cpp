@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/mending/resolve_surface.h"
 
 namespace weft::meshing {
 namespace {
@@ -40,12 +41,14 @@ class SurfaceRepair {
     std::iota(source_.begin(), source_.end(), 0u);
   }
 
-  std::vector<MeshMend> run() {
+  std::vector<MeshMend> run(std::string* left) {
     merge_same();
     constexpr int kMostRounds = 4;
     for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round)
       if (merge_across_seams() + split_at_junctions() == 0) break;
     fill_holes();
+    std::string why = resolve_surface(m_, source_, mends_);
+    if (left) *left = std::move(why);
     return std::move(mends_);
   }
 
@@ -303,6 +306,8 @@ class SurfaceRepair {
 
 }  // namespace
 
-std::vector<MeshMend> repair_surface(MeshData& surface) { return SurfaceRepair(surface).run(); }
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left) {
+  return SurfaceRepair(surface).run(left);
+}
 
 }  // namespace weft::meshing

@@ -1,6 +1,7 @@
 // Mends of surfaces that bound no volume because they are open by a little.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "meshing/mesh/mesh_data.h"
@@ -12,7 +13,9 @@ namespace weft::meshing {
 /// it too); vertices of free edges that are near each other, against the lengths of their edges, become one;
 /// free edges that pass near a free vertex are split there; loops of free edges that are left, and small
 /// against the surface, are filled with triangles of the least area. Triangles that are repeated or collapsed
-/// are removed. What then is still open stays so. The orientation is not looked at: fill() does not need it.
-std::vector<MeshMend> repair_surface(MeshData& surface);
+/// are removed. What then is still open, or crosses itself, is resolved by winding numbers
+/// (resolve_surface()), if it bounds volumes at all; else it stays so.
+/// `left` says why, then.
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left = nullptr);
 
 }  // namespace weft::meshing

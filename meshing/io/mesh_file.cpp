@@ -17,6 +17,7 @@
 #include "meshing/io/gmsh/gmsh.h"
 #include "meshing/io/gmsh/gmsh_writer.h"
 #include "meshing/io/obj.h"
+#include "meshing/io/off.h"
 #include "meshing/io/ply.h"
 #include "meshing/io/stl.h"
 #include "meshing/io/su2.h"
@@ -104,6 +105,7 @@ constexpr std::array kFormats = {
            cgns_size, read_cgns_range},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
+    Format{".off", 0, read_off, write_off},
     Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},
 };
 

@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 13> kExtensions = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
+constexpr std::array<const char*, 14> kExtensions = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
                                                      ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
-                                                     ".stl",   ".ply",  ".obj"};
+                                                     ".stl",   ".ply",  ".obj",  ".off"};
 
 void read(const std::string& path) {
   const std::string extension = fs::path(path).extension();

@@ -22,9 +22,9 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// The order of readers.cpp.
 std::uint8_t format_of(const std::string& extension) {
-  constexpr std::array<std::string_view, 13> kKnown = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
+  constexpr std::array<std::string_view, 14> kKnown = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
                                                        ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
-                                                       ".stl",   ".ply",  ".obj"};
+                                                       ".stl",   ".ply",  ".obj",  ".off"};
   return static_cast<std::uint8_t>(std::find(kKnown.begin(), kKnown.end(), extension) - kKnown.begin());
 }
 

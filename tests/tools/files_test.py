@@ -189,7 +189,7 @@ class Convert(CommandTest):
 
     def test_surfaces_there_and_back(self):
         self.box()
-        for name in ("a.stl", "a.obj", "a.ply"):
+        for name in ("a.stl", "a.obj", "a.off", "a.ply"):
             text = self.weft("convert", "box.meshb", name).stdout
             self.assertIn("48 tets", text)
             self.assertIn("dropped: 48 tets", text)

@@ -181,6 +181,25 @@ class Surfaces(CommandTest):
         self.triangles[0:1] = [(a, n, c), (n, b, c)]
         self.assert_filled("triangles split at vertices beside their free edges")
 
+    def test_bodies_that_cross(self):
+        """Two balls: what is within both goes, and the report names the mends."""
+        n = len(self.points)
+        self.points += [(x + 0.7, y + 0.2, z + 0.1) for x, y, z in self.points]
+        self.triangles += [(b + n, a + n, c + n) for a, b, c in self.triangles]
+        self.assert_filled("triangles that crossed others cut along the crossing")
+        out = self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--repair").stdout
+        for says in ("vertices made where triangles crossed", "triangles inside the volume removed",
+                     "triangles turned to agree with those beside them", "1 region"):
+            self.assertIn(says, out)
+
+    def test_an_opening(self):
+        """A cap is missing: it gets a lid. Half a ball is an open sheet, and says so."""
+        self.triangles = [t for t in self.triangles if min(self.points[v - 1][2] for v in t) < 0.6]
+        self.assert_filled("triangles made across openings")
+        self.triangles = [t for t in self.triangles if min(self.points[v - 1][2] for v in t) < 0]
+        self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
+        self.assert_fails("mesh", "bad.mesh", "-o", "out.meshb", "--repair", "--quiet", says="closing its openings would take")
+
     def test_doubled_and_turned(self):
         self.triangles += [(a, c, b) for a, b, c in self.triangles[::2]]
         self.assert_filled("repeated triangles removed", refused=False)

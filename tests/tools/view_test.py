@@ -227,7 +227,7 @@ class View(CommandTest):
 
     def test_every_input(self):
         self.box()
-        for name in ("a.vtu", "a.msh", "a.su2", "a.cgns", "a.lb8.ugrid", "a.stl", "a.ply", "a.obj"):
+        for name in ("a.vtu", "a.msh", "a.su2", "a.cgns", "a.lb8.ugrid", "a.stl", "a.ply", "a.obj", "a.off"):
             self.weft("convert", "box.meshb", name)
             self.assert_like(self.view(name).at(0.5, 0.5), SURFACE)
 

@@ -6,9 +6,11 @@
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/fill_volume.h"
 #include "meshing/initial/initial_grid.h"
+#include "meshing/initial/repair_surface.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/sources/model_source.h"
+#include "tools/library/jobs/sources/repaired_input.h"
 #include "tools/library/jobs/stopwatch.h"
 #include "tools/library/jobs/threads.h"
 #include "weft/weft.h"
@@ -30,15 +32,8 @@ class Filling {
  private:
   void make_grid() {
     monitor_.update("checking the surface", 0, 0);
-    Mesh mended;
-    if (options_.run.repair) {
-      mended = surface_;
-      result_.mends = repair_surface(mended);
-      for (const Mend& m : result_.mends)
-        if (m.unit == "distance") result_.deviation = std::max(result_.deviation, m.amount);
-    }
     const meshing::ClosedSurface closed =
-        meshing::close_surface(options_.run.repair ? mended : surface_, {options_.merge});
+        options_.run.repair ? close_mended() : meshing::close_surface(surface_, {options_.merge});
     result_.warnings = closed.warnings;
     monitor_.update("initial grid", 0, 0);
     grid_ = meshing::make_initial_grid(closed, {options_.materials});
@@ -49,6 +44,20 @@ class Filling {
           fmt::format("{} points had to be added on the surface", grid_.left_on_surface));
     if (grid_.turned > 0)
       result_.warnings.push_back(fmt::format("{} triangles that looked inwards turned", grid_.turned));
+  }
+
+  meshing::ClosedSurface close_mended() {
+    Mesh mended = surface_;
+    std::string left;
+    result_.mends = tools::mends_of(meshing::repair_surface(mended, &left));
+    for (const Mend& m : result_.mends)
+      if (m.unit == "distance") result_.deviation = std::max(result_.deviation, m.amount);
+    try {
+      return meshing::close_surface(mended, {options_.merge});
+    } catch (const InputError& error) {
+      if (left.empty()) throw;
+      throw InputError("", "", fmt::format("{}; not mended: {}", error.what(), left));
+    }
   }
 
   void fill() {

@@ -24,7 +24,7 @@ constexpr const char* kFooter = R"(Examples:
   weft convert wing.msh wing.lb8.ugrid
 
 Volumes: .meshb .mesh (Gamma), .msh (Gmsh), .ugrid (as .lb8.ugrid, .b8.ugrid, .lb8l.ugrid, ...; ASCII
-without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .ply. Each is read and written.
+without), .su2, .vtu .pvtu (VTK), .cgns. Surfaces: .stl .obj .off .ply. Each is read and written.
 Fields of the input and of --sol are written into the result if its format holds fields, else beside it
 into a .solb (beside a .mesh into a .sol). Whatever is dropped is listed: what weft cannot represent and
 what the new format cannot hold.)";

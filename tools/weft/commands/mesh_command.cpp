@@ -28,8 +28,9 @@ SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .e
 within --hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
 materials, which get the tet references 1, 2 ... The triangles are kept, and sizes grow from theirs into
 the volume, faster than --growth where the triangles' sizes do. Repaired with a note: coincident points,
-degenerate and duplicate triangles, orientations; with --repair small gaps and holes too. Refused: open and
-self-intersecting surfaces.)";
+degenerate and duplicate triangles, orientations. Refused: open and self-intersecting surfaces. --repair
+closes gaps and openings, and makes of surfaces that cross the boundary of the union of their volumes, if
+they go around any.)";
 
 constexpr const char* kBoxFooter = R"(Example:
   weft mesh box -o cube.meshb --cells 8 8 8
@@ -118,7 +119,8 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
       ->type_name("T")
       ->check(CLI::Range(0.0, 0.01).description(""))
       ->group("Surface");
-  sub.add_flag("--repair", volume.fill.run.repair, "close small gaps and holes, and say what was done")
+  sub.add_flag("--repair", volume.fill.run.repair,
+               "close openings and resolve crossings, and say what was done")
       ->group("Surface");
   sub.add_flag("--remesh-surface", volume.fill.remesh_surface, "adapt the surface too, within --hausd")
       ->group("Surface");

@@ -1,0 +1,27 @@
+// Triangles that go through each other, cut along the lines where they meet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshing/base/point.h"
+
+namespace weft::meshing {
+
+struct SplitTriangles {
+  std::vector<Point> points;  ///< those given, then the new ones, rounded
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> parent;  ///< of each triangle: which given one it is a piece of
+};
+
+/// Cuts the triangles of each pair (from self_intersections()) along what they have in common. All is exact
+/// but the coordinates of new points, which are rounded last: pieces can cross anew by that little. Triangles
+/// beside a cut edge are cut with it. None may be degenerate, no two points equal. The order of the result
+/// depends on nothing but the input.
+SplitTriangles split_crossings(std::span<const Point> points,
+                               std::span<const std::array<std::uint32_t, 3>> triangles,
+                               std::span<const std::array<std::uint32_t, 2>> pairs);
+
+}  // namespace weft::meshing

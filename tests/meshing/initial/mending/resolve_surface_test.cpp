@@ -1,0 +1,178 @@
+// Surfaces that cross themselves or are open become the boundary of what they go around.
+#include "meshing/initial/mending/resolve_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "meshing/base/error.h"
+#include "meshing/initial/clean_triangles.h"
+#include "meshing/initial/closed_surface.h"
+#include "meshing/initial/mending/split_crossings.h"
+#include "meshing/initial/mending/winding_number.h"
+#include "meshing/initial/repair_surface.h"
+#include "meshing/initial/self_intersections.h"
+#include "tests/meshing/initial/initial_support.h"
+
+namespace weft::meshing {
+namespace {
+
+using support::ball;
+using support::box_surface;
+using support::enclosed_volume;
+using support::together;
+
+MeshData turned(MeshData m) {
+  for (auto& t : m.triangles) std::swap(t[0], t[1]);
+  return m;
+}
+
+/// Mended, it passes the check of every surface, and encloses this.
+void expect_volume(MeshData m, double volume, double tolerance = 1e-12) {
+  EXPECT_THROW(close_surface(m, {}), InputError);
+  EXPECT_FALSE(repair_surface(m).empty());
+  ASSERT_NO_THROW(close_surface(m, {}));
+  EXPECT_NEAR(enclosed_volume(m), volume, tolerance);
+}
+
+const MeshData kBox = box_surface({0, 0, 0}, {1, 1, 1}, 3);
+
+TEST(ResolveSurface, TwoBoxesThatCrossAreOne) {
+  expect_volume(together(kBox, box_surface({.5, .3, .2}, {1.6, 1.4, 1.3}, 2)), 1 + 1.331 - .5 * .7 * .8);
+}
+
+TEST(ResolveSurface, HoweverTheyAreOriented) {
+  const MeshData other = box_surface({.5, .3, .2}, {1.6, 1.4, 1.3}, 2);
+  expect_volume(together(kBox, turned(other)), 1 + 1.331 - .5 * .7 * .8);
+  MeshData mixed = together(kBox, other);
+  for (std::size_t i = 0; i < mixed.triangles.size(); i += 3)
+    std::swap(mixed.triangles[i][0], mixed.triangles[i][1]);
+  expect_volume(mixed, 1 + 1.331 - .5 * .7 * .8);
+}
+
+TEST(ResolveSurface, BoxesWithSidesInCommonPlanes) {
+  expect_volume(together(kBox, box_surface({.5, 0, .2}, {1.6, 1, 1}, 2)), 1 + .6 * .8);
+  expect_volume(together(kBox, box_surface({.25, .25, 1}, {.5, .5, 2}, 1)), 1 + .0625);
+}
+
+TEST(ResolveSurface, AHollowBodyStaysHollow) {
+  const MeshData hollow = together(kBox, box_surface({.25, .25, .25}, {.75, .75, .75}, 2));
+  expect_volume(together(hollow, box_surface({.9, .4, .4}, {1.6, .6, .6}, 1)), 1 - .125 + .6 * .04);
+}
+
+TEST(ResolveSurface, ManyBallsInAHeap) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> at(0, 1);
+  MeshData heap;
+  for (int i = 0; i < 7; ++i) {
+    const Point centre = {at(random), 0.3 * at(random), 0.3 * at(random)};
+    const MeshData one = ball(0.2, centre, 0.3);
+    heap = together(std::move(heap), i % 3 == 0 ? turned(one) : one);
+  }
+  ASSERT_THROW(close_surface(heap, {}), InputError);
+  MeshData mended = heap;
+  std::string left;
+  repair_surface(mended, &left);
+  EXPECT_EQ(left, "");
+  ASSERT_NO_THROW(close_surface(mended, {}));
+  // The share of random points that the union holds.
+  int inside = 0;
+  constexpr int kTrials = 4000;
+  std::vector<std::int32_t> once(heap.triangles.size(), 1), all(mended.triangles.size(), 1);
+  const WindingNumber winding(mended.points, mended.triangles, all);
+  for (int i = 0; i < kTrials; ++i) {
+    const Point p = {1.6 * at(random) - .3, .9 * at(random) - .3, .9 * at(random) - .3};
+    inside += winding.at(p) > 0.5;
+  }
+  EXPECT_NEAR(enclosed_volume(mended) / (1.6 * .9 * .9), double(inside) / kTrials, 0.03);
+}
+
+TEST(ResolveSurface, ABoxWithoutALidGetsOne) {
+  MeshData open = kBox;
+  open.triangles.resize(open.triangles.size() - 18);
+  open.triangle_refs.resize(open.triangles.size());
+  MeshData mended = open;
+  const MeshMend mend = repair_surface(mended).back();
+  EXPECT_EQ(mend.what, "triangles made across openings");
+  EXPECT_EQ(mend.unit, "distance");
+  EXPECT_NEAR(mend.amount, 0.5, 0.2);
+  expect_volume(open, 1);
+  expect_volume(turned(open), 1);
+}
+
+TEST(ResolveSurface, ASheetStaysOpen) {
+  MeshData sheet = kBox;
+  sheet.triangles.resize(18);
+  sheet.triangle_refs.resize(18);
+  std::string left;
+  repair_surface(sheet, &left);
+  EXPECT_EQ(left, "no triangle bounds a volume");
+  EXPECT_EQ(sheet.triangles.size(), 18u);
+  EXPECT_THROW(close_surface(sheet, {}), InputError);
+}
+
+TEST(ResolveSurface, TheVoidBetweenShellsIsNoVolume) {
+  // Four bars around a square hole.
+  MeshData frame = together(box_surface({0, 0, 0}, {3, 1, 1}, 1), box_surface({0, 2, 0}, {3, 3, 1}, 1));
+  frame = together(frame, box_surface({0, 0.5, 0.1}, {1, 2.5, 0.9}, 1));
+  frame = together(frame, box_surface({2, 0.5, 0.1}, {3, 2.5, 0.9}, 1));
+  expect_volume(frame, 6 + 2 * 1 * 1 * 0.8);
+}
+
+double total_area(const std::vector<Point>& p, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) sum += 0.5 * norm(cross(p[b] - p[a], p[c] - p[a]));
+  return sum;
+}
+
+TEST(SplitCrossings, LeavesNoneInRandomHeaps) {
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    // Small whole coordinates: shared planes, edges through edges and vertices are the rule.
+    std::vector<Point> points;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    while (triangles.size() < 12) {
+      for (int k = 0; k < 3; ++k)
+        points.push_back({double(random() % 5), double(random() % 5), double(random() % 5)});
+      const auto n = static_cast<std::uint32_t>(points.size());
+      const auto normal = cross(points[n - 2] - points[n - 3], points[n - 1] - points[n - 3]);
+      if (norm2(normal) == 0)
+        points.resize(n - 3);
+      else
+        triangles.push_back({n - 3, n - 2, n - 1});
+    }
+    std::vector<std::array<std::uint32_t, 2>> pairs;
+    for (int round = 0; round < 10; ++round) {
+      LooseTriangles loose{triangles, {}, {}, {}};
+      loose.refs.resize(loose.size()), loose.source.resize(loose.size()),
+          loose.sheets.assign(loose.size(), 1);
+      TriangleCleaning cleaning(points, loose, 1e-9);
+      cleaning.merge_points(), cleaning.drop_collapsed(), cleaning.mend_degenerate(),
+          cleaning.merge_repeated();
+      pairs = self_intersections(points, loose.corners, 1000);
+      if (pairs.empty()) break;
+      const double before = total_area(points, loose.corners);
+      const SplitTriangles pieces = split_crossings(points, loose.corners, pairs);
+      ASSERT_EQ(pieces.parent.size(), pieces.triangles.size());
+      EXPECT_NEAR(total_area(pieces.points, pieces.triangles), before, 1e-9 * before);
+      points = pieces.points;  // what crosses now does so by rounding, or repeats
+      triangles = pieces.triangles;
+    }
+    EXPECT_TRUE(pairs.empty()) << "trial " << trial;
+  }
+}
+
+TEST(WindingNumber, CountsTheWaysAround) {
+  const MeshData two = together(kBox, box_surface({-1, -1, -1}, {2, 2, 2}, 4));
+  const std::vector<std::int32_t> once(two.triangles.size(), 1);
+  const WindingNumber winding(two.points, two.triangles, once);
+  EXPECT_NEAR(winding.at({.5, .4, .6}), 2, 0.02);
+  EXPECT_NEAR(winding.at({1.5, 1.5, 1.6}), 1, 0.02);
+  EXPECT_NEAR(winding.at({3, 1, 1}), 0, 0.02);
+  const auto& [a, b, c] = two.triangles[5];
+  const Point middle = (1.0 / 3) * (two.points[a] + two.points[b] + two.points[c]);
+  EXPECT_NEAR(winding.at(middle, 5), 1.5, 0.02);
+}
+
+}  // namespace
+}  // namespace weft::meshing
