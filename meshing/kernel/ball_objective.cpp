@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "meshing/metric/measure_lanes.h"
+
 namespace weft::meshing {
 namespace {
 
@@ -34,20 +36,32 @@ void add_square(HessianLanes& h, const Lanes& s, const VecLanes& u) {
   h.zz += su.z * u.z;
 }
 
+/// The log-Euclidean means that four logarithms each add up to, of determinant 1: qualities do not depend on
+/// the scale of the mean.
+TensorLanes mean_of_logs(TensorLanes x) {
+  for (Lanes* entry : {&x.xx, &x.xy, &x.yy, &x.xz, &x.yz, &x.zz}) *entry *= 0.25;
+  const Lanes third = (x.xx + x.yy + x.zz) / 3;
+  x.xx -= third, x.yy -= third, x.zz -= third;
+  const Lanes norm2 = x.xx * x.xx + x.yy * x.yy + x.zz * x.zz + 2 * (x.xy * x.xy + x.xz * x.xz + x.yz * x.yz);
+  TensorLanes e = exp_of_traceless(x);
+  for (int i = 0; i < kLanes; ++i) {
+    if (norm2[i] <= kMaxExpNorm * kMaxExpNorm) continue;
+    const SymTensor one = exp_fast({x.xx[i], x.xy[i], x.yy[i], x.xz[i], x.yz[i], x.zz[i]});
+    e.xx[i] = one.xx, e.xy[i] = one.xy, e.yy[i] = one.yy;
+    e.xz[i] = one.xz, e.yz[i] = one.yz, e.zz[i] = one.zz;
+  }
+  return e;
+}
+
 }  // namespace
 
 void BallFaces::set(int k, const TetMesh& mesh, VertexId a, VertexId b, VertexId c) {
   const Point& o = mesh.point(a);
-  const Vec e1 = mesh.point(b) - o, e2 = mesh.point(c) - o, n = cross(e1, e2);
-  const Vec products = {std::abs(e1.y * e2.z) + std::abs(e1.z * e2.y),
-                        std::abs(e1.z * e2.x) + std::abs(e1.x * e2.z),
-                        std::abs(e1.x * e2.y) + std::abs(e1.y * e2.x)};
+  const Vec e1 = mesh.point(b) - o, e2 = mesh.point(c) - o;
   for (int i = 0; i < 3; ++i) {
     row(kOrigin + i)[k] = o[i];
     row(kEdge1 + i)[k] = e1[i];
     row(kEdge2 + i)[k] = e2[i];
-    row(kNormal + i)[k] = n[i];
-    row(kAbsNormal + i)[k] = products[i];
   }
   const SymTensor t =
       judge_tensor(mean_, mesh, a) + judge_tensor(mean_, mesh, b) + judge_tensor(mean_, mesh, c);
@@ -68,9 +82,21 @@ void BallFaces::gather(MetricMean mean, const TetMesh& mesh, const Ball& ball) {
     const auto& f = kTetFaces[local];
     set(k, mesh, mesh.vertex(t, f[0]), mesh.vertex(t, f[1]), mesh.vertex(t, f[2]));
   }
-  for (int r = 0; r < kGathered; ++r)
+  for (int r = 0; r < kGathered; ++r) {
+    if (r >= kNormal && r < kTensor) continue;
     for (int k = size_; k < stride_; ++k) row(r)[k] = row(r)[size_ - 1];
+  }
   for (int k = 0; k < stride_; ++k) row(kWeight)[k] = k < size_ ? 1 : 0;
+  for (int k = 0; k < stride_; k += kLanes) {
+    const VecLanes a = load_lanes3(row(kEdge1) + k, stride_), b = load_lanes3(row(kEdge2) + k, stride_);
+    const auto store = [&](int i, const Lanes& one, const Lanes& other) {
+      store_lanes(row(kNormal + i) + k, one - other);
+      store_lanes(row(kAbsNormal + i) + k, absolute(one) + absolute(other));
+    };
+    store(0, a.y * b.z, a.z * b.y);
+    store(1, a.z * b.x, a.x * b.z);
+    store(2, a.x * b.y, a.y * b.x);
+  }
 }
 
 void BallFaces::average(const SymTensor& centre) {
@@ -78,13 +104,11 @@ void BallFaces::average(const SymTensor& centre) {
   for (int i = 0; i < 6; ++i)
     for (int k = 0; k < stride_; ++k) row(kMean + i)[k] = row(kTensor + i)[k] + c[i];
   if (mean_ != MetricMean::log_euclidean) return;
-  for (int k = 0; k < stride_; ++k) {
-    double* m = row(kMean) + k;
-    const SymTensor sum = {m[0], m[stride_], m[2 * stride_], m[3 * stride_], m[4 * stride_], m[5 * stride_]};
-    const SymTensor e = mean_of_sum(mean_, sum);
-    row(kDeterminant)[k] = determinant_of_mean(mean_, sum, e);
-    const double entries[6] = {e.xx, e.xy, e.yy, e.xz, e.yz, e.zz};
-    for (int i = 0; i < 6; ++i) m[i * stride_] = entries[i];
+  for (int k = 0; k < stride_; k += kLanes) {
+    const TensorLanes mean = mean_of_logs(load_lanes6(row(kMean) + k, stride_));
+    const Lanes* entries[6] = {&mean.xx, &mean.xy, &mean.yy, &mean.xz, &mean.yz, &mean.zz};
+    for (int i = 0; i < 6; ++i) store_lanes(row(kMean + i) + k, *entries[i]);
+    store_lanes(row(kDeterminant) + k, Lanes{} + 1);
   }
 }
 

@@ -1,48 +1,93 @@
-// Morton order of vertices and the tets that follow it.
+// An order of vertices by their places in the metric, and of the tets that follow it.
 #include "meshing/kernel/renumber.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
+#include <span>
 #include <vector>
-
-#include "meshing/base/box.h"
-#include "meshing/base/morton.h"
 
 namespace weft::meshing {
 namespace {
 
-Box bounding_box(const TetMesh& mesh) {
-  Box b;
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (mesh.alive(VertexId(i))) b.include(mesh.point(VertexId(i)));
-  return b;
+/// A vertex on its way to its place in the order.
+struct Item {
+  Point x;
+  std::uint32_t vertex;
+  double key;
+};
+
+/// Some of a range's vertices stand for all.
+struct Sample {
+  static constexpr std::size_t kSize = 48;
+
+  Sample(const TetMesh& mesh, std::span<const Item> items) {
+    const std::size_t step = std::max<std::size_t>(1, items.size() / kSize);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < items.size(); i += step, ++count) {
+      mean += items[i].x - items[0].x;
+      log_metric = log_metric + mesh.log_metric(VertexId(items[i].vertex));
+    }
+    const double share = 1 / static_cast<double>(count);
+    mean = items[0].x + share * mean;
+    log_metric = share * log_metric;
+    for (std::size_t i = 0; i < items.size(); i += step) {
+      const Vec d = items[i].x - mean;
+      spread = spread + SymTensor{d.x * d.x, d.x * d.y, d.y * d.y, d.x * d.z, d.y * d.z, d.z * d.z};
+    }
+  }
+
+  /// The gradient of the linear function by which the range is longest in its metric.
+  Vec longest() const {
+    constexpr int kIterations = 6;
+    const Metric metric = exp_fast(log_metric);
+    Vec direction{1, 0.8, 0.6}, gradient = direction;
+    for (int i = 0; i < kIterations; ++i) {
+      gradient = apply(metric, direction);
+      const Vec next = apply(spread, gradient);
+      const double size = norm(next);
+      if (!(size > 0 && std::isfinite(size))) break;
+      direction = (1 / size) * next;
+    }
+    return gradient;
+  }
+
+  Point mean;
+  LogMetric log_metric;
+  SymTensor spread;
+};
+
+/// Halves a range across the direction in which it is longest in the metric, and so on: what a stretch of the
+/// order holds is as near to a ball in the metric as can be, and has few neighbours elsewhere.
+void order_by_halves(const TetMesh& mesh, std::span<Item> items) {
+  constexpr std::size_t kFew = 16, kManyForOneTask = 8192;
+  if (items.size() < 2) return;
+  const Sample sample(mesh, items);
+  const Vec along = sample.longest();
+  for (Item& i : items) i.key = dot(along, i.x - sample.mean);
+  const auto before = [](const Item& a, const Item& b) {
+    return a.key != b.key ? a.key < b.key : a.vertex < b.vertex;
+  };
+  if (items.size() <= kFew) return std::sort(items.begin(), items.end(), before);
+  const std::size_t half = items.size() / 2;
+  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(), before);
+  const auto first = [&] { order_by_halves(mesh, items.first(half)); };
+  const auto second = [&] { order_by_halves(mesh, items.subspan(half)); };
+  if (items.size() > kManyForOneTask) return tbb::parallel_invoke(first, second);
+  first();
+  second();
 }
 
-std::vector<VertexId> curve_order(const TetMesh& mesh, std::uint32_t& count) {
-  const Box box = bounding_box(mesh);
-  struct Key {
-    std::uint64_t code;
-    std::uint32_t vertex;
-  };
-  std::vector<Key> keys;
-  keys.reserve(mesh.vertex_slots());
+std::vector<VertexId> vertex_order(const TetMesh& mesh, std::uint32_t& count) {
+  std::vector<Item> items;
+  items.reserve(mesh.vertex_slots());
   for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (mesh.alive(VertexId(i))) keys.push_back({0, i});
-  Vec scale;
-  for (int k = 0; k < 3; ++k) scale[k] = box.hi[k] > box.lo[k] ? 2097151.0 / (box.hi[k] - box.lo[k]) : 0;
-  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) {
-    const Vec d = mesh.point(VertexId(keys[i].vertex)) - box.lo;
-    for (int k = 0; k < 3; ++k) keys[i].code |= spread_bits(static_cast<std::uint64_t>(d[k] * scale[k])) << k;
-  });
-  tbb::parallel_sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-    return a.code != b.code ? a.code < b.code : a.vertex < b.vertex;
-  });
-  count = static_cast<std::uint32_t>(keys.size());
+    if (mesh.alive(VertexId(i))) items.push_back({mesh.point(VertexId(i)), i, 0});
+  order_by_halves(mesh, items);
+  count = static_cast<std::uint32_t>(items.size());
   std::vector<VertexId> new_vertex(mesh.vertex_slots());
-  for (std::uint32_t i = 0; i < count; ++i) new_vertex[keys[i].vertex] = VertexId(i);
+  for (std::uint32_t i = 0; i < count; ++i) new_vertex[items[i].vertex] = VertexId(i);
   return new_vertex;
 }
 
@@ -71,7 +116,7 @@ std::vector<TetId> tet_order(const TetMesh& mesh, const std::vector<VertexId>& n
 
 void renumber_along_curve(TetMesh& mesh) {
   std::uint32_t num_vertices = 0, num_tets = 0;
-  const std::vector<VertexId> new_vertex = curve_order(mesh, num_vertices);
+  const std::vector<VertexId> new_vertex = vertex_order(mesh, num_vertices);
   const std::vector<TetId> new_tet = tet_order(mesh, new_vertex, num_vertices, num_tets);
   mesh.renumber(new_vertex, num_vertices, new_tet, num_tets);
 }

@@ -1,12 +1,13 @@
-// Renumbering along a space-filling curve, for locality, and without holes.
+// Renumbering by places in the metric, for locality, and without holes.
 #pragma once
 
 #include "meshing/kernel/tet_mesh.h"
 
 namespace weft::meshing {
 
-/// Orders vertices along a Hilbert-like (Morton) curve through the bounding box, tets by their first vertex
-/// in that order, and closes all holes. Ids change; free-slot lists kept elsewhere become invalid.
+/// Orders vertices by halves, each range across the direction in which it is longest in its metric, tets by
+/// their first vertex in that order, and closes all holes. Ids change; free-slot lists kept elsewhere become
+/// invalid.
 void renumber_along_curve(TetMesh& mesh);
 
 }  // namespace weft::meshing

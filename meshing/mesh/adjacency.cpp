@@ -82,34 +82,41 @@ void check_tets(std::span<const Tet> tets, std::size_t num_vertices) {
     throw InputError("", "tet " + std::to_string(bad - tets.begin() + 1), "vertex out of range");
 }
 
-/// Counting sort. `make_emitter()` gives a function emit_records(t, tet, emit) for a run of tets,
-/// which calls emit(vertex, array of records) for each bucket that tet t puts records in; there are two
-/// passes over the same runs, to count and to place.
-template <class Record, class MakeEmitter>
-Buckets<Record> make_buckets(std::span<const Tet> tets, std::size_t num_vertices,
-                             const MakeEmitter& make_emitter) {
+/// Calls visit(begin, end) for runs of tets, which do not depend on the number of threads.
+constexpr std::size_t kTetsPerRun = 4096;
+std::size_t number_of_runs(std::size_t num_tets) { return (num_tets + kTetsPerRun - 1) / kTetsPerRun; }
+template <class Visit>
+void for_each_run(std::size_t num_tets, const Visit& visit) {
+  tbb::parallel_for(
+      Range(0, number_of_runs(num_tets)),
+      [&](const Range& range) {
+        for (std::size_t run = range.begin(); run < range.end(); ++run)
+          visit(run, run * kTetsPerRun, std::min(num_tets, (run + 1) * kTetsPerRun));
+      },
+      tbb::simple_partitioner());
+}
+
+/// Counting sort over runs of tets, in two passes: count(run, begin, end, add) calls add(vertex, number of
+/// records), place(run, begin, end, put) calls put(vertex, array of records) for the same.
+template <class Record, class Count, class Place>
+Buckets<Record> make_buckets(std::size_t num_tets, std::size_t num_vertices, const Count& count,
+                             const Place& place) {
   Buckets<Record> buckets;
   buckets.ends.assign(num_vertices, 0);
   // Relaxed: the counters only hand out distinct places; parallel_for orders the passes.
-  const auto take = [&buckets](std::uint32_t vertex, std::size_t count) {
-    return std::atomic_ref(buckets.ends[vertex]).fetch_add(count, std::memory_order_relaxed);
+  const auto take = [&buckets](std::uint32_t vertex, std::size_t number) {
+    return std::atomic_ref(buckets.ends[vertex]).fetch_add(number, std::memory_order_relaxed);
   };
-  const auto for_each_record = [&](const auto& emit) {
-    tbb::parallel_for(
-        Range(0, tets.size(), 4096),
-        [&](const Range& range) {
-          auto emit_records = make_emitter();
-          for (std::size_t t = range.begin(); t < range.end(); ++t) emit_records(t, tets[t], emit);
-        },
-        tbb::simple_partitioner());
-  };
-  for_each_record([&](std::uint32_t vertex, const auto& records) { take(vertex, records.size()); });
+  for_each_run(num_tets,
+               [&](std::size_t run, std::size_t begin, std::size_t end) { count(run, begin, end, take); });
   std::size_t total = 0;
   for (std::size_t& end : buckets.ends) total += std::exchange(end, total);
   buckets.records = std::make_unique_for_overwrite<Record[]>(total);
   // Each counter starts at its bucket's begin and has moved to its end when all records are placed.
-  for_each_record([&](std::uint32_t vertex, const auto& records) {
-    std::copy(records.begin(), records.end(), buckets.records.get() + take(vertex, records.size()));
+  for_each_run(num_tets, [&](std::size_t run, std::size_t begin, std::size_t end) {
+    place(run, begin, end, [&](std::uint32_t vertex, const auto& records) {
+      std::copy(records.begin(), records.end(), buckets.records.get() + take(vertex, records.size()));
+    });
   });
   return buckets;
 }
@@ -126,15 +133,24 @@ bool same_face(const FaceRecord& a, const FaceRecord& b) {
 }
 
 Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices) {
-  return make_buckets<FaceRecord>(tets, num_vertices, [] {
-    return [](std::size_t t, const Tet& tet, auto&& emit) {
-      const auto& [v, positions] = sorted(tet);
+  const auto count = [&](std::size_t, std::size_t begin, std::size_t end, const auto& add) {
+    for (const Tet& tet : tets.subspan(begin, end - begin)) {
+      const auto [a, b] = std::minmax(tet[0], tet[1]);
+      const auto [c, d] = std::minmax(tet[2], tet[3]);
+      add(std::min(a, c), 3);
+      add(std::min(std::max(a, c), std::min(b, d)), 1);  // the second smallest
+    }
+  };
+  const auto place = [&](std::size_t, std::size_t begin, std::size_t end, const auto& put) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& [v, positions] = sorted(tets[t]);
       const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
-      emit(v[0],
-           std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
-      emit(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
-    };
-  });
+      put(v[0],
+          std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
+      put(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
+    }
+  };
+  return make_buckets<FaceRecord>(tets.size(), num_vertices, count, place);
 }
 
 /// Pairs the equal faces of one bucket through a small hash table; kept between buckets to reuse its memory.
@@ -273,14 +289,25 @@ std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, 
 
 EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices) {
   check_tets(tets, num_vertices);
-  using One = std::array<std::uint32_t, 1>;
-  const auto buckets = make_buckets<std::uint32_t>(tets, num_vertices, [] {
-    return [recent = RecentEdges()](std::size_t, const Tet& tet, auto&& emit) mutable {
+  // What the first pass finds in a run is kept for the second.
+  using Edge = std::array<std::uint32_t, 2>;
+  std::vector<std::vector<Edge>> found(number_of_runs(tets.size()));
+  const auto count = [&](std::size_t run, std::size_t begin, std::size_t end, const auto& add) {
+    RecentEdges recent;
+    std::vector<Edge>& edges = found[run];
+    edges.reserve(2 * (end - begin));  // a mesh in good order has fewer
+    for (const Tet& tet : tets.subspan(begin, end - begin))
       for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = i + 1; j < 4; ++j)
-          if (const auto [a, b] = std::minmax(tet[i], tet[j]); recent.insert(a, b)) emit(a, One{b});
-    };
-  });
+          if (const auto [a, b] = std::minmax(tet[i], tet[j]); recent.insert(a, b)) {
+            edges.push_back({a, b});
+            add(a, 1);
+          }
+  };
+  const auto place = [&](std::size_t run, std::size_t, std::size_t, const auto& put) {
+    for (const auto& [a, b] : std::exchange(found[run], {})) put(a, std::array<std::uint32_t, 1>{b});
+  };
+  const auto buckets = make_buckets<std::uint32_t>(tets.size(), num_vertices, count, place);
   EdgeLists edges{std::vector<std::size_t>(num_vertices + 1, 0), {}};
   for_each_vertex(num_vertices, [&](std::size_t v) {
     const std::span<std::uint32_t> others = buckets[v];

@@ -2,6 +2,7 @@
 #include "meshing/metric/metric_field.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
+#include "meshing/metric/metric_lanes.h"
 
 namespace weft::meshing {
 namespace {
@@ -39,9 +41,41 @@ bool all_finite(const Field& field, std::size_t i) {
                      [](double v) { return std::isfinite(v); });
 }
 
-bool is_metric(const Field& field, std::size_t i) {
-  if (!all_finite(field, i)) return false;
-  return field.kind == Field::Kind::scalar ? field.values[i] > 0 : is_positive_definite(tensor_at(field, i));
+/// What eight at a time work on.
+std::size_t number_of_batches(std::size_t n) { return (n + kLanes - 1) / kLanes; }
+template <class T>
+std::span<T> batch_of(std::span<T> all, std::size_t batch) {
+  return all.subspan(kLanes * batch, std::min<std::size_t>(kLanes, all.size() - kLanes * batch));
+}
+
+/// Logarithms of the metrics of these sizes. Returns the first vertex whose size is none, or their number.
+std::size_t take_sizes(const Field& field, LogMetricField& log_metrics) {
+  const std::size_t bad = find_first(log_metrics.size(), [&](std::size_t i) {
+    return !std::isfinite(field.values[i]) || !(field.values[i] > 0);
+  });
+  if (bad == log_metrics.size())
+    for_each_index(bad,
+                   [&](std::size_t i) { log_metrics[i] = identity_tensor(-2 * std::log(field.values[i])); });
+  return bad;
+}
+
+/// The same of tensors. Those that are nearly singular are looked at one by one.
+std::size_t take_tensors(const Field& field, LogMetricField& log_metrics) {
+  const std::size_t bad = find_first(number_of_batches(log_metrics.size()), [&](std::size_t batch) {
+    const std::span<LogMetric> logs = batch_of(std::span(log_metrics), batch);
+    std::array<SymTensor, kLanes> metrics;
+    for (std::size_t i = 0; i < logs.size(); ++i) metrics[i] = tensor_at(field, kLanes * batch + i);
+    const unsigned left = logs_of(std::span(metrics).first(logs.size()), logs);
+    for (std::size_t i = 0; i < logs.size(); ++i) {
+      if (!(left >> i & 1)) continue;
+      if (!all_finite(field, kLanes * batch + i) || !is_positive_definite(metrics[i])) return true;
+      logs[i] = log_of(metrics[i]);
+    }
+    return false;
+  });
+  for (std::size_t i = kLanes * bad; i < log_metrics.size(); ++i)
+    if (!all_finite(field, i) || !is_positive_definite(tensor_at(field, i))) return i;
+  return log_metrics.size();
 }
 
 std::string reason_against(const Field& field, std::size_t i, std::size_t num_points) {
@@ -65,15 +99,12 @@ LogMetricField metric_from_solution(const SolutionData& solution, std::size_t nu
                          " vertices, the mesh " + std::to_string(num_points));
   const Field& field = find_metric(solution, file);
   WEFT_ASSERT_LIGHT(field.values.size() == num_points * components(field.kind), "one value a vertex");
-  const std::size_t bad = find_first(num_points, [&](std::size_t i) { return !is_metric(field, i); });
+  LogMetricField log_metrics(num_points);
+  const bool scalar = field.kind == Field::Kind::scalar;
+  const std::size_t bad = scalar ? take_sizes(field, log_metrics) : take_tensors(field, log_metrics);
   if (bad < num_points)
     throw InputError(file, "vertex " + std::to_string(first + bad + 1),
                      reason_against(field, bad, num_points));
-  LogMetricField log_metrics(num_points);
-  for_each_index(num_points, [&](std::size_t i) {
-    log_metrics[i] = field.kind == Field::Kind::scalar ? identity_tensor(-2 * std::log(field.values[i]))
-                                                       : log_of(tensor_at(field, i));
-  });
   return log_metrics;
 }
 
@@ -81,10 +112,13 @@ SolutionData solution_from_metric(std::span<const LogMetric> log_metrics) {
   SolutionData solution{log_metrics.size(), {{Field::Kind::tensor, {}, "metric"}}};
   std::vector<double>& values = solution.fields[0].values;
   values.resize(6 * log_metrics.size());
-  for_each_index(log_metrics.size(), [&](std::size_t i) {
-    const Metric m = exp_exact(log_metrics[i]);
-    const auto six = {m.xx, m.xy, m.yy, m.xz, m.yz, m.zz};
-    std::copy(six.begin(), six.end(), &values[6 * i]);
+  for_each_index(number_of_batches(log_metrics.size()), [&](std::size_t batch) {
+    const std::span<const LogMetric> logs = batch_of(log_metrics, batch);
+    std::array<Metric, kLanes> metrics;
+    exps_of(logs, std::span(metrics).first(logs.size()));
+    double* to = &values[6 * kLanes * batch];
+    for (const Metric& m : std::span(metrics).first(logs.size()))
+      to = std::ranges::copy(std::array{m.xx, m.xy, m.yy, m.xz, m.yz, m.zz}, to).out;
   });
   return solution;
 }

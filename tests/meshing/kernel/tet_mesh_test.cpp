@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -250,6 +252,27 @@ TEST(Renumber, PutsNearVerticesNearEachOther) {
   const double before = mean_jump();
   renumber_along_curve(rig.mesh);
   EXPECT_LT(mean_jump(), 0.5 * before);
+}
+
+TEST(Renumber, NearIsNearInTheMetric) {
+  MeshData input = support::unit_cube(8);
+  support::shuffle(input);
+  // Lengths along (1, 1, 0) count sixteen times as much as those across it: the order is along it.
+  const double r = 1 / std::sqrt(2.0);
+  const Metric metric = from_eigen({{64, 64, 64 * 256}, {Vec{r, -r, 0}, Vec{0, 0, 1}, Vec{r, r, 0}}});
+  KernelRig rig(input, LogMetricField(input.points.size(), log_of(metric)));
+  renumber_along_curve(rig.mesh);
+  const auto along = [&](std::uint32_t i) {
+    return rig.mesh.point(VertexId(i)).x + rig.mesh.point(VertexId(i)).y;
+  };
+  const std::uint32_t size = rig.mesh.vertex_slots(), half = size / 2;
+  double last_of_first = 0, first_of_last = 2;
+  for (std::uint32_t i = 0; i < size; ++i)
+    if (i < half)
+      last_of_first = std::max(last_of_first, along(i));
+    else
+      first_of_last = std::min(first_of_last, along(i));
+  EXPECT_LE(last_of_first, first_of_last + 1e-9);
 }
 
 }  // namespace
