@@ -12,7 +12,7 @@ import json
 import sys
 
 from paper import PUBLISHED_EFFICIENCY, plot
-from recordings import Recordings
+from recordings import Recording, Recordings
 
 NETWORKS = {"2 us, 10 GB/s": "2us,10GB/s", "50 us, 1 GB/s": "50us,1GB/s"}
 
@@ -130,10 +130,12 @@ def main():
     parser.add_argument("--weak", nargs="*", type=int, default=[16, 64, 256, 1024])
     parser.add_argument("--simulate", nargs="*", type=int, default=[16, 64, 256], help="ranks of the whole command (default 16 64 256)")
     parser.add_argument("--small", type=int, default=5000, help="complexity of the whole command (default 5000)")
+    parser.add_argument("--reuse", action="store_true", help="the recording that is in --out already")
     parser.add_argument("--balancer", default="stealing")
     options = parser.parse_args()
     book = Recordings(options)
-    recording = book.record("recorded", options.subdomains)
+    kept = book.folder / "recorded"
+    recording = Recording(kept, bool(book.processor_times)) if options.reuse else book.record("recorded", options.subdomains)
     book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
     beyond = beyond_the_loop(book, options) if options.simulate else {}
     strong_rows, weak_rows = strong(book, options, beyond), weak(book, options)
