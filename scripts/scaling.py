@@ -34,7 +34,7 @@ def strong(book, options, beyond):
                 replay = book.replay("recorded", cores, network, "--copies", options.copies, "--grow", options.grow, "--split", split,
                                      "--balancer", options.balancer)
                 reference = reference or replay["work_seconds"]  # of one core, in the decomposition that is asked for
-                row = {"network": words, "cores": cores, "split": split, "reference": reference, **replay}
+                row = {**replay, "network": words, "cores": cores, "split": split, "reference": reference}
                 row["loop"] = reference / (cores * replay["seconds"])
                 if cores in beyond:
                     of_all, own = beyond[cores]
@@ -56,7 +56,7 @@ def weak(book, options):
             replay = book.replay("recorded", cores, network, "--copies", copies, "--grow", options.grow, "--balancer", options.balancer)
             of_core = replay["seconds"] / (replay["work_seconds"] / cores)  # the drawn work is not quite the same for each
             reference = reference or of_core
-            rows.append({"network": words, "cores": cores, "weak": reference / of_core, **replay})
+            rows.append({**replay, "network": words, "cores": cores, "weak": reference / of_core})
             book.say(f"weak, {words}, {cores} cores: {replay['seconds']:.4g} s, {100 * rows[-1]['weak']:.1f} %")
     return rows
 
