@@ -12,7 +12,7 @@ import json
 import sys
 
 from paper import PUBLISHED_EFFICIENCY, plot
-from recordings import Recordings
+from recordings import Recording, Recordings
 
 NETWORKS = {"2 us, 10 GB/s": "2us,10GB/s", "50 us, 1 GB/s": "50us,1GB/s"}
 
@@ -34,7 +34,7 @@ def strong(book, options, beyond):
                 replay = book.replay("recorded", cores, network, "--copies", options.copies, "--grow", options.grow, "--split", split,
                                      "--balancer", options.balancer)
                 reference = reference or replay["work_seconds"]  # of one core, in the decomposition that is asked for
-                row = {"network": words, "cores": cores, "split": split, "reference": reference, **replay}
+                row = {**replay, "network": words, "cores": cores, "split": split, "reference": reference}
                 row["loop"] = reference / (cores * replay["seconds"])
                 if cores in beyond:
                     of_all, own = beyond[cores]
@@ -56,7 +56,7 @@ def weak(book, options):
             replay = book.replay("recorded", cores, network, "--copies", copies, "--grow", options.grow, "--balancer", options.balancer)
             of_core = replay["seconds"] / (replay["work_seconds"] / cores)  # the drawn work is not quite the same for each
             reference = reference or of_core
-            rows.append({"network": words, "cores": cores, "weak": reference / of_core, **replay})
+            rows.append({**replay, "network": words, "cores": cores, "weak": reference / of_core})
             book.say(f"weak, {words}, {cores} cores: {replay['seconds']:.4g} s, {100 * rows[-1]['weak']:.1f} %")
     return rows
 
@@ -130,10 +130,12 @@ def main():
     parser.add_argument("--weak", nargs="*", type=int, default=[16, 64, 256, 1024])
     parser.add_argument("--simulate", nargs="*", type=int, default=[16, 64, 256], help="ranks of the whole command (default 16 64 256)")
     parser.add_argument("--small", type=int, default=5000, help="complexity of the whole command (default 5000)")
+    parser.add_argument("--reuse", action="store_true", help="the recording that is in --out already")
     parser.add_argument("--balancer", default="stealing")
     options = parser.parse_args()
     book = Recordings(options)
-    recording = book.record("recorded", options.subdomains)
+    kept = book.folder / "recorded"
+    recording = Recording(kept, bool(book.processor_times)) if options.reuse else book.record("recorded", options.subdomains)
     book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
     beyond = beyond_the_loop(book, options) if options.simulate else {}
     strong_rows, weak_rows = strong(book, options, beyond), weak(book, options)

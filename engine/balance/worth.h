@@ -11,7 +11,7 @@ namespace weft::engine {
 /// for a moment gets work from its messages soon, and what it would take for so little is missed where it
 /// was.
 inline double worth_moving(const BalanceActions& actions) {
-  constexpr double kLeastGain = 8;
+  constexpr double kLeastGain = 4;
   return kLeastGain * actions.move_seconds().value_or(0);
 }
 

@@ -73,7 +73,7 @@ TEST(Diffusion, WhatIsNotWorthItsWayStays) {
     return rank.moved;
   };
   EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.0}), ElementsAre(4, 3));
-  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.2}), IsEmpty());
+  EXPECT_THAT(moved_by({{1, 1, 1, 1}, 0.3}), IsEmpty());
   EXPECT_THAT(moved_by({{1, 1, 1, 1}, std::nullopt}), ElementsAre(4)) << "the first shows what moving takes";
 }
 
