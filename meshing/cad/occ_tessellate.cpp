@@ -6,6 +6,7 @@
 #include <BRep_Tool.hxx>
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
+#include <Precision.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
@@ -211,7 +212,9 @@ class Joiner {
 
 MeshData tessellate_occ(const OccModel& model, const CadTessellation& options) {
   BRepTools::Clean(model.shape());
-  BRepMesh_IncrementalMesh mesher(model.shape(), options.sagitta, Standard_False,
+  // OpenCASCADE takes no smaller one; of tiny models the angle alone counts then.
+  const double sagitta = std::max(options.sagitta, Precision::Confusion());
+  BRepMesh_IncrementalMesh mesher(model.shape(), sagitta, Standard_False,
                                   options.angle_degrees * std::numbers::pi / 180, Standard_False);
   return Joiner(model).run();
 }

@@ -209,6 +209,12 @@ TEST_F(OccModels, AreTessellatedWithoutGaps) {
   }
 }
 
+TEST_F(OccModels, ThatAreTinyAreTessellatedToo) {
+  const std::string path = brep(BRepPrimAPI_MakeCylinder(2e-6, 5e-6).Shape());
+  const auto geometry = load_model(path);
+  expect_closed(tessellate_model(path, *geometry, {1e-3 * Model(geometry).size(), 20}), 2);
+}
+
 /// The part of a cone between two planes through its axis: a tip where two straight edges end.
 TopoDS_Shape slice_of_a_cone(double angle) { return BRepPrimAPI_MakeCone(0.5, 0, 1, angle).Shape(); }
 
