@@ -208,8 +208,7 @@ bool Exchange::may_send(const Peer& peer) const {
   if (peer.waiting.empty()) return false;
   // Up to a quarter may have been consumed without our being told, and must not hold up a message of any
   // size.
-  return peer.under_way < window_ / 4 ||
-         peer.under_way + peer.waiting.front().wire_bytes <= window_;
+  return peer.under_way < window_ / 4 || peer.under_way + peer.waiting.front().wire_bytes <= window_;
 }
 
 bool Exchange::flush(Rank to, Peer& peer) {

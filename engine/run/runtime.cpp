@@ -205,7 +205,7 @@ class Runtime::Implementation final : private BalanceActions {
   // Of all runs.
   AwakeClock clock_;
   TimePoint wall_ = 0;
-  TimePoint communication_ = 0;  ///< processor time
+  TimePoint communication_ = 0;       ///< processor time
   std::map<Rank, Payload> gathered_;  ///< by child
   std::optional<ClockReading> clock_reading_;
   bool clock_known_ = false;  ///< in this gathering: clock_offset_ has been read

@@ -131,9 +131,7 @@ double load_imbalance_of(const RunSummary& run) {
   return run.times.compute > 0 ? run.most_compute * run.workers / run.times.compute : 1;
 }
 
-double idle_share_of(const RunSummary& run) {
-  return run.available > 0 ? run.times.idle / run.available : 0;
-}
+double idle_share_of(const RunSummary& run) { return run.available > 0 ? run.times.idle / run.available : 0; }
 
 double balance_saving_of(const RunSummary& run) {
   if (run.workers == 0 || run.wall <= 0) return 0;

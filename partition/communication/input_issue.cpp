@@ -21,7 +21,7 @@ Bytes packed(const std::optional<InputIssue>& issue, int rank) {
   Head head{1, 0, 0, 0, static_cast<std::uint64_t>(rank), 0, 0};
   std::string texts;
   if (issue) {
-    head = {0,       issue->order[0],       issue->order[1],      issue->order[2],
+    head = {0,       issue->order[0],      issue->order[1],     issue->order[2],
             head[4], issue->entity.size(), issue->reason.size()};
     texts = issue->entity + issue->reason;
   }
@@ -44,12 +44,11 @@ void keep_least(std::optional<InputIssue>& least, InputIssue complaint) {
 }
 
 void throw_first(Peers& peers, const std::optional<InputIssue>& complaint) {
-  const Bytes least =
-      peers.reduce(packed(complaint, peers.rank()), [](Bytes& first, const Bytes& other) {
-        const Head a = head_of(first), b = head_of(other);
-        if (std::lexicographical_compare(b.begin(), b.begin() + kCompared, a.begin(), a.begin() + kCompared))
-          first = other;
-      });
+  const Bytes least = peers.reduce(packed(complaint, peers.rank()), [](Bytes& first, const Bytes& other) {
+    const Head a = head_of(first), b = head_of(other);
+    if (std::lexicographical_compare(b.begin(), b.begin() + kCompared, a.begin(), a.begin() + kCompared))
+      first = other;
+  });
   const Head head = head_of(least);
   if (head[0] == 1) return;
   const char* texts = reinterpret_cast<const char*>(least.data()) + sizeof head;

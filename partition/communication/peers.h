@@ -72,8 +72,8 @@ std::vector<std::vector<T>> values_of_each(std::vector<Bytes> bytes) {
   return values;
 }
 
-/// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r. Callers that need `to_each` no
-/// more move it here.
+/// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r. Callers that need `to_each`
+/// no more move it here.
 template <class T>
 std::vector<std::vector<T>> all_to_all(Peers& peers, std::vector<std::vector<T>> to_each) {
   std::vector<Bytes> bytes;

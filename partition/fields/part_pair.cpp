@@ -9,7 +9,10 @@ PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to)
 const NearbyTets& PartPair::nearby(Way way) const {
   const Side& s = side(way);
   const bool back = way == Way::back;
-  if (!s.tets) s.tets.reset(new NearbyTets(peers_, back ? new_ : old_, back ? old_ : new_, s.margin));
+  if (!s.tets) {
+    side(back ? Way::onto_new : Way::back).tets.reset();  // who goes back has done with the way there
+    s.tets.reset(new NearbyTets(peers_, back ? new_ : old_, back ? old_ : new_, s.margin));
+  }
   return *s.tets;
 }
 

@@ -95,8 +95,7 @@ std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice
 
 /// Adds the tets at all vertices of `tets`, which their owners have among their first rings. Of those that
 /// have been `asked` for, ascending by rank, all are here.
-void PartDomain::add_ring(const std::vector<TetRecord>& first,
-                          std::vector<std::vector<std::uint32_t>>& asked,
+void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<std::vector<std::uint32_t>>& asked,
                           std::vector<TetRecord>& tets) const {
   std::vector<std::vector<std::uint32_t>> wanted(asked.size());
   for (const TetRecord& tet : tets)
@@ -201,7 +200,8 @@ double PartDomain::signed_sum(const std::function<double(std::size_t)>& at) cons
       terms[0].push_back(std::max(0.0, value));
       terms[1].push_back(std::max(0.0, -value));
     }
-  const std::vector<double> sums = ordered_sums(peers_, std::array<std::span<const double>, 2>{terms[0], terms[1]});
+  const std::vector<double> sums =
+      ordered_sums(peers_, std::array<std::span<const double>, 2>{terms[0], terms[1]});
   return sums[0] - sums[1];
 }
 

@@ -154,8 +154,8 @@ void add_counts(Peers& peers, Sums& sums) {
 }
 
 void add_extremes(Peers& peers, Sums& sums) {
-  const std::vector<double> least =
-      partition::min(peers, std::vector{sums.tets.quality_min, sums.edges.length_min, -sums.edges.length_max});
+  const std::vector<double> least = partition::min(
+      peers, std::vector{sums.tets.quality_min, sums.edges.length_min, -sums.edges.length_max});
   sums.tets.quality_min = least[0];
   sums.edges.length_min = least[1];
   sums.edges.length_max = -least[2];

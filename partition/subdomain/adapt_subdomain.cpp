@@ -72,7 +72,8 @@ void move_to(Subdomain& s, std::uint64_t tet_capacity) {
   s.tet_capacity = std::min(tet_capacity, kMostTets);
   meshing::TetMeshArrays arrays = meshing::to_arrays(*s.mesh);
   s.mesh.reset();
-  s.mesh = meshing::from_arrays(arrays, vertex_capacity(s.tet_capacity), s.tet_capacity, meshing::Pages::small);
+  s.mesh =
+      meshing::from_arrays(arrays, vertex_capacity(s.tet_capacity), s.tet_capacity, meshing::Pages::small);
 }
 
 /// False where it has all that a kernel can have.
@@ -98,7 +99,8 @@ std::size_t tet_slots_for(double predicted, std::uint64_t tets) {
 
 void make_room(Subdomain& s, std::uint64_t more) {
   // Vertices have half as many slots as tets (vertex_capacity), and mostly need a fifth.
-  const std::uint64_t needed = std::max<std::uint64_t>(s.mesh->tet_slots(), 2 * s.mesh->vertex_slots()) + more;
+  const std::uint64_t needed =
+      std::max<std::uint64_t>(s.mesh->tet_slots(), 2 * s.mesh->vertex_slots()) + more;
   if (needed > s.mesh->tet_capacity()) move_to(s, 2 * needed);
 }
 
@@ -113,7 +115,8 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   adapt_once(s, surface, limits, extent, options, before_level, report);
   // By now all holders have refined the interface to the last level.
   while (s.mesh->is_full() && !report.interrupted && grow(s)) {
-    std::erase_if(report.warnings, [](const std::string& w) { return w.starts_with("the mesh has room for "); });
+    std::erase_if(report.warnings,
+                  [](const std::string& w) { return w.starts_with("the mesh has room for "); });
     adapt_once(s, surface, limits, meshing::Extent::everything, options, {}, report);
   }
   remember_who_was_free(*s.mesh);

@@ -246,7 +246,8 @@ TEST(SimulatedAdaptation, BeforeAndAfterTheLoopMessagesGoWithTheLogarithmOfTheRa
   const MostExchanged of_few = most_exchanged(few), of_many = most_exchanged(many);
   const double steps = std::log2(many) / std::log2(few);
   for (const std::size_t part : {0u, 2u}) {
-    EXPECT_LE(static_cast<double>(of_many[part].messages), 1.2 * steps * static_cast<double>(of_few[part].messages));
+    EXPECT_LE(static_cast<double>(of_many[part].messages),
+              1.2 * steps * static_cast<double>(of_few[part].messages));
     EXPECT_LE(static_cast<double>(of_many[part].peers), 3 + 2 * std::log2(many));
   }
   std::istringstream more(std::getenv("WEFT_SIMULATED_RANKS") ? std::getenv("WEFT_SIMULATED_RANKS") : "");

@@ -139,9 +139,9 @@ TEST(EnginePeersOnManyRanks, SmallPayloadsTakeAMessageAStepWhoeverSendsToWhom) {
         to_each.emplace_back(to == next ? kLarge : 1, static_cast<std::byte>(rank - to));
       const std::vector<partition::Bytes> arrived = peers.all_to_all(to_each);
       for (int from = 0; from < ranks; ++from)
-        ASSERT_TRUE(arrived[static_cast<std::size_t>(from)] ==
-                    partition::Bytes((from + 1) % ranks == rank ? kLarge : 1,
-                                     static_cast<std::byte>(from - rank)));
+        ASSERT_TRUE(
+            arrived[static_cast<std::size_t>(from)] ==
+            partition::Bytes((from + 1) % ranks == rank ? kLarge : 1, static_cast<std::byte>(from - rank)));
       const engine::Exchanged small_and_large = engine::exchanged_between(before, runtime.summary());
       const auto steps = static_cast<std::uint64_t>(steps_for(ranks));
       EXPECT_EQ(small_and_large.messages, steps + 1);
@@ -159,8 +159,7 @@ TEST(EnginePeersOnManyRanks, GatheringsAndReductionsGoOverATree) {
     const engine::RankSummary before = runtime.summary();
     const int rank = peers.rank();
     const auto all = partition::allgather(peers, std::vector<int>(rank % 3, rank));
-    for (int r = 0; r < kRanks; ++r)
-      ASSERT_EQ(all[static_cast<std::size_t>(r)], std::vector<int>(r % 3, r));
+    for (int r = 0; r < kRanks; ++r) ASSERT_EQ(all[static_cast<std::size_t>(r)], std::vector<int>(r % 3, r));
     std::vector<int> many(10'000, rank);  // as long as many ranks' payloads that go straight
     many = partition::max(peers, many);
     EXPECT_EQ(many, std::vector<int>(10'000, kRanks - 1));

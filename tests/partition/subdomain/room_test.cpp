@@ -65,11 +65,12 @@ TEST(Room, ASubdomainThatBecomesFullIsAdaptedToTheEndAllTheSame) {
   // Less than it will have: make_room() doubles what there is.
   const auto wanted = count_tets(ample.subdomains()[0]);
   ASSERT_GT(wanted, 5 * count_tets(s)) << "the scene is too coarse for the test";
-  const meshing::AdaptReport report = adapt_subdomain(s, cut.geometry.surface, ample.limits(),
-                                                      meshing::Extent::everything, ample.options());
+  const meshing::AdaptReport report =
+      adapt_subdomain(s, cut.geometry.surface, ample.limits(), meshing::Extent::everything, ample.options());
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_FALSE(s.mesh->is_full());
-  EXPECT_NEAR(static_cast<double>(count_tets(s)), static_cast<double>(wanted), 0.1 * static_cast<double>(wanted));
+  EXPECT_NEAR(static_cast<double>(count_tets(s)), static_cast<double>(wanted),
+              0.1 * static_cast<double>(wanted));
 }
 
 TEST(Room, WhatAShiftBringsFindsRoom) {

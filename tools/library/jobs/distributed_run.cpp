@@ -241,11 +241,10 @@ void DistributedRun::gather_statistics(Report& report) {
   if (keep_.plan) gather_plan(*exchange_, std::move(result_.planned), rank_.plan, record_);
   std::vector<ShiftRecord> shifts;
   for (const auto& list : result_.shifts) shifts.insert(shifts.end(), list.begin(), list.end());
-  report.operations +=
-      partition::reduce(*peers_, std::vector{result_.counts}, [](auto a, const auto& b) {
-        a += b;
-        return a;
-      })[0];
+  report.operations += partition::reduce(*peers_, std::vector{result_.counts}, [](auto a, const auto& b) {
+    a += b;
+    return a;
+  })[0];
   stats_ = std::make_shared<DistributedStats>(account_for(*peers_, mine, shifts, keep_.record));
   account_for_checkpoints(sums, report);
   add_engine(std::move(sums), *stats_);
@@ -276,7 +275,8 @@ void DistributedRun::account_for_checkpoints(const engine::RunSummary& sums, Rep
 }
 
 void DistributedRun::account_for_exchanges() {
-  stats_->exchanged_after = sum_exchanges(*peers_, engine::exchanged_between(after_loop_, runtime_->summary()));
+  stats_->exchanged_after =
+      sum_exchanges(*peers_, engine::exchanged_between(after_loop_, runtime_->summary()));
 }
 
 void DistributedRun::measure(Report& report) {

@@ -154,12 +154,12 @@ ExchangeStats sum_exchanges(partition::Peers& peers, const engine::Exchanged& mi
   struct Sums {
     std::uint64_t messages, most_messages, peers, most_peers;
   };
-  const Sums all = partition::reduce(
-      peers, std::vector<Sums>{{mine.messages, mine.messages, mine.peers, mine.peers}},
-      [](const Sums& a, const Sums& b) {
-        return Sums{a.messages + b.messages, std::max(a.most_messages, b.most_messages), a.peers + b.peers,
-                    std::max(a.most_peers, b.most_peers)};
-      })[0];
+  const Sums all =
+      partition::reduce(peers, std::vector<Sums>{{mine.messages, mine.messages, mine.peers, mine.peers}},
+                        [](const Sums& a, const Sums& b) {
+                          return Sums{a.messages + b.messages, std::max(a.most_messages, b.most_messages),
+                                      a.peers + b.peers, std::max(a.most_peers, b.most_peers)};
+                        })[0];
   const auto ranks = static_cast<double>(peers.ranks());
   return {static_cast<double>(all.messages) / ranks, static_cast<double>(all.peers) / ranks,
           all.most_messages, all.most_peers};
@@ -205,9 +205,10 @@ std::string subdomains_text(const DistributedStats& a) {
     const auto line = [](const ExchangeStats& e) {
       return fmt::format("{} to {}", grouped(e.most_messages), grouped(e.most_peers));
     };
-    text += fmt::format("messages of a rank, and others it has them with, at most: {} before the loop, {} in "
-                        "it, {} after\n",
-                        line(a.exchanged_before), line(a.exchanged_in_loop), line(a.exchanged_after));
+    text += fmt::format(
+        "messages of a rank, and others it has them with, at most: {} before the loop, {} in "
+        "it, {} after\n",
+        line(a.exchanged_before), line(a.exchanged_in_loop), line(a.exchanged_after));
   }
   text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",
                       a.former_interface.quality_mean, a.former_interface.quality_q01,

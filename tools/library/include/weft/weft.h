@@ -301,7 +301,7 @@ struct ShiftStats {
 
 /// What ranks send each other in one part of a run.
 struct ExchangeStats {
-  double messages = 0, peers = 0;                     ///< of a rank, on average: sent; others it talks with
+  double messages = 0, peers = 0;                   ///< of a rank, on average: sent; others it talks with
   std::uint64_t most_messages = 0, most_peers = 0;  ///< of any rank
 };
 
@@ -314,11 +314,11 @@ struct DistributedStats {
   double decomposition_seconds = 0, adaptation_seconds = 0;
   std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
   std::vector<ShiftStats> shifts;
-  std::vector<RankStats> by_rank;  ///< where a report was asked for
-  std::vector<OperationTime> sum;  ///< of all ranks
+  std::vector<RankStats> by_rank;                                      ///< where a report was asked for
+  std::vector<OperationTime> sum;                                      ///< of all ranks
   ExchangeStats exchanged_before, exchanged_in_loop, exchanged_after;  ///< the loop of adaptation and shifts
-  double beside_adaptation = 0;    ///< share of the busy time that is not spent adapting
-  Measures former_interface;       ///< tets with a vertex that has been one of an interface
+  double beside_adaptation = 0;  ///< share of the busy time that is not spent adapting
+  Measures former_interface;     ///< tets with a vertex that has been one of an interface
   std::uint64_t messages = 0, bytes = 0, collective_calls = 0;  ///< within the loop
   std::string verdict;                                          ///< on the balance of the load
   CheckpointStats checkpoints;
