@@ -9,6 +9,7 @@
 
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/sort_unique.h"
 #include "partition/metric/morton_shares.h"
 #include "partition/output/measure_pieces.h"
 
@@ -18,13 +19,6 @@ namespace {
 using meshing::MeshData;
 using meshing::Point;
 using Tet = std::array<std::uint32_t, 4>;
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::ranges::sort(values);
-  const auto rest = std::ranges::unique(values);
-  values.erase(rest.begin(), rest.end());
-}
 
 std::uint32_t place_of(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
   return static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());

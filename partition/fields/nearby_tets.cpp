@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "partition/communication/sort_unique.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/metric/morton_shares.h"
 
@@ -14,13 +15,6 @@ namespace {
 using meshing::Box;
 using meshing::MeshData;
 using Tet = std::array<std::uint32_t, 4>;
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::ranges::sort(values);
-  const auto rest = std::ranges::unique(values);
-  values.erase(rest.begin(), rest.end());
-}
 
 Box box_of(const MeshData& mesh, const Tet& tet) {
   Box box;

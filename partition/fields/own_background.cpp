@@ -11,6 +11,7 @@
 
 #include "meshing/fields/reading.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/sort_unique.h"
 #include "partition/distribute/point_records.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/tets_meet.h"
@@ -23,13 +24,6 @@ using meshing::Box;
 using meshing::Point;
 using Tet = std::array<std::uint32_t, 4>;
 using Way = meshing::MeshPair::Way;
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::ranges::sort(values);
-  const auto rest = std::ranges::unique(values);
-  values.erase(rest.begin(), rest.end());
-}
 
 TetCorners corners_of(const std::vector<Point>& points, const Tet& t) {
   return {points[t[0]], points[t[1]], points[t[2]], points[t[3]]};

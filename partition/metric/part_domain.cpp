@@ -13,6 +13,7 @@
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/sort_unique.h"
 #include "partition/distribute/slice_checks.h"
 #include "partition/metric/morton_shares.h"
 
@@ -22,12 +23,6 @@ namespace {
 using meshing::Box;
 using meshing::Point;
 using meshing::SymTensor;
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
 
 template <class T>
 std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
