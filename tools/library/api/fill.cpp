@@ -8,9 +8,9 @@
 #include "meshing/initial/initial_grid.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/monitor.h"
+#include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/model_source.h"
-#include "tools/library/jobs/stopwatch.h"
-#include "tools/library/jobs/threads.h"
 #include "weft/weft.h"
 
 namespace weft {

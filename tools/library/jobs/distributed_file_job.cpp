@@ -23,10 +23,10 @@
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/file_outputs.h"
-#include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/ranks.h"
+#include "tools/library/jobs/resources/memory.h"
+#include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/sources/slice_source.h"
-#include "tools/library/jobs/stopwatch.h"
 #include "tools/library/parts/piece_moves.h"
 #include "tools/library/report/report_json.h"
 
