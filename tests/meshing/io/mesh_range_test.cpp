@@ -52,7 +52,8 @@ TEST_P(MeshRanges, TogetherAreTheWholeFile) {
   const fs::path path = directory / GetParam();
   write_mesh_contents(path, named_box());
   const MeshContents whole = read_mesh_contents(path);
-  for (const std::uint64_t parts : {1u, 3u, 7u, 100u}) {
+  const bool slow = path.extension() == ".cgns";  // HDF5 opens the file for every part
+  for (const std::uint64_t parts : {1u, 3u, 7u, slow ? 20u : 100u}) {
     const MeshContents read = read_in_parts(path, parts);
     expect_equal(read.mesh, whole.mesh);
     EXPECT_EQ(read.names.all(), whole.names.all());

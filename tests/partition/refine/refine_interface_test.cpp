@@ -16,6 +16,7 @@
 #include "partition/output/merge_pieces.h"
 #include "tests/partition/shift/shift_checks.h"
 #include "tests/support/kernel.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::partition {
 namespace {
@@ -164,7 +165,7 @@ TEST(RefineInterface, NamesAreUniqueWithinASubdomainAndAPlaceEverywhere) {
 
 /// What the rest of the method makes of it: vertices on patches and curves must have been classified rightly.
 TEST(RefineInterface, AdaptationKeepsTheDomainAfterwards) {
-  for (unsigned seed = 0; seed < 24; ++seed) {
+  for (unsigned seed = 0; seed < repetitions(8, 24); ++seed) {
     const Scene scene = random_scene(seed, 3);
     if (scene.curved) continue;
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name);

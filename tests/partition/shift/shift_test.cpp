@@ -14,6 +14,7 @@
 #include "partition/output/merge_pieces.h"
 #include "tests/partition/shift/shift_checks.h"
 #include "tests/support/kernel.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::partition {
 namespace {
@@ -370,7 +371,7 @@ void adapt_until_free(const Scene& scene, const ShiftOptions& options, bool refi
 
 TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
   constexpr int kLayers[] = {3, 1, 0, 10};
-  for (unsigned seed = 0; seed < 24; ++seed) {
+  for (unsigned seed = 0; seed < repetitions(12, 24); ++seed) {
     const Scene scene = random_scene(seed, 1.5);
     const ShiftOptions options{kLayers[seed % 4], seed / 4 % 2 == 1};
     const bool refine = seed % 3 != 2;
@@ -383,7 +384,7 @@ TEST(AdaptedShifts, KeepTheDomainAndFreeEverything) {
 }
 
 TEST(AdaptedShifts, AfterCoarsePhasesToo) {
-  for (unsigned seed = 0; seed < 24; ++seed) {
+  for (unsigned seed = 0; seed < repetitions(12, 24); ++seed) {
     const Scene scene = random_scene(seed, 1);
     const bool refine = seed % 3 != 2;
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name + (refine ? ", refined" : ""));

@@ -1,5 +1,5 @@
 // Prediction of sizes, and the system's memory figures.
-#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/resources/memory.h"
 
 #include <gtest/gtest.h>
 

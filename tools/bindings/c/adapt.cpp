@@ -9,10 +9,6 @@
 namespace weft::c {
 namespace {
 
-std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle, const char* argument) {
-  return object_of<MeshObject>(handle, argument)->mesh;
-}
-
 /// The options of a call while it lasts; a cancel that the caller's function has asked for ends with it.
 class Asked {
  public:

@@ -181,8 +181,6 @@ void copy_out(const std::vector<std::array<std::uint32_t, N>>& from, std::int64_
     for (const std::uint32_t value : row) *to++ = value;
 }
 
-std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle) { return object_of<MeshObject>(handle, "mesh")->mesh; }
-
 std::string problems_of(const CheckReport& report) {
   std::string text = std::to_string(report.num_problems) + " problems";
   for (const std::string& problem : report.problems) text += "; " + problem;

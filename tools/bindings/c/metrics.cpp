@@ -33,9 +33,6 @@ std::vector<Tensor> tensors_of(std::int64_t count, const double* values, weft_te
   return tensors;
 }
 
-std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle, const char* argument = "mesh") {
-  return object_of<MeshObject>(handle, argument)->mesh;
-}
 std::shared_ptr<const Metric> metric_of(const weft_metric* handle) {
   return object_of<MetricObject>(handle, "metric")->metric;
 }

@@ -85,6 +85,10 @@ std::shared_ptr<Object> object_or_none(const void* handle, const char* argument)
   return handle ? object_of<Object>(handle, argument) : nullptr;
 }
 
+inline std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle, const char* argument = "mesh") {
+  return object_of<MeshObject>(handle, argument)->mesh;
+}
+
 /// Writes a new handle.
 template <class Handle, class Object>
 void give(Handle** place, std::shared_ptr<Object> object) {

@@ -9,10 +9,10 @@
 #include "meshing/initial/repair_surface.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/monitor.h"
+#include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
-#include "tools/library/jobs/stopwatch.h"
-#include "tools/library/jobs/threads.h"
 #include "weft/weft.h"
 
 namespace weft {

@@ -9,9 +9,9 @@
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
 #include "tools/library/api/whole_mesh.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/model_source.h"
-#include "tools/library/jobs/threads.h"
 #include "weft/weft.h"
 
 namespace weft {

@@ -9,8 +9,8 @@
 #include "meshing/kernel/on_model.h"
 #include "tools/common/naming.h"
 #include "tools/library/api/whole_mesh.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/model_source.h"
-#include "tools/library/jobs/threads.h"
 #include "tools/library/report/model_text.h"
 #include "weft/weft.h"
 

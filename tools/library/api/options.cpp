@@ -10,15 +10,12 @@
 #include "meshing/cad/load_model.h"
 #include "meshing/metric/metric.h"
 #include "partition/decompose/partitioner.h"
+#include "tools/library/api/require.h"
 #include "tools/library/version.h"
 #include "weft/weft.h"
 
 namespace weft {
 namespace {
-
-void require(bool good, const char* option, const std::string& reason) {
-  if (!good) throw OptionError(option, reason);
-}
 
 /// 0 means none, as it does for every size and share that is optional.
 void require_size(const char* option, double value) {

@@ -15,6 +15,7 @@
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/replay/replay.h"
 #include "graph/replay/replay_plan.h"
+#include "tools/library/api/require.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/report/graph_file.h"
@@ -31,10 +32,6 @@ using graph::dataflow::GraphDump;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kUsualBytes = 1 << 20;
-
-void require(bool good, const char* option, const std::string& reason) {
-  if (!good) throw OptionError(option, reason);
-}
 
 template <class Call>
 auto naming_option(const char* option, const Call& call) {

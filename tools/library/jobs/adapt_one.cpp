@@ -14,14 +14,14 @@
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
-#include "tools/library/jobs/memory.h"
 #include "tools/library/jobs/mesh_checkpoints.h"
+#include "tools/library/jobs/resources/memory.h"
+#include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/model_source.h"
-#include "tools/library/jobs/stopwatch.h"
-#include "tools/library/jobs/threads.h"
 
 namespace weft::tools {
 namespace {

@@ -19,7 +19,7 @@
 #include "tools/common/naming.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_stats.h"
-#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/report/run_progress_text.h"

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/metric_source.h"
-#include "tools/library/jobs/threads.h"
 #include "tools/library/report/run_record.h"
 
 namespace weft::tools {

@@ -10,7 +10,7 @@
 #include "engine/base/serialize.h"
 #include "graph/adaptation/checkpoint_files.h"
 #include "meshing/base/error.h"
-#include "tools/library/jobs/stopwatch.h"
+#include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/version.h"
 
 namespace weft::tools {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/resources/memory.h"
 
 namespace weft::tools {
 namespace {

@@ -1,5 +1,5 @@
 // Reads the system's limits and counters.
-#include "tools/library/jobs/memory.h"
+#include "tools/library/jobs/resources/memory.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
