@@ -57,11 +57,9 @@ std::uint32_t parts_at_first(const partition::InputMeasures& input, const PlanOp
   const auto tets = static_cast<double>(input.tets);
   const double coarseness = coarseness_to_divide(input.complexity, all);
   if (all < 2 || options.most_shifts == 0 || coarseness == 1) return all;
-  const double tets_to_divide = tets_of(input.complexity, coarseness);
-  const bool has_few = tets < kFewTets * all && tets < tets_to_divide;
-  const bool is_far = input.mean_quality < meshing::kFarMean && tets > tets_to_divide;
+  const bool has_few = tets < kFewTets * all, is_far = input.mean_quality < meshing::kFarMean;
   if (!has_few && !is_far) return all;
-  const double parts = std::max(tets, tets_to_divide) / options.tets_of_seed;
+  const double parts = std::max(tets, tets_of(input.complexity, coarseness)) / options.tets_of_seed;
   if (parts > 1 && options.partitioner.kind == partition::Partitioner::Kind::pqr) return all;  // of one mesh
   return static_cast<std::uint32_t>(std::clamp(parts, 1.0, static_cast<double>(all)));
 }
