@@ -48,6 +48,7 @@ PARTITION = {
     "partition/distribute": ["communication", "decompose", "refine", "subdomain"],
     "partition/metric": ["communication", "distribute"],
     "partition/shift": ["subdomain"],
+    "partition/divide": ["communication", "decompose", "shift", "subdomain"],
     "partition/output": ["communication", "subdomain"],
     "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "subdomain"],
     "partition/verify": ["communication", "output", "subdomain"],

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "graph/adaptation/phase_plan.h"
 #include "graph/adaptation/resume.h"
 #include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
@@ -46,8 +47,9 @@ double predicted_tets(const SubdomainStart& s) {
 
 /// What is made at the start of a run.
 struct Made {
-  std::vector<Neighbours> neighbours;  ///< who borders on whom
+  std::vector<Neighbours> neighbours;  ///< who borders on whom, or is to be a part of whom
   std::vector<std::pair<SubdomainTask::Ref, engine::Seconds>> tasks;
+  std::vector<SubdomainTask::Ref> parts;  ///< that have no tets until others divide
 };
 
 Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& starts,
@@ -59,19 +61,31 @@ Made make_subdomains(engine::Context& context, std::vector<SubdomainStart>& star
     Subdomain subdomain(start, partition::tet_slots_for(predicted, num_tets));
     const auto others = subdomain.interface.neighbours();
     made.neighbours.push_back({start.subdomain, {others.begin(), others.end()}});
+    const PartsOf family = plan.parts_with(start.subdomain);
+    for (std::uint32_t part = family.first.value + 1; part < family.first.value + family.count; ++part)
+      if (start.subdomain == family.first) made.neighbours.back().others.emplace_back(part);
+    if (start.subdomain != family.first) made.neighbours.back().others.push_back(family.first);
     const auto ref =
         dataflow::create<SubdomainTask>(context, SubdomainTask(std::move(subdomain), predicted), recording);
     if (ref.id != object_of(plan, context.ranks(), start.subdomain).id)
       throw std::logic_error("subdomain " + std::to_string(start.subdomain.value) +
                              " is not the object that others expect");
+    if (start.subdomain != family.first) {
+      made.parts.push_back(ref);
+    } else {
+      const double coarseness = plan.phases[0].coarseness;
+      const double to_adapt = std::max(plan.is_coarse(0) ? static_cast<double>(num_tets) : 0,
+                                       predicted / std::pow(coarseness, 3));
+      made.tasks.emplace_back(ref, SubdomainTask::seconds_to_adapt(to_adapt));
+    }
     start = {};
-    const double to_adapt = plan.is_coarse(0) ? static_cast<double>(num_tets) : predicted;
-    made.tasks.emplace_back(ref, SubdomainTask::seconds_to_adapt(to_adapt));
   }
   return made;
 }
 
-void start_tasks(engine::Context& context, const Made& made) {
+void start_tasks(engine::Context& context, const Made& made, const AdaptationPlan& plan) {
+  for (const SubdomainTask::Ref& ref : made.parts)
+    dataflow::start<&SubdomainTask::await_division>(context, ref, *plan.division);
   for (const auto& [ref, seconds] : made.tasks)
     dataflow::start<&SubdomainTask::adapt_interior>(context, ref, 0, {}, seconds);
 }
@@ -92,11 +106,13 @@ class CheckedRun {
           deviation, meshing::largest_surface_deviation(*task.subdomain().mesh, rank_.geometry->surface));
     });
     totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd + partition::max(peers_, deviation));
-    runtime_.run([&](engine::Context& context) { start_tasks(context, made); });
+    runtime_.run([&](engine::Context& context) { start_tasks(context, made, rank_.plan); });
     while (const std::optional<Pause> pause = next_pause()) {
       const bool after_interiors = !pause->begins_phase && rank_.plan.begins_phase(pause->round);
-      check(after_interiors ? "after the adaptation of the interiors"
-                            : "after shift " + std::to_string(pause->round));
+      const bool after_division = pause->begins_phase && rank_.plan.division == pause->round - 1;
+      check(after_interiors  ? "after the adaptation of the interiors"
+            : after_division ? "after the division"
+                             : "after shift " + std::to_string(pause->round));
       go_on();
     }
     return checks_;
@@ -197,34 +213,6 @@ void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::
                                  [&](SubdomainTask::Ref, SubdomainTask& task) { task.subdomain() = {}; });
 }
 
-bool is_curved(const partition::Geometry& geometry) {
-  return !std::ranges::all_of(geometry.surface.patches(), &meshing::Patch::planar);
-}
-
-/// Several phases, of which the first should have some tets in each subdomain, for two sorts of input. One
-/// does not follow the metric and has more tets than a coarse mesh: it becomes coarse. The other has curved
-/// boundary and fewer tets than wanted: edges of the boundary in the interface are chords that stay until
-/// a shift frees them, and should never be much longer than what is beside them, which is on the surface.
-void plan_phases(const partition::Distributed& d, std::uint64_t input_tets, AdaptationPlan& plan) {
-  constexpr double kLeastTets = 20, kCoarsest = 4, kCoarsestOfCurved = 64;
-  constexpr std::uint64_t kCoarseShifts = 2;  // after one, some of the interface is still what it was
-  const bool far = d.mean_quality < meshing::kFarMean, curved = is_curved(*d.geometry);
-  const auto tets_of = [&](double coarseness) {
-    return meshing::kTetsOfUnitVolume * d.complexity / (coarseness * coarseness * coarseness);
-  };
-  double first = 1;
-  for (double coarseness = 2; coarseness <= kCoarsestOfCurved; coarseness *= 2) {
-    const double tets = tets_of(coarseness);
-    if (plan.subdomains < 2 || plan.most_shifts == 0 || tets < kLeastTets * plan.subdomains) break;
-    const bool coarser = tets < static_cast<double>(input_tets);
-    if (coarser ? far && coarseness <= kCoarsest : curved) first = coarseness;
-  }
-  plan.coarsens = first > 1 && tets_of(first) < static_cast<double>(input_tets);
-  plan.phases.clear();
-  for (double coarseness = first; coarseness >= 1; coarseness /= 2)
-    plan.phases.push_back({plan.phases.size() * kCoarseShifts, coarseness});
-}
-
 /// Folders are numbered on from those that are there: rank 0 looks.
 void begin_checkpoints(EnginePeers& peers, const AdaptationPlan& plan, std::uint64_t hash,
                        CheckpointWriter& writer) {
@@ -268,10 +256,11 @@ void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer) {
 
 /// The complexity is that of the metric on its own mesh.
 partition::Distributed distribute_on_background(EnginePeers& peers, partition::MeshSlice&& slice,
-                                                const DistributedOptions& options) {
-  if (!options.background) return partition::distribute(peers, std::move(slice), options.decomposition);
+                                                const DistributedOptions& options,
+                                                const partition::DecompositionOptions& decomposition) {
+  if (!options.background) return partition::distribute(peers, std::move(slice), decomposition);
   const partition::OwnBackground background(peers, std::move(*options.background), slice);
-  partition::Distributed d = partition::distribute(peers, std::move(slice), options.decomposition);
+  partition::Distributed d = partition::distribute(peers, std::move(slice), decomposition);
   background.deliver(d.starts);
   d.complexity = background.complexity();
   return d;
@@ -298,7 +287,12 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   DistributedResult result;
   const engine::TimePoint begin = engine::now();
   const std::uint64_t input_tets = slice.num_tets;
-  partition::Distributed d = distribute_on_background(peers, std::move(slice), options);
+  partition::DecompositionOptions decomposition = options.decomposition;
+  decomposition.parts_at_first = [&](const partition::InputMeasures& input) {
+    return parts_at_first(input, {decomposition.num_subdomains, options.most_shifts,
+                                  decomposition.partitioner, options.tets_of_seed});
+  };
+  partition::Distributed d = distribute_on_background(peers, std::move(slice), options, decomposition);
   result.warnings = d.warnings;
   result.decomposition_seconds = seconds_since(begin);
 
@@ -308,6 +302,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.most_shifts = options.most_shifts;
   plan.shift = options.shift;
   plan_phases(d, input_tets, plan);
+  plan.division_options = {1, options.decomposition.partitioner, options.decomposition.equal_tets};
   plan.refine_interface = options.refine_interface && options.allowed.insert;
   plan.allowed = options.allowed;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
@@ -336,7 +331,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     Made made;
     runtime.run([&](engine::Context& context) {
       made = make_subdomains(context, d.starts, options.recording, plan);
-      if (!plan.pauses) start_tasks(context, made);
+      if (!plan.pauses) start_tasks(context, made, plan);
     });
     if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
     result.planned = std::move(made.neighbours);

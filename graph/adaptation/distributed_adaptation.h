@@ -29,7 +29,10 @@ struct DistributedOptions {
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
   double hausd = 0;  ///< 0: 0.1 % of the bounding box diagonal
-  int threads = 1;   ///< of this rank
+  /// Where few subdomains make a coarse mesh that is divided: so many tets for each, of the input or of that
+  /// mesh. More would be a burden for one rank.
+  double tets_of_seed = 1e5;
+  int threads = 1;  ///< of this rank
   dataflow::Recording recording = dataflow::Recording::on;
   ProgressBoard* news = nullptr;  ///< of this rank
   /// Called when the decomposition is done and the plan made; may throw on all ranks alike.

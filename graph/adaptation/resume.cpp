@@ -37,6 +37,10 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
     words.push_back(phase.first_round);
     words.push_back(std::bit_cast<std::uint64_t>(phase.coarseness));
   }
+  const partition::Partitioner& by = plan.division_options.partitioner;
+  words.insert(words.end(), {static_cast<std::uint64_t>(by.kind), by.slabs[0], by.slabs[1], by.slabs[2],
+                             by.principal_axes, by.fewer, plan.division_options.equal_tets});
+  for (const partition::SubdomainId seed : plan.seeds) words.push_back(seed.value);
   return hash_of(words, 0);
 }
 

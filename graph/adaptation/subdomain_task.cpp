@@ -47,6 +47,13 @@ const Phase& AdaptationPlan::phase_of(std::uint64_t round) const {
   return *std::prev(std::upper_bound(phases.begin(), phases.end(), round, later));
 }
 
+PartsOf AdaptationPlan::parts_with(SubdomainId subdomain) const {
+  if (seeds.empty()) return {subdomain, 1};
+  const auto next = std::ranges::upper_bound(seeds, subdomain);
+  const std::uint32_t end = next == seeds.end() ? subdomains : next->value;
+  return {*std::prev(next), end - std::prev(next)->value};
+}
+
 SubdomainTask::Ref object_of(const AdaptationPlan& plan, int ranks, SubdomainId subdomain) {
   if (plan.home_ranks > 0) ranks = plan.home_ranks;
   const int home = partition::home_rank(subdomain, plan.subdomains, ranks);
@@ -89,6 +96,8 @@ dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
   dataflow::Blueprint<SubdomainTask> g("subdomain");
   const auto interior = g.start<&SubdomainTask::adapt_interior>("adapt interior");
   const auto registered = g.event<&SubdomainTask::register_interface>("register interface");
+  const auto division = g.node<&SubdomainTask::divide>("divide");
+  g.start<&SubdomainTask::await_division>("await division");
   const auto proposal = g.start<&SubdomainTask::propose>("propose");
   const auto gathered = g.event<&SubdomainTask::gather>("gather");
   const auto woken = g.wakes<&SubdomainTask::wake>(gathered, "wake");
@@ -97,13 +106,16 @@ dataflow::Blueprint<SubdomainTask> SubdomainTask::blueprint() {
   const auto updated = g.event<&SubdomainTask::update_topology>("update topology");
   g.remote<partition::InterfaceVertices>(interior, registered);
   g.local(registered, proposal);
+  g.local(registered, division);
   g.remote<partition::Proposal>(proposal, gathered);
   g.local(woken, proposal);
   g.remote<partition::Parcel>(gathered, scattered);
+  g.remote<partition::Parcel>(division, scattered);
   g.local(scattered, shifted);
   g.remote<partition::Notice>(scattered, updated);
   g.local(updated, proposal, dataflow::RoundStep::next);
   g.local(updated, interior, dataflow::RoundStep::next);
+  g.local(updated, division, dataflow::RoundStep::next);
   return g;
 }
 
@@ -182,10 +194,38 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   context.expect<&SubdomainTask::register_interface>(round, to);
 }
 
-BeginShift SubdomainTask::register_interface(NodeContext& context, std::uint64_t,
-                                             std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
-  partition::register_interface(subdomain_, *rank_data(context).geometry, values_of(arrivals));
-  return {};
+std::variant<BeginShift, BeginDivision> SubdomainTask::register_interface(
+    NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::InterfaceVertices>> arrivals) {
+  const RankData& rank = rank_data(context);
+  partition::register_interface(subdomain_, *rank.geometry, values_of(arrivals));
+  if (rank.plan.division == round) return BeginDivision{};
+  return BeginShift{};
+}
+
+/// Hands parts of the mesh to the subdomains that wait for them. A round as of a shift, without proposals.
+void SubdomainTask::divide(NodeContext& context, BeginDivision) {
+  const AdaptationPlan& plan = rank_data(context).plan;
+  const std::uint64_t round = context.round();
+  partition::DivisionOptions options = plan.division_options;
+  options.num_parts = plan.parts_with(subdomain_.id).count;
+  const std::vector<Ref> from = neighbours(context);
+  shifts_.push_back({round});
+  for (auto& [to, parcel] : partition::divide(subdomain_, options)) {
+    shifts_.back().sent += parcel.tets.size();
+    context.send<&SubdomainTask::scatter>(object_of(plan, context.ranks(), to), round, std::move(parcel));
+  }
+  context.expect<&SubdomainTask::scatter>(round, from);
+  context.count("parts", options.num_parts);
+  context.count("tets sent", static_cast<double>(shifts_.back().sent));
+}
+
+/// As a part of another subdomain, which has all until then.
+void SubdomainTask::await_division(NodeContext& context, BeginDivision) {
+  const AdaptationPlan& plan = rank_data(context).plan;
+  subdomain_.phase = plan.index_of_phase(context.round());
+  shifts_.push_back({context.round()});
+  const Ref seed = object_of(plan, context.ranks(), plan.parts_with(subdomain_.id).first);
+  context.expect<&SubdomainTask::scatter>(context.round(), {seed});
 }
 
 /// Poor tets at frozen vertices are repaired only where no later shift is to thaw them.
@@ -330,6 +370,7 @@ std::optional<engine::Nothing> SubdomainTask::scatter(NodeContext& context, std:
   std::vector<Ref> from;
   for (const SubdomainId s : result.expected) from.push_back(object_of(plan, context.ranks(), s));
   const bool phase_ends = plan.begins_phase(round + 1);
+  if (plan.division == round) predicted_tets_ = news_.predicted_tets = partition::predicted_tets(subdomain_);
   const engine::Seconds next = phase_ends ? seconds_to_adapt(tets_after(rank, round + 1)) : engine::Seconds{};
   context.expect<&SubdomainTask::update_topology>(round, from, next);
   shifts_.back().received = result.received;
@@ -343,11 +384,13 @@ void SubdomainTask::adapt_shifted(NodeContext& context) {
   adapt(context, meshing::Extent::fresh, rank_data(context).plan.shift_of(context.round()) + 1);
 }
 
-std::variant<BeginShift, BeginPhase> SubdomainTask::update_topology(
+std::variant<BeginShift, BeginPhase, BeginDivision> SubdomainTask::update_topology(
     NodeContext& context, std::uint64_t round, std::vector<Arrival<partition::Notice>> arrivals) {
   context.count("vertices thawed",
                 static_cast<double>(partition::update_topology(subdomain_, values_of(arrivals))));
-  if (rank_data(context).plan.begins_phase(round + 1)) return BeginPhase{};
+  const AdaptationPlan& plan = rank_data(context).plan;
+  if (plan.begins_phase(round + 1)) return BeginPhase{};
+  if (plan.division == round + 1) return BeginDivision{};
   return BeginShift{};
 }
 

@@ -10,10 +10,17 @@
 // values are there: nothing is global. One that wants nothing, and whose neighbours want nothing, rests; a
 // proposal for a later round wakes it. The run has ended when all rest.
 //
-// There is one phase; more where the input is far from its metric. Then the first makes all of it coarse, the
-// interface with it, which only shifts can, and each later one finer, until the last is as one alone would
-// be. Likewise, but for the first, where curved boundary is coarser than wanted. All but the last have a
-// fixed number of shifts, the same for all subdomains.
+// There is one phase; more where curved boundary is coarser than wanted, each finer than the one before,
+// until the last is as one alone would be. All but the last have a fixed number of shifts, the same for all
+// subdomains.
+//
+// Where the input has few tets, or is far from its metric, few subdomains have it at first. They make a
+// coarse mesh of it, with their interface, which only shifts can make coarse, and divide:
+//
+//   update topology -> divide =>> scatter -> update topology -> adapt interior
+//
+// the last three in all subdomains: a division hands parts of a mesh to subdomains that have none ("await
+// division"), as a shift does.
 #pragma once
 
 #include <atomic>
@@ -27,6 +34,7 @@
 
 #include "graph/adaptation/progress.h"
 #include "graph/dataflow/blueprint.h"
+#include "partition/divide/divide.h"
 #include "partition/refine/refine_interface.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/geometry.h"
@@ -41,6 +49,12 @@ struct Phase {
   double coarseness = 1;  ///< how much longer than wanted its edges are; 1 in the last phase
 };
 
+/// A subdomain that is divided, and those with the next numbers: its parts.
+struct PartsOf {
+  partition::SubdomainId first;
+  std::uint32_t count = 1;
+};
+
 /// How subdomains are adapted; the same on all ranks.
 struct AdaptationPlan {
   std::uint32_t subdomains = 1;
@@ -52,6 +66,10 @@ struct AdaptationPlan {
   partition::ShiftOptions shift;
   std::vector<Phase> phases{{0, 1}};
   bool coarsens = false;  ///< the first phase is coarser than the input
+  /// Those that have tets at first, ascending; the others are parts of the one before them. Empty: all.
+  std::vector<partition::SubdomainId> seeds;
+  std::optional<std::uint64_t> division;        ///< the round, the last of a phase, in which the seeds divide
+  partition::DivisionOptions division_options;  ///< but for the number of parts
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
@@ -63,6 +81,11 @@ struct AdaptationPlan {
   bool pauses = false;
 
   const Phase& phase_of(std::uint64_t round) const;
+  std::uint32_t index_of_phase(std::uint64_t round) const {
+    return static_cast<std::uint32_t>(&phase_of(round) - phases.data());
+  }
+  /// The seed that the subdomain is a part of, or is.
+  PartsOf parts_with(partition::SubdomainId subdomain) const;
   bool begins_phase(std::uint64_t round) const { return phase_of(round).first_round == round; }
   bool is_coarse(std::uint64_t round) const { return round < phases.back().first_round; }
   /// Of its phase, from 0.
@@ -75,6 +98,10 @@ struct BeginPhase {
   void serialize(Archive&) {}
 };
 struct BeginShift {
+  template <class Archive>
+  void serialize(Archive&) {}
+};
+struct BeginDivision {
   template <class Archive>
   void serialize(Archive&) {}
 };
@@ -139,8 +166,11 @@ class SubdomainTask {
 
   // The nodes.
   void adapt_interior(dataflow::NodeContext& context, BeginPhase);
-  BeginShift register_interface(dataflow::NodeContext& context, std::uint64_t round,
-                                std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
+  std::variant<BeginShift, BeginDivision> register_interface(
+      dataflow::NodeContext& context, std::uint64_t round,
+      std::vector<dataflow::Arrival<partition::InterfaceVertices>> arrivals);
+  void divide(dataflow::NodeContext& context, BeginDivision);
+  void await_division(dataflow::NodeContext& context, BeginDivision);
   void propose(dataflow::NodeContext& context, BeginShift);
   std::optional<BeginShift> wake(dataflow::NodeContext& context, std::uint64_t round);
   void gather(dataflow::NodeContext& context, std::uint64_t round,
@@ -148,7 +178,7 @@ class SubdomainTask {
   std::optional<engine::Nothing> scatter(dataflow::NodeContext& context, std::uint64_t round,
                                          std::vector<dataflow::Arrival<partition::Parcel>> arrivals);
   void adapt_shifted(dataflow::NodeContext& context);
-  std::variant<BeginShift, BeginPhase> update_topology(
+  std::variant<BeginShift, BeginPhase, BeginDivision> update_topology(
       dataflow::NodeContext& context, std::uint64_t round,
       std::vector<dataflow::Arrival<partition::Notice>> arrivals);
 

@@ -543,8 +543,9 @@ class Adaptation {
     });
   }
 
-  /// What a mesh that conforms has.
+  /// What a mesh that conforms has, where limits are those of a coarser one: that.
   double count_wanted_tets() const {
+    const double coarseness = kernel_.limits.finest_long_edge / Limits().finest_long_edge;
     double volume = 0;
     for (std::uint32_t i = 0; i < mesh_.tet_slots(); ++i)
       if (mesh_.alive(TetId(i))) {
@@ -554,7 +555,7 @@ class Adaptation {
         volume += density / 6 *
                   six_volume(mesh_.point(v[0]), mesh_.point(v[1]), mesh_.point(v[2]), mesh_.point(v[3]));
       }
-    return kTetsOfUnitVolume * volume;
+    return kTetsOfUnitVolume * volume / (coarseness * coarseness * coarseness);
   }
 
   void mark_if_wrong(TetId t, double fair) {

@@ -3,8 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
+#include "partition/communication/reduce.h"
 #include "partition/decompose/graph_partition.h"
 #include "partition/decompose/ordered_cuts.h"
 #include "partition/decompose/slabs.h"
@@ -71,6 +75,39 @@ Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subd
       break;
   }
   return {bisection(peers, weighted, num_subdomains), {}};
+}
+
+std::vector<std::uint32_t> apportion(std::span<const std::uint64_t> work, std::uint32_t num) {
+  const double all = static_cast<double>(std::accumulate(work.begin(), work.end(), std::uint64_t{0}));
+  const auto left = num - static_cast<std::uint32_t>(work.size());
+  std::vector<std::uint32_t> of_each(work.size(), 1);
+  std::vector<std::pair<double, std::size_t>> remainders;  // negative: the largest comes first
+  std::uint32_t given = 0;
+  for (std::size_t i = 0; i < work.size(); ++i) {
+    const double share = all > 0 ? left * (static_cast<double>(work[i]) / all) : 0;
+    const auto whole = std::min(static_cast<std::uint32_t>(share), left - given);
+    of_each[i] += whole;
+    given += whole;
+    remainders.emplace_back(whole - share, i);
+  }
+  std::sort(remainders.begin(), remainders.end());
+  for (std::size_t k = 0; given < left; ++k, ++given) ++of_each[remainders[k % remainders.size()].second];
+  return of_each;
+}
+
+Decomposition with_room_to_divide(Peers& peers, Decomposition decomposition, std::span<const double> work,
+                                  std::uint32_t parts, std::uint32_t num_subdomains) {
+  const std::vector<std::uint64_t> weights = integer_weights(peers, work);
+  std::vector<std::uint64_t> of_part(parts, 0);
+  for (std::size_t t = 0; t < weights.size(); ++t) of_part[decomposition.subdomains[t].value] += weights[t];
+  const std::vector<std::uint32_t> of_each = apportion(partition::sum(peers, of_part), num_subdomains);
+  SubdomainId first(0);
+  for (const std::uint32_t n : of_each) {
+    decomposition.seeds.push_back(first);
+    first.value += n;
+  }
+  for (SubdomainId& s : decomposition.subdomains) s = decomposition.seeds[s.value];
+  return decomposition;
 }
 
 }  // namespace weft::partition

@@ -31,7 +31,8 @@ struct Items {
 /// Result of decompose().
 struct Decomposition {
   std::vector<SubdomainId> subdomains;  ///< of each of this rank's tets: 0 to num_subdomains - 1
-  std::string warning;                  ///< where some were left empty on purpose; the same on all ranks
+  std::string warning = {};             ///< where some were left empty on purpose; the same on all ranks
+  std::vector<SubdomainId> seeds = {};  ///< of with_room_to_divide()
 };
 
 /// Divides the tets; all ranks call together. Depends on the tets of all ranks, not on which rank has which
@@ -46,5 +47,14 @@ struct Decomposition {
 /// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs.
 Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
                         const Partitioner& partitioner);
+
+/// The parts of a decomposition spread over `num_subdomains`, no fewer than they are: behind each part come
+/// as many subdomains without tets as its share of the work (an entry for each of this rank's tets) befits.
+/// All ranks call together; depends on what decompose() depends on.
+Decomposition with_room_to_divide(Peers& peers, Decomposition decomposition, std::span<const double> work,
+                                  std::uint32_t parts, std::uint32_t num_subdomains);
+
+/// Of `num` in proportion to `work`, for each at least one; num is no less than they are.
+std::vector<std::uint32_t> apportion(std::span<const std::uint64_t> work, std::uint32_t num);
 
 }  // namespace weft::partition

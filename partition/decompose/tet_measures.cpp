@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "meshing/kernel/quality.h"
 #include "meshing/mesh/tet_tables.h"
+#include "meshing/metric/expectations.h"
 
 namespace weft::partition {
 namespace {
@@ -66,6 +68,46 @@ SymTensor cut_tensor(const TetCorners& tet, const SymTensor& inverse) {
   if (!usable(inverse)) return meshing::identity_tensor();
   const SymTensor isotropic = 0.5 * trace_of_quotient(inverse, implied) * implied;
   return usable(isotropic) ? inverse + isotropic : inverse;
+}
+
+namespace {
+
+double quality(const TetCorners& p, const LogMetric& log_metric) {
+  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric),
+                    std::exp(trace(log_metric)), p[1] - p[0], p[2] - p[0], p[3] - p[0]);
+}
+
+}  // namespace
+
+void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
+  double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
+  for (const LogMetric& l : log_metrics) density += 0.25 * std::exp(0.5 * trace(l));
+  // A tet that is exactly positive may compute a negative volume.
+  const double volume = std::max(0.0, six_volume(p[0], p[1], p[2], p[3]) / 6);
+  complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
+  LogMetric mean;
+  for (const LogMetric& l : log_metrics) mean = mean + 0.25 * l;
+  const SymTensor inverse = unit_inverse(mean);
+  cut_tensors.push_back(cut_tensor(p, inverse));
+  qualities.push_back(quality(p, mean));
+  face_areas.push_back(partition::face_areas(p, inverse, std::exp(trace(mean) / 3)));
+  corners.push_back(p);
+  centres.push_back(0.25 * (p[0] + p[1] + (p[2] + p[3])));
+}
+
+void TetMeasures::scale(double factor) {
+  for (double& c : complexities) c *= factor;
+  const auto area_factor = static_cast<float>(std::pow(factor, 2.0 / 3));
+  for (auto& areas : face_areas)
+    for (float& area : areas) area *= area_factor;
+}
+
+std::vector<double> TetMeasures::work() const {
+  constexpr double kHandling = 0.1;  // of a tet that is there, in final tets
+  std::vector<double> all;
+  all.reserve(complexities.size());
+  for (const double c : complexities) all.push_back(meshing::kTetsPerComplexity * c + kHandling);
+  return all;
 }
 
 }  // namespace weft::partition

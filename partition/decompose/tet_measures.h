@@ -1,7 +1,8 @@
-// What the partitioners want to know of one tet of the input.
+// What the partitioners want to know of the tets of a mesh.
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "meshing/base/point.h"
 #include "meshing/metric/metric.h"
@@ -28,5 +29,21 @@ double vertices_wanted(float area, float other_area);
 /// of isotropic tets would be planned for a plane that its faces cannot follow. (Half: cuts around whole
 /// balls of vertices; a quarter and all of it make 2 to 14 % more area on a uniform cube in polar-2.)
 meshing::SymTensor cut_tensor(const TetCorners& tet, const meshing::SymTensor& inverse);
+
+/// What a decomposition wants to know of tets, an entry for each in every array.
+struct TetMeasures {
+  std::vector<meshing::Point> centres;
+  std::vector<TetCorners> corners;
+  std::vector<double> complexities;
+  std::vector<double> qualities;                 ///< mean ratio; does not change when the metric is scaled
+  std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
+  std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
+
+  void add(const TetCorners& tet, const std::array<meshing::LogMetric, 4>& log_metrics);
+  /// The metric is that of `factor` times the complexity.
+  void scale(double factor);
+  /// The number of tets that is expected of each: 12 times its complexity, and a tenth for handling it.
+  std::vector<double> work() const;
+};
 
 }  // namespace weft::partition

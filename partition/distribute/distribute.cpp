@@ -5,13 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
-#include "meshing/kernel/quality.h"
-#include "meshing/metric/expectations.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -30,9 +27,6 @@ namespace weft::partition {
 namespace {
 
 using meshing::Point;
-
-/// What handling an input tet costs, in final tets.
-constexpr double kHandling = 0.1;
 
 /// The slice's tets with the points that they need from anywhere.
 class TetPoints {
@@ -58,41 +52,18 @@ class TetPoints {
   std::vector<PointRecord> records_;
 };
 
-/// What the decomposition wants to know of the slice's tets.
-struct TetMeasures {
-  std::vector<Point> centres;
-  std::vector<TetCorners> corners;
-  std::vector<double> complexities;
-  std::vector<double> qualities;
-  std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
-  std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
-  meshing::Box box;                              ///< of the whole mesh
+/// What the decomposition wants to know of the slice's tets, and the box of the whole mesh.
+struct Measured {
+  TetMeasures tets;
+  meshing::Box box;
 };
 
-/// Mean ratio in the metric `log_metric`; it does not change when the metric is scaled.
-double quality(const TetCorners& p, const meshing::LogMetric& log_metric) {
-  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric),
-                    std::exp(trace(log_metric)), p[1] - p[0], p[2] - p[0], p[3] - p[0]);
-}
-
-TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
-  TetMeasures m;
+Measured measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
+  Measured m;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     const auto p = points.of(t);
-    double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
-    for (const PointRecord* corner : p) density += 0.25 * std::exp(0.5 * trace(corner->log_metric));
-    // A tet that is exactly positive may compute a negative volume.
-    const double volume = std::max(0.0, six_volume(p[0]->point, p[1]->point, p[2]->point, p[3]->point) / 6);
-    m.complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
-    meshing::LogMetric mean;
-    for (const PointRecord* corner : p) mean = mean + 0.25 * corner->log_metric;
-    const TetCorners corners{p[0]->point, p[1]->point, p[2]->point, p[3]->point};
-    const meshing::SymTensor inverse = unit_inverse(mean);
-    m.cut_tensors.push_back(cut_tensor(corners, inverse));
-    m.qualities.push_back(quality(corners, mean));
-    m.face_areas.push_back(face_areas(corners, inverse, std::exp(trace(mean) / 3)));
-    m.corners.push_back(corners);
-    m.centres.push_back(0.25 * (p[0]->point + p[1]->point + (p[2]->point + p[3]->point)));
+    m.tets.add({p[0]->point, p[1]->point, p[2]->point, p[3]->point},
+               {p[0]->log_metric, p[1]->log_metric, p[2]->log_metric, p[3]->log_metric});
   }
   std::vector<Point> all;
   for (const PointRecord& record : points.all()) all.push_back(record.point);
@@ -100,7 +71,7 @@ TetMeasures measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& 
   return m;
 }
 
-TetMeasures check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges) {
+Measured check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges) {
   const TetPoints points(peers, slice, ranges);
   std::vector<std::array<const Point*, 4>> corners;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
@@ -119,26 +90,25 @@ double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& 
   const meshing::LogMetric shift =
       (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
   for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
-  for (double& c : measures.complexities) c *= factor;
-  const auto area_factor = static_cast<float>(std::pow(factor, 2.0 / 3));
-  for (auto& areas : measures.face_areas)
-    for (float& area : areas) area *= area_factor;
+  measures.scale(factor);
   return target;
 }
 
+/// Into the subdomains that have tets at first.
 Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
-                              const DecompositionOptions& options) {
-  std::vector<double> work;
+                              const DecompositionOptions& options, std::uint32_t parts) {
+  std::vector<double> work(slice.tets.size(), 1);
+  if (!options.equal_tets) work = measures.work();
   std::vector<std::uint64_t> numbers;
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    work.push_back(options.equal_tets ? 1
-                                      : meshing::kTetsPerComplexity * measures.complexities[t] + kHandling);
-    numbers.push_back(slice.first_tet + t);
-  }
-  return decompose(peers,
-                   {measures.centres, measures.corners, work, numbers, measures.cut_tensors, slice.tets,
-                    measures.face_areas, measures.complexities},
-                   options.num_subdomains, options.partitioner);
+  for (std::size_t t = 0; t < slice.tets.size(); ++t) numbers.push_back(slice.first_tet + t);
+  const Items items{
+      measures.centres,    measures.corners,     work, numbers, measures.cut_tensors, slice.tets,
+      measures.face_areas, measures.complexities};
+  if (parts == options.num_subdomains) return decompose(peers, items, parts, options.partitioner);
+  Partitioner partitioner = options.partitioner;
+  if (partitioner.kind == Partitioner::Kind::pqr) partitioner = {};  // its slabs are those of the whole
+  return with_room_to_divide(peers, decompose(peers, items, parts, partitioner), work, parts,
+                             options.num_subdomains);
 }
 
 /// All ranks classify the same boundary on the same model, each for itself.
@@ -227,13 +197,19 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
   Distributed result;
-  TetMeasures measures = check_and_measure(peers, slice, points);
+  Measured measured = check_and_measure(peers, slice, points);
+  TetMeasures& measures = measured.tets;
   result.mean_quality = ordered_sum(peers, measures.qualities) / static_cast<double>(slice.num_tets);
   result.complexity = scale_metric(peers, options.target_complexity, slice, measures);
   WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
   slice.boundary = {};
-  result.box = measures.box;
-  Decomposition decomposition = decompose_slice(peers, slice, measures, options);
+  result.box = measured.box;
+  const std::uint32_t parts =
+      options.parts_at_first
+          ? options.parts_at_first({slice.num_tets, result.complexity, result.mean_quality})
+          : options.num_subdomains;
+  Decomposition decomposition = decompose_slice(peers, slice, measures, options, parts);
+  result.seeds = std::move(decomposition.seeds);
   measures = {};
 
   const std::vector<TetRecord> mine =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,13 @@
 
 namespace weft::partition {
 
+/// What is known of the whole mesh before it is decomposed.
+struct InputMeasures {
+  std::uint64_t tets = 0;
+  double complexity = 0;    ///< in its metric
+  double mean_quality = 0;  ///< of the tets, in its metric
+};
+
 struct DecompositionOptions {
   std::uint32_t num_subdomains = 1;
   Partitioner partitioner;
@@ -23,6 +31,9 @@ struct DecompositionOptions {
   double target_complexity = 0;     ///< the metric is scaled to it (paper, equation 3); 0: as it is
   bool equal_tets = false;          ///< parts of equally many tets of the input, not of equal predicted work
   std::shared_ptr<const meshing::Model> model = nullptr;  ///< of the boundary; on every rank or none
+  /// How many of the subdomains have tets at first, 1 to num_subdomains: these divide later. The same on all
+  /// ranks. Null: all.
+  std::function<std::uint32_t(const InputMeasures&)> parts_at_first = {};
 };
 
 /// What one rank has after the decomposition.
@@ -33,6 +44,9 @@ struct Distributed {
   meshing::Box box;                          ///< of the whole mesh
   double complexity = 0;                     ///< of the whole mesh in its metric
   double mean_quality = 0;                   ///< of the whole mesh's tets
+  /// Where some subdomains have no tets at first: those that have, ascending, from 0. Each is to be divided
+  /// with the ones up to the next (partition/divide), which are as many as befits its work.
+  std::vector<SubdomainId> seeds;
 };
 
 /// Checks, completes, decomposes and distributes the mesh; all ranks call together. Subdomains, geometry,

@@ -86,7 +86,7 @@ void forget_features(TetMesh& mesh, const std::vector<std::uint32_t>& vertices) 
 
 }  // namespace
 
-Departures find_departures(const Subdomain& s, const Choice& choice, const Chosen& chosen,
+Departures find_departures(const Subdomain& s, const ReceiverOrder& order, const Chosen& chosen,
                            const std::vector<std::uint32_t>& interface_index) {
   const TetMesh& mesh = *s.mesh;
   Departures departures;
@@ -98,14 +98,14 @@ Departures find_departures(const Subdomain& s, const Choice& choice, const Chose
     if (chosen.leaves(t)) return;
     for (const VertexId v : vertices) {
       if (!targets.known(v)) continue;
-      targets.note(v, choice.order().self());
+      targets.note(v, order.self());
       departures.staying[v.value] = t;
     }
   });
   departures.vertices = targets.take_vertices();
   for (const Targets::Found& found : targets.found())
     departures.of_interface.push_back(
-        {s.global_id(VertexId(found.vertex)), choice.order().subdomain(found.to), found.vertex});
+        {s.global_id(VertexId(found.vertex)), order.subdomain(found.to), found.vertex});
   std::sort(departures.of_interface.begin(), departures.of_interface.end());
   departures.of_interface.erase(std::unique(departures.of_interface.begin(), departures.of_interface.end()),
                                 departures.of_interface.end());

@@ -28,7 +28,7 @@ struct Departures {
 };
 
 /// `interface_index`: by vertex slot, Interface::kNone for vertices that are not of the interface.
-Departures find_departures(const Subdomain& subdomain, const Choice& choice, const Chosen& chosen,
+Departures find_departures(const Subdomain& subdomain, const ReceiverOrder& order, const Chosen& chosen,
                            const std::vector<std::uint32_t>& interface_index);
 
 /// Removes the tets that leave, and the vertices that have none left.

@@ -1,8 +1,8 @@
-// Proposals, and the packing of the tets that leave.
+// Proposals, and the choice of the tets that leave.
 #include <algorithm>
 
 #include "meshing/metric/expectations.h"
-#include "partition/shift/packing.h"
+#include "partition/shift/hand_over.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/tets_at.h"
 
@@ -33,45 +33,10 @@ std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
   return near;
 }
 
-/// Index in the interface of each vertex by slot, kNone for others.
-std::vector<std::uint32_t> interface_index(const Subdomain& s) {
-  std::vector<std::uint32_t> index(s.mesh->vertex_slots(), Interface::kNone);
-  for (std::uint32_t i = 0; i < s.interface.size(); ++i) index[s.interface.local(i).value] = i;
-  return index;
-}
-
 /// One for each neighbour, with nothing in it.
 std::vector<Parcel> empty_parcels(const Subdomain& s) {
   std::vector<Parcel> parcels(s.interface.neighbours().size());
   for (Parcel& p : parcels) p.from = s.id;
-  return parcels;
-}
-
-/// The neighbours' parcels, in their order.
-std::vector<Parcel> pack(const Subdomain& s, const Choice& choice, const Chosen& chosen,
-                         const std::vector<Departure>& departures,
-                         const std::vector<std::uint32_t>& interface_index,
-                         std::span<const Proposal> proposals) {
-  const auto neighbours = s.interface.neighbours();
-  std::vector<std::uint32_t> place_of_tet(chosen.to.size());
-  std::vector<Packing> packing;
-  packing.reserve(neighbours.size());
-  for (const SubdomainId neighbour : neighbours)
-    packing.emplace_back(s, neighbour, interface_index, place_of_tet);
-  std::vector<std::size_t> tets_to(choice.order().size(), 0);
-  for (const TetId t : chosen.leaving) ++tets_to[chosen.to[t.value]];
-  std::vector<Packing*> packing_of(choice.order().size(), nullptr);
-  for (Place r = 1; r < choice.order().size(); ++r) {
-    if (tets_to[r] == 0) continue;
-    packing_of[r] = &packing[static_cast<std::size_t>(
-        std::lower_bound(neighbours.begin(), neighbours.end(), choice.order().subdomain(r)) -
-        neighbours.begin())];
-    packing_of[r]->reserve(tets_to[r]);
-  }
-  for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
-  std::vector<Parcel> parcels;
-  for (std::size_t n = 0; n < packing.size(); ++n)
-    parcels.push_back(packing[n].finish(chosen, departures, proposals[n].pieces));
   return parcels;
 }
 
@@ -117,15 +82,11 @@ std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const G
   Choice choice(s, mine, proposals);
   const Chosen chosen = choice.choose(wanted, proposals, options);
   if (chosen.leaving.empty()) return empty_parcels(s);
-  const std::vector<std::uint32_t> index = interface_index(s);
-  const Departures departures = find_departures(s, choice, chosen, index);
-  std::vector<Parcel> parcels = pack(s, choice, chosen, departures.of_interface, index, proposals);
-  for (const Departure& d : departures.of_interface) {
-    s.departures.push_back({d.id, d.to});
-    s.mesh->freeze(VertexId(d.vertex));
-  }
-  remove_leaving(s, chosen, departures);
-  return parcels;
+  const auto neighbours = s.interface.neighbours();
+  std::vector<Receiver> receivers;
+  for (std::size_t n = 0; n < neighbours.size(); ++n)
+    receivers.push_back({neighbours[n], proposals[n].pieces});
+  return hand_over(s, choice.order(), chosen, receivers);
 }
 
 }  // namespace weft::partition

@@ -56,6 +56,7 @@ struct Setting {
   std::atomic<bool>* interrupt = nullptr;
   ProgressBoard* news = nullptr;
   std::uint32_t most_shifts = 12;
+  double tets_of_seed = 1e5;
   bool check = false;
   std::function<void(partition::Subdomain&)> on_check = {};
   std::function<void(const Runtime&)> on_start = {}, on_end = {};  ///< of the loop
@@ -98,6 +99,7 @@ void adapt_on_rank(Transport& network, const MetricMesh& whole, const Setting& s
   options.interrupt = setting.interrupt;
   options.news = setting.news;
   options.most_shifts = setting.most_shifts;
+  options.tets_of_seed = setting.tets_of_seed;
   options.check = setting.check;
   options.on_check = setting.on_check;
   if (setting.on_start) options.on_start = [&] { setting.on_start(runtime); };
@@ -501,11 +503,11 @@ std::vector<double> coarseness_of_phases(const MetricMesh& whole, std::uint32_t 
 
 TEST(Phases, AreSeveralWhereTheInputIsFarFromItsMetric) {
   const MetricMesh far = far_from_its_metric(10, 3000);
-  EXPECT_THAT(coarseness_of_phases(far, 4), ElementsAre(4, 2, 1));
-  EXPECT_THAT(coarseness_of_phases(far, 30), ElementsAre(2, 1)) << "with four: sixteen tets a subdomain";
+  EXPECT_THAT(coarseness_of_phases(far, 4), ElementsAre(4, 1));
+  EXPECT_THAT(coarseness_of_phases(far, 30), ElementsAre(2, 1)) << "with four: sixteen tets a part";
   EXPECT_THAT(coarseness_of_phases(far, 400), ElementsAre(1)) << "with two: nine";
   EXPECT_THAT(coarseness_of_phases(far, 1), ElementsAre(1)) << "the kernel knows what to do";
-  EXPECT_THAT(coarseness_of_phases(far_from_its_metric(4, 20000), 2), ElementsAre(1)) << "it is coarse";
+  EXPECT_THAT(coarseness_of_phases(far_from_its_metric(4, 20000), 2), ElementsAre(8, 1)) << "it is coarse";
   MetricMesh near = far;
   std::ranges::fill(near.log_metrics, meshing::LogMetric{4, 0, 4, 0, 0, 4});
   EXPECT_THAT(coarseness_of_phases(near, 4), ElementsAre(1)) << "its tets are good as they are";
@@ -527,8 +529,8 @@ TEST(Phases, FollowEachOther) {
   EXPECT_THAT(coarse, ElementsAre(1, 1, 1, 1, 0, 0, 0));
 }
 
-/// The smallest receive first: where a mesh becomes coarse, nobody gets it all. What one run gives is a
-/// matter of chance, so it is the mean of several that counts.
+/// What is divided has its share of the work. What one run gives is a matter of chance, so it is the mean of
+/// several that counts.
 TEST(Phases, LeaveSubdomainsOfLikeSize) {
   double sum = 0;
   const std::array<double, 4> complexities = {3000, 3500, 4000, 4500};
@@ -539,7 +541,7 @@ TEST(Phases, LeaveSubdomainsOfLikeSize) {
     std::vector<std::size_t> tets;
     engine::LoopbackNetwork network(1);
     adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
-      EXPECT_EQ(rank.plan.phases.size(), 3u);
+      EXPECT_EQ(rank.plan.phases.size(), 2u);
       for (const MeshPiece& piece : rank.result.pieces) tets.push_back(piece.mesh.tets.size());
     });
     const std::size_t all = std::accumulate(tets.begin(), tets.end(), std::size_t{0});
@@ -570,6 +572,69 @@ TEST(Phases, GiveTheQualityOfOneMesh) {
   EXPECT_GT(parts.quality_mean, 0.99 * one.quality_mean);
   EXPECT_GT(parts.edges_unit, 0.985 * one.edges_unit);
   EXPECT_GT(parts.quality_q01, 0.96 * one.quality_q01);
+}
+
+// --- Division
+
+TEST_P(AdaptationOnRanks, FewTetsBecomeManySubdomainsAlikeEverywhere) {
+  const MetricMesh whole = far_from_its_metric(1, 700);  // six tets
+  Setting setting;
+  setting.subdomains = 9;
+  for (const char* partitioner : {"graph", "pqr:3x3x1"}) {
+    setting.partitioner = partitioner;
+    expect_same_as_on_one_rank(GetParam(), whole, setting);
+  }
+}
+
+TEST_P(AdaptationOnRanks, SoDoSubdomainsWithInterfacesWhenTheyDivide) {
+  const MetricMesh whole = far_from_its_metric(8, 1000);
+  Setting setting;
+  setting.subdomains = 10;
+  setting.tets_of_seed = 900;
+  setting.balancer = engine::rotate();
+  setting.delay = std::chrono::microseconds(300);
+  const PieceBytes expected = on_one_rank(whole, setting);
+  setting.check = true;
+  on_ranks(GetParam(), [&](Transport& network) {
+    adapt_on_rank(network, whole, setting, [&](RankOutcome rank) {
+      EXPECT_EQ(rank.plan.seeds.size(), 3u);
+      EXPECT_EQ(rank.plan.division, 2u) << "after two shifts";
+      const PieceBytes all = gather_bytes(rank.peers, rank.result.pieces);
+      EXPECT_TRUE(rank.peers.rank() > 0 || all == expected);
+    });
+  });
+}
+
+TEST(Division, GivesEveryoneALikeShare) {
+  const MetricMesh whole = far_from_its_metric(1, 1500);
+  Setting setting;
+  setting.subdomains = 8;
+  engine::LoopbackNetwork network(1);
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
+    EXPECT_THAT(rank.plan.seeds, ElementsAre(SubdomainId(0)));
+    std::size_t largest = 0, all = 0;
+    for (const MeshPiece& piece : rank.result.pieces) {
+      EXPECT_GT(piece.mesh.tets.size(), 0u);
+      largest = std::max(largest, piece.mesh.tets.size());
+      all += piece.mesh.tets.size();
+    }
+    EXPECT_LT(largest, all / 3);
+  });
+}
+
+TEST(Division, PartsFollowTheirSeed) {
+  AdaptationPlan plan;
+  plan.subdomains = 10;
+  EXPECT_EQ(plan.parts_with(SubdomainId(4)).first, SubdomainId(4)) << "nobody divides";
+  EXPECT_EQ(plan.parts_with(SubdomainId(4)).count, 1u);
+  plan.seeds = {SubdomainId(0), SubdomainId(3), SubdomainId(9)};
+  std::vector<std::uint32_t> first, count;
+  for (std::uint32_t s = 0; s < plan.subdomains; ++s) {
+    first.push_back(plan.parts_with(SubdomainId(s)).first.value);
+    count.push_back(plan.parts_with(SubdomainId(s)).count);
+  }
+  EXPECT_THAT(first, ElementsAre(0, 0, 0, 3, 3, 3, 3, 3, 3, 9));
+  EXPECT_THAT(count, ElementsAre(3, 3, 3, 6, 6, 6, 6, 6, 6, 1));
 }
 
 MetricMesh coarse_ball(double size) {

@@ -341,23 +341,38 @@ class Runs(SampleTest):
     def check_what_is_left(self, profile):
         """After the last step nothing is counted that the measures of the result do not know of."""
         last, after = profile["left"][-1], profile["report"]["after"]
-        self.assertEqual(profile["left"][0]["subdomains"], 6)
+        self.assertEqual(profile["left"][0]["subdomains"], 1, "it is divided into six")
+        self.assertEqual(last["subdomains"], 6)
         self.assertEqual(last["interior"]["tets"] + last["interface"]["tets"], after["tets"])
         long = last["interior"]["long edges"] + last["interface"]["long edges"]
         self.assertAlmostEqual(long, after["edge_length"]["share_long"] * after["edges"], delta=0.02 * after["edges"])
 
-    def test_the_planned_graph_is_what_the_executed_one_was_allowed_to_do(self):
+    def links_at_first(self, edge):
+        """Who sends what along an edge in the first round, as planned and as executed."""
+        planned, executed = (json.loads((self.folder / name).read_text()) for name in ("run-planned.json", "run.json"))
+        at_first = json.loads(self.weft("graph", "run.json", "--round", 0, "--format", "json").stdout)
+        number = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == edge)
+        return [{link[:2] for link in zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"]) if link[2] == number}
+                for g in (planned, at_first)]
+
+    def test_a_division_is_in_the_graph(self):
+        """The box is far from its metric: one subdomain makes a coarse mesh, and divides."""
         self.adapt("--subdomains", 6, "--graph", "run.json")
+        planned, executed = self.links_at_first("divide -> scatter")
+        self.assertEqual(executed, {(0, part) for part in range(1, 6)})
+        self.assertLessEqual(executed, planned)
+
+    def test_the_planned_graph_is_what_the_executed_one_was_allowed_to_do(self):
+        self.adapt()
+        self.weft("adapt", "out.meshb", "--metric", "out.solb", "-o", "again.meshb", "--quiet", "--subdomains", 6, "--graph", "run.json")
         planned, executed = (json.loads((self.folder / name).read_text()) for name in ("run-planned.json", "run.json"))
         jsonschema.validate(planned, schema("graph/weft-graph-1.schema.json"))
         self.assertEqual(planned["graph"], executed["graph"])
         self.assertEqual([i["number"] for i in planned["instances"]], list(range(6)))
         self.assertEqual(planned["runs"]["node"], [])
-        at_first = json.loads(self.weft("graph", "run.json", "--round", 0, "--format", "json").stdout)
-        links = [set(zip(g["network"]["from"], g["network"]["to"], g["network"]["edge"])) for g in (planned, at_first)]
         # First neighbours exchange what they have made of their interface; later ones meet by shifts.
-        registered = next(i for i, e in enumerate(executed["graph"]["edges"]) if e["name"] == "adapt interior -> register interface")
-        self.assertEqual(*({link for link in some if link[2] == registered} for some in links))
+        links = self.links_at_first("adapt interior -> register interface")
+        self.assertEqual(*links)
         self.assertTrue(links[0])
         self.weft("graph", "run-planned.json", "-o", "plan.svg")
 

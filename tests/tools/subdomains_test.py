@@ -14,7 +14,7 @@ SECONDS = 200  # far above what anything here takes
 
 SUBDOMAIN_KEYS = {
     "subdomains", "partitioner", "ranks", "layers", "checks", "decomposition_seconds", "adaptation_seconds",
-    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "shifts", "by_rank", "former_interface", "engine", "checkpoints",
+    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "divided_from", "shifts", "by_rank", "former_interface", "engine", "checkpoints",
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",

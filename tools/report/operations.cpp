@@ -7,8 +7,10 @@ namespace weft::report {
 
 OperationIndex operation_of_node(std::string_view name) {
   static constexpr std::pair<std::string_view, OperationIndex> kNodes[] = {
-      {"adapt interior", 0}, {"adapt shifted", 1}, {"register interface", 2}, {"propose", 3}, {"wake", 3},
-      {"gather", 4},         {"scatter", 5},       {"update topology", 6}};
+      {"adapt interior", 0}, {"adapt shifted", 1},  {"register interface", 2},
+      {"propose", 3},        {"wake", 3},           {"gather", 4},
+      {"divide", 4},         {"await division", 4}, {"scatter", 5},
+      {"update topology", 6}};
   const auto found = std::find_if(std::begin(kNodes), std::end(kNodes),
                                   [&](const auto& entry) { return entry.first == name; });
   return found == std::end(kNodes) ? kMisc : found->second;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "meshing/kernel/tet_mesh_arrays.h"
+#include "partition/divide/divide.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/adapt_subdomain.h"
 #include "tests/partition/cut.h"
@@ -99,13 +100,30 @@ class Rounds {
     notices_.assign(subdomains_.size(), {});
     for (std::size_t i = 0; i < subdomains_.size(); ++i) {
       auto arrived = arrived_at(i, parcels, neighbours);
-      partition::Scattered r = scatter(subdomains_[i], arrived);
-      moved += r.received;
-      expected_.push_back(std::move(r.expected));
-      for (auto& [to, notice] : r.notices)
-        notices_[to.value].emplace(SubdomainId(static_cast<std::uint32_t>(i)), std::move(notice));
+      moved += scatter_in(i, arrived);
     }
     return moved;
+  }
+
+  /// Subdomain i hands parts of itself to itself and the parts[i] - 1 after it, which have nothing yet; 0: it
+  /// is one of these. update() must follow.
+  void divide(const std::vector<std::uint32_t>& parts) {
+    const ForEach<SubdomainId> neighbours = find_neighbours();
+    std::vector<std::map<SubdomainId, partition::Parcel>> parcels(subdomains_.size());  // [to][from]
+    for (std::size_t i = 0; i < subdomains_.size(); ++i) {
+      if (parts[i] == 0) continue;
+      for (auto& [to, parcel] : partition::divide(subdomains_[i], {parts[i], {}, false}))
+        parcels[to.value].emplace(subdomains_[i].id, std::move(parcel));
+    }
+    expected_.clear();
+    notices_.assign(subdomains_.size(), {});
+    for (std::size_t i = 0; i < subdomains_.size(); ++i) {
+      std::vector<partition::Parcel> arrived;
+      for (auto& [from, parcel] : parcels[i]) arrived.push_back(std::move(parcel));
+      const std::size_t due = parts[i] == 0 ? 1 : neighbours[i].size();
+      if (arrived.size() != due) throw std::logic_error("a parcel is missing, or is one too many");
+      scatter_in(i, arrived);
+    }
   }
 
   /// The notices. Returns the number of subdomains that did not get them from exactly those they expected.
@@ -140,6 +158,15 @@ class Rounds {
   }
 
  private:
+  /// Returns the number of tets that have arrived.
+  std::uint64_t scatter_in(std::size_t i, std::vector<partition::Parcel>& arrived) {
+    partition::Scattered r = scatter(subdomains_[i], arrived);
+    expected_.push_back(std::move(r.expected));
+    for (auto& [to, notice] : r.notices)
+      notices_[to.value].emplace(SubdomainId(static_cast<std::uint32_t>(i)), std::move(notice));
+    return r.received;
+  }
+
   void register_interfaces(ForEach<partition::InterfaceVertices> created) {
     const ForEach<SubdomainId> neighbours = find_neighbours();
     for (std::size_t i = 0; i < subdomains_.size(); ++i)

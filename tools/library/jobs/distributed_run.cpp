@@ -253,6 +253,8 @@ void DistributedRun::gather_statistics(Report& report) {
   stats_->layers = options_.distributed.layers;
   stats_->checks = result_.checks;
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
+  stats_->divided_from = static_cast<std::uint32_t>(rank_.plan.seeds.size());
+  stats_->division = rank_.plan.division.value_or(0);
   stats_->decomposition_seconds = result_.decomposition_seconds;
   stats_->adaptation_seconds = result_.adaptation_seconds;
   stats_->exchanged_before = sum_exchanges(*peers_, engine::exchanged_between({}, before_loop_));

@@ -186,11 +186,17 @@ std::string subdomains_text(const DistributedStats& a) {
   text += fmt::format("{:<8}{:>16}{:>14}{:>12}{:>16}\n", "shift", "vertices wanted", "tets moved",
                       "receivers", "vertices freed");
   for (const ShiftStats& s : a.shifts) {
-    const bool coarse = s.round < a.coarse_shifts;
+    const bool coarse = s.round<a.coarse_shifts, division = a.divided_from> 0 && s.round == a.division;
     text += fmt::format("  {:<6}{:>16}{:>14}{:>12}{:>16}{}\n", s.round + 1, grouped(s.wanted),
-                        grouped(s.moved), grouped(s.receivers), grouped(s.thawed), coarse ? "  coarse" : "");
+                        grouped(s.moved), grouped(s.receivers), grouped(s.thawed),
+                        division ? "  division"
+                        : coarse ? "  coarse"
+                                 : "");
   }
-  if (a.coarse_shifts > 0)
+  if (a.divided_from > 0)
+    text += fmt::format("a coarse mesh was made in {} subdomain{} first, and divided\n", a.divided_from,
+                        a.divided_from == 1 ? "" : "s");
+  if (a.coarse_shifts > (a.divided_from > 0 ? a.division + 1 : 0))
     text += "adapted to coarser metrics first, so that interfaces follow the metric and the boundary too\n";
   if (a.checks > 0)
     text += fmt::format(

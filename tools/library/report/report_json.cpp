@@ -124,6 +124,7 @@ Json json_of(const DistributedStats& a) {
           {"seconds_by_operation", json_of(a.sum)},
           {"share_beside_adaptation", a.beside_adaptation},
           {"coarse_shifts", a.coarse_shifts},
+          {"divided_from", a.divided_from},
           {"shifts", shifts},
           {"by_rank", ranks},
           {"exchanged_by_rank",

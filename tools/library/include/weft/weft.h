@@ -313,6 +313,8 @@ struct DistributedStats {
   std::uint32_t checks = 0;  ///< of all invariants; 0: not asked for
   double decomposition_seconds = 0, adaptation_seconds = 0;
   std::uint32_t coarse_shifts = 0;  ///< of `shifts`, those of phases to coarser metrics
+  std::uint32_t divided_from = 0;   ///< subdomains that had tets at first, and were divided; 0: none were
+  std::uint64_t division = 0;       ///< the round of `shifts` in which they were
   std::vector<ShiftStats> shifts;
   std::vector<RankStats> by_rank;                                      ///< where a report was asked for
   std::vector<OperationTime> sum;                                      ///< of all ranks

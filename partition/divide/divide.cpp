@@ -1,0 +1,94 @@
+// Chooses a part for each tet; hand_over() does the rest.
+#include "partition/divide/divide.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "partition/decompose/decomposition.h"
+#include "partition/decompose/tet_measures.h"
+#include "partition/shift/hand_over.h"
+
+namespace weft::partition {
+
+using meshing::TetId;
+using meshing::TetMesh;
+using meshing::VertexId;
+
+namespace {
+
+/// The tets that are alive, as the partitioners take them.
+struct LiveTets {
+  std::vector<TetId> ids;
+  std::vector<std::array<std::uint32_t, 4>> vertices;
+  TetMeasures measures;
+};
+
+LiveTets live_tets(const TetMesh& mesh) {
+  LiveTets live;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const meshing::TetVertices v = mesh.vertices(TetId(i));
+    live.ids.emplace_back(i);
+    live.vertices.push_back({v[0].value, v[1].value, v[2].value, v[3].value});
+    live.measures.add(
+        {mesh.point(v[0]), mesh.point(v[1]), mesh.point(v[2]), mesh.point(v[3])},
+        {mesh.log_metric(v[0]), mesh.log_metric(v[1]), mesh.log_metric(v[2]), mesh.log_metric(v[3])});
+  }
+  return live;
+}
+
+/// By place in `live`; the mesh is whole here, so nobody is asked.
+std::vector<SubdomainId> parts_of(const LiveTets& live, const DivisionOptions& options) {
+  const TetMeasures& m = live.measures;
+  std::vector<double> work(live.ids.size(), 1);
+  if (!options.equal_tets) work = m.work();
+  std::vector<std::uint64_t> numbers(live.ids.size());
+  std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  SelfPeers alone;
+  return decompose(alone,
+                   {m.centres, m.corners, work, numbers, m.cut_tensors, live.vertices, m.face_areas,
+                    m.complexities},
+                   options.num_parts, options.partitioner)
+      .subdomains;
+}
+
+/// The subdomain keeps the first part.
+Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const ReceiverOrder& order) {
+  Chosen chosen;
+  chosen.to.assign(s.mesh->tet_slots(), kNobody);
+  if (options.num_parts == 1) return chosen;
+  const LiveTets live = live_tets(*s.mesh);
+  if (live.ids.empty()) return chosen;
+  const std::vector<SubdomainId> parts = parts_of(live, options);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (parts[k].value == 0) continue;
+    chosen.to[live.ids[k].value] = order.place_of(SubdomainId(s.id.value + parts[k].value));
+    chosen.leaving.push_back(live.ids[k]);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options) {
+  s.departures.clear();
+  std::vector<Priority> parts;
+  for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
+  const ReceiverOrder order({0, s.id}, parts);
+  std::vector<Receiver> receivers;
+  for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}});
+  for (const Priority& part : parts) receivers.push_back({part.id, {}});
+  std::ranges::sort(receivers, {}, &Receiver::id);
+  std::vector<Parcel> parcels = hand_over(s, order, choose_parts(s, options, order), receivers);
+  std::vector<PartParcel> addressed;
+  for (std::size_t i = 0; i < parcels.size(); ++i)
+    addressed.push_back({receivers[i].id, std::move(parcels[i])});
+  return addressed;
+}
+
+double predicted_tets(const Subdomain& s) {
+  const std::vector<double> work = live_tets(*s.mesh).measures.work();
+  return std::accumulate(work.begin(), work.end(), 0.0);
+}
+
+}  // namespace weft::partition

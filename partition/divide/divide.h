@@ -1,0 +1,34 @@
+// The division of a subdomain into several, for subdomains that have had no tets yet: its mesh is decomposed
+// like an input, and handed over as in a shift. What follows is a shift's too: the new ones take their part
+// by scatter(), old neighbours that divide at the same time tell each other where tets have gone, and notices
+// name all holders of what several had held.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "partition/decompose/partitioner.h"
+#include "partition/shift/shift.h"
+
+namespace weft::partition {
+
+/// How a subdomain is divided.
+struct DivisionOptions {
+  std::uint32_t num_parts = 1;  ///< for the subdomain itself and those with the next numbers
+  Partitioner partitioner;      ///< of slabs: num_parts of them
+  bool equal_tets = false;      ///< not: of equal work in the metric
+};
+
+/// A parcel for each neighbour of the interface (without tets) and each new part but the subdomain's own, by
+/// addressee. scatter() must follow, with the parcels of all neighbours, which divide as well.
+struct PartParcel {
+  SubdomainId to;
+  Parcel parcel;
+};
+std::vector<PartParcel> divide(Subdomain& subdomain, const DivisionOptions& options);
+
+/// What a subdomain is predicted to have in the end, as in TetMeasures::work().
+double predicted_tets(const Subdomain& subdomain);
+
+}  // namespace weft::partition

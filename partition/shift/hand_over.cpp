@@ -1,0 +1,64 @@
+// Parcels, and what is left behind.
+#include "partition/shift/hand_over.h"
+
+#include <algorithm>
+
+#include "partition/shift/departures.h"
+#include "partition/shift/packing.h"
+
+namespace weft::partition {
+
+using meshing::TetId;
+using meshing::VertexId;
+
+namespace {
+
+/// Index in the interface of each vertex by slot, kNone for others.
+std::vector<std::uint32_t> interface_index(const Subdomain& s) {
+  std::vector<std::uint32_t> index(s.mesh->vertex_slots(), Interface::kNone);
+  for (std::uint32_t i = 0; i < s.interface.size(); ++i) index[s.interface.local(i).value] = i;
+  return index;
+}
+
+/// The receivers' parcels, in their order.
+std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const Chosen& chosen,
+                         const std::vector<Departure>& departures,
+                         const std::vector<std::uint32_t>& interface_index,
+                         std::span<const Receiver> receivers) {
+  std::vector<std::uint32_t> place_of_tet(chosen.to.size());
+  std::vector<Packing> packing;
+  packing.reserve(receivers.size());
+  for (const Receiver& receiver : receivers)
+    packing.emplace_back(s, receiver.id, interface_index, place_of_tet);
+  std::vector<std::size_t> tets_to(order.size(), 0);
+  for (const TetId t : chosen.leaving) ++tets_to[chosen.to[t.value]];
+  std::vector<Packing*> packing_of(order.size(), nullptr);
+  for (Place r = 1; r < order.size(); ++r) {
+    if (tets_to[r] == 0) continue;
+    packing_of[r] = &packing[static_cast<std::size_t>(
+        std::ranges::lower_bound(receivers, order.subdomain(r), {}, &Receiver::id) - receivers.begin())];
+    packing_of[r]->reserve(tets_to[r]);
+  }
+  for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
+  std::vector<Parcel> parcels;
+  for (std::size_t n = 0; n < packing.size(); ++n)
+    parcels.push_back(packing[n].finish(chosen, departures, receivers[n].pieces));
+  return parcels;
+}
+
+}  // namespace
+
+std::vector<Parcel> hand_over(Subdomain& s, const ReceiverOrder& order, const Chosen& chosen,
+                              std::span<const Receiver> receivers) {
+  const std::vector<std::uint32_t> index = interface_index(s);
+  const Departures departures = find_departures(s, order, chosen, index);
+  std::vector<Parcel> parcels = pack(s, order, chosen, departures.of_interface, index, receivers);
+  for (const Departure& d : departures.of_interface) {
+    s.departures.push_back({d.id, d.to});
+    s.mesh->freeze(VertexId(d.vertex));
+  }
+  remove_leaving(s, chosen, departures);
+  return parcels;
+}
+
+}  // namespace weft::partition
