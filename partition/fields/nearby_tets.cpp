@@ -47,6 +47,16 @@ std::vector<std::uint32_t> cells_around(const CellGrid& grid, const MeshData& me
 /// Each tet of the mesh in parts is one rank's: that which owns its first vertex.
 bool has(const PartDomain& of, const Tet& tet) { return of.owns(std::ranges::min(tet)); }
 
+std::vector<std::uint32_t> cells_of_own_tets(const CellGrid& grid, const PartDomain& of) {
+  std::vector<bool> touched(grid.size(), false);
+  for (const Tet& tet : of.mesh().tets)
+    if (has(of, tet)) grid.for_each_cell(box_of(of.mesh(), tet), [&](std::uint32_t c) { touched[c] = true; });
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
+    if (touched[cell]) cells.push_back(cell);
+  return cells;
+}
+
 }  // namespace
 
 NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around, std::uint32_t margin)
@@ -54,14 +64,7 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   const CellGrid grid = common_grid(peers, of, around);
   reach_ = margin * grid.least_side();
   const MeshData& mesh = of.mesh();
-  std::vector<std::uint32_t> cells;
-  {
-    std::vector<std::uint8_t> touched(grid.size(), 0);
-    for (const Tet& tet : mesh.tets)
-      if (has(of, tet)) grid.for_each_cell(box_of(mesh, tet), [&](std::uint32_t c) { touched[c] = 1; });
-    for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
-      if (touched[cell]) cells.push_back(cell);
-  }
+  const std::vector<std::uint32_t> cells = cells_of_own_tets(grid, of);
   const std::vector<std::vector<int>> ranks =
       ranks_wanting(peers, grid, cells, cells_around(grid, around.mesh(), margin));
   std::vector<std::vector<std::uint32_t>> tets_for(static_cast<std::size_t>(peers.ranks()));

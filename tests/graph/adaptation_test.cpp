@@ -244,7 +244,7 @@ MostExchanged most_exchanged(int ranks) {
 
 /// WEFT_SIMULATED_RANKS="64 1024" prints how it is there too: the table in graph/README.md.
 TEST(SimulatedAdaptation, BeforeAndAfterTheLoopMessagesGoWithTheLogarithmOfTheRanks) {
-  const int few = 16, many = kSlowness > 1 ? 32 : 128;
+  const int few = 16, many = kSlowness > 1 ? 32 : 64;
   const MostExchanged of_few = most_exchanged(few), of_many = most_exchanged(many);
   const double steps = std::log2(many) / std::log2(few);
   for (const std::size_t part : {0u, 2u}) {
