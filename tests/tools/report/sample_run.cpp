@@ -7,6 +7,7 @@
 #include "meshing/mesh/structured_box.h"
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
+#include "tests/partition/communication/barrier_peers.h"
 #include "tools/library/jobs/distributed_stats.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/report/report_json.h"
@@ -50,7 +51,15 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   std::vector<graph::adaptation::ShiftRecord> shifts(rules.rounds);
   for (std::size_t s = 0; s < shifts.size(); ++s)
     shifts[s] = {s, std::uint64_t{4000} >> s, 900, std::uint64_t{9000} >> s, 3000};
-  auto account = tools::account_for(simulated.log, simulated.summary.ranks, shifts);
+  DistributedStats account;
+  partition::run_on_ranks(static_cast<int>(simulated.summary.ranks.size()), [&](partition::Peers& peers) {
+    const engine::RankSummary& summary = simulated.summary.ranks[static_cast<std::size_t>(peers.rank())];
+    const std::vector<graph::adaptation::ShiftRecord> none;
+    DistributedStats of_rank = tools::account_for(peers, tools::seconds_of_rank(simulated.log, summary),
+                                                  peers.rank() == 0 ? shifts : none, true);
+    if (peers.rank() == 0) account = std::move(of_rank);
+  });
+  tools::add_engine(simulated.summary, account);
   account.subdomains = rules.subdomains;
   account.partitioner = "bisection";
   account.former_interface = run.after;
