@@ -260,7 +260,12 @@ partition::Distributed distribute_on_background(EnginePeers& peers, partition::M
                                                 const partition::DecompositionOptions& decomposition) {
   if (!options.background) return partition::distribute(peers, std::move(slice), decomposition);
   const partition::OwnBackground background(peers, std::move(*options.background), slice);
-  partition::Distributed d = partition::distribute(peers, std::move(slice), decomposition);
+  partition::DecompositionOptions mine = decomposition;
+  mine.parts_at_first = [&](partition::InputMeasures input) {
+    input.complexity = background.complexity();
+    return decomposition.parts_at_first(input);
+  };
+  partition::Distributed d = partition::distribute(peers, std::move(slice), mine);
   background.deliver(d.starts);
   d.complexity = background.complexity();
   return d;

@@ -393,7 +393,7 @@ TEST_P(AdaptationOnRanks, ABallStaysABall) {
 
 /// All of the interface has been free in the end, and the records of the shifts add up.
 TEST_P(AdaptationOnRanks, ShiftsUntilNothingIsWanted) {
-  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  const MetricMesh whole = metric_mesh(unit_cube(6), 0.25);  // enough tets that none divides
   Setting setting;
   setting.subdomains = 6;
   on_ranks(GetParam(), [&](Transport& network) {
@@ -697,7 +697,7 @@ TEST_P(AdaptationOnRanks, ChecksAfterEveryRoundLeaveTheBytesAsTheyAre) {
 }
 
 TEST_P(AdaptationOnRanks, AViolationEndsTheRunOnAllRanks) {
-  const MetricMesh whole = metric_mesh(unit_cube(4), 0.25);
+  const MetricMesh whole = metric_mesh(unit_cube(6), 0.25);  // enough tets that none divides
   Setting setting;
   setting.check = true;
   setting.balancer = engine::no_balancing();

@@ -89,7 +89,7 @@ class Graphs(SampleTest):
         self.assertEqual(sum(o["name"].startswith("round") for o in self.dot(self.graph("--collapse", "rounds"))["objects"]),
                          len(set(zip(runs["round"], runs["node"]))))
         self.assertEqual(sum(o["name"].startswith("instance") for o in self.dot(self.graph("--collapse", "subdomains"))["objects"]), 9)
-        self.assertEqual(len(self.dot(self.graph("--plan"))["objects"]), 8)
+        self.assertEqual(len(self.dot(self.graph("--plan"))["objects"]), 10)
 
     def test_filters_leave_what_they_say(self):
         graph = self.sample()["graph"]

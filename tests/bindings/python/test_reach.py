@@ -116,5 +116,6 @@ def test_options_are_those_of_the_command():
         [WEFT, "adapt", "--help"], capture_output=True, text=True, timeout=60).stdout.split("Examples")[0]))
     of_command = {name for name, _, _, there in weft._weft.named_options() if there}
     beside = {"help", "out", "background", "field", "report", "case", "graph", "trace", "progress", "quiet"}
+    beside |= {"simulate-ranks", "simulate-network", "simulate-slowdown"}  # of <weft/replay.h>, in C++
     assert of_command <= documented
     assert documented - of_command - beside == set()

@@ -22,8 +22,8 @@ SymTensor turned(std::mt19937& random, const std::array<double, 3>& values) {
 }
 
 double largest_entry(const SymTensor& a) {
-  return std::max({std::abs(a.xx), std::abs(a.xy), std::abs(a.yy), std::abs(a.xz), std::abs(a.yz),
-                   std::abs(a.zz)});
+  return std::max(
+      {std::abs(a.xx), std::abs(a.xy), std::abs(a.yy), std::abs(a.xz), std::abs(a.yz), std::abs(a.zz)});
 }
 
 TEST(MetricLanes, LogarithmsAreThoseByEigenvalues) {

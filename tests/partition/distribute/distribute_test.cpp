@@ -370,6 +370,11 @@ class CountingPeers final : public Peers {
     most = std::max(most, bytes);
     return received;
   }
+  /// Over a tree: of two children, and from above.
+  Bytes reduce(Bytes mine, const Combine& combine) override {
+    most = std::max(most, 3 * mine.size());
+    return peers_.reduce(std::move(mine), combine);
+  }
   std::size_t most = 0;
 
  private:

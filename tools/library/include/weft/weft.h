@@ -167,8 +167,8 @@ struct RunOptions {
   /// Mend what can be mended of an imperfect input instead of refusing it: see repair(). What was done is in
   /// Report::mends.
   bool repair = false;
-  bool force = false;   ///< run even if the memory seems insufficient
-  bool check = false;   ///< check the invariants of all subdomains after every round: slow
+  bool force = false;  ///< run even if the memory seems insufficient
+  bool check = false;  ///< check the invariants of all subdomains after every round: slow
   /// Check that the result conforms before it is given away, by a sum over all faces (less than a hundredth
   /// of the time). RunError names what is wrong: a fault of weft, not of the input.
   bool verify = true;
