@@ -1,62 +1,23 @@
 """`weft adapt --subdomains`, by itself and under mpirun: the same results, reports, errors that all ranks learn of."""
 
 import json
-import os
 import re
 import signal
 import subprocess
 import unittest
 
-from command import WEFT, CommandTest, solution_text
-
-MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
-SECONDS = 200  # far above what anything here takes
+from command import WEFT, solution_text
+from on_ranks import MPIRUN, SECONDS, Subdomains
 
 SUBDOMAIN_KEYS = {
     "subdomains", "partitioner", "ranks", "layers", "checks", "decomposition_seconds", "adaptation_seconds",
-    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "divided_from", "shifts", "by_rank", "former_interface", "engine", "checkpoints",
+    "seconds_by_operation", "share_beside_adaptation", "coarse_shifts", "divided_from", "shifts", "by_rank",
+    "exchanged_by_rank", "former_interface", "engine", "checkpoints",
 }
 OPERATIONS = {
     "interior adaptation", "MII adaptation", "interface refinement", "colouring and quality check", "gather", "scatter",
     "topology update", "conversion", "misc", "idle", "communication",
 }
-
-
-class Subdomains(CommandTest):
-    def run_on(self, ranks, *words, expect=0):
-        """`weft adapt` on so many ranks of mpirun, or (0) without it; returns what it printed."""
-        return self.command_on(ranks, "adapt", *words, expect=expect)
-
-    def command_on(self, ranks, *words, expect=0):
-        launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
-        done = subprocess.run([*launcher, str(WEFT), *map(str, words)], cwd=self.folder, capture_output=True, text=True,
-                              timeout=SECONDS)
-        self.assertIn(done.returncode, expect if isinstance(expect, tuple) else (expect,),
-                      f"{ranks} ranks: {words}\n{done.stdout}{done.stderr}")
-        return done
-
-    def bytes_of(self, *names):
-        return [(self.folder / name).read_bytes() for name in names]
-
-    def assert_same_on_all(self, *words, outputs=("out.meshb", "out.solb"), ranks=(2, 3), expect=0):
-        """The same bytes without mpirun and on so many ranks; returns the last run."""
-        words = (*words, "-o", outputs[0], "--threads", 1, "--quiet")
-        self.run_on(0, *words, expect=expect)
-        expected = self.bytes_of(*outputs)
-        for n in ranks:
-            for name in outputs:
-                (self.folder / name).unlink()
-            self.run_on(n, *words, expect=expect)
-            self.assertEqual(self.bytes_of(*outputs), expected, f"on {n} ranks")
-
-    def assert_all_ranks_fail(self, *words, says, code=2, ranks=2):
-        """All end with `code`; one line says why, once; nothing is left behind."""
-        before = self.files()
-        done = self.run_on(ranks, *words, "--quiet", expect=code)
-        lines = [line for line in done.stderr.splitlines() if line.startswith(("weft", "error"))]
-        self.assertEqual(len(lines), 1, done.stderr)
-        self.assertIn(says, lines[0])
-        self.assertEqual(self.files(), before)
 
 
 class Results(Subdomains):
@@ -237,7 +198,7 @@ class Results(Subdomains):
         return [name for name in re.findall(rb'Name="([^"]*)"', part) if b"Ids" not in name]
 
     def test_report(self):
-        self.box(4)
+        self.box(5)
         self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 5, "-o", "out.meshb", "--report", "r",
                     "--quiet")
         report = json.loads((self.folder / "r/report.json").read_text())["subdomains"]
@@ -272,163 +233,6 @@ class Results(Subdomains):
         self.run_on(2, "first.meshb", *words, "-o", "second.meshb")
         self.assertLess(moved(), 0.2 * first)
         self.weft("verify", "second.meshb", "--against", "box.meshb")
-
-
-class Simulated(Subdomains):
-    """On ranks that one thread simulates: what they do is real."""
-
-    WORDS = ("box.meshb", "--metric-fn", "uniform:0.15", "--subdomains", 24, "--threads", 1, "-o", "out.meshb", "--report", "r", "--quiet")
-
-    def simulate(self, ranks, *words):
-        """What the report says, and the values between subdomains."""
-        self.run_on(0, *self.WORDS, *(("--simulate-ranks", ranks, "--force") if ranks else ()), *words, expect=(0, 1))
-        return self.account()
-
-    def account(self):
-        graph = json.loads((self.folder / "r/graph.json").read_text())
-        kinds = [edge["kind"] for edge in graph["graph"]["edges"]]
-        values = sorted((e, b) for e, b in zip(graph["uses"]["edge"], graph["uses"]["bytes"]) if kinds[e] == "remote")
-        return json.loads((self.folder / "r/report.json").read_text()), values
-
-    def test_the_same_bytes_and_values_as_on_one_rank_under_both_balancers(self):
-        self.box(4)
-        _, values = self.simulate(0)
-        expected = self.bytes_of("out.meshb", "out.solb")
-        for balancer in ("stealing", "diffusion"):
-            for ranks in (3, 32):
-                report, of_ranks = self.simulate(ranks, "--balancer", balancer)
-                self.assertEqual(self.bytes_of("out.meshb", "out.solb"), expected, f"{ranks} ranks, {balancer}")
-                self.assertEqual(of_ranks, values)
-                self.assertEqual(report["subdomains"]["ranks"], ranks)
-                self.assertTrue(report["subdomains"]["engine"]["consistent"]["pairs"])
-
-    def test_without_balancing_real_ranks_send_each_other_the_same_messages(self):
-        self.box(4)
-        for ranks in (2, 4):
-            simulated, values = self.simulate(ranks, "--balancer", "none")
-            self.run_on(ranks, *self.WORDS, "--balancer", "none", expect=(0, 1))
-            real, of_real = self.account()
-            self.assertEqual(of_real, values)
-            sent = [{m["name"]: m["sent"] for m in run["subdomains"]["engine"]["methods"] if m["name"].startswith("subdomain::")}
-                    for run in (simulated, real)]
-            self.assertEqual(*sent)
-            self.assertGreater(sum(method["messages"] for method in sent[0].values()), 100)
-
-    def test_a_slower_network_takes_longer(self):
-        self.box(4)
-        fast, slow = (self.simulate(8, "--simulate-network", network)[0]["seconds"]["adapt"] for network in ("1us,10GB/s", "20ms,1GB/s"))
-        self.assertGreater(slow, fast + 0.1)
-
-    def test_what_is_about_this_machine_is_refused(self):
-        self.box(2)
-        for option in (("--time-limit", 5), ("--max-memory", "4G"), ("--checkpoint", "states")):
-            self.assert_fails("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "--subdomains", 2, "-o", "out.meshb", "--simulate-ranks", 4,
-                              *option, says="--simulate-ranks", code=64)
-
-
-class OtherCommands(Subdomains):
-    """Those that all ranks do together, or rank 0 alone, which is said then."""
-
-    def test_stat_has_the_figures_of_one_process(self):
-        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", 0.4)
-        for words in (("ball.meshb",), ("ball.meshb", "--metric-fn", "polar-2", "--histogram")):
-            expected = self.command_on(0, "stat", *words)
-            for ranks in (1, 2, 3):
-                done = self.command_on(ranks, "stat", *words)
-                self.assertEqual(done.stdout, expected.stdout, f"{ranks} ranks")
-        whole = json.loads(self.command_on(0, "stat", *words, "--json").stdout)
-        parts = json.loads(self.command_on(3, "stat", *words, "--json").stdout)
-        self.assert_near(parts, whole)
-
-    def assert_near(self, a, b):
-        """Counts and words alike, numbers but for rounding."""
-        self.assertEqual(type(a), type(b))
-        if isinstance(a, dict):
-            self.assertEqual(a.keys(), b.keys())
-            for key in a:
-                self.assert_near(a[key], b[key])
-        elif isinstance(a, list):
-            self.assertEqual(len(a), len(b))
-            for x, y in zip(a, b):
-                self.assert_near(x, y)
-        elif isinstance(a, float):
-            self.assertAlmostEqual(a, b, delta=1e-12 * max(1, abs(a)))
-        else:
-            self.assertEqual(a, b)
-
-    def test_metrics_have_the_same_bytes(self):
-        self.box(5)
-        for words in (("--metric-fn", "polar-2", "--hmax", 0.2, "--hgrad", 1.5), ("--implied", "--hmin", 0.01)):
-            self.command_on(0, "metric", "box.meshb", *words, "-o", "out.solb")
-            expected = self.bytes_of("out.solb")
-            for ranks in (1, 2, 3):
-                (self.folder / "out.solb").unlink()
-                done = self.command_on(ranks, "metric", "box.meshb", *words, "-o", "out.solb")
-                self.assertEqual(self.bytes_of("out.solb"), expected, f"{words} on {ranks} ranks")
-                self.assertEqual(done.stdout.count("metric at 216 vertices"), 1, done.stdout)
-        made = []
-        for ranks in (1, 2, 4):  # what is scaled is so by another order of summation than in one process
-            self.command_on(ranks, "metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 500, "--hgrad", 1.5, "-o", "out.solb")
-            made += self.bytes_of("out.solb")
-        self.assertEqual(made, made[:1] * 3)
-
-    def test_interpolation_has_the_same_bytes(self):
-        self.box(4, "from.meshb")
-        self.box(5, "to.meshb")
-        self.weft("metric", "from.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
-        for transfer in ("linear", "conservative"):
-            told = []
-            for ranks in (0, 1, 3):
-                done = self.command_on(ranks, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "--transfer", transfer, "-o",
-                                       f"on{ranks}.solb")
-                told.append(done.stdout.replace(f"on{ranks}.solb", "out.solb").splitlines())
-            self.assertEqual(*self.bytes_of("on1.solb", "on3.solb"))
-            self.assertEqual(told[1], told[2])
-            self.assertEqual((told[0][:2], len(told[0])), (told[1][:2], len(told[1])))  # the rest says how much was lost: rounding
-        done = self.command_on(2, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on2.sol")
-        self.assertIn("rank 0 has written all of on2.sol", done.stdout)
-        self.command_on(1, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on1.sol")
-        self.assertEqual(*self.bytes_of("on1.sol", "on2.sol"))
-
-    def test_conversion_has_the_same_bytes(self):
-        self.weft("mesh", "ball", "-o", "a.meshb", "--size", 0.6)
-        self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
-        self.weft("convert", "a.meshb", "b.lb8.ugrid")
-        (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
-        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
-                            ("b.lb8.ugrid", "o.msh")):
-            self.command_on(0, "convert", source, out, "--sol", "f.solb")
-            expected, told, files = self.bytes_of(out), None, self.files()
-            for ranks in (1, 3):
-                (self.folder / out).unlink()
-                done = self.command_on(ranks, "convert", source, out, "--sol", "f.solb")
-                self.assertEqual(self.bytes_of(out), expected, f"{source} to {out} on {ranks} ranks")
-                self.assertEqual(self.files(), files)
-                self.assertNotIn("alone", done.stderr)
-                told = told or done.stdout
-                self.assertEqual(done.stdout, told)
-            self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
-        done = self.command_on(2, "convert", "a.meshb", "o.su2")
-        self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
-
-    def test_what_rank_0_does_alone_is_done_once_and_told(self):
-        self.box(2)
-        for ranks in (1, 3):
-            done = self.command_on(ranks, "verify", "box.meshb")
-            self.assertEqual(done.stdout.count("conforms"), 1, done.stdout)
-            self.assertEqual(done.stderr.count("rank 0 alone does `weft verify`"), ranks > 1, done.stderr)
-
-    def test_what_is_wrong_is_told_once(self):
-        self.box(2)
-        for words in (("stat", "none.meshb"), ("metric", "box.meshb", "--metric", "none.solb", "-o", "o.solb"),
-                      ("interpolate", "box.meshb", "none.meshb", "--field", "none.solb", "-o", "o.solb"),
-                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb")):
-            before = self.files()
-            done = self.command_on(3, *words, expect=2)
-            lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
-            self.assertEqual(len(lines), 1, done.stderr)
-            self.assertRegex(lines[0], "none|nowhere")
-            self.assertEqual(self.files(), before)
 
 
 class LookingOn(Subdomains):

@@ -1,0 +1,115 @@
+"""The subcommands beside adapt under mpirun: the figures and bytes of one process, told once."""
+
+import json
+import unittest
+
+from on_ranks import Subdomains
+
+
+class OtherCommands(Subdomains):
+    """Those that all ranks do together, or rank 0 alone, which is said then."""
+
+    def test_stat_has_the_figures_of_one_process(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", 0.4)
+        for words in (("ball.meshb",), ("ball.meshb", "--metric-fn", "polar-2", "--histogram")):
+            expected = self.command_on(0, "stat", *words)
+            for ranks in (1, 2, 3):
+                done = self.command_on(ranks, "stat", *words)
+                self.assertEqual(done.stdout, expected.stdout, f"{ranks} ranks")
+        whole = json.loads(self.command_on(0, "stat", *words, "--json").stdout)
+        parts = json.loads(self.command_on(3, "stat", *words, "--json").stdout)
+        self.assert_near(parts, whole)
+
+    def assert_near(self, a, b):
+        """Counts and words alike, numbers but for rounding."""
+        self.assertEqual(type(a), type(b))
+        if isinstance(a, dict):
+            self.assertEqual(a.keys(), b.keys())
+            for key in a:
+                self.assert_near(a[key], b[key])
+        elif isinstance(a, list):
+            self.assertEqual(len(a), len(b))
+            for x, y in zip(a, b):
+                self.assert_near(x, y)
+        elif isinstance(a, float):
+            self.assertAlmostEqual(a, b, delta=1e-12 * max(1, abs(a)))
+        else:
+            self.assertEqual(a, b)
+
+    def test_metrics_have_the_same_bytes(self):
+        self.box(5)
+        for words in (("--metric-fn", "polar-2", "--hmax", 0.2, "--hgrad", 1.5), ("--implied", "--hmin", 0.01)):
+            self.command_on(0, "metric", "box.meshb", *words, "-o", "out.solb")
+            expected = self.bytes_of("out.solb")
+            for ranks in (1, 2, 3):
+                (self.folder / "out.solb").unlink()
+                done = self.command_on(ranks, "metric", "box.meshb", *words, "-o", "out.solb")
+                self.assertEqual(self.bytes_of("out.solb"), expected, f"{words} on {ranks} ranks")
+                self.assertEqual(done.stdout.count("metric at 216 vertices"), 1, done.stdout)
+        made = []
+        for ranks in (1, 2, 4):  # what is scaled is so by another order of summation than in one process
+            self.command_on(ranks, "metric", "box.meshb", "--metric-fn", "polar-2", "--complexity", 500, "--hgrad", 1.5, "-o", "out.solb")
+            made += self.bytes_of("out.solb")
+        self.assertEqual(made, made[:1] * 3)
+
+    def test_interpolation_has_the_same_bytes(self):
+        self.box(4, "from.meshb")
+        self.box(5, "to.meshb")
+        self.weft("metric", "from.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
+        for transfer in ("linear", "conservative"):
+            told = []
+            for ranks in (0, 1, 3):
+                done = self.command_on(ranks, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "--transfer", transfer, "-o",
+                                       f"on{ranks}.solb")
+                told.append(done.stdout.replace(f"on{ranks}.solb", "out.solb").splitlines())
+            self.assertEqual(*self.bytes_of("on1.solb", "on3.solb"))
+            self.assertEqual(told[1], told[2])
+            self.assertEqual((told[0][:2], len(told[0])), (told[1][:2], len(told[1])))  # the rest says how much was lost: rounding
+        done = self.command_on(2, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on2.sol")
+        self.assertIn("rank 0 has written all of on2.sol", done.stdout)
+        self.command_on(1, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on1.sol")
+        self.assertEqual(*self.bytes_of("on1.sol", "on2.sol"))
+
+    def test_conversion_has_the_same_bytes(self):
+        self.weft("mesh", "ball", "-o", "a.meshb", "--size", 0.6)
+        self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
+        self.weft("convert", "a.meshb", "b.lb8.ugrid")
+        (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
+        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
+                            ("b.lb8.ugrid", "o.msh")):
+            self.command_on(0, "convert", source, out, "--sol", "f.solb")
+            expected, told, files = self.bytes_of(out), None, self.files()
+            for ranks in (1, 3):
+                (self.folder / out).unlink()
+                done = self.command_on(ranks, "convert", source, out, "--sol", "f.solb")
+                self.assertEqual(self.bytes_of(out), expected, f"{source} to {out} on {ranks} ranks")
+                self.assertEqual(self.files(), files)
+                self.assertNotIn("alone", done.stderr)
+                told = told or done.stdout
+                self.assertEqual(done.stdout, told)
+            self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
+        done = self.command_on(2, "convert", "a.meshb", "o.su2")
+        self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
+
+    def test_what_rank_0_does_alone_is_done_once_and_told(self):
+        self.box(2)
+        for ranks in (1, 3):
+            done = self.command_on(ranks, "verify", "box.meshb")
+            self.assertEqual(done.stdout.count("conforms"), 1, done.stdout)
+            self.assertEqual(done.stderr.count("rank 0 alone does `weft verify`"), ranks > 1, done.stderr)
+
+    def test_what_is_wrong_is_told_once(self):
+        self.box(2)
+        for words in (("stat", "none.meshb"), ("metric", "box.meshb", "--metric", "none.solb", "-o", "o.solb"),
+                      ("interpolate", "box.meshb", "none.meshb", "--field", "none.solb", "-o", "o.solb"),
+                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb")):
+            before = self.files()
+            done = self.command_on(3, *words, expect=2)
+            lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
+            self.assertEqual(len(lines), 1, done.stderr)
+            self.assertRegex(lines[0], "none|nowhere")
+            self.assertEqual(self.files(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()

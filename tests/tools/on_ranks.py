@@ -1,0 +1,46 @@
+"""Tests of the command on ranks of mpirun."""
+
+import os
+import subprocess
+
+from command import WEFT, CommandTest
+
+MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+SECONDS = 200  # far above what anything here takes
+
+
+class Subdomains(CommandTest):
+    def run_on(self, ranks, *words, expect=0):
+        """`weft adapt` on so many ranks of mpirun, or (0) without it; returns what it printed."""
+        return self.command_on(ranks, "adapt", *words, expect=expect)
+
+    def command_on(self, ranks, *words, expect=0):
+        launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
+        done = subprocess.run([*launcher, str(WEFT), *map(str, words)], cwd=self.folder, capture_output=True, text=True,
+                              timeout=SECONDS)
+        self.assertIn(done.returncode, expect if isinstance(expect, tuple) else (expect,),
+                      f"{ranks} ranks: {words}\n{done.stdout}{done.stderr}")
+        return done
+
+    def bytes_of(self, *names):
+        return [(self.folder / name).read_bytes() for name in names]
+
+    def assert_same_on_all(self, *words, outputs=("out.meshb", "out.solb"), ranks=(2, 3), expect=0):
+        """The same bytes without mpirun and on so many ranks; returns the last run."""
+        words = (*words, "-o", outputs[0], "--threads", 1, "--quiet")
+        self.run_on(0, *words, expect=expect)
+        expected = self.bytes_of(*outputs)
+        for n in ranks:
+            for name in outputs:
+                (self.folder / name).unlink()
+            self.run_on(n, *words, expect=expect)
+            self.assertEqual(self.bytes_of(*outputs), expected, f"on {n} ranks")
+
+    def assert_all_ranks_fail(self, *words, says, code=2, ranks=2):
+        """All end with `code`; one line says why, once; nothing is left behind."""
+        before = self.files()
+        done = self.run_on(ranks, *words, "--quiet", expect=code)
+        lines = [line for line in done.stderr.splitlines() if line.startswith(("weft", "error"))]
+        self.assertEqual(len(lines), 1, done.stderr)
+        self.assertIn(says, lines[0])
+        self.assertEqual(self.files(), before)

@@ -1,0 +1,62 @@
+"""`weft adapt --simulate-ranks`: the bytes and messages of real ranks."""
+
+import json
+import unittest
+
+from on_ranks import Subdomains
+
+
+class Simulated(Subdomains):
+    """On ranks that one thread simulates: what they do is real."""
+
+    WORDS = ("box.meshb", "--metric-fn", "uniform:0.15", "--subdomains", 24, "--threads", 1, "-o", "out.meshb", "--report", "r", "--quiet")
+
+    def simulate(self, ranks, *words):
+        """What the report says, and the values between subdomains."""
+        self.run_on(0, *self.WORDS, *(("--simulate-ranks", ranks, "--force") if ranks else ()), *words, expect=(0, 1))
+        return self.account()
+
+    def account(self):
+        graph = json.loads((self.folder / "r/graph.json").read_text())
+        kinds = [edge["kind"] for edge in graph["graph"]["edges"]]
+        values = sorted((e, b) for e, b in zip(graph["uses"]["edge"], graph["uses"]["bytes"]) if kinds[e] == "remote")
+        return json.loads((self.folder / "r/report.json").read_text()), values
+
+    def test_the_same_bytes_and_values_as_on_one_rank_under_both_balancers(self):
+        self.box(4)
+        _, values = self.simulate(0)
+        expected = self.bytes_of("out.meshb", "out.solb")
+        for balancer in ("stealing", "diffusion"):
+            for ranks in (3, 32):
+                report, of_ranks = self.simulate(ranks, "--balancer", balancer)
+                self.assertEqual(self.bytes_of("out.meshb", "out.solb"), expected, f"{ranks} ranks, {balancer}")
+                self.assertEqual(of_ranks, values)
+                self.assertEqual(report["subdomains"]["ranks"], ranks)
+                self.assertTrue(report["subdomains"]["engine"]["consistent"]["pairs"])
+
+    def test_without_balancing_real_ranks_send_each_other_the_same_messages(self):
+        self.box(4)
+        for ranks in (2, 4):
+            simulated, values = self.simulate(ranks, "--balancer", "none")
+            self.run_on(ranks, *self.WORDS, "--balancer", "none", expect=(0, 1))
+            real, of_real = self.account()
+            self.assertEqual(of_real, values)
+            sent = [{m["name"]: m["sent"] for m in run["subdomains"]["engine"]["methods"] if m["name"].startswith("subdomain::")}
+                    for run in (simulated, real)]
+            self.assertEqual(*sent)
+            self.assertGreater(sum(method["messages"] for method in sent[0].values()), 100)
+
+    def test_a_slower_network_takes_longer(self):
+        self.box(4)
+        fast, slow = (self.simulate(8, "--simulate-network", network)[0]["seconds"]["adapt"] for network in ("1us,10GB/s", "20ms,1GB/s"))
+        self.assertGreater(slow, fast + 0.1)
+
+    def test_what_is_about_this_machine_is_refused(self):
+        self.box(2)
+        for option in (("--time-limit", 5), ("--max-memory", "4G"), ("--checkpoint", "states")):
+            self.assert_fails("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "--subdomains", 2, "-o", "out.meshb", "--simulate-ranks", 4,
+                              *option, says="--simulate-ranks", code=64)
+
+
+if __name__ == "__main__":
+    unittest.main()
