@@ -707,7 +707,8 @@ TEST_P(AdaptationOnRanks, AViolationEndsTheRunOnAllRanks) {
   std::mutex mutex;
   setting.on_check = [&](partition::Subdomain& s) {
     const std::lock_guard lock(mutex);
-    if (++checks[s.id] != 3 || s.id.value != 2 || s.interface.size() == 0) return;  // the one after the division
+    if (++checks[s.id] != 3 || s.id.value != 2 || s.interface.size() == 0)
+      return;  // the one after the division
     const meshing::VertexId v = s.interface.local(0);
     meshing::Point p = s.mesh->point(v);
     p.x = std::nextafter(p.x, 2);
