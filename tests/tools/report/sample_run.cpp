@@ -54,10 +54,12 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   DistributedStats account;
   partition::run_on_ranks(static_cast<int>(simulated.summary.ranks.size()), [&](partition::Peers& peers) {
     const engine::RankSummary& summary = simulated.summary.ranks[static_cast<std::size_t>(peers.rank())];
-    const std::vector<graph::adaptation::ShiftRecord> none;
-    DistributedStats of_rank = tools::account_for(peers, tools::seconds_of_rank(simulated.log, summary),
-                                                  peers.rank() == 0 ? shifts : none, true);
-    if (peers.rank() == 0) account = std::move(of_rank);
+    const bool first = peers.rank() == 0;  // which knows of all
+    const graph::dataflow::ExecutionLog& log = first ? simulated.log : graph::dataflow::ExecutionLog();
+    DistributedStats of_rank =
+        tools::account_for(peers, tools::seconds_of_rank(peers, log, summary),
+                           first ? shifts : std::vector<graph::adaptation::ShiftRecord>(), true);
+    if (first) account = std::move(of_rank);
   });
   tools::add_engine(simulated.summary, account);
   account.subdomains = rules.subdomains;

@@ -228,7 +228,7 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
 /// Rank 0 hears the sums; of each rank and each run of a node where a record is kept.
 void DistributedRun::gather_statistics(Report& report) {
   graph::dataflow::ExecutionLog log = graph::adaptation::execution_log(*runtime_);
-  const RankStats mine = seconds_of_rank(log, runtime_->summary());
+  const RankStats mine = seconds_of_rank(*peers_, log, runtime_->summary());
   engine::RunSummary sums;
   if (keep_.record) {
     log = gather_log(*exchange_, std::move(log));

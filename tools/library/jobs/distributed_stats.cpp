@@ -32,26 +32,22 @@ std::vector<OperationTime> in_order(const std::map<std::string, double>& seconds
   return result;
 }
 
-std::map<std::string, double> seconds_of(const graph::dataflow::ExecutionLog& log,
-                                         const engine::RankSummary& summary) {
+/// Of the nodes that ran on each rank, as far as `log` knows; at the end of each, their sum. Empty: none did.
+std::vector<std::vector<double>> seconds_in_nodes(const graph::dataflow::ExecutionLog& log, int ranks) {
   static const graph::dataflow::GraphDescription graph = SubdomainTask::blueprint().description();
-  report::OperationSeconds of_nodes{};
-  double in_nodes = 0;
+  std::vector<report::OperationSeconds> of_nodes(static_cast<std::size_t>(ranks));
+  std::vector<std::vector<double>> seconds(of_nodes.size());
   for (const graph::dataflow::NodeRun& run : log.runs) {
-    if (run.rank != summary.rank) continue;
+    const std::size_t rank = run.rank.index();
     const double took = static_cast<double>(run.end - run.begin) * 1e-9;
     report::BesideSeconds beside;
     for (std::size_t i = 0; i < beside.size(); ++i) beside[i] = log.counter(run, report::kBeside[i].counter);
-    report::add_seconds(graph.nodes[run.node].name, took, beside, of_nodes);
-    in_nodes += took;
+    report::add_seconds(graph.nodes[run.node].name, took, beside, of_nodes.at(rank));
+    seconds[rank].resize(report::kOperations.size() + 1, 0);
+    seconds[rank].back() += took;
   }
-  std::map<std::string, double> seconds;
-  for (std::size_t o = 0; o < of_nodes.size(); ++o)
-    seconds[std::string(report::kOperations[o])] = of_nodes[o];
-  seconds["conversion"] = summary.times.unpack + summary.times.pack;
-  seconds["misc"] = std::max(0.0, summary.times.compute - in_nodes);
-  seconds["idle"] = summary.times.idle;
-  seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
+  for (std::size_t r = 0; r < seconds.size(); ++r)
+    if (!seconds[r].empty()) std::ranges::copy(of_nodes[r], seconds[r].begin());
   return seconds;
 }
 
@@ -113,8 +109,20 @@ bool is_adaptation(const std::string& operation) {
 
 }  // namespace
 
-RankStats seconds_of_rank(const graph::dataflow::ExecutionLog& log, const engine::RankSummary& summary) {
-  return {summary.rank.value, in_order(seconds_of(log, summary))};
+/// An instance's log goes where it goes: what ran here may be known elsewhere.
+RankStats seconds_of_rank(partition::Peers& peers, const graph::dataflow::ExecutionLog& log,
+                          const engine::RankSummary& summary) {
+  std::vector<double> here(report::kOperations.size() + 1, 0);
+  for (const std::vector<double>& known : partition::all_to_all(peers, seconds_in_nodes(log, peers.ranks())))
+    for (std::size_t o = 0; o < known.size(); ++o) here[o] += known[o];
+  std::map<std::string, double> seconds;
+  for (std::size_t o = 0; o < report::kOperations.size(); ++o)
+    seconds[std::string(report::kOperations[o])] = here[o];
+  seconds["conversion"] = summary.times.unpack + summary.times.pack;
+  seconds["misc"] = std::max(0.0, summary.times.compute - here.back());
+  seconds["idle"] = summary.times.idle;
+  seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
+  return {summary.rank.value, in_order(seconds)};
 }
 
 DistributedStats account_for(partition::Peers& peers, const RankStats& mine,

@@ -12,8 +12,10 @@
 
 namespace weft::tools {
 
-/// This rank's seconds by operation: of nodes from its log, of the rest from the engine.
-RankStats seconds_of_rank(const graph::dataflow::ExecutionLog& log, const engine::RankSummary& summary);
+/// All ranks: this rank's seconds by operation, of nodes from the logs of the instances that are on any rank
+/// (`log`: of those here), of the rest from the engine.
+RankStats seconds_of_rank(partition::Peers& peers, const graph::dataflow::ExecutionLog& log,
+                          const engine::RankSummary& summary);
 
 /// Sums over all ranks, which call it together: operations and shifts go up and down the tree as sums.
 /// `by_rank`: each rank's operations are kept too.
