@@ -279,18 +279,25 @@ TEST(SplitEdge, RefusesAFrozenRing) {
   expect_refused(rig, Verdict::frozen, [&] { return split(rig, VertexId(0), VertexId(1)); });
 }
 
+bool on_surface(const KernelRig& rig, VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; }
+
+/// The first edge whose ends both lie on the boundary.
+std::pair<VertexId, VertexId> edge_on_surface(KernelRig& rig) {
+  const auto on_it = [&](VertexId v) { return on_surface(rig, v); };
+  const auto vertices = rig.live_vertices();
+  const VertexId a = *std::find_if(vertices.begin(), vertices.end(), on_it);
+  const auto neighbours = rig.neighbours_of(a);
+  return {a, *std::find_if(neighbours.begin(), neighbours.end(), on_it)};
+}
+
 TEST(SplitEdge, OnACurvedBoundaryTheVertexLiesOnTheReferenceSurface) {
   KernelRig rig(support::ball(1, 1), 0.3);
-  const auto on_sphere = [&](VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; };
-  const auto vertices = rig.live_vertices();
-  const VertexId a = *std::find_if(vertices.begin(), vertices.end(), on_sphere);
-  const auto neighbours = rig.neighbours_of(a);
-  const VertexId b = *std::find_if(neighbours.begin(), neighbours.end(), on_sphere);
+  const auto [a, b] = edge_on_surface(rig);
   const Point middle = midpoint(rig.mesh.point(a), rig.mesh.point(b));
   ASSERT_LT(norm(middle), 0.97);
   ASSERT_EQ(split(rig, a, b), Verdict::accepted);
   const VertexId p = rig.vertex_at(middle);
-  EXPECT_TRUE(on_sphere(p));
+  EXPECT_TRUE(on_surface(rig, p));
   EXPECT_NEAR(norm(rig.mesh.point(p)), 1, 0.005);
   expect_sound(rig.mesh);
   EXPECT_TRUE(check_mesh(rig.export_data()).ok());
@@ -298,11 +305,7 @@ TEST(SplitEdge, OnACurvedBoundaryTheVertexLiesOnTheReferenceSurface) {
 
 TEST(SplitEdge, OnTheChordTheVertexStaysThereRisesWhenToldAndCanBeTakenBack) {
   KernelRig rig(support::ball(1, 1), 0.3);
-  const auto on_sphere = [&](VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; };
-  const auto vertices = rig.live_vertices();
-  const VertexId a = *std::find_if(vertices.begin(), vertices.end(), on_sphere);
-  const auto neighbours = rig.neighbours_of(a);
-  const VertexId b = *std::find_if(neighbours.begin(), neighbours.end(), on_sphere);
+  const auto [a, b] = edge_on_surface(rig);
   const Point middle = midpoint(rig.mesh.point(a), rig.mesh.point(b));
   const std::size_t tets = rig.live_tets().size();
   const auto split_on_chord = [&] {
