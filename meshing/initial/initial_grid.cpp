@@ -221,7 +221,7 @@ void improve_grid(Recovery& r, InitialGrid& result) {
 
 InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& options) {
   Recovery r;
-  r.grid = delaunay_in_box(surface.mesh.points);
+  r.grid = delaunay_in_box(surface.mesh.points, options.interrupt);
   r.facets = surface.mesh.triangles;
   remove_slivers(r);
   list_input_edges(r);

@@ -1,6 +1,7 @@
 // From a closed surface to tets that have its triangles as faces.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@ namespace weft::meshing {
 
 struct GridOptions {
   bool keep_enclosed = false;  ///< a shell inside a volume bounds a material of its own; else a hole
+  const std::atomic<bool>* interrupt = nullptr;
 };
 
 struct InitialGrid {
@@ -25,7 +27,8 @@ struct InitialGrid {
 };
 
 /// A tetrahedrisation of the volumes that the surface bounds, without regard to quality. Throws InputError
-/// naming the triangle (of the input, 1-based) that cannot be made part of it.
+/// naming the triangle (of the input, 1-based) that cannot be made part of it, and Interrupted once
+/// GridOptions::interrupt is set.
 InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& options);
 
 }  // namespace weft::meshing

@@ -12,6 +12,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/initial/mending/resolve_surface.h"
+#include "meshing/mesh/polygon.h"
 
 namespace weft::meshing {
 namespace {
@@ -264,36 +265,12 @@ class SurfaceRepair {
     return loop.size() <= kMostSides && size_of(loop) <= kLargestHole * diagonal_;
   }
 
-  double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    return norm(cross(m_.points[b] - m_.points[a], m_.points[c] - m_.points[a]));
-  }
-
-  /// Of all triangulations of the loop that with the least area (Barequet and Sharir, 1995).
   void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free) {
-    const std::size_t n = loop.size();
-    std::vector<double> least(n * n, 0);
-    std::vector<std::size_t> choice(n * n, 0);
-    for (std::size_t width = 2; width < n; ++width)
-      for (std::size_t i = 0; i + width < n; ++i) {
-        const std::size_t j = i + width;
-        least[i * n + j] = std::numeric_limits<double>::max();
-        for (std::size_t k = i + 1; k < j; ++k) {
-          const double sum = least[i * n + k] + least[k * n + j] + area(loop[i], loop[k], loop[j]);
-          if (sum < least[i * n + j]) least[i * n + j] = sum, choice[i * n + j] = k;
-        }
-      }
-    const std::uint32_t beside = free.at(undirected(loop[0], loop[n - 1]));
-    std::vector<std::pair<std::size_t, std::size_t>> left = {{0, n - 1}};
-    while (!left.empty()) {
-      const auto [i, j] = left.back();
-      left.pop_back();
-      if (j < i + 2) continue;
-      const std::size_t k = choice[i * n + j];
-      m_.triangles.push_back({loop[i], loop[k], loop[j]});
+    const std::uint32_t beside = free.at(undirected(loop.front(), loop.back()));
+    for (const Triangle& t : triangulate_loop(m_.points, loop)) {
+      m_.triangles.push_back(t);
       m_.triangle_refs.push_back(m_.triangle_refs[beside]);
       source_.push_back(source_[beside]);
-      left.emplace_back(i, k);
-      left.emplace_back(k, j);
     }
     mend("holes filled", "triangle beside", "size").add(source_[beside], size_of(loop));
   }

@@ -10,6 +10,7 @@
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/text_output.h"
+#include "meshing/mesh/polygon.h"
 
 namespace weft::meshing {
 namespace {
@@ -49,6 +50,7 @@ class ObjReader {
       in_.fail("not an OBJ file, or one without points");
     }
     check_largest_index();
+    polygons_.unfold(contents_.mesh);
   }
 
  private:
@@ -133,11 +135,7 @@ class ObjReader {
   void read_face(LineWords& words) {
     read_corners(words, 3);
     if (corners_.size() > 3) contents_.drop("polygons (cut into triangles)");
-    const std::int32_t ref = face_refs_.ref(group_);
-    for (std::size_t i = 2; i < corners_.size(); ++i) {
-      contents_.mesh.triangles.push_back({corners_[0], corners_[i - 1], corners_[i]});
-      contents_.mesh.triangle_refs.push_back(ref);
-    }
+    polygons_.add(corners_, face_refs_.ref(group_), contents_.mesh);
   }
 
   void read_polyline(LineWords& words) {
@@ -169,6 +167,7 @@ class ObjReader {
   std::string group_;
   bool has_groups_ = false;
   std::vector<std::uint32_t> corners_;
+  Polygons polygons_;
   std::int64_t largest_ = 0;
   std::uint64_t largest_line_ = 0;
 };

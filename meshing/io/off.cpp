@@ -9,6 +9,7 @@
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/text_output.h"
+#include "meshing/mesh/polygon.h"
 
 namespace weft::meshing {
 namespace {
@@ -29,6 +30,7 @@ class Reader {
     for (std::uint64_t i = 0; i < points; ++i) read_point();
     in_.enter("face");
     for (std::uint64_t i = 0; i < faces; ++i) read_face();
+    polygons_.unfold(contents_.mesh);
   }
 
  private:
@@ -75,15 +77,13 @@ class Reader {
       contents_.mesh.edge_refs.push_back(0);
     }
     if (size > 3) contents_.drop("polygons (cut into triangles)");
-    for (std::size_t i = 2; i < corners_.size(); ++i) {
-      contents_.mesh.triangles.push_back({corners_[0], corners_[i - 1], corners_[i]});
-      contents_.mesh.triangle_refs.push_back(0);
-    }
+    polygons_.add(corners_, 0, contents_.mesh);
   }
 
   Cursor& in_;
   MeshContents& contents_;
   std::vector<std::uint32_t> corners_;
+  Polygons polygons_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/text_output.h"
+#include "meshing/mesh/polygon.h"
 
 namespace weft::meshing {
 namespace {
@@ -143,6 +144,7 @@ class Body {
     in_.enter("");
     if (ascii() && !in_.word().empty()) in_.fail("there is more in the file than the header's counts say");
     if (!ascii() && !in_.at_end()) in_.fail("there is more in the file than the header's counts say");
+    polygons_.unfold(contents_.mesh);
   }
 
  private:
@@ -309,10 +311,7 @@ class Body {
   void add_polygon() {
     if (corners_.size() < 3) in_.fail("has fewer than three corners");
     if (corners_.size() > 3) contents_.drop("polygons (cut into triangles)");
-    for (std::size_t i = 2; i < corners_.size(); ++i) {
-      contents_.mesh.triangles.push_back({corners_[0], corners_[i - 1], corners_[i]});
-      contents_.mesh.triangle_refs.push_back(ref_);
-    }
+    polygons_.add(corners_, ref_, contents_.mesh);
   }
 
   void read_edges(Element& element) {
@@ -336,6 +335,7 @@ class Body {
   Point point_;
   std::int32_t ref_ = 0;
   std::vector<std::uint32_t> corners_;
+  Polygons polygons_;
   std::array<std::uint32_t, 2> edge_{};
 };
 

@@ -195,6 +195,16 @@ TEST(Door, CancelsByAFlagOfAnotherThread) {
   EXPECT_TRUE(verify(result.mesh).ok());
 }
 
+TEST(Door, FillingThatIsCancelledBeforeThereIsAMeshSaysSo) {
+  std::atomic<bool> cancel = true;
+  FillOptions options;
+  options.run.cancel = &cancel;
+  BallOptions ball;
+  ball.size = 0.4;
+  EXPECT_EQ(error_of<RunError>([&] { fill(ball_surface(ball), options); }),
+            "interrupted before there was a mesh");
+}
+
 TEST(Door, AdaptsTwoMeshesAtOnceAsItDoesEachAlone) {
   const Mesh a = box_of(5), b = box_of(6);
   Options for_a = one_thread(), for_b = one_thread();

@@ -1,9 +1,11 @@
 """`weft mesh`: from surfaces and of simple bodies, as a user meets it."""
 
 import re
+import signal
+import subprocess
 import unittest
 
-from command import CommandTest
+from command import WEFT, CommandTest
 
 CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 SQUARES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
@@ -35,6 +37,28 @@ class Mesh(CommandTest):
         for name in ("cube.stl", "cube.ply", "cube.meshb", "cube.msh"):
             self.weft("convert", "cube.obj", name)
             self.verified(name, says=["12 triangles"])
+
+    def test_concave_polygons(self):
+        corners = [(1, 1), (1, 2), (0, 2), (0, 0), (2, 0), (2, 1)]  # a fan around the second folds over
+        order = [1, 2, 3, 4, 5, 0]
+        points = [f"v {x} {y} {z}\n" for z in (0, 1) for x, y in corners]
+        faces = ["f " + " ".join(str(1 + i) for i in reversed(order)) + "\n", "f " + " ".join(str(7 + i) for i in order) + "\n"]
+        faces += [f"f {1 + i} {1 + (i + 1) % 6} {7 + (i + 1) % 6} {7 + i}\n" for i in range(6)]
+        self.write("l.obj", "".join(points + faces))
+        self.verified("l.obj", says=["20 triangles"])
+
+    def test_ends_at_a_signal_before_there_is_a_mesh(self):
+        self.weft("mesh", "ball", "--size", "0.05", "-o", "ball.meshb", "--quiet")
+        self.weft("convert", "ball.meshb", "ball.stl")
+        process = subprocess.Popen([str(WEFT), "mesh", "ball.stl", "-o", "out.meshb", "--progress", "plain"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        process.stderr.readline()  # it has begun to look at the surface
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 2, errors)
+        self.assertIn("interrupted before there was a mesh", errors)
+        self.assertEqual(self.files(), ["ball.meshb", "ball.solb", "ball.stl"])
 
     def test_bodies(self):
         self.verified("ball", "--size", "0.4")

@@ -120,8 +120,9 @@ void add_box(TetGrid& grid, const Box& inner) {
 
 }  // namespace
 
-TetGrid delaunay_in_box(std::span<const Point> points) {
+TetGrid delaunay_in_box(std::span<const Point> points, const std::atomic<bool>* interrupt) {
   TetGrid grid;
+  grid.interrupt = interrupt;
   Box box;
   for (const Point& p : points) {
     box.include(p);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
@@ -125,6 +126,7 @@ void TetGrid::glue_sides() {
 std::span<const std::uint32_t> TetGrid::replace(std::span<const std::uint32_t> old,
                                                 std::span<const Tet4> fresh,
                                                 std::span<const FacetFace> facets) {
+  check_interrupt(interrupt);
   sides_.clear();
   collect_outer(old);
   for (const std::uint32_t t : old) remove(t);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,7 +41,8 @@ class TetGrid {
 
   std::vector<Point> points;
   std::vector<Tet> tets;
-  std::vector<std::uint32_t> vertex_tet;  ///< of each point: one tet that holds it, kNothing without
+  std::vector<std::uint32_t> vertex_tet;         ///< of each point: one tet that holds it, kNothing without
+  const std::atomic<bool>* interrupt = nullptr;  ///< once set, replace() throws Interrupted
 
   std::uint32_t add_point(const Point& p);
   /// Puts point v where doubles cannot: `points` has it rounded, orient() takes it exactly. move() ends that.

@@ -5,6 +5,7 @@
 
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/fill_volume.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/initial_grid.h"
 #include "meshing/initial/repair_surface.h"
 #include "tools/library/api/whole_mesh.h"
@@ -24,7 +25,11 @@ class Filling {
       : surface_(surface), options_(options), monitor_(options.run) {}
 
   FillResult run() {
-    make_grid();
+    try {
+      make_grid();
+    } catch (const meshing::Interrupted& error) {
+      throw RunError(error.what());
+    }
     fill();
     return std::move(result_);
   }
@@ -36,7 +41,8 @@ class Filling {
         options_.run.repair ? close_mended() : meshing::close_surface(surface_, {options_.merge});
     result_.warnings = closed.warnings;
     monitor_.update("initial grid", 0, 0);
-    grid_ = meshing::make_initial_grid(closed, {options_.materials});
+    meshing::check_interrupt(&monitor_.flag());
+    grid_ = meshing::make_initial_grid(closed, {options_.materials, &monitor_.flag()});
     result_.regions = grid_.regions;
     result_.grid_seconds = watch_.lap();
     if (grid_.left_on_surface > 0)

@@ -43,12 +43,13 @@ Keep what_to_keep(const Files& files) {
 /// One run on one rank. All ranks do the same steps; only rank 0's account is complete.
 class DistributedFileJob {
  public:
-  DistributedFileJob(const Files& files, const Options& options, engine::Transport& transport)
+  DistributedFileJob(const Files& files, const Options& options, engine::Transport& transport,
+                     Monitor::Clock::time_point begin = Monitor::Clock::now())
       : files_(files),
         options_(options),
         keep_(what_to_keep(files)),
         account_(begin_run(files, options)),
-        run_(options, transport, keep_) {}
+        run_(options, transport, keep_, begin) {}
 
   FilesResult run() {
     partition::agree_on(run_.peers(), [this] {
@@ -216,8 +217,10 @@ Options options_of_simulated(const Options& options, engine::Rank rank) {
 
 FilesResult adapt_files_in_subdomains(const Files& files, const Options& options) {
   FilesResult result;
-  on_world_telling(
-      [&](engine::Transport& transport) { result = DistributedFileJob(files, options, transport).run(); });
+  const auto begin = Monitor::Clock::now();  // MPI takes a while to start
+  on_world_telling([&](engine::Transport& transport) {
+    result = DistributedFileJob(files, options, transport, begin).run();
+  });
   return result;
 }
 

@@ -33,11 +33,12 @@ std::string partitioner_of(const DistributedOptions& options) {
   return options.partitioner.empty() ? "graph" : options.partitioner;
 }
 
-DistributedRun::DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep)
+DistributedRun::DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep,
+                               Monitor::Clock::time_point begin)
     : options_(options),
       keep_(keep),
       threads_(options.run.threads > 0 ? options.run.threads : 1),
-      monitor_(options.run, transport.size()) {
+      monitor_(options.run, transport.size(), begin) {
   graph::adaptation::register_adaptation(registry_);
   engine::RuntimeOptions engine;
   engine.threads = threads_;

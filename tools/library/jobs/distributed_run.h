@@ -29,7 +29,9 @@ struct Keep {
 /// meshing::InputError, std::invalid_argument and engine::RunFailure.
 class DistributedRun {
  public:
-  DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep = {});
+  /// `begin`: from when a limit of time counts.
+  DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep = {},
+                 Monitor::Clock::time_point begin = Monitor::Clock::now());
 
   partition::Peers& peers() { return *peers_; }
   graph::dataflow::RankExchange& exchange() { return *exchange_; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -23,8 +24,9 @@ std::string text_of(EndReason reason);
 /// while there is time to measure and write what it has.
 class Monitor {
  public:
-  /// `sharers`: ranks that write the result together.
-  explicit Monitor(const RunOptions& options, int sharers = 1);
+  using Clock = std::chrono::steady_clock;
+  /// `sharers`: ranks that write the result together. Limits of time count from `begin`.
+  explicit Monitor(const RunOptions& options, int sharers = 1, Clock::time_point begin = Clock::now());
   ~Monitor();
   Monitor(const Monitor&) = delete;
   Monitor& operator=(const Monitor&) = delete;
@@ -46,6 +48,7 @@ class Monitor {
 
   const RunOptions& options_;
   const int sharers_;
+  const Clock::time_point begin_;
   std::atomic<bool> own_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
   std::atomic<std::uint64_t> tets_ = 0;  ///< the most that have been told of

@@ -634,7 +634,8 @@ struct TessellationOptions {
 /// the nodes as corners, and associated with the model. Throws InputError naming the entity where they would
 /// not be watertight.
 WEFT_API Mesh tessellate(const GeometryOptions& geometry, const TessellationOptions& options = {});
-/// Fills the volumes that closed triangles bound with tets. Throws InputError naming triangles (1-based).
+/// Fills the volumes that closed triangles bound with tets. Throws InputError naming triangles (1-based), and
+/// RunError where it is cancelled before there is a mesh.
 WEFT_API FillResult fill(const Mesh& surface, const FillOptions& options = {});
 
 /// A structured box of tets; the surfaces of simple bodies.
