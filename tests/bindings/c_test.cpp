@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
 #include <string>
@@ -60,6 +63,20 @@ class Handles : public ::testing::Test {
 };
 
 using CInterface = Handles;
+
+/// A folder of the test's own, which goes with it.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "weft-c-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
 
 TEST_F(CInterface, AdaptsACallersArrays) {
   const weft_mesh* start = box(3);
@@ -284,6 +301,21 @@ TEST_F(CInterface, AnotherThreadCancels) {
   EXPECT_EQ(cancelled, 1);
 }
 
+TEST_F(CInterface, AnotherThreadAsksForACheckpoint) {
+  const Folder folder;
+  const std::string states = folder / "states";
+  weft_options* asked = options();
+  weft_options_set(asked, "checkpoint", states.c_str());
+  weft_options_set(asked, "checkpoint-every", "0");
+  ASSERT_EQ(weft_options_checkpoint(asked), WEFT_OK);
+  weft_mesh* mesh = box(4);
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.1), asked, nullptr, &result), WEFT_OK) << weft_last_error();
+  keep(result);
+  EXPECT_FALSE(std::filesystem::is_empty(states));
+  EXPECT_EQ(weft_options_checkpoint(nullptr), WEFT_MISUSE);
+}
+
 TEST_F(CInterface, TheLastErrorIsThatOfTheThread) {
   weft_mesh* mesh = nullptr;
   weft_mesh_box(0, 1, 1, &mesh);
@@ -325,6 +357,234 @@ TEST_F(CInterface, CarriesFieldsAlong) {
   weft_mesh_num_points(fine, &points);
   weft_mesh_points(fine, &places);
   for (int64_t i = 0; i < 3 * points; ++i) EXPECT_NEAR(values[i], places[i], 1e-12);
+}
+
+TEST_F(CInterface, AdaptsToTheMetricOfAnotherMesh) {
+  weft_mesh *mesh = box(3), *other = box(5), *fine = nullptr;
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_to_background(mesh, other, sizes(other, 0.2), options(), nullptr, &result), WEFT_OK)
+      << weft_last_error();
+  keep(result);
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  weft_result_measures(result, &measures);
+  EXPECT_GT(measures.edges_unit, 0.85);
+  weft_result_mesh(result, &fine);
+  keep(fine);
+  int64_t differences = -1;
+  ASSERT_EQ(weft_mesh_compare(fine, mesh, &differences), WEFT_OK);
+  EXPECT_EQ(differences, 0);
+  EXPECT_EQ(weft_adapt_to_background(mesh, other, sizes(mesh, 0.2), options(), nullptr, &result),
+            WEFT_INPUT_ERROR);
+  EXPECT_THAT(weft_last_error(), HasSubstr("metric of another mesh: it has 64 vertices, the mesh 216"));
+  EXPECT_EQ(weft_adapt_to_background(mesh, nullptr, sizes(mesh, 0.2), options(), nullptr, &result),
+            WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), StartsWith("background: is NULL"));
+}
+
+TEST_F(CInterface, SolutionsOfAnotherMeshMakeTheMetric) {
+  weft_mesh *mesh = box(3), *other = box(6);
+  int64_t points = 0;
+  const double* x = nullptr;
+  weft_mesh_num_points(other, &points);
+  weft_mesh_points(other, &x);
+  std::vector<double> values;
+  for (int64_t i = 0; i < points; ++i) values.push_back(std::tanh(10 * (x[3 * i] - 0.4)));
+  weft_fields* solution = nullptr;
+  weft_fields_create(points, &solution);
+  keep(solution);
+  ASSERT_EQ(weft_fields_add(solution, "u", 1, values.data()), WEFT_OK);
+  weft_options* asked = options();
+  weft_options_add_solution(asked, solution);
+  weft_options_set(asked, "complexity", "300");
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_to_background(mesh, other, nullptr, asked, nullptr, &result), WEFT_OK)
+      << weft_last_error();
+  keep(result);
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  weft_result_measures(result, &measures);
+  EXPECT_NEAR(static_cast<double>(measures.vertices), 600, 250);
+}
+
+TEST_F(CInterface, ComparesMeshesOfTheSameDomain) {
+  weft_mesh* mesh = box(2);
+  weft_mesh* other = nullptr;
+  const int64_t cells[] = {2, 2, 2};
+  const double min[] = {0, 0, 0}, max[] = {1, 1, 2}, wrong[] = {1, 0, 1};
+  ASSERT_EQ(weft_mesh_box_between(cells, min, max, &other), WEFT_OK) << weft_last_error();
+  keep(other);
+  int64_t differences = -1;
+  ASSERT_EQ(weft_mesh_compare(mesh, other, &differences), WEFT_OK);
+  EXPECT_EQ(differences, 5);  // the volume, and the four sides that are taller
+  EXPECT_THAT(weft_last_error(), HasSubstr("volume of reference 1 is 1, the other mesh's 2"));
+  EXPECT_EQ(weft_mesh_box_between(cells, min, wrong, &other), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), HasSubstr("max: must be above min"));
+  EXPECT_EQ(weft_mesh_box_between(cells, min, nullptr, &other), WEFT_MISUSE);
+}
+
+TEST_F(CInterface, StatTellsAllThatTheCommandTells) {
+  weft_mesh* mesh = box(2);
+  weft_text* text = nullptr;
+  const char* letters = nullptr;
+  ASSERT_EQ(weft_stat(mesh, sizes(mesh, 0.5), nullptr, &text), WEFT_OK) << weft_last_error();
+  keep(text);
+  ASSERT_EQ(weft_text_get(text, &letters), WEFT_OK);
+  for (const char* part :
+       {"weft-stat-1", "\"vertices\": 27", "volume_by_ref", "bounding_box", "histogram_log"})
+    EXPECT_THAT(letters, HasSubstr(part));
+  weft_text* plain = nullptr;
+  ASSERT_EQ(weft_stat(mesh, nullptr, nullptr, &plain), WEFT_OK);
+  weft_text_get(keep(plain), &letters);
+  EXPECT_THAT(letters, ::testing::Not(HasSubstr("measures")));
+  weft_options* asked = options();
+  weft_options_set(asked, "geometry", "no such model.step");
+  EXPECT_EQ(weft_stat(mesh, nullptr, asked, &plain), WEFT_INPUT_ERROR);
+  EXPECT_THAT(weft_last_error(), HasSubstr("no such model.step"));
+}
+
+TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", other = folder / "other.meshb", h = folder / "h.solb",
+                    field = folder / "f.solb", out = folder / "out.meshb", report = folder / "run",
+                    graph = folder / "graph.dot", trace = folder / "trace.json";
+  weft_mesh *mesh = box(3), *background = box(4);
+  ASSERT_EQ(weft_mesh_write(mesh, start.c_str()), WEFT_OK) << weft_last_error();
+  ASSERT_EQ(weft_mesh_write(background, other.c_str()), WEFT_OK) << weft_last_error();
+  ASSERT_EQ(weft_metric_write(sizes(background, 0.2), h.c_str()), WEFT_OK) << weft_last_error();
+  ASSERT_EQ(weft_metric_write(sizes(mesh, 0.3), field.c_str()), WEFT_OK) << weft_last_error();
+  weft_options* asked = options();
+  weft_options_set(asked, "metric", h.c_str());
+  weft_options_set(asked, "subdomains", "3");
+  const char* fields[] = {field.c_str()};
+  weft_file_settings settings{};
+  settings.size = sizeof settings;
+  ASSERT_EQ(weft_file_settings_default(&settings), WEFT_OK);
+  settings.background = other.c_str();
+  settings.fields = fields;
+  settings.num_fields = 1;
+  settings.report = report.c_str();
+  settings.page = 0;
+  settings.graph = graph.c_str();
+  settings.trace = trace.c_str();
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_OK)
+      << weft_last_error();
+  keep(result);
+  for (const std::string& file : {out, graph, trace, report + "/report.json", folder / "out-fields.solb"})
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
+  EXPECT_FALSE(std::filesystem::exists(report + "/report.html"));
+  settings = {};
+  settings.size = sizeof settings;
+  weft_file_settings_default(&settings);
+  settings.background = other.c_str();
+  settings.simulate_ranks = 2;
+  const std::string simulated = folder / "simulated.meshb";
+  ASSERT_EQ(weft_adapt_files_with(start.c_str(), simulated.c_str(), &settings, asked, &result), WEFT_OK)
+      << weft_last_error();
+  keep(result);
+  const char* summary = nullptr;
+  weft_result_summary(result, &summary);
+  EXPECT_THAT(summary, HasSubstr("simulated"));
+  EXPECT_EQ(std::filesystem::file_size(out), std::filesystem::file_size(simulated));
+  settings.num_fields = 2;
+  settings.fields = nullptr;
+  EXPECT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), HasSubstr("fields: is NULL"));
+}
+
+TEST_F(CInterface, FilesAreConverted) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", out = folder / "out.msh", stl = folder / "out.stl",
+                    h = folder / "h.solb";
+  weft_mesh* mesh = box(2);
+  ASSERT_EQ(weft_mesh_write(mesh, start.c_str()), WEFT_OK);
+  ASSERT_EQ(weft_metric_write(sizes(mesh, 0.3), h.c_str()), WEFT_OK);
+  weft_write_settings settings{};
+  settings.size = sizeof settings;
+  ASSERT_EQ(weft_write_settings_default(&settings), WEFT_OK);
+  settings.encoding = "ascii";
+  settings.msh_version = 2;
+  ASSERT_EQ(weft_convert(start.c_str(), out.c_str(), h.c_str(), &settings, nullptr), WEFT_OK)
+      << weft_last_error();
+  std::ifstream file(out);
+  std::string line;
+  std::getline(file, line);
+  std::getline(file, line);
+  EXPECT_EQ(line, "2.2 0 8");
+  weft_text* dropped = nullptr;
+  ASSERT_EQ(weft_convert(start.c_str(), stl.c_str(), nullptr, nullptr, &dropped), WEFT_OK);
+  const char* letters = nullptr;
+  weft_text_get(keep(dropped), &letters);
+  EXPECT_THAT(letters, HasSubstr("tets"));
+  settings.encoding = "utf";
+  EXPECT_EQ(weft_convert(start.c_str(), out.c_str(), nullptr, &settings, nullptr), WEFT_OPTION_ERROR);
+  EXPECT_THAT(weft_last_error(), StartsWith("--encoding: 'utf'"));
+  settings.encoding = nullptr;
+  EXPECT_EQ(weft_convert(start.c_str(), out.c_str(), nullptr, &settings, nullptr), WEFT_MISUSE);
+}
+
+TEST_F(CInterface, HistogramsAreDrawn) {
+  const Folder folder;
+  weft_mesh* mesh = box(2);
+  ASSERT_EQ(weft_draw_histograms((folder / "plot.svg").c_str(), mesh, sizes(mesh, 0.5)), WEFT_OK)
+      << weft_last_error();
+  EXPECT_GT(std::filesystem::file_size(folder / "plot.svg"), 2000u);
+}
+
+TEST_F(CInterface, SurfacesOfBodiesAreFilledToo) {
+  const double origin[] = {0, 0, 0};
+  weft_mesh *ball = nullptr, *cylinder = nullptr, *wing = nullptr, *filled = nullptr, *finer = nullptr;
+  ASSERT_EQ(weft_ball_surface(1, origin, 0.5, &ball), WEFT_OK) << weft_last_error();
+  ASSERT_EQ(weft_cylinder_surface(1, 2, origin, 0.5, &cylinder), WEFT_OK) << weft_last_error();
+  ASSERT_EQ(weft_delta_wing_surface(0, &wing), WEFT_OK) << weft_last_error();
+  for (weft_mesh* mesh : {ball, cylinder, wing}) {
+    int64_t triangles = 0;
+    weft_mesh_count(keep(mesh), WEFT_TRIANGLES, &triangles);
+    EXPECT_GT(triangles, 20);
+  }
+  ASSERT_EQ(weft_fill(ball, nullptr, options(), &filled, nullptr), WEFT_OK) << weft_last_error();
+  keep(filled);
+  ASSERT_EQ(weft_fill_to_background(ball, filled, sizes(filled, 0.2), nullptr, options(), &finer, nullptr),
+            WEFT_OK)
+      << weft_last_error();
+  int64_t before = 0, after = 0;
+  weft_mesh_count(filled, WEFT_TETS, &before);
+  weft_mesh_count(keep(finer), WEFT_TETS, &after);
+  EXPECT_GT(after, 2 * before);
+  EXPECT_EQ(weft_fill_to_background(ball, filled, sizes(ball, 0.2), nullptr, options(), &finer, nullptr),
+            WEFT_INPUT_ERROR);
+  EXPECT_EQ(weft_ball_surface(-1, origin, 0.5, &ball), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), StartsWith("radius: -1"));
+  EXPECT_EQ(weft_tessellate(options(), 20, &ball), WEFT_OPTION_ERROR);
+  EXPECT_THAT(weft_last_error(), HasSubstr("no CAD model is named"));
+}
+
+TEST_F(CInterface, TransfersAreAccountedFor) {
+  weft_mesh *mesh = box(3), *other = box(4);
+  int64_t points = 0;
+  const double* x = nullptr;
+  weft_mesh_num_points(mesh, &points);
+  weft_mesh_points(mesh, &x);
+  weft_fields *fields = nullptr, *there = nullptr;
+  weft_fields_create(points, &fields);
+  keep(fields);
+  weft_fields_add(fields, "place", 3, x);
+  ASSERT_EQ(weft_interpolate(mesh, fields, other, options(), &there), WEFT_OK) << weft_last_error();
+  keep(there);
+  weft_component_account account{};
+  account.size = sizeof account;
+  ASSERT_EQ(weft_fields_account(there, 2, &account), WEFT_OK) << weft_last_error();
+  EXPECT_STREQ(account.name, "place 3");
+  EXPECT_NEAR(account.integral_after, 0.5, 1e-12);
+  int64_t outside = -1;
+  double farthest = -1;
+  ASSERT_EQ(weft_fields_outside(there, &outside, &farthest), WEFT_OK);
+  EXPECT_EQ(outside, 0);
+  EXPECT_EQ(farthest, 0);
+  EXPECT_EQ(weft_fields_account(there, 3, &account), WEFT_MISUSE);
+  EXPECT_EQ(weft_fields_account(fields, 0, &account), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), HasSubstr("are not those that weft_interpolate() has made"));
 }
 
 /// Calls of all functions with arguments at random: good handles, freed ones, those of another kind, NULL and
@@ -409,7 +669,7 @@ class Fuzz {
     weft_part* part = nullptr;
     int64_t n = count(), out = 0;
     const bool tame = pick(2) == 0;
-    switch (pick(27)) {
+    switch (pick(36)) {
       case 0:
         return made(weft_mesh_box(pick(4), 2, 1 + pick(2), &mesh), mesh);
       case 1: {
@@ -515,6 +775,57 @@ class Fuzz {
         return made(weft_interpolate(handle<weft_mesh>(), handle<weft_fields>(), handle<weft_mesh>(), nullptr,
                                      &fields),
                     fields);
+      case 26:
+        return weft_mesh_compare(handle<weft_mesh>(), handle<weft_mesh>(), pick(9) ? &out : nullptr);
+      case 27: {
+        weft_text* text = nullptr;
+        const weft_status status = weft_stat(handle<weft_mesh>(), pick(2) ? handle<weft_metric>() : nullptr,
+                                             nullptr, pick(9) ? &text : nullptr);
+        if (status == WEFT_OK) handles_.push_back(text);
+        return status;
+      }
+      case 28: {
+        const std::array<int64_t, 3> cells = {pick(4), 1, 2};
+        const auto corners = values(6, tame);
+        return made(
+            weft_mesh_box_between(pick(9) ? cells.data() : nullptr, data(corners), corners.data() + 3, &mesh),
+            mesh);
+      }
+      case 29: {
+        const auto asked = handle<weft_options>();
+        weft_options_set_number(asked, "threads", 1);
+        const weft_status status = weft_adapt_to_background(handle<weft_mesh>(), handle<weft_mesh>(),
+                                                            handle<weft_metric>(), asked, nullptr, &result);
+        return made(status, result);
+      }
+      case 30: {
+        const auto place = values(3, tame);
+        return made(weft_ball_surface(value(), data(place), 0.5, &mesh), mesh);
+      }
+      case 31: {
+        weft_component_account account{};
+        account.size = pick(3) ? sizeof account : static_cast<std::size_t>(pick(200));
+        return weft_fields_account(handle<weft_fields>(), n, pick(9) ? &account : nullptr);
+      }
+      case 32: {
+        double farthest = 0;
+        return weft_fields_outside(handle<weft_fields>(), &out, &farthest);
+      }
+      case 33: {
+        weft_write_settings s{};
+        s.size = pick(2) ? sizeof s : static_cast<std::size_t>(pick(100));
+        if (pick(3)) weft_write_settings_default(&s);
+        return weft_convert(pick(5) ? "no such file.meshb" : nullptr, "none.meshb", nullptr, &s, nullptr);
+      }
+      case 34: {
+        weft_file_settings s{};
+        s.size = pick(2) ? sizeof s : static_cast<std::size_t>(pick(200));
+        if (pick(3)) weft_file_settings_default(&s);
+        s.num_fields = n;
+        return made(
+            weft_adapt_files_with("no such file.meshb", "none.meshb", &s, handle<weft_options>(), &result),
+            result);
+      }
       default: {
         if (pick(3)) return weft_mesh_points(handle<weft_mesh>(), nullptr);
         void* gone = handles_.empty() || pick(5) == 0 ? nullptr : any();

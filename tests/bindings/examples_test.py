@@ -59,6 +59,13 @@ class Examples(unittest.TestCase):
                 self.assertEqual(len(told), 1, told)
                 self.assertRegex(told.pop(), r"^all: \d+ tets, volume *(1|0\.99999999\d+|1\.00000000\d+)$")
 
+    def test_shares_of_a_file_give_the_same_mesh_for_any_number_of_ranks(self):
+        self.weft("mesh", "box", "--cells", 4, 4, 4, "-o", "start.meshb")
+        self.weft("metric", "start.meshb", "--metric-fn", "polar-2", "-o", "start.solb")
+        told = {run(*MPIRUN, "-n", ranks, os.environ["WEFT_C_SHARES"], "start.meshb", "start.solb", 500,
+                    cwd=self.folder).strip() for ranks in (1, 2, 4)}
+        self.assertEqual(len(told), 1, told)
+
 
 if __name__ == "__main__":
     unittest.main()

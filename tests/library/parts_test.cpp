@@ -97,6 +97,15 @@ Metric metric_of(const Part& part) {
   return Metric::from_sizes(h);
 }
 
+/// A layer across the box.
+double layer(const Point& x) { return std::tanh(20 * (x.x + 0.3 * x.y - 0.6)); }
+
+Fields layer_of(const Mesh& mesh) {
+  Fields fields{mesh.points.size(), {{Field::Kind::scalar, {}, "layer"}}};
+  for (const Point& x : mesh.points) fields.fields[0].values.push_back(layer(x));
+  return fields;
+}
+
 Options options_of(std::uint32_t subdomains = 6) {
   Options options;
   options.run.threads = 1;
@@ -205,6 +214,43 @@ TEST(Parts, ReadTheirMetricFromAnotherMeshInParts) {
                          })
                 .find("background"),
             std::string::npos);
+}
+
+TEST(Parts, MakeTheirMetricOfSolutionsOnAnotherMeshInParts) {
+  const Split split;
+  const Mesh whole = whole_box();
+  BoxOptions finer;
+  finer.cells = {7, 6, 7};
+  const Mesh background = box(finer);
+  const auto with = [](const Mesh& mesh) {
+    Options options = options_of(8);
+    options.metric.complexity = 700;
+    if (!mesh.points.empty()) options.metric.solutions = {layer_of(mesh)};
+    return options;
+  };
+  const Part one = part_of(whole, split.rank, dealt(split.ranks));
+  const Part other = part_of(background, split.rank, blocks(background, split.ranks));
+  const PartResult fine = adapt(split.communicator, one, other, with(other.mesh));
+  const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
+  const Part all_other = part_of(background, 0, [](std::size_t) { return 0; });
+  const PartResult alone = adapt(MPI_COMM_SELF, all, all_other, with(all_other.mesh));
+  EXPECT_EQ(shape_of(fine, split.communicator), shape_of(alone, MPI_COMM_SELF));
+  EXPECT_EQ(12 * adapt(whole, background, with(background)).mesh.tets.size(),
+            shape_of(alone, MPI_COMM_SELF).size());
+}
+
+TEST(Parts, OfWhichSomeRanksAloneGiveABackgroundAreRefused) {
+  const Split split;
+  if (split.ranks == 1) return;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, dealt(split.ranks));
+  const std::string text = common_error(split, [&] {
+    if (split.rank == split.ranks - 1)
+      adapt(split.communicator, part, metric_of(part), options_of());
+    else
+      adapt(split.communicator, part, part, metric_of(part), options_of());
+  });
+  EXPECT_NE(text.find("background: some ranks give one"), std::string::npos) << text;
 }
 
 TEST(Parts, ComeBackBalancedNumberedAndOwned) {
@@ -320,15 +366,6 @@ TEST(Parts, MetricsThatAreGradedAreMadeOfTheWholeMesh) {
   options.metric.complexity = 800;
   const PartResult fine = adapt(split.communicator, part, metric_of(part), options);
   EXPECT_NEAR(fine.after.complexity, 800, 120);
-}
-
-/// A layer across the box.
-double layer(const Point& x) { return std::tanh(20 * (x.x + 0.3 * x.y - 0.6)); }
-
-Fields layer_of(const Mesh& mesh) {
-  Fields fields{mesh.points.size(), {{Field::Kind::scalar, {}, "layer"}}};
-  for (const Point& x : mesh.points) fields.fields[0].values.push_back(layer(x));
-  return fields;
 }
 
 TEST(Parts, MetricsOfSolutionsAreThoseOfTheWholeMesh) {

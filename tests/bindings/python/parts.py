@@ -11,6 +11,7 @@ import weft
 WORLD = MPI.COMM_WORLD
 COMM = WORLD.Split(0, -WORLD.rank)  # the ranks in the opposite order
 WHOLE = weft.box(5)
+OTHER = weft.box((7, 6, 7))
 OPTIONS = dict(threads=1, subdomains=6)
 
 
@@ -23,6 +24,15 @@ def part(rank, ranks):
                 tet_ids=mine, metric=0.08 + 0.1 * WHOLE.points[vertices][:, 0])
 
 
+def background(rank, ranks):
+    """Another mesh of the box, dealt out by another rule, and the metric at its points."""
+    mine = np.nonzero(np.arange(len(OTHER.tets)) // 5 % ranks == ranks - 1 - rank)[0]
+    vertices, local = np.unique(OTHER.tets[mine], return_inverse=True)
+    points = OTHER.points[vertices].reshape(-1, 3)
+    return dict(background=(points, local.reshape(-1, 4)), background_ids=5 + 2 * vertices.astype(np.int64),
+                background_tet_ids=mine, metric=0.08 + 0.1 * points[:, 0])
+
+
 def shape(result, comm):
     """All own tets by the coordinates of their points, sorted, on all ranks."""
     corners = result.mesh.points[result.mesh.tets[:result.num_own_tets]]
@@ -30,9 +40,9 @@ def shape(result, comm):
     return sorted(tet for share in comm.allgather(mine) for tet in share)
 
 
-def fails(error, text, **changes):
-    """The same error on all ranks, though the last rank alone is wrong."""
-    call = {**part(COMM.rank, COMM.size), **OPTIONS}
+def fails(error, text, beside={}, **changes):
+    """The same error on all ranks, though the last rank alone is wrong. `beside`: more arguments of all."""
+    call = {**part(COMM.rank, COMM.size), **OPTIONS, **beside}
     if COMM.rank == COMM.size - 1:
         call.update(changes)
     try:
@@ -95,6 +105,56 @@ def check_metrics_of_solutions_are_made_in_parts():
     tets = COMM.allreduce(fine.num_own_tets)
     assert 2000 < tets < 8000 and COMM.bcast(tets) == tets
     assert not any("rank 0 has made" in text for text in fine.warnings)
+
+
+def check_the_metric_of_another_mesh_in_parts_gives_the_mesh_of_one_process():
+    fine = weft.adapt(comm=COMM, **{**part(COMM.rank, COMM.size), **background(COMM.rank, COMM.size)}, **OPTIONS)
+    alone = weft.adapt(comm=MPI.COMM_SELF, **{**part(0, 1), **background(0, 1)}, **OPTIONS)
+    assert shape(fine, COMM) == shape(alone, MPI.COMM_SELF)
+    whole = weft.adapt((WHOLE.points, WHOLE.tets), 0.08 + 0.1 * OTHER.points[:, 0],
+                       background=(OTHER.points, OTHER.tets), **OPTIONS)
+    corners = whole.mesh.points[whole.mesh.tets].tolist()
+    assert sorted(tuple(sorted(map(tuple, tet))) for tet in corners) == shape(fine, COMM)
+
+
+def check_solutions_at_the_points_of_a_background_make_the_metric():
+    def arguments(rank, ranks):
+        other = {**part(rank, ranks), **background(rank, ranks)}
+        other.pop("metric")
+        x = other["background"][0]
+        return dict(other, solutions={"u": x @ [1, 2, 3] + x**2 @ [1, 2, 3]}, complexity=500, **OPTIONS)
+
+    fine = weft.adapt(comm=COMM, **arguments(COMM.rank, COMM.size))
+    assert shape(fine, COMM) == shape(weft.adapt(comm=MPI.COMM_SELF, **arguments(0, 1)), MPI.COMM_SELF)
+
+
+def check_what_is_wrong_with_a_background_on_one_rank_all_hear_of():
+    beside = background(COMM.rank, COMM.size)
+    (points, tets), ids = beside["background"], beside["background_ids"]
+    wrong, sizes = tets.copy(), beside["metric"].copy()
+    wrong[0, 2], sizes[1] = 99999, np.nan
+    n = len(points)
+    longer = f"background: rank {COMM.size - 1}: metric of another mesh: it has {n + 1} vertices, the mesh {n}"
+    fails(weft.InputError, longer if COMM.rank == COMM.size - 1 else "metric of another mesh", beside,
+          metric=np.ones(n + 1))
+    fails(weft.InputError, "background: rank", beside, metric=np.ones(n - 1))
+    fails(weft.InputError, "metric[1]: is not finite", beside, metric=sizes)
+    fails(weft.InputError, "background: tets[0, 2]: 99999 is not an index of the", beside, background=(points, wrong))
+    fails(weft.InputError, "background: points: has shape", beside, background=(points[:, :2], tets))
+    fails(weft.InputError, "background_ids: has", beside, background_ids=ids[1:])
+    fails(weft.InputError, "background_ids[1]:", beside, background_ids=np.concatenate([ids[:1], ids[:1], ids[2:]]))
+    fails(weft.InputError, "background_tet_ids: has", beside, background_tet_ids=[1])
+    fails(weft.UsageError, "background_ids: are needed with comm", beside, background_ids=None)
+    fails(weft.UsageError, "background_ids: are those of a background", background_ids=[1])
+    if COMM.size == 1:
+        return
+    try:
+        weft.adapt(comm=COMM, **part(COMM.rank, COMM.size), **OPTIONS,
+                   **({} if COMM.rank else {name: beside[name] for name in ("background", "background_ids")}))
+    except weft.InputError as error:
+        assert "background: some ranks give one" in str(error), error
+    else:
+        raise AssertionError("a background of some ranks alone")
 
 
 def check_cancel_on_all_ranks_leaves_a_valid_mesh():

@@ -1,6 +1,9 @@
 """What the command can do, Python can; with the same bytes where files come of it."""
 
+import ast
+import inspect
 import os
+import pathlib
 import re
 import subprocess
 
@@ -111,11 +114,109 @@ def test_pictures_are_drawn(tmp_path, start):
     assert all((tmp_path / name).stat().st_size > 500 for name in ("field.png", "quality.svg"))
 
 
+def test_a_metric_of_another_mesh_gives_the_commands_bytes(tmp_path, start):
+    other = weft.box((3, 5, 4))
+    weft.write(tmp_path / "other.meshb", other)
+    wave = {"wave": np.tanh(20 * (other.points[:, 0] - 0.4))}
+    weft.write_fields(tmp_path / "other.solb", wave)
+    run(tmp_path, "adapt", "start.meshb", "--background", "other.meshb", "--sol", "other.solb", "--complexity", 500,
+        "--threads", 1, "-o", "fine.meshb")
+    fine = weft.adapt(start, background=other, solutions=wave, complexity=500, threads=1)
+    weft.write(tmp_path / "python.meshb", fine)
+    assert same(tmp_path, "fine.meshb", "python.meshb", "fine.solb", "python.solb")
+    with pytest.raises(weft.InputError, match="metric of another mesh: it has 125 vertices, the mesh 120"):
+        weft.adapt(start, np.ones(125), background=other)
+    with pytest.raises(weft.InputError, match="field1: has shape .125,., not one row for each of the 120 points"):
+        weft.adapt(start, background=other, solutions=weft.read_fields(tmp_path / "wave.solb"), complexity=500)
+
+
+def test_runs_on_files_write_all_that_the_command_writes(tmp_path, start):
+    told = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "fine.meshb", metric_fn="uniform:0.2", subdomains=3,
+                            fields=[tmp_path / "wave.solb"], threads=1, report=tmp_path / "run",
+                            case="cube-polar2-50000", graph=tmp_path / "graph.dot", trace=tmp_path / "trace.json")
+    assert told.fields and (tmp_path / "run/report.html").exists()
+    assert (tmp_path / "graph.dot").read_text().startswith("digraph") and (tmp_path / "trace.json").exists()
+    plain = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "plain.meshb", metric_fn="uniform:0.2", subdomains=3,
+                             threads=1, report=tmp_path / "plain", page=False)
+    assert plain.report and not (tmp_path / "plain/report.html").exists()
+    simulated = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "simulated.meshb", metric_fn="uniform:0.2",
+                                 subdomains=3, simulate_ranks=2, simulate_network="5us,1GB/s", simulate_slowdown=2)
+    assert simulated.seconds > 0 and isinstance(simulated, weft.SimulatedFilesResult)
+    assert same(tmp_path, "fine.meshb", "plain.meshb", "fine.meshb", "simulated.meshb")
+
+
+def test_files_are_converted_as_by_the_command(tmp_path, start):
+    options = {"msh_version": "2.2", "encoding": "ascii"}
+    run(tmp_path, "convert", "start.meshb", "start.msh", "--sol", "wave.solb", "--msh-version", "2.2", "--encoding",
+        "ascii")
+    dropped = weft.convert(tmp_path / "start.meshb", tmp_path / "python.msh", sol=tmp_path / "wave.solb", **options)
+    assert same(tmp_path, "start.msh", "python.msh") and isinstance(dropped, list)
+    weft.convert(tmp_path / "start.meshb", tmp_path / "plain.vtu")
+    weft.convert(tmp_path / "start.meshb", tmp_path / "small.vtu", compress=True)
+    assert (tmp_path / "small.vtu").stat().st_size < (tmp_path / "plain.vtu").stat().st_size
+    weft.convert(tmp_path / "start.meshb", tmp_path / "three.pvtu", pieces=3)
+    assert len(list(tmp_path.rglob("three*.vtu"))) == 3
+    assert [what for what, count in weft.convert(tmp_path / "start.meshb", tmp_path / "start.stl") if "tets" in what]
+    for wrong in ({"encoding": "utf"}, {"msh_version": "3"}, {"pieces": 0}):
+        with pytest.raises(weft.OptionError, match="--" + next(iter(wrong)).replace("_", "-")):
+            weft.convert(tmp_path / "start.meshb", tmp_path / "wrong.msh", **wrong)
+
+
+def test_histograms_are_drawn(tmp_path, start):
+    weft.draw_histograms(tmp_path / "plot.svg", start, np.full(len(start.points), 0.25), title="of the start")
+    run(tmp_path, "stat", "start.meshb", "--metric-fn", "uniform:0.25", "--plot", "command.svg")
+    assert (tmp_path / "plot.svg").stat().st_size > 2000 and (tmp_path / "command.svg").stat().st_size > 2000
+    assert len(weft.stat(start, np.full(len(start.points), 0.25))["measures"]["quality"]["histogram"]["counts"]) > 10
+
+
+CYLINDER = os.path.join(os.path.dirname(__file__), "../../data/models/cylinder.brep")
+
+
+@pytest.mark.skipif(os.environ.get("WEFT_HAS_CAD") != "1", reason="SKIPPED: this build has no OpenCASCADE")
+def test_cad_models_are_meshed_and_measured(tmp_path):
+    surface = weft.tessellate(CYLINDER, geometry_scale=2, hausd=0.05)
+    assert surface.points[:, 2].max() - surface.points[:, 2].min() == pytest.approx(4) and len(surface.tets) == 0
+    filled = weft.fill(surface, remesh_surface=True, geometry=CYLINDER, geometry_scale=2, hausd=0.05, size=0.8)
+    assert weft.verify(filled.mesh) and filled.mends == ""
+    told = weft.stat(filled.mesh, geometry=CYLINDER, geometry_scale=2)
+    assert told["model"] and told["corners"] == len(filled.mesh.corners)
+    assert "model" not in weft.stat(filled.mesh)
+    with pytest.raises(weft.OptionError, match="--angle"):
+        weft.tessellate(CYLINDER, angle=-1)
+
+
+def test_mends_are_told(start):
+    inverted = start.tets.copy()
+    inverted[0, :2] = inverted[0, 1::-1]
+    mended = weft.adapt((start.points, inverted), np.full(125, 0.3), repair=True, threads=1)
+    assert "listed the wrong way round turned" in mended.mends and weft.adapt(start, np.full(125, 0.3), threads=1).mends == ""
+
+
+def test_stubs_name_what_there_is():
+    tree = ast.parse(pathlib.Path(weft.__file__).with_name("_weft.pyi").read_text())
+    told = {node.name: node for node in tree.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    there = {name for name in vars(weft._weft) if not name.startswith("__")} - {"mpi"}
+    assert set(told) == there
+    for name, node in told.items():
+        if isinstance(node, ast.ClassDef):
+            kind = getattr(weft._weft, name)
+            inherited = set(dir(kind.__mro__[1]))
+            members = {member.name for member in node.body if isinstance(member, ast.FunctionDef)}
+            assert {m for m in members if not m.startswith("__")} == {
+                m for m in vars(kind) if not m.startswith("_") and m not in inherited}, name
+        else:
+            doc = getattr(weft._weft, name).__doc__
+            inside = doc[doc.index("(") + 1:doc.index(" -> ")]
+            assert len(node.args.args) == inside.count("arg") + inside.count("self:"), name
+    assert {node.name for node in ast.parse(pathlib.Path(weft.__file__).read_text()).body
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_")} <= set(weft.__all__)
+
+
 def test_options_are_those_of_the_command():
     documented = set(re.findall(r"--([a-z][a-z-]+)", subprocess.run(
         [WEFT, "adapt", "--help"], capture_output=True, text=True, timeout=60).stdout.split("Examples")[0]))
     of_command = {name for name, _, _, there in weft._weft.named_options() if there}
-    beside = {"help", "out", "background", "field", "report", "case", "graph", "trace", "progress", "quiet"}
-    beside |= {"simulate-ranks", "simulate-network", "simulate-slowdown"}  # of <weft/replay.h>, in C++
+    named = set(inspect.signature(weft.adapt_files).parameters)
+    beside = {"help", "out", "field", "progress", "quiet"}  # of the command line, output= and fields=
     assert of_command <= documented
-    assert documented - of_command - beside == set()
+    assert {name.replace("-", "_") for name in documented - of_command - beside} <= named

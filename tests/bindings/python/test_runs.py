@@ -66,6 +66,21 @@ def test_another_thread_cancels_with_a_valid_mesh(box):
     assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
 
 
+def test_another_thread_asks_for_a_checkpoint_to_go_on_from(box, tmp_path):
+    asked = weft.Cancel()
+
+    def ask(stage, done, tets):
+        asked.checkpoint()
+        return not list(tmp_path.iterdir())  # ended once there is one
+
+    sizes = np.full(len(box.points), 0.05)
+    options = dict(checkpoint=tmp_path, checkpoint_every=0, threads=1)
+    ended = weft.adapt(box, sizes, cancel=asked, progress=ask, **options)
+    assert ended.cancelled and list(tmp_path.iterdir())
+    gone_on = weft.adapt(box, sizes, resume=tmp_path, threads=1)
+    assert gone_on.goal_met and np.array_equal(gone_on.mesh.tets, weft.adapt(box, sizes, threads=1).mesh.tets)
+
+
 def test_what_a_callback_raises_is_raised(box, sizes):
     def fail(stage, done, tets):
         raise KeyError("mine")

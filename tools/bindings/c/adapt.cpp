@@ -1,43 +1,34 @@
-// Adaptation: of one mesh, of files, of a mesh in parts; initial meshes.
-#include <cstring>
+// Adaptation: of one mesh, and of a mesh in parts.
 #include <utility>
 #include <vector>
 
+#include "tools/bindings/c/asked.h"
 #include "tools/bindings/c/calls.h"
-#include "tools/bindings/c/settings.h"
 
 namespace weft::c {
 namespace {
 
-/// The options of a call while it lasts; a cancel that the caller's function has asked for ends with it.
-class Asked {
- public:
-  explicit Asked(const weft_options* handle) : object_(object_or_none<OptionsObject>(handle, "options")) {}
-  ~Asked() {
-    if (object_ && object_->callback_cancelled.exchange(false)) object_->cancel = false;
-  }
-  Asked(const Asked&) = delete;
-  Asked& operator=(const Asked&) = delete;
-  const Options& operator*() const { return object_ ? object_->options : defaults_; }
-  const Options* operator->() const { return &**this; }
-
- private:
-  std::shared_ptr<OptionsObject> object_;
-  Options defaults_;
-};
-
-/// What one rank brings along.
+/// What one rank brings along. `background`, the part that `metric` belongs to: null where it is `part`.
 struct PartCall {
-  std::shared_ptr<Part> part;
+  std::shared_ptr<Part> part, background;
   std::shared_ptr<const Metric> metric;
 };
 
-PartCall check_part_call(const weft_part* part, const weft_metric* metric, const Options& options,
-                         weft_result** result) {
+/// The handles of a call in parts. `in_background`: it is one to a background, which then is needed.
+struct PartHandles {
+  const weft_part *part, *background;
+  bool in_background;
+  const weft_metric* metric;
+  const weft_options* options;
+};
+
+PartCall check_part_call(const PartHandles& given, const Options& options, weft_result** result) {
   require_place(result, "result");
   PartCall call;
-  call.part = object_of<PartObject>(part, "part")->part;
-  if (metric || !options.metric.given()) call.metric = object_of<MetricObject>(metric, "metric")->metric;
+  call.part = object_of<PartObject>(given.part, "part")->part;
+  if (given.in_background) call.background = object_of<PartObject>(given.background, "background")->part;
+  if (given.metric || !options.metric.given())
+    call.metric = object_of<MetricObject>(given.metric, "metric")->metric;
   validate(options);
   return call;
 }
@@ -58,16 +49,22 @@ void check_communicator(MPI_Comm communicator) {
   require(communicator != MPI_COMM_NULL, "communicator: is MPI_COMM_NULL");
 }
 
+PartResult adapt_agreed(MPI_Comm communicator, const PartCall& call, const Options& options) {
+  if (call.background)
+    return call.metric ? adapt(communicator, *call.part, *call.background, *call.metric, options)
+                       : adapt(communicator, *call.part, *call.background, options);
+  return call.metric ? adapt(communicator, *call.part, *call.metric, options)
+                     : adapt(communicator, *call.part, options);
+}
+
 /// All ranks: what one of them cannot do, none does.
-weft_status adapt_parts(MPI_Comm communicator, const weft_part* part, const weft_metric* metric,
-                        const weft_options* options, weft_result** result) {
+weft_status adapt_parts(MPI_Comm communicator, const PartHandles& given, weft_result** result) {
   check_communicator(communicator);
   std::string complaint;
   PartCall call;
-  std::shared_ptr<OptionsObject> known;
   try {
-    known = object_or_none<OptionsObject>(options, "options");
-    call = check_part_call(part, metric, known ? known->options : Options{}, result);
+    const auto known = object_or_none<OptionsObject>(given.options, "options");
+    call = check_part_call(given, known ? known->options : Options{}, result);
   } catch (...) {
     complaint = complaint_of(std::current_exception());
   }
@@ -76,13 +73,23 @@ weft_status adapt_parts(MPI_Comm communicator, const weft_part* part, const weft
     set_last_error("rank " + std::to_string(first.rank) + ": " + first.text.substr(1));
     return static_cast<weft_status>(first.text[0] - '0');
   }
-  const Asked asked(options);
+  const Asked asked(given.options);
   auto object = std::make_shared<ResultObject>();
-  object->part =
-      std::make_shared<PartResult>(call.metric ? adapt(communicator, *call.part, *call.metric, *asked)
-                                               : adapt(communicator, *call.part, *asked));
+  object->part = std::make_shared<PartResult>(adapt_agreed(communicator, call, *asked));
   give(result, std::move(object));
   return WEFT_OK;
+}
+
+weft_status guarded_parts(MPI_Comm communicator, const PartHandles& given, weft_result** result) {
+  weft_status agreed = WEFT_OK;
+  const weft_status status = guarded([&] { agreed = adapt_parts(communicator, given, result); });
+  return status != WEFT_OK ? status : agreed;
+}
+
+MPI_Comm from_fortran(int communicator) {
+  int running = 0;
+  MPI_Initialized(&running);
+  return running ? MPI_Comm_f2c(communicator) : MPI_COMM_NULL;
 }
 
 std::vector<std::uint64_t> ids_of(const std::int64_t* ids, std::size_t count, const char* array) {
@@ -107,28 +114,29 @@ void move_mesh(MeshObject& from, const std::shared_ptr<Part>& to) {
   from.mesh = std::shared_ptr<Mesh>(to, &to->mesh);
 }
 
-FillOptions fill_options(const weft_fill_settings& s, const Options& options) {
-  FillOptions fill;
-  fill.growth = s.growth;
-  fill.size = s.max_size;
-  fill.merge = s.merge;
-  fill.materials = s.materials != 0;
-  fill.remesh_surface = s.remesh_surface != 0;
-  fill.geometry = options.geometry;
-  fill.run = options.run;
-  return fill;
+/// `background`: the mesh that the metric belongs to; null: `mesh`.
+Result adapt_whole(const Mesh& mesh, const Mesh* background, const Metric* metric, const Options& options,
+                   const Fields& fields) {
+  if (background)
+    return metric ? adapt(mesh, *background, *metric, options, fields)
+                  : adapt(mesh, *background, options, fields);
+  return metric ? adapt(mesh, *metric, options, fields) : adapt(mesh, options, fields);
 }
 
-weft_fill_settings default_fill() {
-  const FillOptions fill;
-  weft_fill_settings s{};
-  s.size = sizeof s;
-  s.growth = fill.growth;
-  s.max_size = fill.size;
-  s.merge = fill.merge;
-  s.materials = fill.materials;
-  s.remesh_surface = fill.remesh_surface;
-  return s;
+void adapt_one(const weft_mesh* mesh, const std::shared_ptr<Mesh>& background, const weft_metric* metric,
+               const weft_options* options, const weft_fields* fields, weft_result** result) {
+  require_place(result, "result");
+  const auto input = mesh_of(mesh, "mesh");
+  const auto given = object_or_none<MetricObject>(metric, "metric");
+  const auto carried = object_or_none<FieldsObject>(fields, "fields");
+  const Asked asked(options);
+  if (!given && !asked->metric.given())
+    throw OptionError("--metric", "no metric: it is NULL, and no option makes one");
+  auto object = std::make_shared<ResultObject>();
+  object->whole =
+      std::make_shared<Result>(adapt_whole(*input, background.get(), given ? given->metric.get() : nullptr,
+                                           *asked, carried ? *carried->fields : Fields{}));
+  give(result, std::move(object));
 }
 
 }  // namespace
@@ -140,34 +148,14 @@ extern "C" {
 
 weft_status weft_adapt(const weft_mesh* mesh, const weft_metric* metric, const weft_options* options,
                        const weft_fields* fields, weft_result** result) {
-  return guarded([&] {
-    require_place(result, "result");
-    const auto input = mesh_of(mesh, "mesh");
-    const auto given = object_or_none<MetricObject>(metric, "metric");
-    const auto carried = object_or_none<FieldsObject>(fields, "fields");
-    const Asked asked(options);
-    const auto along = carried ? carried->fields : std::make_shared<weft::Fields>();
-    if (!given && !asked->metric.given())
-      throw weft::OptionError("--metric", "no metric: it is NULL, and no option makes one");
-    auto object = std::make_shared<ResultObject>();
-    object->whole = std::make_shared<weft::Result>(given ? weft::adapt(*input, *given->metric, *asked, *along)
-                                                         : weft::adapt(*input, *asked, *along));
-    give(result, std::move(object));
-  });
+  return guarded([&] { adapt_one(mesh, nullptr, metric, options, fields, result); });
 }
 
-weft_status weft_adapt_files(const char* input, const char* output, const weft_options* options,
-                             weft_result** result) {
-  return guarded([&] {
-    require_place(result, "result");
-    weft::Files files;
-    files.input = require_text(input, "input");
-    files.output = require_text(output, "output");
-    const Asked asked(options);
-    auto object = std::make_shared<ResultObject>();
-    object->files = std::make_shared<weft::FilesResult>(weft::adapt_files(files, *asked));
-    give(result, std::move(object));
-  });
+weft_status weft_adapt_to_background(const weft_mesh* mesh, const weft_mesh* background,
+                                     const weft_metric* metric, const weft_options* options,
+                                     const weft_fields* fields, weft_result** result) {
+  return guarded(
+      [&] { adapt_one(mesh, mesh_of(background, "background"), metric, options, fields, result); });
 }
 
 weft_status weft_part_create(weft_mesh* mesh, const int64_t* point_ids, const int64_t* tet_ids,
@@ -190,39 +178,25 @@ weft_status weft_part_create(weft_mesh* mesh, const int64_t* point_ids, const in
 
 weft_status weft_adapt_parts(MPI_Comm communicator, const weft_part* part, const weft_metric* metric,
                              const weft_options* options, weft_result** result) {
-  weft_status agreed = WEFT_OK;
-  const weft_status status =
-      guarded([&] { agreed = adapt_parts(communicator, part, metric, options, result); });
-  return status != WEFT_OK ? status : agreed;
+  return guarded_parts(communicator, {part, nullptr, false, metric, options}, result);
 }
 
 weft_status weft_adapt_parts_f(int communicator, const weft_part* part, const weft_metric* metric,
                                const weft_options* options, weft_result** result) {
-  int running = 0;
-  MPI_Initialized(&running);
-  return weft_adapt_parts(running ? MPI_Comm_f2c(communicator) : MPI_COMM_NULL, part, metric, options,
-                          result);
+  return weft_adapt_parts(from_fortran(communicator), part, metric, options, result);
 }
 
-weft_status weft_fill_settings_default(weft_fill_settings* settings) {
-  return guarded([&] {
-    require_place(settings, "settings");
-    fill_sized(*settings, default_fill(), "settings");
-  });
+weft_status weft_adapt_parts_to_background(MPI_Comm communicator, const weft_part* part,
+                                           const weft_part* background, const weft_metric* metric,
+                                           const weft_options* options, weft_result** result) {
+  return guarded_parts(communicator, {part, background, true, metric, options}, result);
 }
 
-weft_status weft_fill(const weft_mesh* surface, const weft_fill_settings* settings,
-                      const weft_options* options, weft_mesh** mesh, weft_metric** metric) {
-  return guarded([&] {
-    require_place(mesh, "mesh");
-    const auto input = mesh_of(surface, "surface");
-    weft_fill_settings known = default_fill();
-    if (settings) copy_sized(&known, sizeof known, settings, settings->size, "settings");
-    const Asked asked(options);
-    weft::FillResult filled = weft::fill(*input, fill_options(known, *asked));
-    if (metric) give_metric(metric, std::make_shared<const weft::Metric>(std::move(filled.metric)));
-    give_mesh(mesh, std::make_shared<weft::Mesh>(std::move(filled.mesh)));
-  });
+weft_status weft_adapt_parts_to_background_f(int communicator, const weft_part* part,
+                                             const weft_part* background, const weft_metric* metric,
+                                             const weft_options* options, weft_result** result) {
+  return weft_adapt_parts_to_background(from_fortran(communicator), part, background, metric, options,
+                                        result);
 }
 
 }  // extern "C"

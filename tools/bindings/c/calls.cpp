@@ -1,6 +1,7 @@
 #include "tools/bindings/c/calls.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 namespace weft::c {
@@ -80,6 +81,13 @@ void require_place(const void* place, const char* argument) {
 std::string require_text(const char* text, const char* argument) {
   require(text, std::string(argument) + ": is NULL, not a text");
   return text;
+}
+
+Point point_of(const double* x, const char* argument) {
+  require(x, std::string(argument) + ": is NULL, not x y z");
+  for (int i = 0; i < 3; ++i)
+    require(std::isfinite(x[i]), std::string(argument) + "[" + std::to_string(i) + "]: is not finite");
+  return {x[0], x[1], x[2]};
 }
 
 }  // namespace weft::c

@@ -1,4 +1,5 @@
 // Meshes: arrays in and out, files, checks, simple bodies.
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -293,9 +294,22 @@ weft_status weft_mesh_verify(const weft_mesh* mesh, int64_t* num_problems, doubl
 }
 
 weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_mesh** mesh) {
+  const std::array<int64_t, 3> cells = {nx, ny, nz};
+  constexpr std::array<double, 3> kMin = {0, 0, 0}, kMax = {1, 1, 1};
+  return weft_mesh_box_between(cells.data(), kMin.data(), kMax.data(), mesh);
+}
+
+weft_status weft_mesh_box_between(const int64_t cells[3], const double min[3], const double max[3],
+                                  weft_mesh** mesh) {
   return guarded([&] {
     require_place(mesh, "mesh");
-    give_mesh(mesh, std::make_shared<weft::Mesh>(weft::box(cells_of(nx, ny, nz))));
+    require(cells, "cells: is NULL, not three numbers");
+    weft::BoxOptions options = cells_of(cells[0], cells[1], cells[2]);
+    options.min = point_of(min, "min");
+    options.max = point_of(max, "max");
+    for (int axis = 0; axis < 3; ++axis)
+      require(options.min[axis] < options.max[axis], "max: must be above min in every direction");
+    give_mesh(mesh, std::make_shared<weft::Mesh>(weft::box(options)));
   });
 }
 

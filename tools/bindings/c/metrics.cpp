@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tools/bindings/c/calls.h"
+#include "tools/bindings/c/settings.h"
 
 namespace weft::c {
 namespace {
@@ -38,6 +40,27 @@ std::shared_ptr<const Metric> metric_of(const weft_metric* handle) {
 }
 std::shared_ptr<Fields> fields_of(const weft_fields* handle) {
   return object_of<FieldsObject>(handle, "fields")->fields;
+}
+
+/// The transfer that fields come from; misuse where they come from none.
+std::shared_ptr<const Transfer> transfer_of(const weft_fields* handle) {
+  const auto object = object_of<FieldsObject>(handle, "fields");
+  require(object->transfer != nullptr, "fields: are not those that weft_interpolate() has made");
+  return object->transfer;
+}
+
+/// Its name is the transfer's, which lives as long as the fields.
+weft_component_account account_of(const ComponentAccount& a) {
+  return {sizeof(weft_component_account),
+          a.name.c_str(),
+          a.integral_before,
+          a.integral_after,
+          a.absolute,
+          a.difference_l2,
+          a.norm_l2,
+          a.difference_max,
+          a.norm_max,
+          a.beyond_bounds};
 }
 
 void give_new(weft_metric** place, Metric&& metric) {
@@ -106,11 +129,13 @@ weft_status weft_metric_make(const weft_mesh* mesh, const weft_metric* source, c
     const auto asked = object_of<OptionsObject>(options, "options");
     const auto given = object_or_none<MetricObject>(source, "source");
     const weft::MetricOptions& how = asked->options.metric;
+    const weft::GeometryOptions& geometry = asked->options.geometry;
     const int threads = asked->options.run.threads;
-    if (given) return give_new(metric, weft::make_metric(*known, *given->metric, how, {}, threads).metric);
+    if (given)
+      return give_new(metric, weft::make_metric(*known, *given->metric, how, geometry, {}, threads).metric);
     if (!how.given())
       throw weft::OptionError("--metric", "no metric: neither a source nor an option makes one");
-    give_new(metric, weft::make_metric(*known, how, {}, threads).metric);
+    give_new(metric, weft::make_metric(*known, how, geometry, {}, threads).metric);
   });
 }
 
@@ -204,8 +229,29 @@ weft_status weft_interpolate(const weft_mesh* from, const weft_fields* fields, c
     const auto asked = object_or_none<OptionsObject>(options, "options");
     const weft::Options how = asked ? asked->options : weft::Options{};
     weft::validate(how);
-    give_new(result,
-             weft::interpolate(*old, *fields_of(fields), *fresh, how.transfer, how.run.threads).fields);
+    auto transfer = std::make_shared<weft::Transfer>(
+        weft::interpolate(*old, *fields_of(fields), *fresh, how.transfer, how.run.threads));
+    auto values = std::make_shared<weft::Fields>(std::exchange(transfer->fields, {}));
+    give_fields(result, std::move(values), std::move(transfer));
+  });
+}
+
+weft_status weft_fields_account(const weft_fields* fields, int64_t index, weft_component_account* account) {
+  return guarded([&] {
+    require_place(account, "account");
+    const auto& all = transfer_of(fields)->accounts;
+    require(
+        index >= 0 && index < static_cast<int64_t>(all.size()),
+        "index: " + std::to_string(index) + " is none of the " + std::to_string(all.size()) + " components");
+    fill_sized(*account, account_of(all[static_cast<std::size_t>(index)]), "account");
+  });
+}
+
+weft_status weft_fields_outside(const weft_fields* fields, int64_t* vertices, double* farthest) {
+  return guarded([&] {
+    const auto transfer = transfer_of(fields);
+    if (vertices) *vertices = static_cast<int64_t>(transfer->outside);
+    if (farthest) *farthest = transfer->farthest;
   });
 }
 

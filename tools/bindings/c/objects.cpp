@@ -56,8 +56,8 @@ Register& all() {
 }
 
 const char* name_of(Kind kind) {
-  constexpr const char* kNames[] = {"weft_mesh",    "weft_metric", "weft_fields",
-                                    "weft_options", "weft_part",   "weft_result"};
+  constexpr const char* kNames[] = {"weft_mesh", "weft_metric", "weft_fields", "weft_options",
+                                    "weft_part", "weft_result", "weft_text"};
   return kNames[static_cast<int>(kind)];
 }
 
@@ -110,9 +110,17 @@ void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric) {
   give(place, std::move(object));
 }
 
-void give_fields(weft_fields** place, std::shared_ptr<Fields> fields) {
+void give_text(weft_text** place, std::string text) {
+  auto object = std::make_shared<TextObject>();
+  object->text = std::move(text);
+  give(place, std::move(object));
+}
+
+void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,
+                 std::shared_ptr<const Transfer> transfer) {
   auto object = std::make_shared<FieldsObject>();
   object->fields = std::move(fields);
+  object->transfer = std::move(transfer);
   give(place, std::move(object));
 }
 

@@ -30,11 +30,13 @@ struct MetricObject {
 };
 struct FieldsObject {
   std::shared_ptr<Fields> fields;
+  std::shared_ptr<const Transfer> transfer;  ///< that they come from, without values; null: from none
   Fields& own();
 };
 struct OptionsObject {
   Options options;
   std::atomic<bool> cancel = false;
+  std::atomic<bool> checkpoint = false;          ///< one is wanted now
   std::atomic<bool> callback_cancelled = false;  ///< `cancel` was set because the caller's function said so
 };
 struct PartObject {
@@ -51,7 +53,11 @@ struct ResultObject {
   const Report& report() const;
 };
 
-enum class Kind { mesh, metric, fields, options, part, result };
+struct TextObject {
+  std::string text;
+};
+
+enum class Kind { mesh, metric, fields, options, part, result, text };
 template <class Object>
 inline constexpr Kind kKind = Kind::mesh;
 template <>
@@ -64,6 +70,8 @@ template <>
 inline constexpr Kind kKind<PartObject> = Kind::part;
 template <>
 inline constexpr Kind kKind<ResultObject> = Kind::result;
+template <>
+inline constexpr Kind kKind<TextObject> = Kind::text;
 
 // A handle is a number that is never used again and that nobody follows, so a freed one, or any other
 // pointer, is found out without touching memory. A call holds its objects, so another thread may free the
@@ -97,6 +105,8 @@ void give(Handle** place, std::shared_ptr<Object> object) {
 
 void give_mesh(weft_mesh** place, std::shared_ptr<Mesh> mesh);
 void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric);
-void give_fields(weft_fields** place, std::shared_ptr<Fields> fields);
+void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,
+                 std::shared_ptr<const Transfer> transfer = nullptr);
+void give_text(weft_text** place, std::string text);
 
 }  // namespace weft::c

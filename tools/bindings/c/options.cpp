@@ -64,7 +64,8 @@ std::function<bool(const Progress&)> progress_of(OptionsObject& object, weft_pro
 }  // namespace
 
 void copy_sized(void* to, std::size_t known, const void* from, std::size_t size, const char* argument) {
-  require(size >= sizeof size && size <= known,
+  // Sizes of structs are whole multiples: none ends within a pointer.
+  require(size >= sizeof size && size <= known && size % sizeof size == 0,
           fmt::format("{}: its size says {} bytes, but this library knows {}: start from the defaults",
                       argument, size, known));
   std::memcpy(to, from, size);
@@ -88,6 +89,7 @@ weft_status weft_options_create(const weft_settings* settings, weft_options** op
     require_place(options, "options");
     auto object = std::make_shared<OptionsObject>();
     object->options.run.cancel = &object->cancel;
+    object->options.checkpoint.now = &object->checkpoint;
     if (settings) {
       weft_settings known = default_settings();
       copy_sized(&known, sizeof known, settings, settings->size, "settings");
@@ -137,6 +139,10 @@ weft_status weft_options_set_progress(weft_options* options, weft_progress_funct
     const auto object = object_of<OptionsObject>(options, "options");
     object->options.run.progress = progress_of(*object, function, user);
   });
+}
+
+weft_status weft_options_checkpoint(weft_options* options) {
+  return guarded([&] { object_of<OptionsObject>(options, "options")->checkpoint = true; });
 }
 
 weft_status weft_options_cancel(weft_options* options, int cancel) {

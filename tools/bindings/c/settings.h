@@ -17,7 +17,7 @@ void copy_sized(void* to, std::size_t known, const void* from, std::size_t size,
 template <class Struct>
 void fill_sized(Struct& to, const Struct& from, const char* argument) {
   const std::size_t size = to.size;
-  require(size >= sizeof size && size <= 4096,
+  require(size >= sizeof size && size <= 4096 && size % sizeof size == 0,
           std::string(argument) + ": set its member size to sizeof " + argument + " first");
   Struct filled = from;
   filled.size = std::min(size, sizeof filled);

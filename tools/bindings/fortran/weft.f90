@@ -25,6 +25,39 @@ module weft
       length_max, edges_unit, edges_short, edges_long
   end type weft_measures
 
+  !> What became of one component of a field that weft_interpolate has transferred.
+  type, bind(c), public :: weft_component_account
+    integer(c_size_t) :: size
+    type(c_ptr) :: name
+    real(c_double) :: integral_before, integral_after, absolute, difference_l2, norm_l2, difference_max, norm_max, &
+      beyond_bounds
+  end type weft_component_account
+
+  !> How weft_fill fills: weft_fill_settings_default gives the defaults.
+  type, bind(c), public :: weft_fill_settings
+    integer(c_size_t) :: size
+    real(c_double) :: growth, max_size, merge
+    integer(c_int32_t) :: materials, remesh_surface
+  end type weft_fill_settings
+
+  type, bind(c) :: file_settings
+    integer(c_size_t) :: size
+    type(c_ptr) :: background, fields
+    integer(c_int64_t) :: num_fields
+    type(c_ptr) :: report
+    integer(c_int32_t) :: page
+    type(c_ptr) :: case_name, graph, trace
+    integer(c_int32_t) :: simulate_ranks
+    type(c_ptr) :: simulate_network
+    real(c_double) :: simulate_slowdown
+  end type file_settings
+
+  type, bind(c) :: write_settings
+    integer(c_size_t) :: size
+    type(c_ptr) :: encoding
+    integer(c_int32_t) :: msh_version, compress, pieces
+  end type write_settings
+
   !> How far a run is: what a function of weft_set_progress is told.
   type, bind(c), public :: weft_progress
     integer(c_size_t) :: size
@@ -50,7 +83,12 @@ module weft
     weft_fields_create, weft_fields_add, weft_fields_get, weft_interpolate, weft_options_create, weft_options_set, &
     weft_options_add_solution, weft_set_progress, weft_adapt, weft_adapt_parts, weft_part_create, weft_part_mesh, &
     weft_part_fields, weft_part_points, weft_result_mesh, weft_result_metric, weft_result_fields, weft_result_part, &
-    weft_result_write, weft_result_verdict, weft_result_measures, weft_result_summary, weft_fill
+    weft_result_write, weft_result_verdict, weft_result_measures, weft_result_summary, weft_fill, &
+    weft_adapt_to_background, weft_adapt_parts_to_background, weft_adapt_files, weft_convert, weft_mesh_box, &
+    weft_mesh_compare, weft_metric_complexity, weft_fields_read, weft_fields_write, weft_fields_account, &
+    weft_fields_outside, weft_options_cancel, weft_options_checkpoint, weft_part_ghosts, weft_result_json, &
+    weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
+    weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface
 
   interface weft_options_set
     module procedure options_set_text, options_set_real, options_set_integer
@@ -214,6 +252,118 @@ module weft
     function c_result_summary(result, text) bind(c, name="weft_result_summary")
       import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: text; integer(c_int) :: c_result_summary
     end function
+    !> To a metric at the vertices of `background`, another mesh of the same domain; c_null_ptr: options make one there.
+    function weft_adapt_to_background(mesh, background, metric, options, fields, result) bind(c)
+      import; type(c_ptr), value :: mesh, background, metric, options, fields; type(c_ptr), intent(inout) :: result
+      integer(c_int) :: weft_adapt_to_background
+    end function
+    !> The same in parts: `background` is a part too, any tets of it on any rank. What is wrong with it is said with
+    !> "background: " before the rank.
+    function weft_adapt_parts_to_background(communicator, part, background, metric, options, result) &
+      bind(c, name="weft_adapt_parts_to_background_f")
+      import; integer(c_int), value :: communicator; type(c_ptr), value :: part, background, metric, options
+      type(c_ptr), intent(inout) :: result; integer(c_int) :: weft_adapt_parts_to_background
+    end function
+    function c_file_settings_default(settings) bind(c, name="weft_file_settings_default")
+      import; type(file_settings), intent(inout) :: settings; integer(c_int) :: c_file_settings_default
+    end function
+    function c_adapt_files_with(input, output, settings, options, result) bind(c, name="weft_adapt_files_with")
+      import; character(c_char), intent(in) :: input(*), output(*); type(file_settings), intent(in) :: settings
+      type(c_ptr), value :: options; type(c_ptr), intent(inout) :: result; integer(c_int) :: c_adapt_files_with
+    end function
+    function c_write_settings_default(settings) bind(c, name="weft_write_settings_default")
+      import; type(write_settings), intent(inout) :: settings; integer(c_int) :: c_write_settings_default
+    end function
+    function c_convert(input, output, solution, settings, dropped) bind(c, name="weft_convert")
+      import; character(c_char), intent(in) :: input(*), output(*), solution(*)
+      type(write_settings), intent(in) :: settings; type(c_ptr), intent(inout) :: dropped; integer(c_int) :: c_convert
+    end function
+    function c_text_get(text, letters) bind(c, name="weft_text_get")
+      import; type(c_ptr), value :: text; type(c_ptr), intent(inout) :: letters; integer(c_int) :: c_text_get
+    end function
+    function c_mesh_box_between(cells, min, max, mesh) bind(c, name="weft_mesh_box_between")
+      import; integer(c_int64_t), intent(in) :: cells(3); real(c_double), intent(in) :: min(3), max(3)
+      type(c_ptr), intent(inout) :: mesh; integer(c_int) :: c_mesh_box_between
+    end function
+    !> num_differences is 0 where volumes, areas and touching agree; else weft_error() says how they differ.
+    function weft_mesh_compare(mesh, other, num_differences) bind(c)
+      import; type(c_ptr), value :: mesh, other; integer(c_int64_t), intent(inout) :: num_differences
+      integer(c_int) :: weft_mesh_compare
+    end function
+    !> About half the vertices of a mesh that conforms to the metric.
+    function weft_metric_complexity(mesh, metric, complexity) bind(c)
+      import; type(c_ptr), value :: mesh, metric; real(c_double), intent(inout) :: complexity
+      integer(c_int) :: weft_metric_complexity
+    end function
+    function c_fields_read(path, fields) bind(c, name="weft_fields_read")
+      import; character(c_char), intent(in) :: path(*); type(c_ptr), intent(inout) :: fields
+      integer(c_int) :: c_fields_read
+    end function
+    function c_fields_write(fields, path) bind(c, name="weft_fields_write")
+      import; type(c_ptr), value :: fields; character(c_char), intent(in) :: path(*); integer(c_int) :: c_fields_write
+    end function
+    function c_fields_account(fields, index, account) bind(c, name="weft_fields_account")
+      import; type(c_ptr), value :: fields; integer(c_int64_t), value :: index
+      type(weft_component_account), intent(inout) :: account; integer(c_int) :: c_fields_account
+    end function
+    !> Of interpolated fields: vertices outside the old mesh, and how far the farthest is.
+    function weft_fields_outside(fields, vertices, farthest) bind(c)
+      import; type(c_ptr), value :: fields; integer(c_int64_t), intent(inout) :: vertices
+      real(c_double), intent(inout) :: farthest; integer(c_int) :: weft_fields_outside
+    end function
+    !> 1 cancels the runs that these options have been given to, from another thread; 0 makes them usable again.
+    function weft_options_cancel(options, cancel) bind(c)
+      import; type(c_ptr), value :: options; integer(c_int), value :: cancel; integer(c_int) :: weft_options_cancel
+    end function
+    !> Asks the run that these options have been given to for a checkpoint now, from another thread.
+    function weft_options_checkpoint(options) bind(c)
+      import; type(c_ptr), value :: options; integer(c_int) :: weft_options_checkpoint
+    end function
+    function c_part_ghosts(part, num_own_tets, owners) bind(c, name="weft_part_ghosts")
+      import; type(c_ptr), value :: part; integer(c_int64_t), intent(inout) :: num_own_tets
+      type(c_ptr), intent(inout) :: owners; integer(c_int) :: c_part_ghosts
+    end function
+    function c_result_json(result, text) bind(c, name="weft_result_json")
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: text; integer(c_int) :: c_result_json
+    end function
+    function c_measure(mesh, metric, measures) bind(c, name="weft_measure")
+      import; type(c_ptr), value :: mesh, metric; type(weft_measures), intent(inout) :: measures
+      integer(c_int) :: c_measure
+    end function
+    function c_stat(mesh, metric, options, json) bind(c, name="weft_stat")
+      import; type(c_ptr), value :: mesh, metric, options; type(c_ptr), intent(inout) :: json; integer(c_int) :: c_stat
+    end function
+    function c_draw_histograms(path, mesh, metric) bind(c, name="weft_draw_histograms")
+      import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh, metric
+      integer(c_int) :: c_draw_histograms
+    end function
+    function c_fill_settings_default(settings) bind(c, name="weft_fill_settings_default")
+      import; type(weft_fill_settings), intent(inout) :: settings; integer(c_int) :: c_fill_settings_default
+    end function
+    function c_fill_to_background(surface, background, sizes, settings, options, mesh, metric) &
+      bind(c, name="weft_fill_to_background")
+      import; type(c_ptr), value :: surface, background, sizes, settings, options
+      type(c_ptr), intent(inout) :: mesh, metric; integer(c_int) :: c_fill_to_background
+    end function
+    !> Triangles on the CAD model that the option geometry names; angle: degrees that the normal turns along an edge,
+    !> 0: 20.
+    function weft_tessellate(options, angle, surface) bind(c)
+      import; type(c_ptr), value :: options; real(c_double), value :: angle; type(c_ptr), intent(inout) :: surface
+      integer(c_int) :: weft_tessellate
+    end function
+    !> The triangles of simple bodies, with edges of length `size`.
+    function weft_ball_surface(radius, center, size, surface) bind(c)
+      import; real(c_double), value :: radius, size; real(c_double), intent(in) :: center(3)
+      type(c_ptr), intent(inout) :: surface; integer(c_int) :: weft_ball_surface
+    end function
+    function weft_cylinder_surface(radius, height, base, size, surface) bind(c)
+      import; real(c_double), value :: radius, height, size; real(c_double), intent(in) :: base(3)
+      type(c_ptr), intent(inout) :: surface; integer(c_int) :: weft_cylinder_surface
+    end function
+    function weft_delta_wing_surface(size, surface) bind(c)
+      import; real(c_double), value :: size; type(c_ptr), intent(inout) :: surface
+      integer(c_int) :: weft_delta_wing_surface
+    end function
     function c_fill(surface, settings, options, mesh, metric) bind(c, name="weft_fill")
       import; type(c_ptr), value :: surface, settings, options; type(c_ptr), intent(inout) :: mesh, metric
       integer(c_int) :: c_fill
@@ -247,6 +397,29 @@ contains
       text(i:i) = letters(i)
     end do
   end function text_of
+
+  !> The letters of a text of weft's, which is freed.
+  function text_taken(handle) result(text)
+    type(c_ptr), intent(in) :: handle
+    character(:), allocatable :: text
+    type(c_ptr) :: letters
+    integer(c_int) :: status
+    letters = c_null_ptr
+    status = c_text_get(handle, letters)
+    text = text_of(letters)
+    status = weft_free(handle)
+  end function text_taken
+
+  !> Where a text ends with a null, and lies as long as `kept` does; c_null_ptr for one that is not there.
+  function address_of(text, kept) result(address)
+    character(*), intent(in), optional :: text
+    character(len=:, kind=c_char), allocatable, target, intent(inout) :: kept
+    type(c_ptr) :: address
+    address = c_null_ptr
+    if (.not. present(text)) return
+    kept = trim(text)//c_null_char
+    address = c_loc(kept(1:1))
+  end function address_of
 
   !> Of points(3, n) and tets(4, m), which count points from 1.
   function weft_mesh_create(points, tets, mesh) result(status)
@@ -455,19 +628,188 @@ contains
     status = c_options_set_progress(options, c_funloc(call_back), user)
   end function weft_set_progress
 
-  !> A rank's part: its mesh, the global ids of its points, and (or c_null_ptr) fields at its points.
-  function weft_part_create(mesh, point_ids, fields, part) result(status)
+  !> A rank's part: its mesh, the global ids of its points, and (or c_null_ptr) fields at its points. The global ids of
+  !> its tets fix their order.
+  function weft_part_create(mesh, point_ids, fields, part, tet_ids) result(status)
     type(c_ptr), intent(in) :: mesh, fields
     integer(c_int64_t), intent(in), contiguous :: point_ids(:)
     type(c_ptr), intent(inout) :: part
+    integer(c_int64_t), intent(in), contiguous, optional, target :: tet_ids(:)
     integer(c_int) :: status
-    integer(c_int64_t) :: points
+    integer(c_int64_t) :: points, tets
+    type(c_ptr) :: first_tet
     status = weft_mesh_num_points(mesh, points)
+    if (status == weft_ok) status = weft_mesh_count(mesh, weft_tets, tets)
     if (status /= weft_ok) return
+    first_tet = c_null_ptr
     status = weft_misuse
-    if (size(point_ids, kind=c_int64_t) == points) &
-      status = c_part_create(mesh, point_ids, c_null_ptr, fields, part)
+    if (size(point_ids, kind=c_int64_t) /= points) return
+    if (present(tet_ids)) then
+      if (size(tet_ids, kind=c_int64_t) /= tets) return
+      if (tets > 0) first_tet = c_loc(tet_ids)
+    end if
+    status = c_part_create(mesh, point_ids, first_tet, fields, part)
   end function weft_part_create
+
+  !> Tets behind the first `num_own_tets` are ghosts; owners: the rank that has each of them, not copied.
+  function weft_part_ghosts(part, num_own_tets, owners) result(status)
+    type(c_ptr), intent(in) :: part
+    integer(c_int64_t), intent(inout) :: num_own_tets
+    integer(c_int), pointer, intent(out) :: owners(:)
+    integer(c_int) :: status, freed
+    type(c_ptr) :: mesh, first
+    integer(c_int64_t) :: tets
+    nullify (owners)
+    mesh = c_null_ptr
+    first = c_null_ptr
+    tets = 0
+    status = weft_part_mesh(part, mesh)
+    if (status == weft_ok) status = weft_mesh_count(mesh, weft_tets, tets)
+    freed = weft_free(mesh)
+    if (status == weft_ok) status = c_part_ghosts(part, num_own_tets, first)
+    if (status == weft_ok .and. c_associated(first)) call c_f_pointer(first, owners, [tets - num_own_tets])
+  end function weft_part_ghosts
+
+  !> From file to file, as `weft adapt` does. background: the mesh that the metric belongs to. fields: files of fields
+  !> that are carried along. report: a folder, without its page where page is false. graph, trace: files, of runs in
+  !> subdomains. simulate_ranks: so many ranks that this thread simulates.
+  function weft_adapt_files(input, output, options, result, background, fields, report, page, case_name, graph, trace, &
+                            simulate_ranks, simulate_network, simulate_slowdown) result(status)
+    character(*), intent(in) :: input, output
+    type(c_ptr), intent(in) :: options
+    type(c_ptr), intent(inout) :: result
+    character(*), intent(in), optional :: background, fields(:), report, case_name, graph, trace, simulate_network
+    logical, intent(in), optional :: page
+    integer, intent(in), optional :: simulate_ranks
+    real(c_double), intent(in), optional :: simulate_slowdown
+    integer(c_int) :: status
+    type(file_settings) :: settings
+    character(len=:, kind=c_char), allocatable, target :: background_0, report_0, case_0, graph_0, trace_0, network_0
+    character(kind=c_char), allocatable, target :: letters(:, :)
+    type(c_ptr), allocatable, target :: places(:)
+    integer :: i, j
+    settings%size = c_sizeof(settings)
+    status = c_file_settings_default(settings)
+    if (status /= weft_ok) return
+    settings%background = address_of(background, background_0)
+    settings%report = address_of(report, report_0)
+    settings%case_name = address_of(case_name, case_0)
+    settings%graph = address_of(graph, graph_0)
+    settings%trace = address_of(trace, trace_0)
+    if (present(page)) settings%page = merge(1, 0, page)
+    if (present(simulate_ranks)) settings%simulate_ranks = int(simulate_ranks, c_int32_t)
+    if (present(simulate_network)) settings%simulate_network = address_of(simulate_network, network_0)
+    if (present(simulate_slowdown)) settings%simulate_slowdown = simulate_slowdown
+    if (present(fields)) then
+      allocate (letters(len(fields) + 1, size(fields)), places(size(fields)))
+      letters = c_null_char
+      do i = 1, size(fields)
+        do j = 1, len_trim(fields(i))
+          letters(j, i) = fields(i) (j:j)
+        end do
+        places(i) = c_loc(letters(1, i))
+      end do
+      settings%num_fields = size(fields, kind=c_int64_t)
+      if (size(fields) > 0) settings%fields = c_loc(places)
+    end if
+    status = c_adapt_files_with(trim(input)//c_null_char, trim(output)//c_null_char, settings, options, result)
+  end function weft_adapt_files
+
+  !> From file to file, as `weft convert` does. solution: a file of fields. encoding: "binary", "ascii", "big-endian".
+  !> msh_version: 4 or 2. dropped: what had no place, a line each.
+  function weft_convert(input, output, solution, encoding, msh_version, compress, pieces, dropped) result(status)
+    character(*), intent(in) :: input, output
+    character(*), intent(in), optional :: solution, encoding
+    integer, intent(in), optional :: msh_version, pieces
+    logical, intent(in), optional :: compress
+    character(:), allocatable, intent(inout), optional :: dropped
+    integer(c_int) :: status
+    type(write_settings) :: settings
+    character(len=:, kind=c_char), allocatable, target :: encoding_0
+    character(:), allocatable :: text, fields
+    type(c_ptr) :: told
+    settings%size = c_sizeof(settings)
+    status = c_write_settings_default(settings)
+    if (status /= weft_ok) return
+    if (present(encoding)) settings%encoding = address_of(encoding, encoding_0)
+    if (present(msh_version)) settings%msh_version = int(msh_version, c_int32_t)
+    if (present(compress)) settings%compress = merge(1, 0, compress)
+    if (present(pieces)) settings%pieces = int(pieces, c_int32_t)
+    fields = ""
+    if (present(solution)) fields = trim(solution)
+    told = c_null_ptr
+    status = c_convert(trim(input)//c_null_char, trim(output)//c_null_char, fields//c_null_char, settings, told)
+    if (status /= weft_ok) return
+    text = text_taken(told)
+    if (present(dropped)) dropped = text
+  end function weft_convert
+
+  !> A box of cells(3), 6 tets each: the unit cube, or from `min` to `max`.
+  function weft_mesh_box(cells, mesh, min, max) result(status)
+    integer(c_int64_t), intent(in) :: cells(3)
+    type(c_ptr), intent(inout) :: mesh
+    real(c_double), intent(in), optional :: min(3), max(3)
+    integer(c_int) :: status
+    real(c_double) :: corners(3, 2)
+    corners(:, 1) = 0
+    corners(:, 2) = 1
+    if (present(min)) corners(:, 1) = min
+    if (present(max)) corners(:, 2) = max
+    status = c_mesh_box_between(cells, corners(:, 1), corners(:, 2), mesh)
+  end function weft_mesh_box
+
+  function weft_fields_read(path, fields) result(status)
+    character(*), intent(in) :: path
+    type(c_ptr), intent(inout) :: fields
+    integer(c_int) :: status
+    status = c_fields_read(trim(path)//c_null_char, fields)
+  end function weft_fields_read
+
+  function weft_fields_write(fields, path) result(status)
+    type(c_ptr), intent(in) :: fields
+    character(*), intent(in) :: path
+    integer(c_int) :: status
+    status = c_fields_write(fields, trim(path)//c_null_char)
+  end function weft_fields_write
+
+  !> What became of a component of fields that weft_interpolate has made, from 1; the components of all fields count.
+  function weft_fields_account(fields, index, account, name) result(status)
+    type(c_ptr), intent(in) :: fields
+    integer, intent(in) :: index
+    type(weft_component_account), intent(inout) :: account
+    character(:), allocatable, intent(inout), optional :: name
+    integer(c_int) :: status
+    account%size = c_sizeof(account)
+    status = c_fields_account(fields, int(index - 1, c_int64_t), account)
+    if (status == weft_ok .and. present(name)) name = text_of(account%name)
+  end function weft_fields_account
+
+  function weft_measure(mesh, metric, measures) result(status)
+    type(c_ptr), intent(in) :: mesh, metric
+    type(weft_measures), intent(inout) :: measures
+    integer(c_int) :: status
+    measures%size = c_sizeof(measures)
+    status = c_measure(mesh, metric, measures)
+  end function weft_measure
+
+  !> What `weft stat --json` tells; metric and options (geometry, geometry-scale) may be c_null_ptr.
+  function weft_stat(mesh, metric, options, json) result(status)
+    type(c_ptr), intent(in) :: mesh, metric, options
+    character(:), allocatable, intent(inout) :: json
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_stat(mesh, metric, options, told)
+    if (status == weft_ok) json = text_taken(told)
+  end function weft_stat
+
+  !> Histograms of quality and length: .png, .svg or .pdf.
+  function weft_draw_histograms(path, mesh, metric) result(status)
+    character(*), intent(in) :: path
+    type(c_ptr), intent(in) :: mesh, metric
+    integer(c_int) :: status
+    status = c_draw_histograms(trim(path)//c_null_char, mesh, metric)
+  end function weft_draw_histograms
 
   !> Of a result's part, not copied: ids from 0 without gaps, and the rank that owns each point.
   function weft_part_points(part, ids, owners) result(status)
@@ -518,11 +860,45 @@ contains
     text = text_of(letters)
   end function weft_result_summary
 
+  !> JSON of schema weft-report-1.
+  function weft_result_json(result, text) result(status)
+    type(c_ptr), intent(in) :: result
+    character(:), allocatable, intent(inout) :: text
+    integer(c_int) :: status
+    type(c_ptr) :: letters
+    letters = c_null_ptr
+    status = c_result_json(result, letters)
+    text = text_of(letters)
+  end function weft_result_json
+
+  function weft_fill_settings_default(settings) result(status)
+    type(weft_fill_settings), intent(inout) :: settings
+    integer(c_int) :: status
+    settings%size = c_sizeof(settings)
+    status = c_fill_settings_default(settings)
+  end function weft_fill_settings_default
+
   !> Fills the volumes that the triangles of a mesh bound; options may be c_null_ptr.
-  function weft_fill(surface, options, mesh, metric) result(status)
+  function weft_fill(surface, options, mesh, metric, settings) result(status)
     type(c_ptr), intent(in) :: surface, options
     type(c_ptr), intent(inout) :: mesh, metric
+    type(weft_fill_settings), intent(in), optional, target :: settings
     integer(c_int) :: status
-    status = c_fill(surface, c_null_ptr, options, mesh, metric)
+    type(c_ptr) :: place
+    place = c_null_ptr
+    if (present(settings)) place = c_loc(settings)
+    status = c_fill(surface, place, options, mesh, metric)
   end function weft_fill
+
+  !> The same with the sizes at the vertices of `background` instead of the surface's.
+  function weft_fill_to_background(surface, background, sizes, options, mesh, metric, settings) result(status)
+    type(c_ptr), intent(in) :: surface, background, sizes, options
+    type(c_ptr), intent(inout) :: mesh, metric
+    type(weft_fill_settings), intent(in), optional, target :: settings
+    integer(c_int) :: status
+    type(c_ptr) :: place
+    place = c_null_ptr
+    if (present(settings)) place = c_loc(settings)
+    status = c_fill_to_background(surface, background, sizes, place, options, mesh, metric)
+  end function weft_fill_to_background
 end module weft

@@ -105,6 +105,11 @@ Result adapt_mended(const Mesh& mesh, const Metric* metric, Options options, Fie
   return result;
 }
 
+void refuse_repair_beside_background(const Options& options) {
+  if (options.run.repair)
+    throw OptionError("--repair", "call repair() for a mesh with a background of its own");
+}
+
 }  // namespace
 
 Result adapt(const Mesh& mesh, const Metric& metric, const Options& options, const Fields& fields) {
@@ -127,12 +132,19 @@ Result adapt(const Mesh& mesh, const Options& options, const Fields& fields) {
 Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, const Options& options,
              const Fields& fields) {
   validate(options);
-  if (options.run.repair)
-    throw OptionError("--repair", "call repair() for a mesh with a background of its own");
+  refuse_repair_beside_background(options);
   const WholeMesh whole(mesh), whole_background(background);
   check_length(background, metric.size(), "metric");
   check_fields(mesh, fields);
   return adapt_input({*whole, "", &*whole_background, "", &metric.logarithms(), fields}, options);
+}
+
+Result adapt(const Mesh& mesh, const Mesh& background, const Options& options, const Fields& fields) {
+  validate(options);
+  refuse_repair_beside_background(options);
+  const WholeMesh whole(mesh), whole_background(background);
+  check_fields(mesh, fields);
+  return adapt_input({*whole, "", &*whole_background, "", nullptr, fields}, options);
 }
 
 bool under_mpirun() { return engine::under_mpirun(); }

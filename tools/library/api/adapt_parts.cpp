@@ -50,13 +50,20 @@ double add_metric(partition::Peers& peers, const Part& part, const Metric* metri
   return 0;
 }
 
-/// Another mesh that has the metric, with which nothing is to be done any more.
-partition::MeshSlice background_of(partition::Peers& peers, const Part& part, const Metric& metric,
+/// All ranks: they go through different steps with a background and without.
+void agree_on_background(partition::Peers& peers, const Part* background) {
+  const int mine = background ? 1 : 0;
+  if (partition::max(peers, mine) != -partition::max(peers, -mine))
+    throw InputError("", "background", "some ranks give one, others do not");
+}
+
+/// Another mesh that has the metric (null: that options make), with which nothing is to be done any more.
+partition::MeshSlice background_of(partition::Peers& peers, const Part& part, const Metric* metric,
                                    const Options& options, const std::shared_ptr<const meshing::Model>& model,
                                    std::vector<std::string>& warnings) {
   return tools::naming("background", [&] {
-    partition::MeshSlice slice = tools::slice_of_parts(peers, part, &metric);
-    if (add_metric(peers, part, &metric, options, model, slice, warnings) > 0) {
+    partition::MeshSlice slice = tools::slice_of_parts(peers, part, metric);
+    if (add_metric(peers, part, metric, options, model, slice, warnings) > 0) {
       tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", nullptr);
       slice.log_metrics = std::move(made.field);
       warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
@@ -84,12 +91,13 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   tools::Stopwatch watch, total;
   tools::DistributedRun run(options, transport);
   PartResult result;
+  agree_on_background(run.peers(), background);
   partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, background ? nullptr : metric);
   const auto model = run.read_model(part.mesh, "");
   double target = 0;
   std::optional<partition::MeshSlice> of_metric;
   if (background)
-    of_metric = background_of(run.peers(), *background, *metric, options, model, result.warnings);
+    of_metric = background_of(run.peers(), *background, metric, options, model, result.warnings);
   else
     target = add_metric(run.peers(), part, metric, options, model, slice, result.warnings);
   result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
@@ -133,6 +141,10 @@ PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric, 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background, const Metric& metric,
                  const Options& options) {
   return adapt_checked(communicator, part, &background, &metric, options);
+}
+
+PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background, const Options& options) {
+  return adapt_checked(communicator, part, &background, nullptr, options);
 }
 
 PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options) {

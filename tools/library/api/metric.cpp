@@ -17,11 +17,21 @@
 namespace weft {
 namespace {
 
-Options metric_only(const MetricOptions& metric, int threads) {
-  Options options;
-  options.metric = metric;
-  options.run.threads = threads;
-  return options;
+/// `source`: null where there is none.
+MadeMetric make_of(const Mesh& mesh, const Metric* source, const MetricOptions& options,
+                   const GeometryOptions& geometry, const std::string& name, int threads) {
+  Options all;
+  all.metric = options;
+  all.geometry = geometry;
+  all.run.threads = threads;
+  validate(all);
+  const WholeMesh whole(mesh);
+  if (source) check_length(mesh, source->size(), "metric");
+  tools::LogMetricMade made = tools::with_threads(tools::number_of_threads(threads), [&] {
+    return tools::make_log_metric(options, *whole, name, source ? &source->logarithms() : nullptr,
+                                  tools::model_of(geometry, *whole, name));
+  });
+  return {Metric::from_logarithms(std::move(made.field)), std::move(made.warnings)};
 }
 
 }  // namespace
@@ -59,25 +69,17 @@ MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const std
 
 MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options, const GeometryOptions& geometry,
                        const std::string& name, int threads) {
-  Options all = metric_only(options, threads);
-  all.geometry = geometry;
-  validate(all);
-  const WholeMesh whole(mesh);
-  tools::LogMetricMade made = tools::with_threads(tools::number_of_threads(threads), [&] {
-    return tools::make_log_metric(options, *whole, name, nullptr, tools::model_of(geometry, *whole, name));
-  });
-  return {Metric::from_logarithms(std::move(made.field)), std::move(made.warnings)};
+  return make_of(mesh, nullptr, options, geometry, name, threads);
 }
 
 MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
                        const std::string& name, int threads) {
-  validate(metric_only(options, threads));
-  const WholeMesh whole(mesh);
-  check_length(mesh, source.size(), "metric");
-  tools::LogMetricMade made = tools::with_threads(tools::number_of_threads(threads), [&] {
-    return tools::make_log_metric(options, *whole, name, &source.logarithms());
-  });
-  return {Metric::from_logarithms(std::move(made.field)), std::move(made.warnings)};
+  return make_metric(mesh, source, options, GeometryOptions(), name, threads);
+}
+
+MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
+                       const GeometryOptions& geometry, const std::string& name, int threads) {
+  return make_of(mesh, &source, options, geometry, name, threads);
 }
 
 double complexity(const Mesh& mesh, const Metric& metric) {

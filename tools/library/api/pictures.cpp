@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "tools/common/text.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/pictures/picture_options.h"
@@ -124,6 +125,19 @@ void draw(const std::string& path, const PictureSource& source, const PictureOpt
 void draw_histograms(const std::string& path, const Measures& measures, const HistogramText& text) {
   tools::write_text(path, picture::histogram_plot(measures, {text.title, text.tets, text.edges},
                                                   tools::picture_format(path)));
+}
+
+void draw_histograms(const std::string& path, const Measures& m, const std::string& title) {
+  using tools::grouped, tools::percent;
+  if (m.num_tets == 0) throw InputError("", "", "there are no tets to plot");
+  draw_histograms(
+      path, m,
+      HistogramText{title,
+                    fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
+                                grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
+                    fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
+                                grouped(m.num_edges), percent(m.edges_unit), percent(m.edges_short, 2),
+                                percent(m.edges_long, 2), m.length_min, m.length_max)});
 }
 
 }  // namespace weft

@@ -186,7 +186,7 @@ class DistributedFileJob {
     if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
     if (account_.report_path.empty()) return;
     write_text(account_.report_path, json_of(account_).dump(1) + "\n");
-    write_record(account_, record, files_.case_name);
+    if (files_.page) write_record(account_, record, files_.case_name);
   }
 
   const Files& files_;

@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iterator>
 #include <map>
 #include <memory>
-#include <utility>
+#include <string>
+#include <vector>
 
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
@@ -44,29 +43,6 @@ std::string dropped_text(const std::vector<Dropped>& dropped) {
   return text;
 }
 
-/// Adds the fields of --sol to those that the input itself has.
-void add_solution(const ConvertCommand& command, MeshFile& contents) {
-  Fields solution = read_fields(command.solution);
-  if (solution.num_points != contents.mesh.points.size())
-    throw InputError(command.solution, "",
-                     fmt::format("belongs to another mesh: it has {} vertices, {} has {}",
-                                 grouped(std::uint64_t{solution.num_points}), command.input,
-                                 grouped(std::uint64_t{contents.mesh.points.size()})));
-  std::ranges::move(solution.fields, std::back_inserter(contents.fields.fields));
-}
-
-/// The mesh and, where it has fields that its format does not hold, the fields beside it. Returns what is
-/// dropped.
-std::vector<Dropped> write(const ConvertCommand& command, const MeshFile& contents) {
-  const bool beside =
-      !contents.fields.fields.empty() && holds_volumes(command.output) && !holds_fields(command.output);
-  const std::string file = fields_beside(command.output);
-  if (beside) check_writable(file);
-  std::vector<Dropped> dropped = write_mesh_file(command.output, contents, command.options);
-  if (beside) write_fields(file, contents.fields);
-  return dropped;
-}
-
 void tell(const ConvertCommand& command, const MeshCounts& counts) {
   command.verbosity.print("{}: {} vertices, {} tets, {} triangles\n", command.output,
                           grouped(counts.vertices), grouped(counts.tets), grouped(counts.triangles));
@@ -95,17 +71,12 @@ int run_convert(const ConvertCommand& command) {
     if (place.rank != 0) return kDone;
     if (place.ranks > 1) fmt::print(stderr, "{}", done_by_first("convert"));
   }
-  check_writable(command.output);
   Progress progress(command.verbosity.style());
-  progress.phase("reading");
-  MeshFile contents = read_mesh_file(command.input);
-  if (!command.solution.empty()) add_solution(command, contents);
-  progress.phase("writing");
-  const std::vector<Dropped> dropped = write(command, contents);
+  progress.phase("converting");
+  const Converted done = convert(command.input, command.output, command.solution, command.options);
   progress.finish();
-  const auto& mesh = contents.mesh;
-  tell(command, {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()});
-  command.verbosity.print("{}{}", dropped_text(contents.dropped), dropped_text(dropped));
+  tell(command, done.counts);
+  command.verbosity.print("{}", dropped_text(done.dropped));
   return kDone;
 }
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "tools/common/measures_text.h"
 #include "tools/common/text.h"
@@ -21,8 +20,6 @@
 
 namespace weft::tools {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
@@ -42,51 +39,6 @@ struct StatCommand {
   Verbosity verbosity;
 };
 
-Json json_of(const std::map<std::int32_t, double>& by_ref) {
-  Json all = Json::object();
-  for (const auto& [ref, value] : by_ref) all[std::to_string(ref)] = value;
-  return all;
-}
-
-/// What is measured of a mesh, or of one that lies on many ranks.
-MeasuresOnRanks figures_of(const Mesh& mesh) {
-  MeasuresOnRanks figures;
-  figures.counts = {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()};
-  figures.corners = mesh.corners.size();
-  figures.ridges = mesh.ridges.size();
-  figures.required_vertices = mesh.required_points.size();
-  figures.required_edges = mesh.required_edges.size();
-  figures.required_triangles = mesh.required_triangles.size();
-  figures.geometry = measure_geometry(mesh);
-  return figures;
-}
-
-Json json_of(const MeasuresOnRanks& figures) {
-  const MeshCounts& counts = figures.counts;
-  const Geometry& g = figures.geometry;
-  return {{"schema", "weft-stat-1"},
-          {"version", version()},
-          {"vertices", counts.vertices},
-          {"tets", counts.tets},
-          {"triangles", counts.triangles},
-          {"edges", counts.edges},
-          {"corners", figures.corners},
-          {"ridges", figures.ridges},
-          {"required",
-           {{"vertices", figures.required_vertices},
-            {"edges", figures.required_edges},
-            {"triangles", figures.required_triangles}}},
-          {"shape",
-           {{"quality",
-             {{"mean", g.shape.quality_mean},
-              {"min", g.shape.quality_min},
-              {"quantile_0.01", g.shape.quality_q01}}},
-            {"least_dihedral_degrees", g.shape.least_dihedral_degrees}}},
-          {"bounding_box", {{g.min.x, g.min.y, g.min.z}, {g.max.x, g.max.y, g.max.z}}},
-          {"volume_by_ref", json_of(g.volume_by_ref)},
-          {"area_by_ref", json_of(g.area_by_ref)}};
-}
-
 std::string by_ref_text(const char* what, const std::map<std::int32_t, double>& by_ref) {
   std::string text;
   double total = 0;
@@ -98,7 +50,7 @@ std::string by_ref_text(const char* what, const std::map<std::int32_t, double>& 
   return text;
 }
 
-std::string geometry_text(const MeasuresOnRanks& figures) {
+std::string geometry_text(const MeshFigures& figures) {
   const MeshCounts& counts = figures.counts;
   const Geometry& g = figures.geometry;
   std::string text;
@@ -125,21 +77,16 @@ std::string histograms_text(const Measures& measures) {
          histogram_text("length of the edges in the metric, logarithmic", measures.length_log);
 }
 
-HistogramText plot_text(const StatCommand& command, const Measures& m) {
+std::string plot_title(const StatCommand& command) {
   const auto file = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
   const std::string metric =
       command.metric.file.empty() ? command.metric.function : file(command.metric.file);
-  return {fmt::format("{} in the metric {}", file(command.mesh), metric),
-          fmt::format("{} tets: mean quality {:.3f}, worst 1 % below {:.3f}, least {:.3g}",
-                      grouped(m.num_tets), m.quality_mean, m.quality_q01, m.quality_min),
-          fmt::format("{} edges: {} unit (shaded), {} shorter, {} longer; from {:.3g} to {:.3g}",
-                      grouped(m.num_edges), percent(m.edges_unit), percent(m.edges_short, 2),
-                      percent(m.edges_long, 2), m.length_min, m.length_max)};
+  return fmt::format("{} in the metric {}", file(command.mesh), metric);
 }
 
 void plot(const StatCommand& command, const Measures& measures) {
   if (measures.num_tets == 0) throw InputError(command.mesh, "", "contains no tets to plot");
-  draw_histograms(command.plot, measures, plot_text(command, measures));
+  draw_histograms(command.plot, measures, plot_title(command));
 }
 
 /// The table of measures, with histograms and a plot where they are asked for.
@@ -150,18 +97,19 @@ std::string measures_text(const StatCommand& command, const Measures& measures) 
   return text;
 }
 
+/// Draws and prints what is asked for.
+void tell(const StatCommand& command, const MeshFigures& figures) {
+  std::string text = figures.measures ? measures_text(command, *figures.measures) : geometry_text(figures);
+  if (figures.model) text += "\n" + summary(*figures.model);
+  command.verbosity.print("{}", command.json ? to_json(figures) + "\n" : text);
+}
+
 int run_on_ranks(const StatCommand& command) {
   const MeasuresOnRanks done = measure_on_ranks(command.mesh, command.metric);
   if (!done.first) return kDone;
-  Json json = json_of(done);
-  std::string text = geometry_text(done);
-  if (done.measures) {
-    json["measures"] = Json::parse(to_json(*done.measures));
-    text = measures_text(command, *done.measures);
-  }
   for (const std::string& warning : done.warnings)
     if (!command.verbosity.quiet) fmt::print(stderr, "warning: {}\n", warning);
-  command.verbosity.print("{}", command.json ? json.dump(1) + "\n" : text);
+  tell(command, done);
   return kDone;
 }
 
@@ -179,22 +127,13 @@ int run_stat(const StatCommand& command) {
   progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);
   progress.phase("measuring");
-  const MeasuresOnRanks figures = figures_of(mesh);
-  Json json = json_of(figures);
-  std::string text = geometry_text(figures);
-  if (command.metric.given()) {
-    const Measures measures =
-        measure(mesh, make_metric(mesh, command.metric, command.geometry, command.mesh).metric);
-    json["measures"] = Json::parse(to_json(measures));
-    text = measures_text(command, measures);
-  }
-  if (!command.geometry.model.empty()) {
-    const ModelAccount account = measure_on_model(mesh, command.geometry, command.mesh);
-    json["model"] = Json::parse(to_json(account));
-    text += "\n" + summary(account);
-  }
+  Metric metric;
+  if (command.metric.given())
+    metric = make_metric(mesh, command.metric, command.geometry, command.mesh).metric;
+  const MeshFigures figures =
+      measure_all(mesh, command.metric.given() ? &metric : nullptr, command.geometry, command.mesh);
   progress.finish();
-  command.verbosity.print("{}", command.json ? json.dump(1) + "\n" : text);
+  tell(command, figures);
   return kDone;
 }
 

@@ -133,6 +133,45 @@ void run_draw(const std::string& path, const Mesh& mesh, const std::shared_ptr<M
   draw(path, {mesh, metric.get(), colours, "field", nullptr}, options);
 }
 
+WriteOptions write_options_of(const std::string& encoding, const std::string& msh_version, bool compress,
+                              int pieces) {
+  WriteOptions options;
+  if (encoding == "ascii")
+    options.encoding = WriteOptions::Encoding::ascii;
+  else if (encoding == "big-endian")
+    options.encoding = WriteOptions::Encoding::big_endian;
+  else if (encoding != "binary")
+    throw OptionError("--encoding", "'" + printable(encoding) + "' is none of binary, ascii, big-endian");
+  if (msh_version != "4.1" && msh_version != "2.2")
+    throw OptionError("--msh-version", "'" + printable(msh_version) + "' is neither 4.1 nor 2.2");
+  options.gmsh_version = msh_version == "2.2" ? 2 : 4;
+  options.compress = compress;
+  if (pieces < 1 || pieces > 100000)
+    throw OptionError("--pieces", std::to_string(pieces) + " is not from 1 to 100000");
+  options.pieces = pieces;
+  return options;
+}
+
+py::list run_convert(const std::string& input, const std::string& output, const std::string& solution,
+                     const std::string& encoding, const std::string& msh_version, bool compress, int pieces) {
+  const WriteOptions options = write_options_of(encoding, msh_version, compress, pieces);
+  Converted done;
+  {
+    const py::gil_scoped_release released;
+    done = convert(input, output, solution, options);
+  }
+  py::list dropped;
+  for (const Dropped& what : done.dropped) dropped.append(py::make_tuple(what.what, what.count));
+  return dropped;
+}
+
+void run_draw_histograms(const std::string& path, const Mesh& mesh, const Metric& metric,
+                         const std::string& title) {
+  if (!is_picture_name(path)) throw InputError(path, "", "is no name of a picture: .png, .svg or .pdf");
+  const py::gil_scoped_release released;
+  draw_histograms(path, measure(mesh, metric), title);
+}
+
 }  // namespace
 
 void add_files(py::module_& module) {
@@ -143,7 +182,9 @@ void add_files(py::module_& module) {
   module.def("read_fields", [](const std::string& path) { return held(read_fields(path)); });
   module.def("write_fields", &run_write_fields);
   module.def("write_metric", &run_write_metric);
+  module.def("convert", &run_convert);
   module.def("draw", &run_draw);
+  module.def("draw_histograms", &run_draw_histograms);
 }
 
 }  // namespace weft::python

@@ -24,35 +24,29 @@ py::tuple run_make_metric(const Mesh& mesh, const std::shared_ptr<Metric>& sourc
   MadeMetric made;
   {
     const py::gil_scoped_release released;
-    made = source ? make_metric(mesh, *source, options.metric, {}, options.run.threads)
-                  : make_metric(mesh, options.metric, {}, options.run.threads);
+    made = source ? make_metric(mesh, *source, options.metric, options.geometry, {}, options.run.threads)
+                  : make_metric(mesh, options.metric, options.geometry, {}, options.run.threads);
   }
   return py::make_tuple(shared(std::move(made.metric)), made.warnings);
 }
 
-py::dict run_geometry(const Mesh& mesh) {
-  Geometry g;
-  {
-    const py::gil_scoped_release released;
-    g = measure_geometry(mesh);
-  }
-  py::dict all;
-  all["min"] = py::make_tuple(g.min.x, g.min.y, g.min.z);
-  all["max"] = py::make_tuple(g.max.x, g.max.y, g.max.z);
-  all["quality_mean"] = g.shape.quality_mean;
-  all["quality_min"] = g.shape.quality_min;
-  all["quality_q01"] = g.shape.quality_q01;
-  all["least_dihedral_degrees"] = g.shape.least_dihedral_degrees;
-  all["volume_by_ref"] = g.volume_by_ref;
-  all["area_by_ref"] = g.area_by_ref;
-  return all;
+std::string run_stat(const Mesh& mesh, const std::shared_ptr<Metric>& metric, const py::dict& values) {
+  const Options options = options_of(values);
+  const py::gil_scoped_release released;
+  return to_json(measure_all(mesh, metric.get(), options.geometry, {}, options.run.threads));
 }
 
-py::dict run_verify(const Mesh& mesh, int max_problems) {
+/// `against`: null, or another mesh; in what they differ is among the problems.
+py::dict run_verify(const Mesh& mesh, const std::shared_ptr<Mesh>& against, int max_problems) {
   CheckReport report;
   {
     const py::gil_scoped_release released;
     report = verify(mesh, max_problems);
+    if (against) {
+      const std::vector<std::string> found = differences(report, verify(*against, 0));
+      report.problems.insert(report.problems.end(), found.begin(), found.end());
+      report.num_problems += found.size();
+    }
   }
   py::dict all;
   all["ok"] = report.ok();
@@ -79,6 +73,7 @@ py::dict account(const ComponentAccount& a) {
   all["difference_max"] = a.difference_max;
   all["norm_max"] = a.norm_max;
   all["beyond_bounds"] = a.beyond_bounds;
+  all["stays_definite"] = a.stays_definite;
   return all;
 }
 
@@ -139,6 +134,13 @@ std::shared_ptr<Mesh> run_cylinder(double radius, double height, const std::arra
   return shared(cylinder_surface({point_of(base), radius, height, size}));
 }
 
+std::shared_ptr<Mesh> run_tessellate(const py::dict& values, double angle) {
+  const Options options = options_of(values);
+  if (!(angle > 0 && angle <= 180)) throw OptionError("--angle", "is not from 0 to 180 degrees");
+  const py::gil_scoped_release released;
+  return shared(tessellate(options.geometry, {options.geometry.hausd, angle}));
+}
+
 py::list run_named_options() {
   py::list all;
   for (const NamedOption& option : named_options())
@@ -155,7 +157,7 @@ void add_functions(py::module_& module) {
   module.def(
       "measure", [](const Mesh& mesh, const Metric& metric) { return to_json(measure(mesh, metric)); },
       Released());
-  module.def("geometry", &run_geometry);
+  module.def("stat", &run_stat);
   module.def("verify", &run_verify);
   module.def("interpolate", &run_interpolate);
   module.def("box", &run_box, Released());
@@ -163,6 +165,7 @@ void add_functions(py::module_& module) {
   module.def("cylinder_surface", &run_cylinder, Released());
   module.def(
       "delta_wing_surface", [](double size) { return shared(delta_wing_surface({size})); }, Released());
+  module.def("tessellate", &run_tessellate);
   module.def("named_options", &run_named_options);
   module.def("version", &version);
   module.def("version_details", &version_details);

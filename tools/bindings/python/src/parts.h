@@ -20,9 +20,9 @@ void add_runs(py::module_& module);
 void add_functions(py::module_& module);
 void add_files(py::module_& module);
 
-/// A wish to end a run early, set by any thread.
+/// What any thread may ask of a run: to end early, to write a checkpoint.
 struct Cancel {
-  std::atomic<bool> wanted = false;
+  std::atomic<bool> wanted = false, checkpoint = false;
 };
 
 /// Options of a dictionary by the names of the command.

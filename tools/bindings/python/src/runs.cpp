@@ -6,6 +6,7 @@
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "weft/replay.h"
 
 namespace weft::python {
 namespace {
@@ -50,11 +51,12 @@ py::object run_adapt(const Mesh& mesh, const std::shared_ptr<Metric>& metric, co
                      const py::object& progress, const std::shared_ptr<Cancel>& cancel) {
   Options options = options_of(values);
   const Fields carried = fields_of(fields, mesh.points.size(), order);
-  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, mesh.points.size(), order)};
-  if (background && !metric) throw OptionError("--background", "needs the metric that belongs to it");
+  const Mesh& of_metric = background ? *background : mesh;
+  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order)};
   check_that_a_metric_is_given(metric, options);
   return watched(options, progress, cancel, [&] {
-    if (background) return adapt(mesh, *background, *metric, options, carried);
+    if (background && metric) return adapt(mesh, *background, *metric, options, carried);
+    if (background) return adapt(mesh, *background, options, carried);
     return metric ? adapt(mesh, *metric, options, carried) : adapt(mesh, options, carried);
   });
 }
@@ -74,37 +76,57 @@ MPI_Comm communicator_of(int handle) {
 /// What a rank has prepared for an adaptation in parts: made and checked before any rank waits for another.
 struct PreparedPart {
   Part part;
+  std::optional<Part> background;  ///< that the metric belongs to, where it is not `part`
   std::shared_ptr<Metric> metric;
   Options options;
 };
 
+/// A mesh and the numbers of its points and tets; `prefix` stands before the names of these two arrays.
+Part part_of(const Mesh& mesh, const py::object& ids, const py::object& tet_ids, const std::string& prefix) {
+  const std::string name = prefix + "ids", tets = prefix + "tet_ids";
+  if (ids.is_none() && !mesh.points.empty()) throw UsageError(name + ": are needed with comm");
+  Part part;
+  part.ids = ids_of(ids, mesh.points.size(), name.c_str());
+  part.tet_ids = ids_of(tet_ids, mesh.tets.size(), tets.c_str());
+  part.mesh = mesh;
+  return part;
+}
+
+/// `order` is that of the fields' tensors.
 std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
                                            const std::shared_ptr<Metric>& metric, const py::object& ids,
-                                           const py::object& tet_ids, const py::dict& values,
+                                           const py::object& tet_ids, const std::shared_ptr<Mesh>& background,
+                                           const py::object& background_ids,
+                                           const py::object& background_tet_ids, const py::dict& values,
                                            const py::object& fields, const py::object& solutions,
                                            const std::optional<std::string>& order) {
-  if (ids.is_none() && !mesh->points.empty()) throw UsageError("ids: are needed with comm");
   auto prepared = std::make_shared<PreparedPart>();
   prepared->options = options_of(values);
+  const Mesh& of_metric = background ? *background : *mesh;
   if (!solutions.is_none())
-    prepared->options.metric.solutions = {fields_of(solutions, mesh->points.size(), order)};
+    prepared->options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order)};
   check_that_a_metric_is_given(metric, prepared->options);
   validate(prepared->options);
-  prepared->part.ids = ids_of(ids, mesh->points.size(), "ids");
-  prepared->part.tet_ids = ids_of(tet_ids, mesh->tets.size(), "tet_ids");
+  prepared->part = part_of(*mesh, ids, tet_ids, "");
   prepared->part.fields = fields_of(fields, mesh->points.size(), order);
-  prepared->part.mesh = *mesh;
+  if (background)
+    prepared->background = part_of(*background, background_ids, background_tet_ids, "background_");
   prepared->metric = metric;
   return prepared;
+}
+
+PartResult adapt_part(MPI_Comm communicator, const PreparedPart& p) {
+  if (p.background)
+    return p.metric ? adapt(communicator, p.part, *p.background, *p.metric, p.options)
+                    : adapt(communicator, p.part, *p.background, p.options);
+  return p.metric ? adapt(communicator, p.part, *p.metric, p.options)
+                  : adapt(communicator, p.part, p.options);
 }
 
 py::object run_adapt_prepared(int comm, PreparedPart& prepared, const py::object& progress,
                               const std::shared_ptr<Cancel>& cancel) {
   const MPI_Comm communicator = communicator_of(comm);
-  return watched(prepared.options, progress, cancel, [&] {
-    return prepared.metric ? adapt(communicator, prepared.part, *prepared.metric, prepared.options)
-                           : adapt(communicator, prepared.part, prepared.options);
-  });
+  return watched(prepared.options, progress, cancel, [&] { return adapt_part(communicator, prepared); });
 }
 
 std::pair<int, std::string> run_first_complaint(int comm, const std::string& complaint) {
@@ -114,18 +136,31 @@ std::pair<int, std::string> run_first_complaint(int comm, const std::string& com
   return {first.rank, std::move(first.text)};
 }
 
-py::object run_adapt_files(const std::string& input, const std::string& output, const py::dict& values,
-                           const std::vector<std::string>& fields, const std::string& background,
-                           const std::string& report, const py::object& progress,
-                           const std::shared_ptr<Cancel>& cancel) {
-  Options options = options_of(values);
+/// `texts`: the members of Files that name one file each, by the names of Python.
+Files files_of(const py::dict& texts, const std::vector<std::string>& fields, bool page) {
+  const auto text = [&](const char* name) { return texts[name].cast<std::string>(); };
   Files files;
-  files.input = input;
-  files.output = output;
+  files.input = text("input");
+  files.output = text("output");
+  files.background = text("background");
+  files.report = text("report");
+  files.case_name = text("case");
+  files.graph = text("graph");
+  files.trace = text("trace");
   files.fields = fields;
-  files.background = background;
-  files.report = report;
-  return watched(options, progress, cancel, [&] { return adapt_files(files, options); });
+  files.page = page;
+  return files;
+}
+
+/// `ranks`: 0: no ranks are simulated.
+py::object run_adapt_files(const py::dict& texts, const std::vector<std::string>& fields, bool page,
+                           const py::dict& values, int ranks, const std::string& network, double slowdown,
+                           const py::object& progress, const std::shared_ptr<Cancel>& cancel) {
+  Options options = options_of(values);
+  const Files files = files_of(texts, fields, page);
+  if (ranks == 0) return watched(options, progress, cancel, [&] { return adapt_files(files, options); });
+  const SimulatedRanks simulated{ranks, network, slowdown};
+  return watched(options, progress, cancel, [&] { return adapt_files_on(simulated, files, options); });
 }
 
 py::object run_fill(const Mesh& surface, double growth, double size, double merge, bool materials,
@@ -160,6 +195,9 @@ void add_reports(py::module_& module) {
       .def_readonly("missed", &Report::missed, "Why it is not; empty when it is.")
       .def_readonly("cancelled", &Report::cancelled, "Whether the run was ended early.")
       .def_readonly("warnings", &Report::warnings)
+      .def_property_readonly(
+          "mends", [](const Report& report) { return mends_text(report.mends); },
+          "What repair has done to the input, a line each.")
       .def(
           "summary", [](const Report& report) { return summary(report); }, "What the command prints.")
       .def(
@@ -217,6 +255,11 @@ void add_reports(py::module_& module) {
       .def_readonly("fields", &FilesResult::fields)
       .def_readonly("report", &FilesResult::report)
       .def("summary", [](const FilesResult& result) { return summary(result); });
+  py::class_<SimulatedFilesResult, FilesResult, std::shared_ptr<SimulatedFilesResult>>(
+      module, "SimulatedFilesResult", "What has been written, and times of virtual clocks.")
+      .def_readonly("seconds", &SimulatedFilesResult::seconds, "Virtual, until the last rank has ended.")
+      .def_readonly("simulation_seconds", &SimulatedFilesResult::simulation_seconds, "That it took here.")
+      .def("summary", [](const SimulatedFilesResult& result) { return summary(result); });
   py::class_<FillResult, std::shared_ptr<FillResult>>(module, "FillResult", "A mesh that fills a surface.")
       .def_property_readonly("mesh", [](const std::shared_ptr<FillResult>& r) { return member(r, r->mesh); })
       .def_property_readonly(
@@ -224,6 +267,11 @@ void add_reports(py::module_& module) {
           "The metric that it was made for.")
       .def_readonly("regions", &FillResult::regions)
       .def_readonly("warnings", &FillResult::warnings)
+      .def_property_readonly(
+          "mends", [](const FillResult& r) { return mends_text(r.mends); },
+          "What repair has done to the surface, a line each.")
+      .def_readonly("deviation", &FillResult::deviation,
+                    "Of repair: largest distance of the mended surface from the one given.")
       .def_readonly("cancelled", &FillResult::cancelled);
 }
 
@@ -261,6 +309,7 @@ Options options_of(const py::dict& values) {
 Watch::Watch(const py::object& progress, const std::shared_ptr<Cancel>& cancel, Options& options)
     : progress_(progress), cancel_(cancel ? cancel : std::make_shared<Cancel>()) {
   options.run.cancel = &cancel_->wanted;
+  options.checkpoint.now = &cancel_->checkpoint;
   options.run.progress = [this](const Progress& now) { return tell(now); };
 }
 
@@ -295,6 +344,9 @@ void add_runs(py::module_& module) {
       "A wish to end a run early, which any thread may utter; the run then returns a valid mesh.")
       .def(py::init<>())
       .def("cancel", [](Cancel& self) { self.wanted = true; })
+      .def(
+          "checkpoint", [](Cancel& self) { self.checkpoint = true; },
+          "Asks for a checkpoint now instead (the option checkpoint names its folder).")
       .def(
           "reset", [](Cancel& self) { self.wanted = false; }, "Before the object serves another run.")
       .def_property_readonly("wanted", [](const Cancel& self) { return self.wanted.load(); });

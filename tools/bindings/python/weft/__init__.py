@@ -31,6 +31,7 @@ Metric = _weft.Metric
 Result = _weft.Result
 PartResult = _weft.PartResult
 FilesResult = _weft.FilesResult
+SimulatedFilesResult = _weft.SimulatedFilesResult
 FillResult = _weft.FillResult
 Cancel = _weft.Cancel
 
@@ -47,11 +48,12 @@ _Fields = Mapping[str, "_np.ndarray"]
 
 __all__ = [
     "Cancel", "Check", "Error", "FilesResult", "FillResult", "InputError", "InternalError", "Interrupted", "Mesh",
-    "MeshFile", "Metric", "Option", "OptionError", "OutOfMemory", "PartResult", "Result", "RunError", "Transfer",
-    "UsageError", "adapt", "adapt_files", "as_mesh", "ball_surface", "box", "complexity", "cylinder_surface",
-    "delta_wing_surface", "draw", "fill", "from_meshio", "from_pyvista", "interpolate", "loop", "make_metric",
-    "measure", "options", "read", "read_fields", "read_file", "read_metric", "stat", "to_meshio", "to_pyvista",
-    "verify", "version_details", "write", "write_fields", "write_metric",
+    "MeshFile", "Metric", "Option", "OptionError", "OutOfMemory", "PartResult", "Result", "RunError",
+    "SimulatedFilesResult", "Transfer", "UsageError", "adapt", "adapt_files", "as_mesh", "ball_surface", "box",
+    "complexity", "convert", "cylinder_surface", "delta_wing_surface", "draw", "draw_histograms", "fill", "from_meshio",
+    "from_pyvista", "interpolate", "loop", "make_metric", "measure", "options", "read", "read_fields", "read_file",
+    "read_metric", "stat", "tessellate", "to_meshio", "to_pyvista", "verify", "version_details", "write",
+    "write_fields", "write_metric",
 ]
 
 
@@ -85,7 +87,8 @@ def _as_metric(metric: MetricLike, order: Optional[str]) -> Optional[Metric]:
 def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields] = None,
           solutions: Optional[_Fields] = None, background: MeshLike = None, order: Optional[str] = None,
           progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, comm: Any = None, ids: Any = None,
-          tet_ids: Any = None, **options: Any) -> Union[Result, PartResult]:
+          tet_ids: Any = None, background_ids: Any = None, background_tet_ids: Any = None,
+          **options: Any) -> Union[Result, PartResult]:
     """Adapts a mesh to a metric, and returns the new mesh, its metric and fields.
 
     mesh: see as_mesh(). Points (n, 3) float64, tets (m, 4) int64 or int32, indices from 0.
@@ -95,24 +98,23 @@ def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields
     fields: carried along; name -> (n,), (n, 3), (n, 3, 3) or, with `order`, (n, 6). transfer="conservative" keeps
         their integrals.
     solutions: name -> (n,): the metric is that in which their interpolation error is least (norm, recovery).
-    background: the mesh that `metric` belongs to, where it is another.
+    background: the mesh that `metric` and `solutions` belong to, where it is another of the same domain.
     order: 'sol' (11 12 22 13 23 33), 'rows' (11 12 13 22 23 33) or 'voigt' (11 22 33 23 13 12).
     progress, cancel: a function that is told how far the run is; an object by which any thread ends it. Ctrl-C ends
         it too: weft.Interrupted then has the valid mesh as its member `result`.
     comm: a communicator of mpi4py, whose ranks all make this call, each with what it has of the mesh; `ids` are the
         global numbers (n,) of its points, the same wherever a point is, and `tet_ids` (optional) of its tets. A rank
-        may have no points. What is wrong on one rank is raised on all, naming the rank.
+        may have no points. What is wrong on one rank is raised on all, naming the rank. A `background` is in parts
+        too, any tets of it on any rank, with its `background_ids` and (optional) `background_tet_ids`.
     threads=1 gives the same bytes every time, those of the command.
     """
     if comm is not None:
-        if background is not None:
-            raise OptionError("--background: is not possible in parts")
-        return _adapt_parts(comm, mesh, metric, fields, solutions, order, progress, cancel, ids, tet_ids, options)
-    if ids is not None or tet_ids is not None:
+        return _adapt_parts(comm, (mesh, ids, tet_ids), (background, background_ids, background_tet_ids), metric,
+                            fields, solutions, order, progress, cancel, options)
+    if any(numbers is not None for numbers in (ids, tet_ids, background_ids, background_tet_ids)):
         raise UsageError("ids: are those of a mesh in parts, and need comm=")
-    other = None if background is None else as_mesh(background)
-    return _weft.adapt(as_mesh(mesh), _as_metric(metric, order), options, fields, solutions, order, other, progress,
-                       cancel)
+    return _weft.adapt(as_mesh(mesh), _as_metric(metric, order), options, fields, solutions, order,
+                       _as_background(background), progress, cancel)
 
 
 def _handle(comm: Any) -> int:
@@ -134,14 +136,29 @@ def _raise_complaint(rank: int, text: str, cause: Optional[BaseException]) -> No
     raise error(f"rank {rank}: {said}") from cause
 
 
-def _adapt_parts(comm: Any, mesh: MeshLike, metric: MetricLike, fields: Any, solutions: Any, order: Optional[str],
-                 progress: Optional[Progress], cancel: Optional[Cancel], ids: Any, tet_ids: Any,
-                 options: Dict[str, Any]) -> PartResult:
+def _as_background(background: MeshLike) -> Optional[Mesh]:
+    """What is wrong with its arrays is said of the background."""
+    if background is None:
+        return None
+    try:
+        return as_mesh(background)
+    except (InputError, UsageError) as error:
+        raise type(error)(f"background: {error}") from error
+
+
+def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, Any, Any], metric: MetricLike,
+                 fields: Any, solutions: Any, order: Optional[str], progress: Optional[Progress],
+                 cancel: Optional[Cancel], options: Dict[str, Any]) -> PartResult:
+    """`part`, `background`: mesh, ids of its points, ids of its tets."""
     handle = _handle(comm)
     complaint, cause, prepared = "", None, None
     try:
-        prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, options, fields,
-                                      solutions, order)
+        mesh, ids, tet_ids = part
+        other, *of_other = background
+        if other is None and any(numbers is not None for numbers in of_other):
+            raise UsageError("background_ids: are those of a background, and there is none")
+        prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, _as_background(other),
+                                      *of_other, options, fields, solutions, order)
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
         complaint, cause = f"{kind}\n{error}", error
@@ -152,12 +169,19 @@ def _adapt_parts(comm: Any, mesh: MeshLike, metric: MetricLike, fields: Any, sol
 
 
 def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), background: _Path = "",
-                report: _Path = "", progress: Optional[Progress] = None, cancel: Optional[Cancel] = None,
-                **options: Any) -> FilesResult:
+                report: _Path = "", page: bool = True, case: str = "", graph: _Path = "", trace: _Path = "",
+                simulate_ranks: int = 0, simulate_network: str = "2us,10GB/s", simulate_slowdown: float = 1,
+                progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, **options: Any) -> FilesResult:
     """From file to file, as `weft adapt INPUT -o OUTPUT` does; metric="FILE", sol=["FILE", ...] and the other options
-    of the command say what the metric is."""
-    return _weft.adapt_files(_os.fspath(input), _os.fspath(output), options, [_os.fspath(f) for f in fields],
-                             _os.fspath(background), _os.fspath(report), progress, cancel)
+    of the command say what the metric is.
+
+    report: folder for report.json and (page) report.html and profile.json; case: published figures to show there.
+    graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
+    this thread simulates, on a network and with processors slower by a factor; the result is a SimulatedFilesResult.
+    """
+    texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)
+    return _weft.adapt_files({name: _os.fspath(text) for name, text in texts.items()}, [_os.fspath(f) for f in fields],
+                             page, options, simulate_ranks, simulate_network, simulate_slowdown, progress, cancel)
 
 
 def loop(mesh: MeshLike, solve: Callable[[Mesh], _Fields], complexities: Sequence[float], *,
@@ -210,15 +234,21 @@ def measure(mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None) 
     return _json.loads(_weft.measure(as_mesh(mesh), _as_metric(metric, order)))
 
 
-def stat(mesh: MeshLike, metric: MetricLike = None, *, order: Optional[str] = None) -> Dict[str, Any]:
+def stat(mesh: MeshLike, metric: MetricLike = None, *, order: Optional[str] = None,
+         **options: Any) -> Dict[str, Any]:
     """What `weft stat` tells: counts, shapes, bounding box, volumes and areas by reference; with a metric also
-    `measures`."""
-    mesh = as_mesh(mesh)
-    told = {"points": len(mesh.points), "tets": len(mesh.tets), "triangles": len(mesh.triangles),
-            "edges": len(mesh.edges), **_weft.geometry(mesh)}
-    if metric is not None:
-        told["measures"] = measure(mesh, metric, order=order)
-    return told
+    `measures` with histograms; with the options geometry (and geometry_scale) how the mesh lies on that CAD model,
+    `model`."""
+    told = _json.loads(_weft.stat(as_mesh(mesh), _as_metric(metric, order), options))
+    shape, (least, most) = told["shape"], told["bounding_box"]
+    figures = {"points": told["vertices"], **{name: told[name] for name in ("tets", "triangles", "edges", "corners",
+                                                                            "ridges", "required")},
+               "min": tuple(least), "max": tuple(most), "quality_mean": shape["quality"]["mean"],
+               "quality_min": shape["quality"]["min"], "quality_q01": shape["quality"]["quantile_0.01"],
+               "least_dihedral_degrees": shape["least_dihedral_degrees"]}
+    for name in ("volume_by_ref", "area_by_ref"):
+        figures[name] = {int(ref): value for ref, value in told[name].items()}
+    return {**figures, **{name: told[name] for name in ("measures", "model") if name in told}}
 
 
 @_dataclass(frozen=True)
@@ -243,25 +273,8 @@ class Check:
 def verify(mesh: MeshLike, against: MeshLike = None, *, max_problems: int = 20) -> Check:
     """Checks with exact arithmetic that a mesh conforms. `against`: another mesh of the same domain, whose volumes and
     areas by reference must agree to 1e-9, as they do where the boundary is planar."""
-    found = _weft.verify(as_mesh(mesh), max_problems)
-    if against is not None:
-        other = _weft.verify(as_mesh(against), 0)
-        differences = [*_differences("volume", found["volume_by_ref"], other["volume_by_ref"]),
-                       *_differences("area", found["area_by_ref"], other["area_by_ref"])]
-        for what in ("touching_edges", "touching_vertices"):
-            if found[what] != other[what]:
-                differences.append(f"{what}: {found[what]}, the other mesh's {other[what]}")
-        found["problems"] = found["problems"] + differences
-        found["num_problems"] += len(differences)
-        found["ok"] = found["ok"] and not differences
-    return Check(**found)
-
-
-def _differences(what: str, ours: Mapping[int, float], theirs: Mapping[int, float]) -> Iterator[str]:
-    for ref in sorted({*ours, *theirs}):
-        a, b = ours.get(ref, 0.0), theirs.get(ref, 0.0)
-        if abs(a - b) > 1e-9 * max(abs(a), abs(b)):
-            yield f"{what} of reference {ref} is {a:.15g}, the other mesh's {b:.15g}"
+    other = None if against is None else as_mesh(against)
+    return Check(**_weft.verify(as_mesh(mesh), other, max_problems))
 
 
 @_dataclass(frozen=True)
@@ -295,11 +308,19 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
     growth: of neighbouring edges away from the surface. size: the largest; 0: no limit. merge: points nearer than this
     share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole. remesh_surface:
     the surface may be adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
-    Of the options threads, hausd and ridge_angle have a meaning.
+    Of the options threads, hausd, ridge_angle, repair and, with remesh_surface, geometry and geometry_scale have a
+    meaning.
     """
-    other = None if background is None else as_mesh(background)
-    return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, other,
+    return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, _as_background(background),
                       _as_metric(metric, order), options, progress, cancel)
+
+
+def tessellate(geometry: _Path, *, geometry_scale: float = 1, hausd: float = 0, angle: float = 20) -> Mesh:
+    """Triangles on a CAD model (.step, .iges, .brep, .egads), conforming, with its faces and edges as references.
+    hausd: largest distance of an edge from the model, 0: 0.1 % of the diagonal. angle: degrees that the normal turns
+    along an edge. fill(surface, remesh_surface=True, geometry=...) makes tets of them, as `weft mesh part.step` does.
+    """
+    return _weft.tessellate(dict(geometry=_os.fspath(geometry), geometry_scale=geometry_scale, hausd=hausd), angle)
 
 
 def box(cells: Union[int, Sequence[int]] = 8, *, min: Sequence[float] = (0, 0, 0),
@@ -371,6 +392,17 @@ def write(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, fields: Opt
     _weft.write(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), fields or {}, order, names)
 
 
+def convert(input: _Path, output: _Path, *, sol: _Path = "", encoding: str = "binary", msh_version: str = "4.1",
+            compress: bool = False, pieces: int = 2) -> List[Tuple[str, int]]:
+    """From file to file, with fields and names, as `weft convert` does; returns what had no place (what, how many).
+
+    sol: a file of fields at the points. encoding: 'binary', 'ascii' (.msh, .stl, .ply, .vtu), 'big-endian' (.ply).
+    msh_version: '4.1' or '2.2'. compress: arrays of a .vtu or .pvtu. pieces: of a .pvtu.
+    """
+    return _weft.convert(_os.fspath(input), _os.fspath(output), _os.fspath(sol), encoding, msh_version, compress,
+                         pieces)
+
+
 def write_fields(path: _Path, fields: _Fields, *, order: Optional[str] = None) -> None:
     """Writes fields as .solb or .sol."""
     if not fields:
@@ -392,3 +424,9 @@ def draw(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, field: Any =
     edges, legend, axes.
     """
     _weft.draw(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), field, options)
+
+
+def draw_histograms(path: _Path, mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None,
+                    title: str = "the mesh in the metric") -> None:
+    """Draws histograms of quality and length in a metric into a .png, .svg or .pdf, as `weft stat --plot` does."""
+    _weft.draw_histograms(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), title)

@@ -45,13 +45,9 @@ WEFT_API TransferOnRanks interpolate_on_ranks(const std::string& from, const std
                                               const std::string& to, const std::string& output,
                                               TransferMethod method);
 
-struct MeasuresOnRanks : DoneOnRanks {
-  MeshCounts counts;
-  std::uint64_t corners = 0, ridges = 0, required_vertices = 0, required_edges = 0, required_triangles = 0;
-  Geometry geometry;
-  std::optional<Measures> measures;  ///< in the metric, where options give one
-};
-/// Measures the mesh of a file: counts and qualities are those of measure(), sums but for rounding.
+struct MeasuresOnRanks : DoneOnRanks, MeshFigures {};
+/// Measures the mesh of a file, in the metric that options give, if any: counts and qualities are those of
+/// measure(), sums but for rounding.
 WEFT_API MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& options);
 
 struct ConvertedOnRanks : DoneOnRanks {

@@ -384,6 +384,9 @@ WEFT_API Result adapt(const Mesh& mesh, const Options& options, const Fields& fi
 /// To a metric that belongs to another mesh of the same domain.
 WEFT_API Result adapt(const Mesh& mesh, const Mesh& background, const Metric& metric, const Options& options,
                       const Fields& fields = {});
+/// To the metric that options.metric makes on that other mesh: its solutions are at the vertices there.
+WEFT_API Result adapt(const Mesh& mesh, const Mesh& background, const Options& options,
+                      const Fields& fields = {});
 
 // ---------------------------------------------------------------------------------------------------------------
 // Adaptation of a mesh in parts
@@ -425,6 +428,9 @@ WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric&
 /// be on any rank. options.metric.solutions are at its vertices.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background,
                           const Metric& metric, const Options& options);
+/// To the metric that options.metric makes on that other mesh.
+WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Part& background,
+                          const Options& options);
 
 /// To the metric that options.metric makes: of solutions at the vertices of the parts, for instance.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options);
@@ -493,6 +499,9 @@ WEFT_API MadeMetric make_metric(const Mesh& mesh, const MetricOptions& options,
 /// The same with a metric in memory as one more source.
 WEFT_API MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
                                 const std::string& name = {}, int threads = 0);
+WEFT_API MadeMetric make_metric(const Mesh& mesh, const Metric& source, const MetricOptions& options,
+                                const GeometryOptions& geometry, const std::string& name = {},
+                                int threads = 0);
 /// The integral of sqrt(det M): about half the vertices of a mesh that conforms to the metric.
 WEFT_API double complexity(const Mesh& mesh, const Metric& metric);
 
@@ -510,6 +519,20 @@ struct Geometry {
   std::map<std::int32_t, double> volume_by_ref, area_by_ref;  ///< of tets and triangles by their references
 };
 WEFT_API Geometry measure_geometry(const Mesh& mesh);
+/// What `weft stat` tells of a mesh.
+struct MeshFigures {
+  MeshCounts counts;
+  std::uint64_t corners = 0, ridges = 0, required_vertices = 0, required_edges = 0, required_triangles = 0;
+  Geometry geometry;
+  std::optional<Measures> measures;   ///< in a metric, where one is given
+  std::optional<ModelAccount> model;  ///< on a CAD model, where one is named
+};
+/// `metric`: at the vertices of the mesh; null: none. `geometry`: names a CAD model, or none.
+WEFT_API MeshFigures measure_all(const Mesh& mesh, const Metric* metric = nullptr,
+                                 const GeometryOptions& geometry = {}, const std::string& name = {},
+                                 int threads = 0);
+/// JSON of schema "weft-stat-1".
+WEFT_API std::string to_json(const MeshFigures& figures);
 /// Classifies the boundary of `mesh` on the CAD model that `geometry` names and measures how it lies there.
 /// `deviations`: distance from the model of the centroid of each boundary triangle, in the order of the tets
 /// that have them as faces. Throws InputError where the model cannot be read or is another body's.
@@ -521,6 +544,9 @@ WEFT_API std::string summary(const ModelAccount& account);
 WEFT_API std::string to_json(const ModelAccount& account);
 /// The full check of a mesh with exact arithmetic; names at most `max_problems`.
 WEFT_API CheckReport verify(const Mesh& mesh, int max_problems = 20);
+/// In what two meshes of the same domain differ, a sentence each: volumes and areas by reference by more than
+/// 1e-9 of them, and where the bodies touch themselves. Empty where they agree.
+WEFT_API std::vector<std::string> differences(const CheckReport& mesh, const CheckReport& other);
 /// Fields at the vertices of `from`, at those of `to`.
 WEFT_API Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh& to,
                               TransferMethod method = TransferMethod::linear, int threads = 0);
@@ -582,6 +608,14 @@ WEFT_API ResultFiles result_files(const std::string& path);
 /// Writes a mesh without a file of fields beside; returns what has no place in the format.
 WEFT_API std::vector<Dropped> write_mesh_file(const std::string& path, const MeshFile& contents,
                                               const WriteOptions& options = {});
+struct Converted {
+  MeshCounts counts;
+  std::vector<Dropped> dropped;  ///< what of the input has no place here, and of that what the format has not
+};
+/// From file to file as `weft convert` does. `solution`: a file of fields at the vertices; empty: none. These
+/// and the input's own are written into the result, or beside it where its format holds none.
+WEFT_API Converted convert(const std::string& input, const std::string& output,
+                           const std::string& solution = {}, const WriteOptions& options = {});
 /// Writes .solb or .sol, whole or not at all.
 WEFT_API void write_fields(const std::string& path, const Fields& fields);
 /// Writes a text, whole or not at all. Throws InputError.
@@ -680,6 +714,8 @@ struct HistogramText {
   std::string title, tets, edges;  ///< over all, over the plots of quality and over those of length
 };
 WEFT_API void draw_histograms(const std::string& path, const Measures& measures, const HistogramText& text);
+/// The same with counts, qualities and lengths over the plots. Throws InputError where there are no tets.
+WEFT_API void draw_histograms(const std::string& path, const Measures& measures, const std::string& title);
 
 /// What of a task graph is shown.
 struct GraphFilter {

@@ -54,6 +54,7 @@ typedef struct weft_fields weft_fields;
 typedef struct weft_options weft_options;
 typedef struct weft_part weft_part;
 typedef struct weft_result weft_result;
+typedef struct weft_text weft_text;
 
 typedef WEFT_C_ENUM(weft_status){
     WEFT_OK = 0,
@@ -74,6 +75,8 @@ WEFT_C_API const char* weft_last_error(void);
 WEFT_C_API const char* weft_status_name(weft_status status);
 /* Frees any handle. NULL is allowed. */
 WEFT_C_API weft_status weft_free(void* handle);
+/* The letters of a text, valid until it is freed. */
+WEFT_C_API weft_status weft_text_get(const weft_text* text, const char** letters);
 /* How many handles there are: those that a program has forgotten to free, at its end. */
 WEFT_C_API int64_t weft_handles(void);
 
@@ -118,8 +121,31 @@ WEFT_C_API weft_status weft_mesh_write(const weft_mesh* mesh, const char* path);
 /* The full check with exact arithmetic. `num_problems` is 0 for a mesh that conforms; else weft_last_error()
    names some, though the status is WEFT_OK. `volume` may be NULL. */
 WEFT_C_API weft_status weft_mesh_verify(const weft_mesh* mesh, int64_t* num_problems, double* volume);
+/* The same against another mesh of the same domain: in how much volumes and areas by reference differ by more
+   than 1e-9, and where the bodies touch themselves. 0: they agree; else weft_last_error() says how they do.
+ */
+WEFT_C_API weft_status weft_mesh_compare(const weft_mesh* mesh, const weft_mesh* other,
+                                         int64_t* num_differences);
 /* The unit cube of cells, 6 tets each. */
 WEFT_C_API weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_mesh** mesh);
+/* The same between two corners x y z. */
+WEFT_C_API weft_status weft_mesh_box_between(const int64_t cells[3], const double min[3], const double max[3],
+                                             weft_mesh** mesh);
+
+/* How files are written where their format leaves a choice; others take no notice. */
+typedef struct weft_write_settings {
+  size_t size;          /* sizeof(weft_write_settings) */
+  const char* encoding; /* "binary"; "ascii", of .msh, .stl, .ply and .vtu; "big-endian", of .ply */
+  int32_t msh_version;  /* 4: MSH 4.1; 2: MSH 2.2 */
+  int32_t compress;     /* 1: the arrays of a .vtu or .pvtu are compressed */
+  int32_t pieces;       /* of a .pvtu */
+} weft_write_settings;
+WEFT_C_API weft_status weft_write_settings_default(weft_write_settings* settings);
+/* From file to file, with fields and names of references, as `weft convert` does. `solution`, a file of
+   fields at the vertices, and `settings` may be NULL. `dropped` gets what had no place, a line each; it may
+   be NULL. */
+WEFT_C_API weft_status weft_convert(const char* input, const char* output, const char* solution,
+                                    const weft_write_settings* settings, weft_text** dropped);
 
 /* ----------------------------------------------------------------------------------------------- Metrics */
 
@@ -166,6 +192,23 @@ WEFT_C_API weft_status weft_fields_write(const weft_fields* fields, const char* 
 WEFT_C_API weft_status weft_interpolate(const weft_mesh* from, const weft_fields* fields, const weft_mesh* to,
                                         const weft_options* options, weft_fields** result);
 
+/* What became of one component of a field that was transferred. */
+typedef struct weft_component_account {
+  size_t size;      /* sizeof(weft_component_account), to be set by the caller */
+  const char* name; /* of the field, with " 1", " 2", ... where it has several; valid while the fields are */
+  double integral_before, integral_after;
+  double absolute;               /* the integral of the old |field|: the scale of both */
+  double difference_l2, norm_l2; /* after interpolation back to the old mesh; the old field's own */
+  double difference_max, norm_max;
+  double beyond_bounds; /* conservative: the most by which a value left the bounds of the old ones */
+} weft_component_account;
+/* Of fields that weft_interpolate() has made; `index` counts the components of all fields from 0. */
+WEFT_C_API weft_status weft_fields_account(const weft_fields* fields, int64_t index,
+                                           weft_component_account* account);
+/* Of the same: vertices outside the old mesh, which have the values of its closest point, and how far the
+   farthest is. Either may be NULL. */
+WEFT_C_API weft_status weft_fields_outside(const weft_fields* fields, int64_t* vertices, double* farthest);
+
 /* ----------------------------------------------------------------------------------------------- Options */
 
 /* The options that programs set most, by name: the meaning and the default of each are those of the command.
@@ -208,6 +251,9 @@ WEFT_C_API weft_status weft_options_set_progress(weft_options* options, weft_pro
    program that keeps the options until the run has ended; on several ranks on all of them. 0 as `cancel`
    makes the options usable again. */
 WEFT_C_API weft_status weft_options_cancel(weft_options* options, int cancel);
+/* Asks the run that these options have been given to for a checkpoint now (option checkpoint: its folder):
+   from another thread, or from a signal handler as above; on several ranks on any of them. */
+WEFT_C_API weft_status weft_options_checkpoint(weft_options* options);
 
 /* -------------------------------------------------------------------------------------------- Adaptation */
 
@@ -216,9 +262,34 @@ WEFT_C_API weft_status weft_options_cancel(weft_options* options, int cancel);
 WEFT_C_API weft_status weft_adapt(const weft_mesh* mesh, const weft_metric* metric,
                                   const weft_options* options, const weft_fields* fields,
                                   weft_result** result);
+/* To a metric that belongs to another mesh of the same domain. `metric`: at the vertices of `background`;
+   NULL: the one that options make there, of solutions at its vertices for instance. `fields` are at those of
+   `mesh`. */
+WEFT_C_API weft_status weft_adapt_to_background(const weft_mesh* mesh, const weft_mesh* background,
+                                                const weft_metric* metric, const weft_options* options,
+                                                const weft_fields* fields, weft_result** result);
 /* From file to file, as `weft adapt IN -o OUT` does. */
 WEFT_C_API weft_status weft_adapt_files(const char* input, const char* output, const weft_options* options,
                                         weft_result** result);
+
+/* What `weft adapt` is told of files beside the options. Texts that are NULL mean none. */
+typedef struct weft_file_settings {
+  size_t size;               /* sizeof(weft_file_settings) */
+  const char* background;    /* the mesh that the metric belongs to; NULL: the input */
+  const char* const* fields; /* files of fields at the vertices of the input, carried along */
+  int64_t num_fields;
+  const char* report; /* folder for report.json and, unless page is 0, report.html and profile.json */
+  int32_t page;
+  const char* case_name;        /* published figures to show beside */
+  const char *graph, *trace;    /* files for the task graph and for a timeline: in subdomains */
+  int32_t simulate_ranks;       /* so many ranks that this thread simulates; 0: none */
+  const char* simulate_network; /* "2us,10GB/s" */
+  double simulate_slowdown;
+} weft_file_settings;
+WEFT_C_API weft_status weft_file_settings_default(weft_file_settings* settings);
+WEFT_C_API weft_status weft_adapt_files_with(const char* input, const char* output,
+                                             const weft_file_settings* settings, const weft_options* options,
+                                             weft_result** result);
 
 /* What one rank has of a mesh in parts: a mesh of its own (which the part takes, copying nothing, unless it
    is shared; the handle stays valid), the global ids of its points, the same wherever a point is, and, or
@@ -234,6 +305,16 @@ WEFT_C_API weft_status weft_adapt_parts(MPI_Comm communicator, const weft_part* 
 /* The same with a communicator of Fortran's, which is also what py2f() of mpi4py gives. */
 WEFT_C_API weft_status weft_adapt_parts_f(int communicator, const weft_part* part, const weft_metric* metric,
                                           const weft_options* options, weft_result** result);
+/* To a metric at the points of another mesh of the same domain, which is in parts too: any tets of it may be
+   on any rank. `metric`: at the points of `background`, or NULL on all ranks: options make one there. What is
+   wrong with it is said with "background: " before the rank. */
+WEFT_C_API weft_status weft_adapt_parts_to_background(MPI_Comm communicator, const weft_part* part,
+                                                      const weft_part* background, const weft_metric* metric,
+                                                      const weft_options* options, weft_result** result);
+WEFT_C_API weft_status weft_adapt_parts_to_background_f(int communicator, const weft_part* part,
+                                                        const weft_part* background,
+                                                        const weft_metric* metric,
+                                                        const weft_options* options, weft_result** result);
 WEFT_C_API weft_status weft_part_mesh(const weft_part* part, weft_mesh** mesh);
 WEFT_C_API weft_status weft_part_fields(const weft_part* part, weft_fields** fields);
 /* Of a result's part: the ids of its points, counting from 0 without gaps, and the rank that owns each. */
@@ -270,6 +351,13 @@ typedef struct weft_measures {
 WEFT_C_API weft_status weft_result_measures(const weft_result* result, weft_measures* measures);
 WEFT_C_API weft_status weft_measure(const weft_mesh* mesh, const weft_metric* metric,
                                     weft_measures* measures);
+/* All that `weft stat --json` tells, with histograms: JSON of schema weft-stat-1. `metric` may be NULL, and
+   `options` too: of them geometry and geometry-scale are read, a CAD model that the mesh is to lie on. */
+WEFT_C_API weft_status weft_stat(const weft_mesh* mesh, const weft_metric* metric,
+                                 const weft_options* options, weft_text** json);
+/* Histograms of quality and length as a figure: .png, .svg or .pdf. */
+WEFT_C_API weft_status weft_draw_histograms(const char* path, const weft_mesh* mesh,
+                                            const weft_metric* metric);
 
 /* ---------------------------------------------------------------------------------------- Initial meshes */
 
@@ -286,6 +374,22 @@ WEFT_C_API weft_status weft_fill_settings_default(weft_fill_settings* settings);
    NULL; of the options threads, progress, hausd and ridge-angle are read. */
 WEFT_C_API weft_status weft_fill(const weft_mesh* surface, const weft_fill_settings* settings,
                                  const weft_options* options, weft_mesh** mesh, weft_metric** metric);
+/* The same with the sizes of another mesh: `sizes` at the vertices of `background`, instead of the surface's.
+ */
+WEFT_C_API weft_status weft_fill_to_background(const weft_mesh* surface, const weft_mesh* background,
+                                               const weft_metric* sizes, const weft_fill_settings* settings,
+                                               const weft_options* options, weft_mesh** mesh,
+                                               weft_metric** metric);
+/* Triangles on a CAD model, to be filled; options: geometry, geometry-scale, and hausd as the largest
+   distance of an edge from the model. `angle`: degrees that the normal turns along an edge; 0: 20. */
+WEFT_C_API weft_status weft_tessellate(const weft_options* options, double angle, weft_mesh** surface);
+/* The triangles of simple bodies, with edges of length `size`. Of the delta wing 0 means: as coarse as
+ * possible. */
+WEFT_C_API weft_status weft_ball_surface(double radius, const double center[3], double size,
+                                         weft_mesh** surface);
+WEFT_C_API weft_status weft_cylinder_surface(double radius, double height, const double base[3], double size,
+                                             weft_mesh** surface);
+WEFT_C_API weft_status weft_delta_wing_surface(double size, weft_mesh** surface);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,124 @@
+!> What the command can do with files, metrics and meshes, Fortran can: each call once, in an empty folder.
+program reach
+  use, intrinsic :: iso_c_binding
+  use weft
+  implicit none
+  type(c_ptr) :: mesh = c_null_ptr, other = c_null_ptr, metric = c_null_ptr, options = c_null_ptr, &
+    result = c_null_ptr, ball = c_null_ptr, filled = c_null_ptr, sizes = c_null_ptr, fields = c_null_ptr, &
+    there = c_null_ptr, part = c_null_ptr
+  type(weft_measures) :: measures
+  type(weft_fill_settings) :: settings
+  type(weft_component_account) :: account
+  character(:), allocatable :: text
+  integer(c_int64_t) :: count, before, points, outside
+  real(c_double) :: complexity, farthest
+  real(c_double), pointer :: x(:, :)
+  real(c_double), allocatable :: values(:, :)
+  integer(c_int), pointer :: owners(:)
+  integer :: status
+
+  call check(weft_options_create(options))
+  call check(weft_options_set(options, "threads", 1))
+  call check(weft_mesh_box([3_c_int64_t, 3_c_int64_t, 3_c_int64_t], mesh))
+  call check(weft_mesh_box([4_c_int64_t, 4_c_int64_t, 4_c_int64_t], other, max=[1d0, 1d0, 2d0]))
+
+  ! Checks and measures.
+  call check(weft_mesh_compare(mesh, mesh, count))
+  if (count /= 0) error stop "a mesh differs from itself"
+  call check(weft_mesh_compare(mesh, other, count))
+  if (count == 0 .or. index(weft_error(), "volume of reference 1 is 1") == 0) error stop "no difference is found"
+  call sizes_of(mesh, 0.3d0, metric)
+  call check(weft_measure(mesh, metric, measures))
+  call check(weft_metric_complexity(mesh, metric, complexity))
+  if (abs(measures%complexity - complexity) > 1d-9 * complexity) error stop "two complexities"
+  call check(weft_stat(mesh, metric, c_null_ptr, text))
+  if (index(text, '"schema": "weft-stat-1"') == 0 .or. index(text, "histogram") == 0) error stop "stat"
+  call check(weft_draw_histograms("plot.svg", mesh, metric))
+
+  ! Files.
+  call check(weft_mesh_write(mesh, "start.meshb"))
+  call check(weft_metric_write(metric, "h.solb"))
+  call check(weft_options_set(options, "metric", "h.solb"))
+  call check(weft_adapt_files("start.meshb", "fine.meshb", options, result, background="start.meshb", &
+                              fields=["h.solb"], report="run", page=.false.))
+  call check(weft_result_json(result, text))
+  if (index(text, "weft-report-1") == 0) error stop "no report"
+  call check(weft_free(result))
+  call must_be_there("fine.meshb")
+  call must_be_there("fine-fields.solb")
+  call must_be_there("run/report.json")
+  call check(weft_convert("start.meshb", "start.msh", solution="h.solb", encoding="ascii", msh_version=2))
+  call check(weft_convert("start.meshb", "start.stl", dropped=text))
+  if (index(text, "tets") == 0) error stop "what an STL file cannot hold is not told"
+  if (weft_convert("start.meshb", "start.msh", encoding="utf") /= weft_option_error) error stop "encoding"
+
+  ! Initial meshes.
+  call check(weft_ball_surface(1d0, [0d0, 0d0, 0d0], 0.5d0, ball))
+  call check(weft_fill_settings_default(settings))
+  settings%growth = 1.5d0
+  call check(weft_fill(ball, options, filled, sizes, settings))
+  call check(weft_mesh_count(filled, weft_tets, before))
+  call check(weft_free(sizes))
+  call sizes_of(filled, 0.25d0, sizes)
+  call check(weft_free(other))
+  call check(weft_fill_to_background(ball, filled, sizes, options, other, metric))
+  call check(weft_mesh_count(other, weft_tets, count))
+  if (count < 2 * before) error stop "the sizes of the background are not used"
+  if (weft_tessellate(options, 0d0, other) /= weft_option_error) error stop "a model that is not named"
+
+  ! Fields.
+  call check(weft_mesh_num_points(mesh, points))
+  call check(weft_mesh_points(mesh, x))
+  values = x
+  call check(weft_fields_create(points, fields))
+  call check(weft_fields_add(fields, "place", values))
+  call check(weft_interpolate(mesh, fields, filled, options, there))
+  call check(weft_fields_outside(there, outside, farthest))
+  if (outside == 0 .or. farthest <= 0) error stop "a ball of radius 1 lies in the unit cube"
+  call check(weft_fields_account(there, 2, account, text))
+  if (text /= "place 2" .or. abs(account%integral_before - 0.5d0) > 1d-12) error stop "accounts"
+  call check(weft_fields_write(fields, "place.solb"))
+  call check(weft_free(fields))
+  call check(weft_fields_read("place.solb", fields))
+
+  ! Parts.
+  call check(weft_part_create(mesh, [(count, count=1, points)], c_null_ptr, part))
+  call check(weft_part_ghosts(part, count, owners))
+  if (count /= 162 .or. associated(owners)) error stop "ghosts of a part that has none"
+  call check(weft_options_cancel(options, 1))
+  call check(weft_options_checkpoint(options))
+  status = weft_free(mesh) + weft_free(other) + weft_free(metric) + weft_free(options) + weft_free(ball) + &
+    weft_free(filled) + weft_free(sizes) + weft_free(fields) + weft_free(there) + weft_free(part)
+  print "(a)", "reached"
+
+contains
+
+  subroutine check(status)
+    integer(c_int), intent(in) :: status
+    if (status == weft_ok) return
+    print "(a)", weft_error()
+    error stop 1
+  end subroutine check
+
+  subroutine must_be_there(file)
+    character(*), intent(in) :: file
+    logical :: there
+    inquire (file=file, exist=there)
+    if (there) return
+    print "(2a)", file, " has not been written"
+    error stop 1
+  end subroutine must_be_there
+
+  !> Metrics of one size.
+  subroutine sizes_of(mesh, size, metric)
+    type(c_ptr), intent(in) :: mesh
+    real(c_double), intent(in) :: size
+    type(c_ptr), intent(inout) :: metric
+    integer(c_int64_t) :: points
+    real(c_double), allocatable :: all(:)
+    call check(weft_mesh_num_points(mesh, points))
+    allocate (all(points))
+    all = size
+    call check(weft_metric_from_sizes(all, metric))
+  end subroutine sizes_of
+end program reach
