@@ -15,7 +15,7 @@ if [[ ${1:-} == engine ]]; then
     export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   fi
   cmake --preset release -DWEFT_BENCHMARKS=ON --log-level=WARNING
-  cmake --build --preset release --target weft_transport_bench weft_engine_bench
+  cmake --build --preset release --target weft_transport_bench weft_engine_bench weft_example_programs
   exec python3 -B tools/bench/engine/run_benchmarks.py "$@"
 fi
 scripts/build.sh release --no-tests

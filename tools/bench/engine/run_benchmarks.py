@@ -3,7 +3,8 @@
 
 All figures also go to OUT (build/bench/engine.json), with commit, processor and load. Other programs make all of them
 worse. Balancing runs several times and the run counts in which others took least CPU; where that was more than 5 % of
-the machine, the ratio says nothing, and the row says BUSY."""
+the machine, the ratio says nothing, and the row says BUSY. "examples" runs graph/examples on the engine and plain, in
+turns; their overheads are printed beside published ones of other systems."""
 
 import argparse
 import json
@@ -17,10 +18,24 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 # More ranks than cores, and root in containers: mpirun must be told that both are meant.
 MPIRUN = shlex.split(os.environ.get("WEFT_MPIRUN", "mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"))
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-PARTS = ["transport", "latency", "rate", "migration", "balance", "trace", "idle"]
+PARTS = ["transport", "latency", "rate", "migration", "balance", "trace", "idle", "examples"]
 RANKS = {"transport": 2, "latency": 2, "rate": 2, "migration": 2, "balance": 4, "trace": 1, "idle": 9}
 POLICIES = ["none", "stealing", "diffusion"]
 LARGE = 1 << 20
+# Of graph/examples: name, program, options; the work a task is coarse in the first of a program, fine in the second.
+EXAMPLES = [("heat, blocks of 256 x 256", "heat", {"size": 2048, "tile": 256, "steps": 50}),
+            ("heat, blocks of 32 x 32", "heat", {"size": 1024, "tile": 32, "steps": 50}),
+            ("Cholesky, tiles of 192", "cholesky", {"size": 3072, "tile": 192}),
+            ("Cholesky, tiles of 64", "cholesky", {"size": 2048, "tile": 64}),
+            ("particles", "particles", {"size": 20000, "tile": 24, "steps": 10})]
+SMALLEST = {"size": 128, "tile": 4, "steps": 50}  # blocks of heat whose work is next to nothing
+MACHINES = [(1, 2), (2, 1), (2, 2)]  # ranks, threads a rank
+PUBLISHED = [
+    ("TTG on PaRSEC, a task in shared memory", "a few hundred clock cycles", "Schuchart et al., CLUSTER 2022, 10.1109/CLUSTER51413.2022.00026"),
+    ("StarPU, a task", "a few microseconds", "StarPU handbook 1.4, Task Granularity"),
+    ("15 systems, Charm++, StarPU and PaRSEC among them, on 256 nodes",
+     "tasks of 100 us for half the peak", "Slaughter et al., Task Bench, SC20"),
+]
 MOST_OTHERS = 0.05  # of the machine's CPU time
 
 
@@ -32,6 +47,36 @@ def run(folder, part, *arguments):
     if done.returncode != 0:
         sys.exit(f"bench: {' '.join(command)} failed with status {done.returncode}")
     return json.loads(done.stdout)
+
+
+def run_example(folder, program, ranks, threads, options):
+    words = [str(word) for name, value in options.items() for word in (f"--{name}", value)]
+    command = [*MPIRUN, "-n", str(ranks), str(folder / f"weft_example_{program}"), *words, "--threads", str(threads)]
+    done = subprocess.run(command, env=ENVIRONMENT, stdout=subprocess.PIPE, text=True, timeout=600, check=False)
+    if done.returncode != 0:
+        sys.exit(f"bench: {' '.join(command)} failed with status {done.returncode}")
+    return json.loads(done.stdout)
+
+
+def run_pair(folder, program, ranks, threads, options, repeats):
+    """In turns, so that both meet the same other programs; of each the run with the least wall time, and the least processor time."""
+    runs = {version: [] for version in ("", "_plain")}
+    for _ in range(repeats):
+        for version, done in runs.items():
+            done.append(run_example(folder, program + version, ranks, threads, options))
+    return {name: {**runs[version][0], **{key: min(one[key] for one in runs[version]) for key in ("seconds", "processor_seconds")}}
+            for name, version in (("engine", ""), ("plain", "_plain"))}
+
+
+def run_examples(folder, repeats):
+    result = {"pairs": []}
+    for name, program, options in EXAMPLES:
+        for ranks, threads in MACHINES:
+            print(f"bench: {name}, {ranks} x {threads}", file=sys.stderr)
+            result["pairs"].append({"name": name, **run_pair(folder, program, ranks, threads, options, repeats)})
+    result["smallest"] = run_pair(folder, "heat", 1, 1, SMALLEST, repeats)
+    result["rate"] = run(folder, "rate")
+    return result
 
 
 def size_name(size):
@@ -99,8 +144,29 @@ def idle_rows(figures):
         yield name, case["most_percent_of_core"], "% of a core", ".2f", ("<=", 5)
 
 
+def blocks_of(run):
+    return (run["size"] // run["tile"]) ** 2 * run["steps"]
+
+
+def example_rows(figures):
+    for pair in figures["pairs"]:
+        engine, plain = pair["engine"], pair["plain"]
+        name = f"{pair['name']}, {engine['ranks']} x {engine['threads']}"
+        yield f"{name}: wall / plain", engine["seconds"] / plain["seconds"], "", ".3f", None
+        yield "  processor time / plain", engine["processor_seconds"] / plain["processor_seconds"], "", ".3f", None
+        yield "  messages between ranks", engine["messages"], f"plain {plain['messages']}", ".0f", None
+    engine, plain = figures["smallest"]["engine"], figures["smallest"]["plain"]
+    above = 1e6 * (engine["processor_seconds"] - plain["processor_seconds"])
+    yield "dataflow, a step of a block that waits for 4 values: processor time", above / blocks_of(engine), "us", ".2f", None
+    yield "  each handler of it", above / engine["tasks"], "us", ".2f", None
+    for place in ("local", "remote"):
+        best = max(case["handlers_per_s_per_rank"] for case in figures["rate"][place])
+        yield f"engine, a message of 4 bytes and its handler, {place}: one in", 1e6 / best, "us", ".2f", None
+
+
 ROWS = {"transport": transport_rows, "latency": latency_rows, "rate": rate_rows, "migration": migration_rows,
-        "balance": balance_rows, "trace": trace_rows, "idle": idle_rows}
+        "balance": balance_rows, "trace": trace_rows, "idle": idle_rows,
+        "examples": example_rows}
 
 
 def verdict(value, required):
@@ -128,7 +194,7 @@ def about():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (default: all)")
-    parser.add_argument("--repeats", type=int, default=3, help="runs of each balancing policy (default 3)")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each balancing policy and example (default 3)")
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/bin", help="folder of the programs")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build/bench/engine.json")
     options = parser.parse_args()
@@ -140,6 +206,8 @@ def main():
         if part == "balance":
             result[part] = {policy: [run(options.bin, part, policy) for _ in range(max(1, options.repeats))]
                             for policy in POLICIES}
+        elif part == "examples":
+            result[part] = run_examples(options.bin, max(1, options.repeats))
         else:
             result[part] = run(options.bin, part)
         rows += ROWS[part](result[part])
@@ -147,6 +215,10 @@ def main():
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(result, indent=2) + "\n")
     print_table(rows)
+    if "examples" in result:
+        print("published, on other machines:")
+        for system, value, source in PUBLISHED:
+            print(f"  {system}: {value} ({source})")
     verdicts = [verdict(row[1], row[4]) for row in rows if row[4]]
     missed, busy = verdicts.count("MISSED"), verdicts.count("BUSY")
     print(f"of {len(verdicts)} requirements {missed} missed, {busy} not measured; all figures: {options.out}")
