@@ -172,7 +172,8 @@ std::vector<Dropped> lost_of_slices(Peers& peers, const MeshSlice& slice, const 
 
 bool can_convert_on_ranks(const std::string& input, const std::string& solution, const std::string& output) {
   try {
-    return !meshing::holds_fields(input) && meshing::size_for_ranges(input) &&
+    return !meshing::holds_fields(input) &&
+           (meshing::size_for_ranges(input) || meshing::can_be_streamed(input)) &&
            !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
            partition::can_write_slices(output);
   } catch (const InputError&) {  // that whoever reads the file whole tells once
