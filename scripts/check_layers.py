@@ -52,7 +52,7 @@ PARTITION = {
     "partition/divide": ["communication", "coordinate", "decompose", "distribute", "shift", "subdomain"],
     "partition/output": ["communication", "subdomain"],
     "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "subdomain"],
-    "partition/verify": ["communication", "output", "subdomain"],
+    "partition/verify": ["communication", "distribute", "output", "subdomain"],
 }
 
 

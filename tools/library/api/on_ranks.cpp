@@ -16,6 +16,7 @@
 #include "partition/fields/slice_files.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/metric/part_domain.h"
+#include "partition/verify/verify_slices.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
@@ -147,6 +148,22 @@ MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& o
     if (!options.given()) return;
     add_metric(peers, options, mesh, slice, result);
     result.measures = partition::measure_slices(peers, slice);
+  });
+  result.first = first;
+  return result;
+}
+
+VerifiedOnRanks verify_on_ranks(const std::string& mesh, const std::string& against, int max_problems) {
+  VerifiedOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    const auto check = [&](const std::string& file, int most) {
+      const MeshSlice slice = read_mesh(peers, file, result).slice;
+      const std::string problem = partition::array_problem(peers, slice);
+      if (!problem.empty()) throw InputError("", "", problem);  // as verify() does
+      return partition::verify_slices(peers, slice, most);
+    };
+    result.report = check(mesh, max_problems);
+    if (!against.empty()) result.against = check(against, 0);
   });
   result.first = first;
   return result;

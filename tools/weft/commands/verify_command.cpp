@@ -12,6 +12,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -91,22 +92,36 @@ std::string touching_text(const CheckReport& ours, const CheckReport& theirs) {
   return text;
 }
 
-int run_verify(const VerifyCommand& command) {
+/// By all ranks of mpirun in shares, else by this process.
+VerifiedOnRanks check_files(const VerifyCommand& command) {
+  if (under_mpirun()) return verify_on_ranks(command.mesh, command.against);
   Progress progress(command.verbosity.style());
   progress.phase("checking");
-  const CheckReport report = verify(read_mesh(command.mesh));
-  std::string text = report_text(command.mesh, report), differences;
+  VerifiedOnRanks done;
+  done.report = verify(read_mesh(command.mesh));
   if (!command.against.empty()) {
     progress.phase("checking the other mesh");
-    const CheckReport other = verify(read_mesh(command.against), 0);
-    const std::string sums = differences_text("volume", report.volume_by_ref, other.volume_by_ref) +
-                             differences_text("area", report.area_by_ref, other.area_by_ref);
-    differences = sums + touching_text(report, other);
+    done.against = verify(read_mesh(command.against), 0);
+  }
+  progress.finish();
+  return done;
+}
+
+int run_verify(const VerifyCommand& command) {
+  const VerifiedOnRanks done = check_files(command);
+  if (!done.first) return kDone;
+  for (const std::string& warning : done.warnings)
+    if (!command.verbosity.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  std::string text = report_text(command.mesh, done.report), differences;
+  if (done.against) {
+    const std::string sums =
+        differences_text("volume", done.report.volume_by_ref, done.against->volume_by_ref) +
+        differences_text("area", done.report.area_by_ref, done.against->area_by_ref);
+    differences = sums + touching_text(done.report, *done.against);
     text += fmt::format("against {}\n", command.against) +
             (sums.empty() ? "  volumes and areas are the same\n" : "") + differences;
   }
-  progress.finish();
-  const bool good = report.ok() && differences.empty();
+  const bool good = done.report.ok() && differences.empty();
   command.verbosity.print("{}{}\n", text, good ? "conforms" : "DOES NOT CONFORM");
   return good ? kDone : kGoalNotMet;
 }
