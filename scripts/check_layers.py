@@ -47,11 +47,12 @@ PARTITION = {
     "partition/refine": ["subdomain"],
     "partition/distribute": ["communication", "decompose", "refine", "subdomain"],
     "partition/metric": ["communication", "distribute"],
+    "partition/coordinate": ["communication", "decompose", "distribute", "metric"],
     "partition/shift": ["subdomain"],
-    "partition/divide": ["communication", "decompose", "shift", "subdomain"],
+    "partition/divide": ["communication", "coordinate", "decompose", "distribute", "shift", "subdomain"],
     "partition/output": ["communication", "subdomain"],
     "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "subdomain"],
-    "partition/verify": ["communication", "output", "subdomain"],
+    "partition/verify": ["communication", "distribute", "output", "subdomain"],
 }
 
 

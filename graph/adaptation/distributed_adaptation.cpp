@@ -15,6 +15,7 @@
 #include "meshing/metric/expectations.h"
 #include "meshing/operators/surface_fit.h"
 #include "partition/communication/reduce.h"
+#include "partition/coordinate/boundary_coordinate.h"
 #include "partition/fields/own_background.h"
 #include "partition/output/piece_share.h"
 #include "partition/subdomain/adapt_subdomain.h"
@@ -254,6 +255,16 @@ void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer) {
   if (peers.rank() == 0) writer.remove_unfinished();
 }
 
+/// All ranks: what slabs are to be cut along, where it is no axis. Returns a warning, or none.
+std::string find_coordinate(EnginePeers& peers, const partition::MeshSlice& slice,
+                            partition::DecompositionOptions& decomposition) {
+  if (!decomposition.partitioner.coordinate.asked()) return {};
+  partition::CoordinateValues found =
+      partition::boundary_coordinate(peers, slice, decomposition.partitioner.coordinate);
+  decomposition.coordinate = std::move(found.values);
+  return found.warning;
+}
+
 /// The complexity is that of the metric on its own mesh.
 partition::Distributed distribute_on_background(EnginePeers& peers, partition::MeshSlice&& slice,
                                                 const DistributedOptions& options,
@@ -297,8 +308,10 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     return parts_at_first(input, {decomposition.num_subdomains, options.most_shifts,
                                   decomposition.partitioner, options.tets_of_seed});
   };
+  const std::string of_coordinate = find_coordinate(peers, slice, decomposition);
   partition::Distributed d = distribute_on_background(peers, std::move(slice), options, decomposition);
   result.warnings = d.warnings;
+  if (!of_coordinate.empty()) result.warnings.push_back(of_coordinate);
   result.decomposition_seconds = seconds_since(begin);
 
   AdaptationPlan& plan = rank.plan;

@@ -26,6 +26,7 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
                                       plan.most_shifts,
                                       static_cast<std::uint64_t>(plan.shift.layers),
                                       plan.shift.by_faces,
+                                      plan.shift.fewer_later,
                                       plan.refine_interface,
                                       plan.tets_at_frozen_stay,
                                       plan.allowed.insert,
@@ -38,8 +39,10 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
     words.push_back(std::bit_cast<std::uint64_t>(phase.coarseness));
   }
   const partition::Partitioner& by = plan.division_options.partitioner;
-  words.insert(words.end(), {static_cast<std::uint64_t>(by.kind), by.slabs[0], by.slabs[1], by.slabs[2],
-                             by.principal_axes, by.fewer, plan.division_options.equal_tets});
+  words.insert(words.end(),
+               {static_cast<std::uint64_t>(by.kind), by.slabs[0], by.slabs[1], by.slabs[2], by.principal_axes,
+                by.fewer, plan.division_options.equal_tets, static_cast<std::uint64_t>(by.coordinate.kind)});
+  for (const std::int32_t ref : by.coordinate.refs) words.push_back(static_cast<std::uint64_t>(ref));
   for (const partition::SubdomainId seed : plan.seeds) words.push_back(seed.value);
   return hash_of(words, 0);
 }

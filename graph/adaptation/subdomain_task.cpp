@@ -19,13 +19,6 @@ namespace {
 /// Of the tets of a subdomain, those that a shift brings and makes worth looking at.
 constexpr double kShareShifted = 0.3;
 
-/// For each subdomain and round another number.
-std::uint64_t draw(SubdomainId subdomain, std::uint64_t round) {
-  return partition::GlobalId::derived_from(partition::GlobalId(subdomain, 0),
-                                           partition::GlobalId(SubdomainId(0), round + 1))
-      .value();
-}
-
 template <class Value>
 std::vector<Value> values_of(std::vector<Arrival<Value>>& arrivals) {
   std::vector<Value> values;
@@ -205,12 +198,13 @@ std::variant<BeginShift, BeginDivision> SubdomainTask::register_interface(
 /// Hands parts of the mesh to the subdomains that wait for them. A round as of a shift, without proposals.
 void SubdomainTask::divide(NodeContext& context, BeginDivision) {
   const AdaptationPlan& plan = rank_data(context).plan;
+  const partition::Geometry& geometry = *rank_data(context).geometry;
   const std::uint64_t round = context.round();
   partition::DivisionOptions options = plan.division_options;
   options.num_parts = plan.parts_with(subdomain_.id).count;
   const std::vector<Ref> from = neighbours(context);
   shifts_.push_back({round});
-  for (auto& [to, parcel] : partition::divide(subdomain_, options)) {
+  for (auto& [to, parcel] : partition::divide(subdomain_, options, &geometry.surface)) {
     shifts_.back().sent += parcel.tets.size();
     context.send<&SubdomainTask::scatter>(object_of(plan, context.ranks(), to), round, std::move(parcel));
   }
@@ -282,13 +276,14 @@ void SubdomainTask::tell_log_what_is_left(NodeContext& context) {
   count("short edges", parts.plain.short_edges, parts.flagged.short_edges);
 }
 
-/// Who comes first changes from round to round. Not while a mesh becomes coarse, where a shift may hand over
-/// much of a subdomain, and in the two shifts after that which move most: there it is who has fewest tets,
-/// and all become alike.
+/// Who has more poor tets comes first. Not while a mesh becomes coarse, where a shift may hand over much of a
+/// subdomain, and in the two shifts after that which move most: there it is who has fewest tets, and all
+/// become alike.
 partition::Priority SubdomainTask::priority_in(const AdaptationPlan& plan, std::uint64_t round) const {
   constexpr std::uint64_t kShiftsOfMany = 2;
   const bool fewest_first = plan.phases.size() > 1 && plan.shift_of(round) < kShiftsOfMany;
-  return {fewest_first ? ~count_tets(subdomain_) : draw(subdomain_.id, round), subdomain_.id};
+  if (fewest_first) return {~count_tets(subdomain_), subdomain_.id};
+  return partition::priority_in(round, subdomain_.id, left_.plain.poor_tets + left_.flagged.poor_tets);
 }
 
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it

@@ -53,11 +53,17 @@ struct Format {
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
+  // Where one reader can pass on what it reads: whether of this file, and how.
+  bool (*is_streamed)(const fs::path&) = nullptr;
+  MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
   // Where many can write one file: whether they can write this one, what one of them does first, and all do.
   bool (*in_parts)(const fs::path&) = nullptr;
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
   std::unique_ptr<PartWriter> (*open_part)(const fs::path&, const fs::path&, const WholeMesh&,
                                            const PartPlaces&) = nullptr;
+  // Where many can write one file of text: what stands before the rows of its sections, and the rows.
+  std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
+  std::string (*text_rows)(const WholeMesh&, const MeshPart&, std::size_t section) = nullptr;
 };
 
 MeshContents read_gmf(const fs::path& path) {
@@ -83,6 +89,12 @@ MeshContents read_gmf_range(const fs::path& path, const MeshRange& range) {
   contents.fields.num_points = range.num_points;
   return contents;
 }
+MeshContents stream_gmf(const fs::path& path, MeshStream& stream) {
+  MeshContents contents;
+  contents.mesh = stream_gmf_mesh(path, stream);
+  return contents;
+}
+bool gmsh_has_no_ranges(const fs::path& path) { return !gmsh_size(path); }
 void write_gmf(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   write_gmf_mesh(path, contents.mesh);
 }
@@ -91,15 +103,17 @@ constexpr unsigned kGmf =
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 bool always(const fs::path&) { return true; }
 constexpr std::array kFormats = {
-    Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
-    Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range},
+    Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
+    Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
     Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
-           write_gmsh, gmsh_size, read_gmsh_range, always, begin_gmsh_parts, open_gmsh_part},
+           write_gmsh, gmsh_size, read_gmsh_range, gmsh_has_no_ranges, stream_gmsh, always, begin_gmsh_parts,
+           open_gmsh_part},
     Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range,
-           is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
-    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2},
-    Format{".vtu", kVtu, read_vtu, write_vtu, vtu_size, read_vtu_range, always, begin_vtu_parts,
-           open_vtu_part},
+           is_ascii_ugrid, stream_ugrid, is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
+    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2, nullptr, nullptr, always, stream_su2,
+           nullptr, nullptr, nullptr, su2_heads, su2_rows},
+    Format{".vtu", kVtu, read_vtu, write_vtu, vtu_size, read_vtu_range, nullptr, nullptr, always,
+           begin_vtu_parts, open_vtu_part},
     Format{".pvtu", kVtu, read_pvtu, write_pvtu},
     Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns,
            cgns_size, read_cgns_range},
@@ -179,6 +193,17 @@ MeshContents read_mesh_range(const fs::path& path, const MeshRange& range) {
   return contents;
 }
 
+bool can_be_streamed(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.is_streamed && format.is_streamed(path);
+}
+
+MeshContents stream_mesh(const fs::path& path, MeshStream& stream) {
+  MeshContents contents = format_of(path).stream(path, stream);
+  refuse_foreign_volumes(contents, path);
+  return contents;
+}
+
 MeshData read_mesh(const fs::path& path, RefNames* names) {
   MeshContents contents = read_mesh_contents(path);
   refuse_foreign_volumes(contents, path);
@@ -229,6 +254,17 @@ PartPlaces begin_parts(const fs::path& file, const fs::path& name, const WholeMe
 std::unique_ptr<PartWriter> open_part(const fs::path& file, const fs::path& name, const WholeMesh& whole,
                                       const PartPlaces& places) {
   return format_of(name).open_part(file, name, whole, places);
+}
+
+bool can_be_written_as_text(const fs::path& path) { return format_of(path).text_heads != nullptr; }
+
+std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole) {
+  return format_of(name).text_heads(whole);
+}
+
+std::string text_rows(const fs::path& name, const WholeMesh& whole, const MeshPart& part,
+                      std::size_t section) {
+  return format_of(name).text_rows(whole, part, section);
 }
 
 std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {

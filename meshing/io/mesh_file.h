@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/part_writer.h"
 #include "meshing/mesh/mesh_data.h"
 
@@ -24,7 +25,7 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// raw .vtu of one piece, binary .msh 4.1 with nodes tagged in order. Nothing for any other, which is read
+/// .vtu of one piece that is raw or ASCII, binary .msh 4.1 with nodes tagged in order. Nothing for any other, which is read
 /// whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
@@ -32,6 +33,12 @@ std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 /// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as
 /// far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range);
+
+/// Whether one reader can pass the points and tets of such a file on while it reads, and holds none: GMF as
+/// text, .msh of which no ranges can be read, .su2, ASCII UGRID.
+bool can_be_streamed(const std::filesystem::path& path);
+/// What read_mesh() and its `names` would be, but for points and tets, which go to the stream. No fields.
+MeshContents stream_mesh(const std::filesystem::path& path, MeshStream& stream);
 
 /// The CAD model that a mesh file carries, without the records of vertices on it; empty where it has none.
 Association read_carried_model(const std::filesystem::path& path);
@@ -61,6 +68,15 @@ PartPlaces begin_parts(const std::filesystem::path& file, const std::filesystem:
 /// By every writer; `places` is what the first has got of begin_parts().
 std::unique_ptr<PartWriter> open_part(const std::filesystem::path& file, const std::filesystem::path& name,
                                       const WholeMesh& whole, const PartPlaces& places);
+
+/// The same of text, whose rows have no places until their length is known: whether several writers can write
+/// the file, section by section.
+bool can_be_written_as_text(const std::filesystem::path& path);
+/// What stands before the rows of each section of such a file; of all parts' rows in their order it is
+/// followed by what text_rows() gives: the bytes are those of write_mesh_contents().
+std::vector<std::string> text_heads(const std::filesystem::path& name, const WholeMesh& whole);
+std::string text_rows(const std::filesystem::path& name, const WholeMesh& whole, const MeshPart& part,
+                      std::size_t section);
 
 /// What write_mesh_contents would leave out. Fields do not count where they can go into a file beside.
 std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshView& contents,

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +17,7 @@
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
+#include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/text_output.h"
 
 namespace weft::meshing {
@@ -38,10 +42,20 @@ constexpr std::array<ElementType, 8> kElementTypes = {{{1, 0, 1, "points"},
 
 class Su2Reader {
  public:
-  Su2Reader(Cursor& in, MeshContents& contents)
-      : in_(in), mesh_(contents.mesh), contents_(contents), markers_(2, contents.names) {
+  Su2Reader(Cursor& in, MeshContents& contents, MeshStream& stream)
+      : in_(in),
+        mesh_(contents.mesh),
+        contents_(contents),
+        markers_(2, contents.names),
+        points_(stream, &MeshStream::take_points),
+        tets_(stream, &MeshStream::take_tets) {
     in_.set_comment('%');
   }
+
+  /// Known when all has been read.
+  std::uint64_t num_points() const { return points_.count(); }
+  /// No tet has a vertex above it.
+  std::uint32_t greatest_vertex() const { return greatest_; }
 
   void read() {
     for (in_.skip_blanks(); !in_.at_end(); in_.skip_blanks()) read_line(in_.line());
@@ -53,8 +67,17 @@ class Su2Reader {
       in_.fail("has " + std::to_string(num_markers_) + " markers instead of " +
                std::to_string(expected_markers_));
     }
-    check_indices("NELEM", mesh_.tets);
-    check_indices("MARKER_ELEMS", mesh_.triangles);
+    points_.pass();
+    tets_.pass();
+  }
+
+  /// After the tets of the stream have been.
+  void check_markers() {
+    in_.enter("MARKER_ELEMS");
+    for (const auto& triangle : mesh_.triangles) {
+      in_.next_row();
+      for (const std::uint32_t v : triangle) in_.index(v, 0, num_points());
+    }
     in_.enter("");
     if (!has_markers_) in_.fail("NMARK= is missing");
   }
@@ -117,7 +140,9 @@ class Su2Reader {
       in_.next_row();
       const ElementType& type = read_type();
       if (type.code == kTetrahedron) {
-        mesh_.tets.push_back(read_nodes<4>());
+        const auto tet = read_nodes<4>();
+        greatest_ = std::max(greatest_, std::ranges::max(tet));
+        tets_.add(tet);
       } else if (type.dimension == 3) {
         contents_.drop_volumes(type.name, 1);
       } else {
@@ -130,10 +155,11 @@ class Su2Reader {
   void read_points(std::uint64_t count) {
     if (std::exchange(has_points_, true)) in_.fail("appears twice");
     require_rows(in_.entity_count(count), 5);
-    mesh_.points.resize(count);
-    for (Point& p : mesh_.points) {
+    for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
+      Point p;
       for (int c = 0; c < 3; ++c) p[c] = in_.finite(in_.text_real());
+      points_.add(p);
       in_.line();  // may hold the point's number
     }
   }
@@ -172,28 +198,74 @@ class Su2Reader {
     }
   }
 
-  template <class Elements>
-  void check_indices(const char* name, const Elements& elements) {
-    in_.enter(name);
-    for (const auto& element : elements) {
-      in_.next_row();
-      for (const std::uint32_t v : element) in_.index(v, 0, mesh_.points.size());
-    }
-  }
-
   Cursor& in_;
   MeshData& mesh_;
   MeshContents& contents_;
   RefNumbering markers_;
+  StreamedRows<Point> points_;
+  StreamedRows<std::array<std::uint32_t, 4>> tets_;
+  std::uint32_t greatest_ = 0;
   bool has_dimension_ = false, has_points_ = false, has_elements_ = false, has_markers_ = false;
   std::uint64_t num_markers_ = 0, expected_markers_ = 0;
   std::int32_t marker_ = 0;
 };
 
-template <std::size_t N>
-void write_element(TextOutput<>& text, std::int64_t type, const std::array<std::uint32_t, N>& nodes) {
+/// Finds the first tet with a vertex that the file has not, since its points may come behind its tets.
+class TetChecker final : public MeshStream {
+ public:
+  TetChecker(const std::string& file, std::uint64_t num_points) : in_(file, {}), num_points_(num_points) {
+    in_.enter("NELEM");
+  }
+  void take_tets(std::vector<std::array<std::uint32_t, 4>> rows) override {
+    for (const auto& tet : rows) {
+      in_.next_row();
+      for (const std::uint32_t v : tet) in_.index(v, 0, num_points_);
+    }
+  }
+  void take_points(std::vector<Point>) override {}
+  void take_point_refs(std::vector<std::int32_t>) override {}
+  void take_tet_refs(std::vector<std::int32_t>) override {}
+  void take_other_tet_refs(std::vector<std::int32_t>) override {}
+  void prefer_other_tet_refs() override {}
+  void set_point_ref(std::uint32_t, std::int32_t) override {}
+
+ private:
+  Cursor in_;  ///< for its words
+  std::uint64_t num_points_;
+};
+
+template <class Out, class Index, std::size_t N>
+void write_element(TextOutput<Out>& text, std::int64_t type, const std::array<Index, N>& nodes) {
   text.number(type);
-  for (const std::uint32_t v : nodes) text.number(v);
+  for (const Index v : nodes) text.number(v);
+}
+
+/// `first`: number of the first row in the whole mesh.
+template <class Out, class Tets>
+void write_tets(TextOutput<Out>& text, const Tets& tets, std::uint64_t first) {
+  for (std::size_t i = 0; i < tets.size(); ++i) {
+    write_element(text, kTetrahedron, tets[i]);
+    text.number(first + i);
+    text.end_line();
+  }
+}
+
+template <class Out>
+void write_points(TextOutput<Out>& text, std::span<const Point> points, std::uint64_t first) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int c = 0; c < 3; ++c) text.number(points[i][c]);
+    text.number(first + i);
+    text.end_line();
+  }
+}
+
+template <class Out, class Triangles>
+void write_triangles(TextOutput<Out>& text, const Triangles& triangles,
+                     const std::vector<std::uint32_t>& which) {
+  for (const std::uint32_t i : which) {
+    write_element(text, kTriangle, triangles[i]);
+    text.end_line();
+  }
 }
 
 /// Tags are single words that begin no comment.
@@ -207,42 +279,74 @@ std::string marker_tag(std::string name) {
 }  // namespace
 
 MeshContents read_su2(const std::filesystem::path& path) {
-  const FileBytes file(path);
-  Cursor in(file.name(), file.bytes());
-  MeshContents contents;
-  Su2Reader(in, contents).read();
+  MeshCollector collector;
+  MeshContents contents = stream_su2(path, collector);
+  collector.put_into(contents.mesh);
   contents.complete();
+  return contents;
+}
+
+MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream) {
+  const InputFile file(path);
+  Cursor in(file);
+  MeshContents contents;
+  Su2Reader reader(in, contents, stream);
+  reader.read();
+  if (reader.greatest_vertex() >= reader.num_points()) {
+    Cursor again(file);
+    MeshContents none;
+    TetChecker checker(file.name(), reader.num_points());
+    Su2Reader(again, none, checker).read();
+  }
+  reader.check_markers();
+  contents.mesh.triangle_refs.resize(contents.mesh.triangles.size());
   return contents;
 }
 
 void write_su2(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
   const MeshData& mesh = contents.mesh;
+  const std::vector<std::string> heads = su2_heads(describe(contents));
   AtomicFile out(path);
   TextOutput text(out);
-  text.line("NDIME= 3\nNELEM= " + std::to_string(mesh.tets.size()));
-  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
-    write_element(text, kTetrahedron, mesh.tets[i]);
-    text.number(i);
-    text.end_line();
+  out.write(heads[0]);
+  write_tets(text, mesh.tets, 0);
+  out.write(heads[1]);
+  write_points(text, mesh.points, 0);
+  auto head = heads.begin() + 2;
+  for (const auto& [ref, triangles] : indices_by_ref(mesh.triangle_refs)) {
+    out.write(*head++);
+    write_triangles(text, mesh.triangles, triangles);
   }
-  text.line("NPOIN= " + std::to_string(mesh.points.size()));
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    for (int c = 0; c < 3; ++c) text.number(mesh.points[i][c]);
-    text.number(i);
-    text.end_line();
-  }
-  const auto markers = indices_by_ref(mesh.triangle_refs);
-  text.line("NMARK= " + std::to_string(markers.size()));
-  for (const auto& [ref, triangles] : markers) {
-    text.line("MARKER_TAG= " + marker_tag(contents.names.name(2, ref)));
-    text.line("MARKER_ELEMS= " + std::to_string(triangles.size()));
-    for (const std::uint32_t i : triangles) {
-      write_element(text, kTriangle, mesh.triangles[i]);
-      text.end_line();
-    }
-  }
+  if (head != heads.end()) out.write(*head);
   out.commit();
+}
+
+std::vector<std::string> su2_heads(const WholeMesh& whole) {
+  std::vector<std::string> heads = {"NDIME= 3\nNELEM= " + std::to_string(whole.num_tets()) + "\n",
+                                    "NPOIN= " + std::to_string(whole.points) + "\n"};
+  std::string before = "NMARK= " + std::to_string(whole.triangles.size()) + "\n";
+  for (const auto& [ref, count] : whole.triangles)
+    heads.push_back(std::exchange(before, "") + "MARKER_TAG= " + marker_tag(whole.names.name(2, ref)) +
+                    "\nMARKER_ELEMS= " + std::to_string(count) + "\n");
+  if (!before.empty()) heads.push_back(before);  // there are no markers
+  return heads;
+}
+
+std::string su2_rows(const WholeMesh& whole, const MeshPart& part, std::size_t section) {
+  TextInMemory rows;
+  TextOutput text(rows);
+  if (section == 0) write_tets(text, part.tets.elements, part.tets.first);
+  if (section == 1) write_points(text, part.points, part.first_point);
+  if (section >= 2 && section - 2 < whole.triangles.size()) {
+    const std::int32_t ref =
+        std::next(whole.triangles.begin(), static_cast<std::ptrdiff_t>(section) - 2)->first;
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t i = 0; i < part.triangles.refs.size(); ++i)
+      if (part.triangles.refs[i] == ref) which.push_back(i);
+    write_triangles(text, part.triangles.elements, which);
+  }
+  return std::move(rows.text);
 }
 
 }  // namespace weft::meshing

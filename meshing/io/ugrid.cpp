@@ -89,22 +89,22 @@ class UgridReader {
     in_.set_swapped(encoding.swapped);
   }
 
-  /// A whole file.
-  void read() {
+  /// A whole file; points and tets go to the stream.
+  void read(MeshStream& stream) {
     refuse_binary_as_text();
     const Counts counts = read_counts();
     num_points_ = counts.points;
-    read_points(counts.points);
+    stream_points(counts.points, stream);
     read_elements("triangle", counts.triangles, mesh_.triangles);
     skip_elements("quadrilateral", counts.quads, 4);
     read_refs("surface ID", counts.triangles, mesh_.triangle_refs);
     skip_elements("surface ID of quadrilateral", counts.quads, 1);
-    read_elements("tet", counts.tets, mesh_.tets);
+    stream_tets(counts.tets, stream);
     skip_elements("pyramid", counts.pyramids, 5);
     skip_elements("prism", counts.prisms, 6);
     skip_elements("hexahedron", counts.hexes, 8);
     drop_foreign(counts, contents_);
-    read_volume_ids(counts);
+    read_volume_ids(counts, stream);
   }
 
   // Parts of one; `first` is the number of the first row.
@@ -124,10 +124,7 @@ class UgridReader {
     in_.enter("node", first);
     in_.require(count, 3 * (encoding_.ascii ? 1 : encoding_.real_size));
     mesh_.points.resize(count);
-    for (Point& p : mesh_.points) {
-      in_.next_row();
-      for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
-    }
+    for (Point& p : mesh_.points) p = read_point();
   }
 
   template <std::size_t N>
@@ -136,10 +133,7 @@ class UgridReader {
     in_.enter(name, first);
     in_.require(count, N * integer_size());
     elements.resize(count);
-    for (auto& element : elements) {
-      in_.next_row();
-      for (std::uint32_t& v : element) v = in_.index(integer(), 1, num_points_);
-    }
+    for (auto& element : elements) element = read_element<N>();
   }
 
   void read_refs(const char* name, std::uint64_t count, std::vector<std::int32_t>& refs,
@@ -147,17 +141,54 @@ class UgridReader {
     in_.enter(name, first);
     in_.require(count, integer_size());
     refs.resize(count);
-    for (std::int32_t& ref : refs) {
-      in_.next_row();
-      ref = in_.ref(integer());
-    }
+    for (std::int32_t& ref : refs) ref = read_ref();
   }
 
  private:
+  Point read_point() {
+    in_.next_row();
+    Point p;
+    for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    return p;
+  }
+  template <std::size_t N>
+  std::array<std::uint32_t, N> read_element() {
+    in_.next_row();
+    std::array<std::uint32_t, N> element;
+    for (std::uint32_t& v : element) v = in_.index(integer(), 1, num_points_);
+    return element;
+  }
+  std::int32_t read_ref() {
+    in_.next_row();
+    return in_.ref(integer());
+  }
+
+  void stream_points(std::uint64_t count, MeshStream& stream) {
+    in_.enter("node");
+    in_.require(count, 3 * (encoding_.ascii ? 1 : encoding_.real_size));
+    StreamedRows<Point> rows(stream, &MeshStream::take_points);
+    for (std::uint64_t i = 0; i < count; ++i) rows.add(read_point());
+    rows.pass();
+  }
+  void stream_tets(std::uint64_t count, MeshStream& stream) {
+    in_.enter("tet");
+    in_.require(count, 4 * integer_size());
+    StreamedRows<std::array<std::uint32_t, 4>> rows(stream, &MeshStream::take_tets);
+    for (std::uint64_t i = 0; i < count; ++i) rows.add(read_element<4>());
+    rows.pass();
+  }
+  void stream_volume_ids(std::uint64_t count, MeshStream& stream) {
+    in_.enter("volume ID");
+    in_.require(count, integer_size());
+    StreamedRows<std::int32_t> rows(stream, &MeshStream::take_tet_refs);
+    for (std::uint64_t i = 0; i < count; ++i) rows.add(read_ref());
+    rows.pass();
+  }
+
   /// Some programs (CGNS' cgns_to_aflr3) give binary files the name of text; their seven counts have zero
   /// bytes.
   void refuse_binary_as_text() {
-    if (encoding_.ascii && in_.rest().substr(0, 28).find('\0') != std::string_view::npos)
+    if (encoding_.ascii && in_.ahead(28).find('\0') != std::string_view::npos)
       in_.fail("is binary: call it .b8.ugrid, or .lb8.ugrid if its bytes are little-endian");
   }
 
@@ -175,10 +206,7 @@ class UgridReader {
   void skip_elements(const char* name, std::uint64_t count, std::uint64_t nodes) {
     in_.enter(name);
     in_.require(count, nodes * integer_size());
-    if (!encoding_.ascii) {
-      in_.take(count * nodes * integer_size());
-      return;
-    }
+    if (!encoding_.ascii) return in_.seek(in_.position() + count * nodes * integer_size());
     for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
       for (std::uint64_t n = 0; n < nodes; ++n) integer();
@@ -186,7 +214,7 @@ class UgridReader {
   }
 
   /// What may follow: the number of tets in boundary layers, and an ID for every volume element.
-  void read_volume_ids(const Counts& counts) {
+  void read_volume_ids(const Counts& counts, MeshStream& stream) {
     in_.enter("");
     if (encoding_.ascii) in_.skip_blanks();
     if (in_.at_end()) return;
@@ -196,7 +224,7 @@ class UgridReader {
     }
     in_.enter("header of volume IDs");
     integer();
-    read_refs("volume ID", counts.tets, mesh_.tet_refs);
+    stream_volume_ids(counts.tets, stream);
     skip_elements("volume ID", counts.volumes() - counts.tets, 1);
     in_.enter("");
     if (encoding_.ascii) in_.skip_blanks();
@@ -383,15 +411,24 @@ class Writer {
 }  // namespace
 
 MeshContents read_ugrid(const fs::path& path) {
-  const Encoding encoding = encoding_of(path);
-  const FileBytes file(path);
-  Cursor in(file.name(), file.bytes());
-  MeshContents contents;
-  UgridReader(in, encoding, contents).read();
+  MeshCollector collector;
+  MeshContents contents = stream_ugrid(path, collector);
+  collector.put_into(contents.mesh);
   contents.complete();
+  return contents;
+}
+
+MeshContents stream_ugrid(const fs::path& path, MeshStream& stream) {
+  const Encoding encoding = encoding_of(path);
+  const InputFile file(path);
+  Cursor in(file);
+  MeshContents contents;
+  UgridReader(in, encoding, contents).read(stream);
   if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);
   return contents;
 }
+
+bool is_ascii_ugrid(const fs::path& path) { return encoding_of(path).ascii; }
 
 std::optional<MeshSize> ugrid_size(const fs::path& path) {
   if (encoding_of(path).ascii) return std::nullopt;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/part_writer.h"
 
 namespace weft::meshing {
@@ -17,6 +18,10 @@ namespace weft::meshing {
 /// lies beside the file; those of tets the volume IDs, where it has them. Other elements are dropped. Throws
 /// InputError.
 MeshContents read_ugrid(const std::filesystem::path& path);
+
+/// The same, but for points and tets, which go to the stream.
+MeshContents stream_ugrid(const std::filesystem::path& path, MeshStream& stream);
+bool is_ascii_ugrid(const std::filesystem::path& path);
 
 /// How many points and tets a binary file has; nothing for ASCII, of which no range can be found.
 std::optional<MeshSize> ugrid_size(const std::filesystem::path& path);

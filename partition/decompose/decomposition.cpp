@@ -35,8 +35,8 @@ std::string advice_on(const WorthwhileSlabs& worthwhile, const Slabs& asked) {
 
 Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& items,
                   std::uint32_t num_subdomains, const Partitioner& partitioner) {
-  const bool axes = partitioner.principal_axes;
-  Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, axes);
+  const SlabDirections directions{partitioner.principal_axes, partitioner.coordinate.asked()};
+  Bricks bricks = pqr_decomposition(peers, weighted, num_subdomains, partitioner.slabs, directions);
   const Slabs asked = bricks.slabs;
   const WorthwhileSlabs worthwhile =
       worthwhile_slabs(peers, {items.vertices, items.face_areas}, items.complexities, bricks);
@@ -44,7 +44,7 @@ Decomposition pqr(Peers& peers, const WeightedItems& weighted, const Items& item
   if (left == asked) return {as_subdomains(bricks), {}};
   if (!partitioner.fewer) return {as_subdomains(bricks), advice_on(worthwhile, asked)};
   const std::uint64_t bricks_left = num_bricks(left);
-  bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, axes);
+  bricks = pqr_decomposition(peers, weighted, static_cast<std::uint32_t>(bricks_left), left, directions);
   // Bricks are spread over the numbers of subdomains, as subdomains are over the ranks.
   for (std::uint32_t& brick : bricks.numbers)
     brick = static_cast<std::uint32_t>(std::uint64_t{brick} * num_subdomains / bricks_left);
@@ -65,7 +65,11 @@ Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subd
     throw std::invalid_argument(fmt::format("a decomposition into {}x{}x{} slabs has {} subdomains, not {}",
                                             slabs[0], slabs[1], slabs[2], product, num_subdomains));
   const std::vector<std::uint64_t> weights = integer_weights(peers, items.work);
-  const WeightedItems weighted{items.centres, items.corners, weights, items.numbers, items.cut_tensors};
+  const bool by_coordinate = partitioner.coordinate.asked();
+  if (by_coordinate && items.coordinates.size() != items.work.size())
+    throw std::invalid_argument("slabs along a coordinate of the boundary: the tets have none");
+  const WeightedItems weighted{items.centres, items.corners,     weights,
+                               items.numbers, items.cut_tensors, items.coordinates};
   switch (partitioner.kind) {
     case Partitioner::Kind::pqr:
       return pqr(peers, weighted, items, num_subdomains, partitioner);

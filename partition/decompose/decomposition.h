@@ -26,6 +26,8 @@ struct Items {
   std::span<const std::array<std::uint32_t, 4>> vertices;  ///< in the whole input
   std::span<const std::array<float, 4>> face_areas;        ///< in the metric; face i is opposite vertex i
   std::span<const double> complexities;                    ///< of the metric in each; all 0: not known
+  /// How far each reaches along the partitioner's coordinate; empty where it has none.
+  std::span<const double> coordinates = {};
 };
 
 /// Result of decompose().
@@ -44,7 +46,8 @@ struct Decomposition {
 /// tet. Graph: to 3 % of a part; may leave a subdomain empty or in pieces. Where slabs would be thin there
 /// are fewer (thin_slabs.h), and the other subdomains are empty, unless the partitioner wants them all.
 ///
-/// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs.
+/// Throws std::invalid_argument when num_subdomains is 0 or not the product of the partitioner's slabs, and
+/// where the partitioner has a coordinate but the tets have none.
 Decomposition decompose(Peers& peers, const Items& items, std::uint32_t num_subdomains,
                         const Partitioner& partitioner);
 

@@ -15,7 +15,8 @@ namespace {
 [[noreturn]] void refuse(const std::string& text, const std::string& reason) {
   throw std::invalid_argument(fmt::format(
       "partitioner '{}': {} (allowed: bisection, graph, pqr, pqr:PxQxR with three numbers from 1, "
-      "each pqr also with :principal, :fewer or :principal:fewer at the end)",
+      "each pqr also with :harmonic=A,B or :wall=A,..., with references of triangles, "
+      "then :principal, then :fewer)",
       text, reason));
 }
 
@@ -45,8 +46,16 @@ std::array<std::uint32_t, 3> parse_slabs(const std::string& text, std::string_vi
   return numbers;
 }
 
+BoundaryCoordinate parse_coordinate_of(const std::string& text, std::string_view option) {
+  try {
+    return parse_coordinate(option);
+  } catch (const std::invalid_argument& error) {
+    refuse(text, error.what());
+  }
+}
+
 Partitioner parse_pqr(const std::string& text, std::vector<std::string_view> options) {
-  Partitioner p{Partitioner::Kind::pqr, {}, false, false};
+  Partitioner p{Partitioner::Kind::pqr, {}, false, false, {}};
   const auto take = [&](std::string_view name) {
     const bool given = !options.empty() && options.back() == name;
     if (given) options.pop_back();
@@ -54,6 +63,10 @@ Partitioner parse_pqr(const std::string& text, std::vector<std::string_view> opt
   };
   p.fewer = take("fewer");
   p.principal_axes = take("principal");
+  if (!options.empty() && names_coordinate(options.back())) {
+    p.coordinate = parse_coordinate_of(text, options.back());
+    options.pop_back();
+  }
   if (options.size() > 1) refuse(text, fmt::format("'{}' is not known", options.back()));
   if (options.size() == 1) p.slabs = parse_slabs(text, options[0]);
   return p;
@@ -75,7 +88,7 @@ Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdoma
   }
   if (name != "bisection" && name != "graph") refuse(text, fmt::format("'{}' is not known", name));
   if (!parts.empty()) refuse(text, fmt::format("{} takes no options", name));
-  return {name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false, false};
+  return {name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false, false, {}};
 }
 
 }  // namespace weft::partition

@@ -32,6 +32,14 @@ std::uint64_t reach_key(const TetCorners& tet, const Vec& axis) {
                               std::max(dot(axis, tet[2]), dot(axis, tet[3]))));
 }
 
+/// What the slabs of an axis are cut by.
+void fill_keys(const WeightedItems& items, const Axes& axes, int axis, SlabDirections directions,
+               std::vector<std::uint64_t>& keys) {
+  const bool by_coordinate = axis == 0 && directions.coordinate;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    keys[i] = by_coordinate ? ordered_key(items.coordinates[i]) : reach_key(items.corners[i], axes[axis]);
+}
+
 }  // namespace
 
 Slabs suitable_slabs(std::uint32_t n, const Vec& sides) {
@@ -51,17 +59,19 @@ Slabs suitable_slabs(std::uint32_t n, const Vec& sides) {
 }
 
 Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
-                         bool along_principal_axes) {
+                         SlabDirections directions) {
   std::vector<std::uint32_t> groups(items.centres.size(), 0);
   const Axes axes =
-      along_principal_axes ? principal_axes(covariances(peers, items, groups, 1)[0]) : kCartesian;
-  if (slabs[0] == 0)
+      directions.principal_axes ? principal_axes(covariances(peers, items, groups, 1)[0]) : kCartesian;
+  if (slabs[0] == 0 && directions.coordinate)
+    slabs = {num_subdomains, 1, 1};
+  else if (slabs[0] == 0)
     slabs =
         suitable_slabs(num_subdomains, group_boxes(peers, turned(items.centres, axes), groups, 1)[0].size());
   std::size_t num_groups = 1;
   std::vector<std::uint64_t> keys(groups.size());
   for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = reach_key(items.corners[i], axes[axis]);
+    fill_keys(items, axes, axis, directions, keys);
     const std::vector<std::uint32_t> equal(slabs[axis], 1);
     groups = cut_groups(peers, {keys, items.numbers, items.weights}, groups, {num_groups, equal});
     num_groups *= slabs[axis];

@@ -18,17 +18,23 @@ using Slabs = std::array<std::uint32_t, 3>;
 
 inline std::uint64_t num_bricks(const Slabs& slabs) { return std::uint64_t{slabs[0]} * slabs[1] * slabs[2]; }
 
+/// What slabs are cut across; alike on all ranks.
+struct SlabDirections {
+  bool principal_axes = false;  ///< those of the work, not x, y, z
+  bool coordinate = false;      ///< the first is not an axis but the items' coordinates
+};
+
 /// Items in bricks; brick p, q, r has the number (p slabs[1] + q) slabs[2] + r.
 struct Bricks {
   Slabs slabs;
   std::vector<std::uint32_t> numbers;  ///< brick of each of this rank's items
 };
 
-/// Sorted by how far they reach along the first axis into slabs[0] parts of equal weight, each along the
+/// Sorted by how far they reach along the first direction into slabs[0] parts of equal weight, each along the
 /// second into slabs[1], each along the third into slabs[2]. Zero slabs: chosen so that `num_subdomains`
-/// bricks of the items' box have the least interface.
+/// bricks of the items' box have the least interface; all along a coordinate.
 Bricks pqr_decomposition(Peers& peers, const WeightedItems& items, std::uint32_t num_subdomains, Slabs slabs,
-                         bool along_principal_axes);
+                         SlabDirections directions);
 
 /// Items in groups, each of which is to become one or more subdomains.
 struct Bisected {

@@ -18,6 +18,7 @@ struct WeightedItems {
   std::span<const std::uint64_t> weights;           ///< at least 1; all ranks' together below 2^62
   std::span<const std::uint64_t> numbers;           ///< different for each item of all ranks
   std::span<const meshing::SymTensor> cut_tensors;  ///< cut_tensor of each; not read by PQR
+  std::span<const double> coordinates = {};         ///< of each, what PQR cuts first along; empty: an axis
 };
 
 /// Where they meet each other.

@@ -13,6 +13,7 @@
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/same_arithmetic.h"
+#include "partition/communication/sort_unique.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/inertia.h"
 #include "partition/decompose/tet_measures.h"
@@ -94,17 +95,42 @@ double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& 
   return target;
 }
 
+/// How far each tet of the slice reaches along the coordinate.
+std::vector<double> reaches(Peers& peers, const MeshSlice& slice, const Ranges& points,
+                            const std::vector<double>& coordinate) {
+  if (coordinate.size() != slice.points.size())
+    throw std::invalid_argument("slabs along a coordinate of the boundary: the points have none");
+  std::vector<std::uint32_t> numbers;
+  for (const auto& tet : slice.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
+  sort_unique(numbers);
+  const std::vector<double> values =
+      fetch<double>(peers, points, numbers, [&](std::size_t i) { return coordinate[i]; });
+  const auto value = [&](std::uint32_t v) {
+    return values[static_cast<std::size_t>(std::ranges::lower_bound(numbers, v) - numbers.begin())];
+  };
+  std::vector<double> reach;
+  reach.reserve(slice.tets.size());
+  for (const auto& [a, b, c, d] : slice.tets)
+    reach.push_back(std::max({value(a), value(b), value(c), value(d)}));
+  return reach;
+}
+
 /// Into the subdomains that have tets at first.
-Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const TetMeasures& measures,
-                              const DecompositionOptions& options, std::uint32_t parts) {
+Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges& points,
+                              const TetMeasures& measures, const DecompositionOptions& options,
+                              std::uint32_t parts) {
   std::vector<double> work(slice.tets.size(), 1);
   if (!options.equal_tets) work = measures.work();
   std::vector<std::uint64_t> numbers;
   for (std::size_t t = 0; t < slice.tets.size(); ++t) numbers.push_back(slice.first_tet + t);
+  std::vector<double> along;
+  const bool cut_at_once = parts == options.num_subdomains;
+  if (cut_at_once && options.partitioner.coordinate.asked())
+    along = reaches(peers, slice, points, options.coordinate);
   const Items items{
-      measures.centres,    measures.corners,     work, numbers, measures.cut_tensors, slice.tets,
-      measures.face_areas, measures.complexities};
-  if (parts == options.num_subdomains) return decompose(peers, items, parts, options.partitioner);
+      measures.centres,    measures.corners,      work, numbers, measures.cut_tensors, slice.tets,
+      measures.face_areas, measures.complexities, along};
+  if (cut_at_once) return decompose(peers, items, parts, options.partitioner);
   Partitioner partitioner = options.partitioner;
   if (partitioner.kind == Partitioner::Kind::pqr) partitioner = {};  // its slabs are those of the whole
   return with_room_to_divide(peers, decompose(peers, items, parts, partitioner), work, parts,
@@ -208,7 +234,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
       options.parts_at_first
           ? options.parts_at_first({slice.num_tets, result.complexity, result.mean_quality})
           : options.num_subdomains;
-  Decomposition decomposition = decompose_slice(peers, slice, measures, options, parts);
+  Decomposition decomposition = decompose_slice(peers, slice, points, measures, options, parts);
   result.seeds = std::move(decomposition.seeds);
   measures = {};
 

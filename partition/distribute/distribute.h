@@ -34,6 +34,9 @@ struct DecompositionOptions {
   /// How many of the subdomains have tets at first, 1 to num_subdomains: these divide later. The same on all
   /// ranks. Null: all.
   std::function<std::uint32_t(const InputMeasures&)> parts_at_first = {};
+  /// What the partitioner's coordinate is at this rank's slice of points (partition/coordinate); empty where
+  /// it has none.
+  std::vector<double> coordinate = {};
 };
 
 /// What one rank has after the decomposition.

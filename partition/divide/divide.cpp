@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/tet_tables.h"
+#include "partition/coordinate/boundary_coordinate.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/tet_measures.h"
 #include "partition/shift/hand_over.h"
@@ -37,29 +40,74 @@ LiveTets live_tets(const TetMesh& mesh) {
   return live;
 }
 
+/// The subdomain's mesh as a share that is all of it; boundary faces have the references of their patches.
+MeshSlice as_slice(const TetMesh& mesh, const LiveTets& live, const meshing::Surface& surface) {
+  MeshSlice slice;
+  std::vector<std::uint32_t> places(mesh.vertex_slots(), meshing::kNoNeighbour);
+  for (std::size_t k = 0; k < live.ids.size(); ++k) {
+    auto& tet = slice.tets.emplace_back(live.vertices[k]);
+    for (std::uint32_t& v : tet) {
+      if (places[v] == meshing::kNoNeighbour) {
+        places[v] = static_cast<std::uint32_t>(slice.points.size());
+        slice.points.push_back(mesh.point(VertexId(v)));
+      }
+      v = places[v];
+    }
+    for (int f = 0; f < 4; ++f) {
+      const meshing::PatchId patch = mesh.patch(live.ids[k], f);
+      if (!patch.valid()) continue;
+      const auto& corners = meshing::kTetFaces[static_cast<std::size_t>(f)];
+      slice.boundary.triangles.push_back({tet[corners[0]], tet[corners[1]], tet[corners[2]]});
+      slice.boundary.triangle_refs.push_back(surface.patches()[patch.value].ref);
+    }
+  }
+  slice.num_points = slice.points.size();
+  slice.num_tets = slice.tets.size();
+  slice.point_refs.resize(slice.points.size());
+  slice.tet_refs.resize(slice.tets.size());
+  return slice;
+}
+
+/// How far each tet reaches along the partitioner's coordinate.
+std::vector<double> reaches(const TetMesh& mesh, const LiveTets& live, const meshing::Surface& surface,
+                            const BoundaryCoordinate& coordinate) {
+  SelfPeers alone;
+  const MeshSlice slice = as_slice(mesh, live, surface);
+  const std::vector<double> values = boundary_coordinate(alone, slice, coordinate).values;
+  std::vector<double> reach;
+  for (const auto& [a, b, c, d] : slice.tets)
+    reach.push_back(std::max({values[a], values[b], values[c], values[d]}));
+  return reach;
+}
+
 /// By place in `live`; the mesh is whole here, so nobody is asked.
-std::vector<SubdomainId> parts_of(const LiveTets& live, const DivisionOptions& options) {
+std::vector<SubdomainId> parts_of(const TetMesh& mesh, const LiveTets& live, const DivisionOptions& options,
+                                  const meshing::Surface* surface) {
   const TetMeasures& m = live.measures;
   std::vector<double> work(live.ids.size(), 1);
   if (!options.equal_tets) work = m.work();
   std::vector<std::uint64_t> numbers(live.ids.size());
   std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  std::vector<double> along;
+  if (const BoundaryCoordinate& c = options.partitioner.coordinate; c.asked() && surface)
+    along = reaches(mesh, live, *surface, c);
   SelfPeers alone;
   return decompose(alone,
                    {m.centres, m.corners, work, numbers, m.cut_tensors, live.vertices, m.face_areas,
-                    m.complexities},
+                    m.complexities, along},
                    options.num_parts, options.partitioner)
       .subdomains;
 }
 
 /// The subdomain keeps the first part.
-Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const ReceiverOrder& order) {
+Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const meshing::Surface* surface,
+                    const ReceiverOrder& order) {
   Chosen chosen;
   chosen.to.assign(s.mesh->tet_slots(), kNobody);
   if (options.num_parts == 1) return chosen;
   const LiveTets live = live_tets(*s.mesh);
   if (live.ids.empty()) return chosen;
-  const std::vector<SubdomainId> parts = parts_of(live, options);
+  const std::vector<SubdomainId> parts = parts_of(*s.mesh, live, options, surface);
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].value == 0) continue;
     chosen.to[live.ids[k].value] = order.place_of(SubdomainId(s.id.value + parts[k].value));
@@ -70,7 +118,8 @@ Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const Re
 
 }  // namespace
 
-std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options) {
+std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options,
+                               const meshing::Surface* surface) {
   s.departures.clear();
   std::vector<Priority> parts;
   for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
@@ -79,7 +128,7 @@ std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options) {
   for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}});
   for (const Priority& part : parts) receivers.push_back({part.id, {}});
   std::ranges::sort(receivers, {}, &Receiver::id);
-  std::vector<Parcel> parcels = hand_over(s, order, choose_parts(s, options, order), receivers);
+  std::vector<Parcel> parcels = hand_over(s, order, choose_parts(s, options, surface, order), receivers);
   std::vector<PartParcel> addressed;
   for (std::size_t i = 0; i < parcels.size(); ++i)
     addressed.push_back({receivers[i].id, std::move(parcels[i])});

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/geometry/surface.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/shift/shift.h"
 
@@ -21,12 +22,14 @@ struct DivisionOptions {
 };
 
 /// A parcel for each neighbour of the interface (without tets) and each new part but the subdomain's own, by
-/// addressee. scatter() must follow, with the parcels of all neighbours, which divide as well.
+/// addressee. scatter() must follow, with the parcels of all neighbours, which divide as well. `surface`: of
+/// the mesh's patches; a partitioner with a coordinate needs it, and that the subdomain is the whole mesh.
 struct PartParcel {
   SubdomainId to;
   Parcel parcel;
 };
-std::vector<PartParcel> divide(Subdomain& subdomain, const DivisionOptions& options);
+std::vector<PartParcel> divide(Subdomain& subdomain, const DivisionOptions& options,
+                               const meshing::Surface* surface = nullptr);
 
 /// What a subdomain is predicted to have in the end, as in TetMeasures::work().
 double predicted_tets(const Subdomain& subdomain);

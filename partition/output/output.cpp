@@ -7,8 +7,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/metric_field.h"
@@ -107,22 +109,23 @@ void write_as_gmf(const Share& share, const meshing::Association& carried, const
   out.finish();
 }
 
-/// `values_inside`: metrics and fields go into the mesh file too.
-void write_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool values_inside,
-                 meshing::PartWriter& out) {
+/// action(p, its rows) for each piece. `values_inside`: metrics and fields go into the mesh file too.
+template <class Action>
+void for_parts(const Share& share, const std::vector<FirstWithRef>& firsts, bool values_inside,
+               const Action& action) {
   for (std::size_t p = 0; p < share.pieces.size(); ++p) {
     const PieceNumbers& numbers = share.numbering.pieces[p];
     const OwnEntities own = own_entities(share.pieces[p], numbers);
     const meshing::SolutionData fields = values_inside ? own_values(share, p) : meshing::SolutionData{};
-    out.write({numbers.first.points,
-               own.points,
-               own.point_refs,
-               {own.tets, share.pieces[p].mesh.tet_refs, numbers.first.tets, firsts[p].tets},
-               {own.triangles, own.triangle_refs, numbers.first.triangles, firsts[p].triangles},
-               {own.edges, own.edge_refs, numbers.first.edges, firsts[p].edges},
-               fields});
+    action(p,
+           meshing::MeshPart{numbers.first.points,
+                             own.points,
+                             own.point_refs,
+                             {own.tets, share.pieces[p].mesh.tet_refs, numbers.first.tets, firsts[p].tets},
+                             {own.triangles, own.triangle_refs, numbers.first.triangles, firsts[p].triangles},
+                             {own.edges, own.edge_refs, numbers.first.edges, firsts[p].edges},
+                             fields});
   }
-  out.finish();
 }
 
 /// A mesh file of any format but GMF, until it can appear.
@@ -149,7 +152,9 @@ class CommonMesh {
   }
   void write() {
     const auto out = meshing::open_part(file_.temporary(), file_.name(), mesh_.whole, places_);
-    write_parts(share_, mesh_.pieces, !mesh_.whole.fields.fields.empty(), *out);
+    for_parts(share_, mesh_.pieces, !mesh_.whole.fields.fields.empty(),
+              [&](std::size_t, const meshing::MeshPart& part) { out->write(part); });
+    out->finish();
   }
   /// On rank 0, when all have written.
   void commit() { file_.commit(); }
@@ -159,6 +164,84 @@ class CommonMesh {
   CommonFile file_;
   DescribedMesh mesh_;
   meshing::PartPlaces places_;
+};
+
+/// A mesh file of text, until it can appear. Rows are made twice: once for their length, which gives all
+/// their places.
+class CommonText {
+ public:
+  CommonText(Peers& peers, const Share& share, const std::filesystem::path& name,
+             const meshing::RefNames& names)
+      : share_(share), file_(name), mesh_(describe_pieces(peers, share.pieces, share.numbering)) {
+    if (share.first) mesh_.whole.names = names;
+  }
+
+  /// All ranks.
+  void create(Peers& peers) {
+    file_.create(peers);
+    std::vector<std::uint64_t> head_sizes;
+    agree_on(peers, [&] {
+      if (share_.first) heads_ = meshing::text_heads(file_.name(), mesh_.whole);
+    });
+    for (const std::string& head : heads_) head_sizes.push_back(head.size());
+    place_rows(peers, allgather(peers, head_sizes)[0]);
+  }
+  void write() {
+    meshing::FilePart out(file_.temporary(), file_.name().string());
+    for (std::size_t section = 0; section < heads_.size(); ++section) {
+      out.seek(head_places_[section]);
+      out.write(heads_[section]);
+    }
+    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
+      for (std::size_t section = 0; section < head_places_.size(); ++section) {
+        out.seek(row_places_[p][section]);
+        out.write(meshing::text_rows(file_.name(), mesh_.whole, part, section));
+      }
+    });
+    out.finish();
+  }
+  /// On rank 0, when all have written.
+  void commit() { file_.commit(); }
+
+ private:
+  /// Bytes of one piece's rows in a section.
+  struct Length {
+    std::uint64_t section, subdomain, bytes;
+  };
+
+  void place_rows(Peers& peers, const std::vector<std::uint64_t>& head_sizes) {
+    std::vector<Length> lengths;
+    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
+      for (std::size_t section = 0; section < head_sizes.size(); ++section)
+        lengths.push_back({section, share_.pieces[p].subdomain.value,
+                           meshing::text_rows(file_.name(), mesh_.whole, part, section).size()});
+    });
+    std::vector<Length> all;
+    for (const auto& of_rank : allgather(peers, lengths))
+      all.insert(all.end(), of_rank.begin(), of_rank.end());
+    std::ranges::sort(all, {}, [](const Length& l) { return std::pair(l.section, l.subdomain); });
+    row_places_.assign(share_.pieces.size(), std::vector<std::uint64_t>(head_sizes.size(), 0));
+    std::uint64_t place = 0;
+    auto length = all.begin();
+    for (std::size_t section = 0; section < head_sizes.size(); ++section) {
+      head_places_.push_back(place);
+      place += head_sizes[section];
+      for (; length != all.end() && length->section == section; place += length++->bytes) {
+        const auto here = std::ranges::find(share_.pieces, length->subdomain, [](const MeshPiece& piece) {
+          return std::uint64_t{piece.subdomain.value};
+        });
+        if (here != share_.pieces.end())
+          row_places_[static_cast<std::size_t>(here - share_.pieces.begin())][section] = place;
+      }
+    }
+  }
+
+  const Share& share_;
+  CommonFile file_;
+  DescribedMesh mesh_;
+  std::vector<std::string> heads_;                      ///< of the sections; on rank 0
+  std::vector<std::uint64_t> head_places_;              ///< in the file, of each section
+  std::vector<std::vector<std::uint64_t>> row_places_;  ///< of each piece, in each section
 };
 
 /// A .solb of metrics or of fields, until it can appear; without a name there is none.
@@ -253,7 +336,8 @@ bool is_gmf(const std::filesystem::path& mesh) {
 }  // namespace
 
 bool can_write_pieces(const std::filesystem::path& mesh) {
-  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh);
+  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh) ||
+         meshing::can_be_written_as_text(mesh);
 }
 
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
@@ -263,6 +347,9 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
   const Share share{peers.rank() == 0, mine, numbering, fields};
   if (is_gmf(mesh)) {
     CommonGmf file(peers, share, mesh, carried, version);
+    write_all(peers, share, file, solution, version);
+  } else if (meshing::can_be_written_as_text(mesh)) {
+    CommonText file(peers, share, mesh, names);
     write_all(peers, share, file, solution, version);
   } else {
     CommonMesh file(peers, share, mesh, names);

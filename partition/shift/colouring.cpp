@@ -2,8 +2,20 @@
 #include "partition/shift/colouring.h"
 
 #include <algorithm>
+#include <bit>
+
+#include "partition/subdomain/global_id.h"
 
 namespace weft::partition {
+
+Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t poor_tets) {
+  constexpr int kBitsOfDraw = 57;  // the rest is for the binary digits of a count, 0 to 64
+  const std::uint64_t name =
+      GlobalId::derived_from(GlobalId(subdomain, 0), GlobalId(SubdomainId(0), round + 1)).value();
+  const std::uint64_t draw = name << 1;  // the highest bit is that of all derived names
+  const std::uint64_t digits = std::bit_width(poor_tets);
+  return {digits << kBitsOfDraw | draw >> (64 - kBitsOfDraw), subdomain};
+}
 
 ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> neighbours) : order_{self} {
   order_.insert(order_.end(), neighbours.begin(), neighbours.end());

@@ -98,11 +98,12 @@ std::vector<Priority> priorities_of(std::span<const Proposal> proposals);
 struct ShiftOptions {
   int layers = 2;         ///< of tets, point-connected, handed over beyond those at the interface
   bool by_faces = false;  ///< layers grow through faces instead of points
+  /// The first shift hands over `layers` and moves the interface away; later ones free what is left, mostly
+  /// where three subdomains meet, for which one layer is enough. False: all shifts hand over `layers`.
+  bool fewer_later = true;
 
-  /// The first shift hands over `layers` as given and moves the interface away. Later ones free what is left,
-  /// mostly where three subdomains meet, and hand over one layer at most.
   ShiftOptions in_round(std::uint64_t round) const {
-    return {round == 0 ? layers : std::min(layers, 1), by_faces};
+    return {round == 0 || !fewer_later ? layers : std::min(layers, 1), by_faces, fewer_later};
   }
 };
 

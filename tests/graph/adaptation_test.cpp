@@ -292,6 +292,19 @@ TEST_P(AdaptationOnRanks, NorOnTheNetwork) {
   expect_same_as_on_one_rank(GetParam(), whole, setting);
 }
 
+TEST_P(AdaptationOnRanks, SlabsAlongTheBoundary) {
+  const MetricMesh whole = metric_mesh(unit_cube(4), 0.2);
+  for (const char* partitioner : {"pqr:4x1x1:harmonic=3,4", "pqr:2x2x1:wall=5,2"})
+    for (const double tets_of_seed : {1e5, 50.}) {  // a division of one mesh, and of the input at once
+      SCOPED_TRACE(partitioner);
+      Setting setting;
+      setting.subdomains = 4;
+      setting.partitioner = partitioner;
+      setting.tets_of_seed = tets_of_seed;
+      expect_same_as_on_one_rank(GetParam(), whole, setting);
+    }
+}
+
 TEST_P(AdaptationOnRanks, AnyNumberOfSubdomains) {
   const MetricMesh whole = metric_mesh(unit_cube(4), 0.3);
   for (const std::uint32_t subdomains : {1u, 2u, 16u, 200u, 500u}) {  // there are 384 tets

@@ -91,12 +91,38 @@ class OtherCommands(Subdomains):
         done = self.command_on(2, "convert", "a.meshb", "o.su2")
         self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
 
+    def test_verify_has_the_words_of_one_process(self):
+        self.weft("mesh", "ball", "-o", "ball.mesh", "--size", 0.4)
+        self.weft("convert", self.box(4, "box.mesh"), "box.su2")
+        lines = (self.folder / "ball.mesh").read_text().splitlines()
+        tets, triangles = lines.index("Tetrahedra") + 2, lines.index("Triangles") + 2
+        a, b, c, d, ref = lines[tets + 30].split()
+        inverted = lines[:tets + 30] + [" ".join((b, a, c, d, ref))] + lines[tets + 31:]
+        self.write("inverted.mesh", "\n".join(inverted) + "\n")
+        lacking = [*lines]
+        del lacking[triangles + 7]
+        lacking[triangles - 1] = str(int(lacking[triangles - 1]) - 1)
+        self.write("lacking.mesh", "\n".join(lacking) + "\n")
+        twice = [*lines]
+        twice[tets + 3] = " ".join(lines[tets + 3].split()[:1] * 2 + lines[tets + 3].split()[2:])
+        self.write("twice.mesh", "\n".join(twice) + "\n")
+        for words, code in ((("ball.mesh",), 0), (("box.su2",), 0), (("ball.mesh", "--against", "ball.mesh"), 0),
+                            (("ball.mesh", "--against", "box.mesh"), 1), (("inverted.mesh",), 1), (("lacking.mesh",), 1),
+                            (("twice.mesh",), 2)):
+            expected = self.command_on(0, "verify", *words, expect=code)
+            for ranks in (1, 2, 4):
+                done = self.command_on(ranks, "verify", *words, expect=code)
+                self.assertEqual(done.stdout, expected.stdout, f"{words} on {ranks} ranks")
+                self.assertNotIn("warning", done.stderr)
+                if code == 2:
+                    self.assertEqual([line for line in done.stderr.splitlines() if line.startswith("weft")],
+                                     expected.stderr.splitlines())
+        self.assertIn("tet 31: inverted", self.command_on(2, "verify", "inverted.mesh", expect=1).stdout)
+
     def test_what_rank_0_does_alone_is_done_once_and_told(self):
-        self.box(2)
         for ranks in (1, 3):
-            done = self.command_on(ranks, "verify", "box.meshb")
-            self.assertEqual(done.stdout.count("conforms"), 1, done.stdout)
-            self.assertEqual(done.stderr.count("rank 0 alone does `weft verify`"), ranks > 1, done.stderr)
+            done = self.command_on(ranks, "mesh", "box", "-o", "box.meshb", "--cells", 2, 2, 2)
+            self.assertEqual(done.stderr.count("rank 0 alone does `weft mesh`"), ranks > 1, done.stderr)
 
     def test_what_is_wrong_is_told_once(self):
         self.box(2)

@@ -58,8 +58,27 @@ class Results(Subdomains):
             self.assert_in_shares(False, self.run_on(2, "box.meshb", *words, "--subdomains", 4, "-o", "told.meshb", expect=(0, 1)))
 
     def test_it_is_told_where_rank_0_reads_the_whole_mesh(self):
-        self.weft("convert", self.box(4), "box.su2")
-        self.assert_in_shares(True, self.run_on(2, "box.su2", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb"))
+        self.weft("convert", self.box(4), "box.pvtu")
+        self.assert_in_shares(True, self.run_on(2, "box.pvtu", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb"))
+
+    def test_text_is_dealt_out_by_one_reader_and_gives_the_same_result(self):
+        box = self.box(5)
+        self.weft("convert", box, "in.lb8.ugrid")
+        (self.folder / "in.mapbc").write_text("2\n1 5000 inflow\n4 3000 the wall\n")
+        for name, *options in (("in.su2",), ("in.mesh",), ("in.ugrid",), ("a.msh", "--encoding", "ascii"),
+                               ("b.msh", "--encoding", "ascii", "--msh-version", "2.2"), ("in.vtu", "--encoding", "ascii")):
+            self.weft("convert", "in.lb8.ugrid", name, *options)
+            meshes = []
+            for ranks in (0, 1, 2, 4):
+                done = self.run_on(ranks, name, "--metric-fn", "uniform:0.15", "--subdomains", 5, "--threads", 1, "-o", "out.su2")
+                self.assert_in_shares(False, done)
+                meshes.append(self.bytes_of("out.su2", "out.solb"))
+            self.assertEqual(meshes[1:], meshes[:1] * 3, name)
+            if name != "in.mesh" and not name.endswith(".vtu"):
+                self.assertIn(b"MARKER_TAG= the_wall", meshes[0][0], name)
+        text = (self.folder / "in.su2").read_text()
+        self.write("bad.su2", text.replace("\n10 ", "\n10 99999 ", 1))
+        self.assert_all_ranks_fail("bad.su2", "--metric-fn", "uniform:0.3", "-o", "o.meshb", says="bad.su2: NELEM 1: ", ranks=3)
 
     def test_checks_after_every_round_are_told_and_change_nothing(self):
         words = (self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5, "-o", "out.meshb", "--threads", 1)
@@ -74,7 +93,8 @@ class Results(Subdomains):
 
     def test_partitioners(self):
         self.box(4)
-        for partitioner in ("graph", "pqr:3x1x1", "pqr:3x1x1:principal", "bisection"):
+        for partitioner in ("graph", "pqr:3x1x1", "pqr:3x1x1:principal", "bisection", "pqr:3x1x1:harmonic=5,1",
+                            "pqr:wall=2,3:principal:fewer"):
             self.run_on(0, "box.meshb", "--metric-fn", "uniform:0.2", "--subdomains", 3, "--partitioner", partitioner, "-o",
                         "out.meshb", "--quiet")
             self.weft("verify", "out.meshb", "--against", "box.meshb")
@@ -96,6 +116,33 @@ class Results(Subdomains):
         self.assertIn("8 subdomains by bisection on 1 rank", done.stdout)
         done = self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.2", "--partitioner", "pqr:3x1x1", "-o", "out.meshb")
         self.assertIn("3 subdomains by pqr:3x1x1 on 2 ranks", done.stdout)
+
+    def test_slabs_along_the_boundary_are_the_same_on_any_ranks(self):
+        self.box(5)
+        for partitioner in ("pqr:4x1x1:harmonic=3,2", "pqr:4x1x1:wall=1"):
+            meshes = []
+            for ranks in (0, 1, 3):
+                self.run_on(ranks, "box.meshb", "--metric-fn", "uniform:0.15", "--partitioner", partitioner, "--threads", 1, "-o",
+                            "out.meshb", "--quiet")
+                meshes.append(self.bytes_of("out.meshb"))
+            self.assertEqual(meshes[1:], meshes[:1] * 2)
+            self.weft("verify", "out.meshb", "--against", "box.meshb")
+        self.assert_all_ranks_fail("box.meshb", "--metric-fn", "uniform:0.3", "--partitioner", "pqr:2x1x1:harmonic=1,7", "-o",
+                                   "new.meshb", says="box.meshb: partitioner harmonic=1,7: no triangle has the reference 7")
+
+    def test_layers_as_given_move_more_tets_in_later_shifts(self):
+        self.box(6)
+        moved = {}
+        for words in ((), ("--layers", 2), ("--layers", 4)):
+            self.run_on(2, "box.meshb", "--metric-fn", "uniform:0.08", "--subdomains", 6, "--threads", 1, *words, "-o", "out.meshb",
+                        "--report", "r", "--quiet")
+            report = json.loads((self.folder / "r" / "report.json").read_text())["subdomains"]
+            self.assertEqual(report["layers"], words[1] if words else 2)
+            first = report["coarse_shifts"]  # shifts count from 1
+            moved[words] = [shift["tets_moved"] for shift in report["shifts"] if shift["shift"] in (first + 1, first + 2)]
+        self.assertEqual(moved[()][0], moved["--layers", 2][0])
+        self.assertLess(moved[()][1], moved["--layers", 2][1])
+        self.assertLess(moved["--layers", 2][0], moved["--layers", 4][0])
 
     def test_all_options(self):
         self.box(4)
@@ -295,7 +342,8 @@ class Failures(Subdomains):
         self.box(2)
         adapt = ("adapt", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--subdomains", 4)
         for words, says in ((["--partitioner", "nonsense"], "nonsense"), (["--partitioner", "pqr:3x1x1"], "makes 3"),
-                            (["--partitioner", "pqr:2x2"], "pqr:2x2"), (["--shifts", "x"], "--shifts"),
+                            (["--partitioner", "pqr:2x2"], "pqr:2x2"), (["--partitioner", "pqr:4x1x1:wall=x"], "'x' is not a reference"),
+                            (["--partitioner", "pqr:4x1x1:harmonic=1"], "two different references"), (["--shifts", "x"], "--shifts"),
                             (["--shifts", "-1"], "--shifts"), (["--layers", "-1"], "--layers"),
                             (["--layers-by", "edges"], "--layers-by"), (["--equal", "parts"], "--equal"),
                             (["--balancer", "rotate"], "--balancer")):

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <charconv>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -11,6 +12,12 @@
 #include "meshing/io/files/atomic_file.h"
 
 namespace weft::meshing {
+
+/// Text that is to be written later.
+struct TextInMemory {
+  std::string text;
+  void write(std::string_view more) { text += more; }
+};
 
 template <class Out = AtomicFile>
 class TextOutput {

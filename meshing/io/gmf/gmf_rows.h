@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/gmf/gmf_format.h"
 #include "meshing/mesh/mesh_data.h"
 
@@ -53,6 +54,23 @@ auto rows_of(const File& file, const Section& section, RowRange range) {
   return file.rows(section, section.keyword->reals, section.keyword->indices, range);
 }
 
+template <class Rows>
+Point read_point(Rows& rows) {
+  Point p;
+  for (int c = 0; c < 3; ++c) {
+    p[c] = rows.real();
+    if (!std::isfinite(p[c])) rows.fail("a coordinate is not finite");
+  }
+  return p;
+}
+
+template <std::size_t N, class Rows>
+std::array<std::uint32_t, N> read_element(Rows& rows, std::uint64_t num_points) {
+  std::array<std::uint32_t, N> element;
+  for (std::uint32_t& vertex : element) vertex = read_index(rows, num_points, "vertex");
+  return element;
+}
+
 template <class File>
 void read_vertices(const File& file, const Section& section, RowRange range, std::vector<Point>& points,
                    std::vector<std::int32_t>& refs) {
@@ -61,11 +79,7 @@ void read_vertices(const File& file, const Section& section, RowRange range, std
   refs.resize(range.count);
   for (std::size_t i = 0; i < points.size(); ++i) {
     rows.begin_row();
-    Point& p = points[i];
-    for (int c = 0; c < 3; ++c) {
-      p[c] = rows.real();
-      if (!std::isfinite(p[c])) rows.fail("a coordinate is not finite");
-    }
+    points[i] = read_point(rows);
     refs[i] = read_ref(rows);
   }
   rows.finish();
@@ -80,10 +94,39 @@ void read_elements(const File& file, const Section& section, RowRange range,
   refs.resize(range.count);
   for (std::size_t i = 0; i < elements.size(); ++i) {
     rows.begin_row();
-    for (std::uint32_t& vertex : elements[i]) vertex = read_index(rows, num_points, "vertex");
+    elements[i] = read_element<N>(rows, num_points);
     refs[i] = read_ref(rows);
   }
   rows.finish();
+}
+
+/// All rows of a section, each by `read`, with their references into the stream.
+template <class T, class File, class Read>
+void stream_rows(const File& file, const Section& section, StreamedRows<T> out,
+                 StreamedRows<std::int32_t> out_refs, const Read& read) {
+  auto rows = rows_of(file, section, all_rows(section));
+  for (std::uint64_t i = 0; i < section.count; ++i) {
+    rows.begin_row();
+    out.add(read(rows));
+    out_refs.add(read_ref(rows));
+  }
+  rows.finish();
+  out.pass();
+  out_refs.pass();
+}
+
+template <class File>
+void stream_vertices(const File& file, const Section& section, MeshStream& stream) {
+  stream_rows<Point>(file, section, {stream, &MeshStream::take_points},
+                     {stream, &MeshStream::take_point_refs}, [](auto& rows) { return read_point(rows); });
+}
+
+template <class File>
+void stream_tets(const File& file, const Section& section, MeshStream& stream) {
+  const std::uint64_t num_points = file.layout().num_points();
+  stream_rows<std::array<std::uint32_t, 4>>(file, section, {stream, &MeshStream::take_tets},
+                                            {stream, &MeshStream::take_tet_refs},
+                                            [&](auto& rows) { return read_element<4>(rows, num_points); });
 }
 
 template <std::size_t N, class File>

@@ -64,6 +64,17 @@ MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& l
   });
 }
 
+MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream) {
+  const GmfLayout layout = read_gmf_layout(path);
+  return read_with(path, layout, [&](const auto& file) {
+    stream_vertices(file, vertices_section(file), stream);
+    if (const Section* tets = layout.find(kTetrahedra)) stream_tets(file, *tets, stream);
+    MeshData mesh;
+    read_boundary(file, mesh);
+    return mesh;
+  });
+}
+
 Association read_gmf_model(const std::filesystem::path& path, const GmfLayout& layout) {
   return read_with(path, layout, [](const auto& file) {
     Association association;

@@ -6,14 +6,15 @@
 #include <filesystem>
 #include <vector>
 
+#include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/gmf/gmf_format.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 // All functions here accept what read_gmf_mesh and read_gmf_solution do, complain in the same words, and
-// check of the rows those that they read. Of binary files only the part asked for is read, and nothing larger
-// is allocated; text files are read whole and scanned, but only the part asked for is kept. Rows that the
+// check of the rows those that they read. Of binary files only the part asked for is read; text files are
+// scanned from the first row of a section on. Nothing larger than the part is allocated. Rows that the
 // layout does not have throw std::out_of_range; a file whose size has changed since, InputError.
 
 /// The keywords of a mesh or a solution file, checked against the size of the file.
@@ -39,6 +40,10 @@ GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout
 /// All triangles, edges, corners, ridges and required entities, by numbers in the whole mesh; neither points
 /// nor tets.
 MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout);
+
+/// What read_gmf_mesh() returns but for points, tets and how they lie on a CAD model: points and tets go to
+/// the stream.
+MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream);
 
 /// The CAD model that the file carries, none of the records; empty where it has none.
 Association read_gmf_model(const std::filesystem::path& path, const GmfLayout& layout);

@@ -15,17 +15,17 @@ bool is_keyword(std::string_view word) {
 
 }  // namespace
 
-TextRows::TextRows(const std::string& file, std::string_view text, const Section& section, std::size_t reals,
-                   std::size_t indices, RowRange range)
-    : file_(file),
+TextRows::TextRows(const InputFile& file, const Section& section, std::size_t reals, std::size_t indices,
+                   RowRange range)
+    : file_(file.name()),
       section_(section),
-      words_(text, section.begin),
+      words_(file, section.begin),
       row_(range.first),
       ends_section_(range.first + range.count == section.count) {
   // Every number takes a digit and a blank, which bounds what a damaged count can make us allocate.
-  const std::uint64_t most = (text.size() - section.begin + 1) / 2 / (reals + indices);
+  const std::uint64_t most = (file.size() - section.begin + 1) / 2 / (reals + indices);
   if (section.count > most) {
-    throw InputError(file, std::string(section.keyword->name),
+    throw InputError(file_, std::string(section.keyword->name),
                      std::to_string(section.count) + " rows are more than the file can hold");
   }
   check_range(section, range);
@@ -42,8 +42,8 @@ void TextRows::finish() {
 }
 
 TextFile::TextFile(const std::filesystem::path& path) : file_(path) {
-  layout_.file_size = text().size();
-  Words words(text(), 0);
+  layout_.file_size = file_.size();
+  Words words(file_, 0);
   if (words.next() != "MeshVersionFormatted") {
     throw InputError(name(), "", "not an ASCII GMF file (it does not begin with MeshVersionFormatted)");
   }
@@ -51,7 +51,7 @@ TextFile::TextFile(const std::filesystem::path& path) : file_(path) {
   if (version < 1 || version > 4) {
     throw InputError(name(), "", "GMF version " + std::to_string(version) + " is unknown (1 to 4 are)");
   }
-  std::string_view word = words.next();
+  std::string word(words.next());
   while (word != "End") {
     if (word.empty()) throw InputError(name(), "", "the file is truncated: no keyword End");
     word = scan_keyword(word, words);
@@ -61,14 +61,14 @@ TextFile::TextFile(const std::filesystem::path& path) : file_(path) {
 
 TextFile::TextFile(const std::filesystem::path& path, const GmfLayout& layout)
     : file_(path), layout_(layout) {
-  check_size(name(), layout, text().size());
+  check_size(name(), layout, file_.size());
 }
 
 std::vector<std::int64_t> TextFile::take_solution_types(Section& section) const {
   const std::string entity(section.keyword->name);
-  Words words(text(), section.begin);
+  Words words(file_, section.begin);
   const std::uint64_t count = next_count(words, entity, "a number of fields");
-  if (count > text().size()) throw InputError(name(), entity, "the number of fields is damaged");
+  if (count > file_.size()) throw InputError(name(), entity, "the number of fields is damaged");
   std::vector<std::int64_t> types(count);
   for (std::int64_t& type : types) {
     type = static_cast<std::int64_t>(next_count(words, entity, "a field's type"));
@@ -87,22 +87,22 @@ std::uint64_t TextFile::next_count(Words& words, const std::string& entity,
 }
 
 /// Notes a keyword; passes over its values and returns the word behind them.
-std::string_view TextFile::scan_keyword(std::string_view word, Words& words) {
-  const KeywordInfo* keyword = find_keyword(word);
-  const std::string entity(word);
+std::string TextFile::scan_keyword(const std::string& entity, Words& words) {
+  const KeywordInfo* keyword = find_keyword(entity);
   Section section{keyword, 0, 0, 0};
-  if (word == "Dimension") {
+  if (entity == "Dimension") {
     if (std::exchange(has_dimension_, true)) throw InputError(name(), entity, "appears twice");
     check_dimension(name(), static_cast<std::int64_t>(next_count(words, entity, "a dimension")));
   } else if (keyword) {
     section.count = next_count(words, entity, "a count");
   }
   section.begin = section.end = words.position();
+  std::string_view word;
   for (word = words.next(); !word.empty() && !is_keyword(word); word = words.next()) {
     section.end = words.position();
   }
   if (keyword) layout_.add(name(), section);
-  return word;
+  return std::string(word);
 }
 
 }  // namespace weft::meshing::gmf

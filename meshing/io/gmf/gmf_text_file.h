@@ -11,49 +11,33 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/text_numbers.h"
 #include "meshing/io/gmf/gmf_format.h"
 
 namespace weft::meshing::gmf {
 
-/// Cuts text into words; a '#' begins a comment that lasts to the end of the line.
+/// Cuts a file into words, of which each is valid until the next; a '#' begins a comment that lasts to the
+/// end of the line.
 class Words {
  public:
-  Words(std::string_view text, std::uint64_t begin) : text_(text), at_(begin) {}
+  Words(const InputFile& file, std::uint64_t begin) : in_(file, begin) { in_.set_comment('#'); }
 
-  /// The next word, empty at the end of the text.
-  std::string_view next() {
-    skip_blanks();
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && !is_space(text_[at_]) && text_[at_] != '#') ++at_;
-    return text_.substr(begin, at_ - begin);
-  }
-  std::uint64_t position() const { return at_; }
+  /// The next word, empty at the end of the file.
+  std::string_view next() { return in_.word(); }
+  std::uint64_t position() const { return in_.position(); }
 
  private:
-  void skip_blanks() {
-    while (at_ < text_.size()) {
-      if (text_[at_] == '#') {
-        at_ = std::min(text_.find('\n', at_), text_.size());
-      } else if (is_space(text_[at_])) {
-        ++at_;
-      } else {
-        return;
-      }
-    }
-  }
-
-  std::string_view text_;
-  std::size_t at_;
+  Cursor in_;
 };
 
 /// Reads rows of one section in order: the counterpart of BinaryRows. Rows in front of the range are passed
 /// over.
 class TextRows {
  public:
-  TextRows(const std::string& file, std::string_view text, const Section& section, std::size_t reals,
-           std::size_t indices, RowRange range);
+  TextRows(const InputFile& file, const Section& section, std::size_t reals, std::size_t indices,
+           RowRange range);
 
   void begin_row() { ++row_; }
   double real() {
@@ -83,7 +67,7 @@ class TextRows {
   bool ends_section_;
 };
 
-/// An ASCII file: read whole, and cut into sections at the words that are keywords.
+/// An ASCII file, cut into sections at the words that are keywords. No more than a window of it is in memory.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path);
@@ -93,18 +77,17 @@ class TextFile {
   const std::string& name() const { return file_.name(); }
   const GmfLayout& layout() const { return layout_; }
   TextRows rows(const Section& section, std::size_t reals, std::size_t indices, RowRange range) const {
-    return TextRows(name(), text(), section, reals, indices, range);
+    return TextRows(file_, section, reals, indices, range);
   }
 
   /// The types of the fields in a solution section; moves the section's begin to its first row.
   std::vector<std::int64_t> take_solution_types(Section& section) const;
 
  private:
-  std::string_view text() const { return file_.bytes(); }
   std::uint64_t next_count(Words& words, const std::string& entity, const std::string& expected) const;
-  std::string_view scan_keyword(std::string_view word, Words& words);
+  std::string scan_keyword(const std::string& word, Words& words);
 
-  FileBytes file_;
+  InputFile file_;
   GmfLayout layout_;
   bool has_dimension_ = false;
 };

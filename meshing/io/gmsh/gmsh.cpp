@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -70,21 +71,32 @@ const ElementType* find_type(std::int64_t code) {
   return found == std::end(kElementTypes) ? nullptr : found;
 }
 
-/// Finds the index of a node by its tag; tags may have gaps and any order.
+/// Finds the index of a node by its tag; tags may have gaps and any order. Of tags 1, 2, 3 ... there is no
+/// table.
 class NodeTags {
  public:
-  void reserve(std::uint64_t n) { tags_.reserve(n); }
-  void add(std::uint64_t tag) { tags_.push_back(tag); }
-  std::size_t size() const { return tags_.size(); }
+  void add(std::uint64_t tag) {
+    ++size_;
+    if (consecutive_ && tag == size_) return;
+    if (std::exchange(consecutive_, false)) {
+      tags_.resize(size_ - 1);
+      std::iota(tags_.begin(), tags_.end(), std::uint64_t{1});
+    }
+    tags_.push_back(tag);
+  }
+  std::size_t size() const { return size_; }
 
   /// Call once all tags are known; returns a tag that appears twice, if any.
   std::optional<std::uint64_t> build() {
+    if (consecutive_) return std::nullopt;
     std::uint64_t largest = 0;
     for (const std::uint64_t tag : tags_) largest = std::max(largest, tag);
     return largest / 8 <= tags_.size() + 100 ? build_dense(largest) : build_sorted();
   }
 
   std::optional<std::uint32_t> find(std::uint64_t tag) const {
+    if (consecutive_)
+      return tag >= 1 && tag <= size_ ? std::optional(static_cast<std::uint32_t>(tag - 1)) : std::nullopt;
     if (sorted_.empty()) {
       if (tag >= dense_.size() || dense_[tag] == kNone) return std::nullopt;
       return dense_[tag];
@@ -112,12 +124,15 @@ class NodeTags {
     return twin == sorted_.end() ? std::nullopt : std::optional(twin->first);
   }
 
+  std::size_t size_ = 0;
+  bool consecutive_ = true;
   std::vector<std::uint64_t> tags_;
   std::vector<std::uint32_t> dense_;
   std::vector<Entry> sorted_;
 };
 
-/// The physical group of each element of one dimension, and the geometric entity for files without groups.
+/// The physical group of each element of one dimension below 3, and the geometric entity for files without
+/// groups.
 class Groups {
  public:
   void add(std::int32_t physical, std::int32_t entity) {
@@ -135,11 +150,24 @@ class Groups {
 
 class Reader {
  public:
-  Reader(Cursor& in, MeshContents& contents) : in_(in), contents_(contents) {}
+  /// Points and tets go to the stream.
+  Reader(Cursor& in, MeshContents& contents, MeshStream& stream, bool with_fields)
+      : in_(in),
+        contents_(contents),
+        stream_(stream),
+        points_(stream, &MeshStream::take_points),
+        tets_(stream, &MeshStream::take_tets),
+        tet_groups_(stream, &MeshStream::take_tet_refs),
+        tet_entities_(stream, &MeshStream::take_other_tet_refs),
+        with_fields_(with_fields) {}
   /// Of a file whose nodes are `range` of `num_nodes`, which are tagged 1, 2, 3 ...: elements have any of
   /// these.
-  Reader(Cursor& in, MeshContents& contents, const MeshRange& range, std::uint64_t num_nodes)
-      : in_(in), contents_(contents), first_node_(range.first_point), num_nodes_(num_nodes) {}
+  Reader(Cursor& in, MeshContents& contents, MeshStream& stream, const MeshRange& range,
+         std::uint64_t num_nodes)
+      : Reader(in, contents, stream, true) {
+    first_node_ = range.first_point;
+    num_nodes_ = num_nodes;
+  }
 
   void read() {
     if (in_.word() != "$MeshFormat") throw InputError(in_.file(), "", "not an MSH file: no $MeshFormat");
@@ -210,7 +238,7 @@ class Reader {
       read_nodes();
     } else if (name == "Elements") {
       read_elements();
-    } else if (name == "NodeData") {
+    } else if (name == "NodeData" && with_fields_) {
       read_node_data();
     } else {
       return skip_section(name);
@@ -220,11 +248,9 @@ class Reader {
   }
 
   void skip_section(const std::string& name) {
-    const std::size_t length = in_.rest().find("$End" + name);
-    if (length == std::string_view::npos) in_.fail("has no end");
-    in_.seek(in_.position() + length);
+    if (!in_.find("$End" + name)) in_.fail("has no end");
     in_.line();
-    if (name != "Comments") contents_.drop("sections $" + name);
+    if (name != "Comments" && name != "NodeData") contents_.drop("sections $" + name);
   }
 
   void read_names() {
@@ -282,26 +308,24 @@ class Reader {
     version_ == 2 ? read_nodes_2() : read_nodes_4();
     in_.enter("$Nodes");
     if (const auto twin = tags_.build()) in_.fail("node " + std::to_string(*twin) + " appears twice");
-    contents_.mesh.point_refs.resize(tags_.size());
+    points_.pass();
   }
 
-  void reserve_nodes(std::uint64_t count, std::uint64_t bytes_each) {
+  void require_nodes(std::uint64_t count, std::uint64_t bytes_each) const {
     in_.require(in_.entity_count(count), bytes_each);
-    tags_.reserve(count);
-    contents_.mesh.points.reserve(count);
   }
 
   void read_point() {
     Point p;
     for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
-    contents_.mesh.points.push_back(p);
+    points_.add(p);
   }
 
   void read_nodes_2() {
     const std::uint64_t count = in_.text_count();
     in_.line();
     in_.enter("node");
-    reserve_nodes(count, least_bytes(1, 0, 3));
+    require_nodes(count, least_bytes(1, 0, 3));
     for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
       tags_.add(size());
@@ -314,7 +338,7 @@ class Reader {
     size();  // the smallest tag
     size();  // the largest
     in_.enter("node");
-    reserve_nodes(count, least_bytes(0, 1, 3));
+    require_nodes(count, least_bytes(0, 1, 3));
     for (std::uint64_t i = 0; i < num_blocks; ++i) read_node_block(count);
     if (tags_.size() == count) return;
     in_.enter("$Nodes");
@@ -439,8 +463,11 @@ class Reader {
     MeshData& mesh = contents_.mesh;
     switch (type.code) {
       case gmsh::kTetrahedron:
-        mesh.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
-        break;
+        tets_.add({nodes[0], nodes[1], nodes[2], nodes[3]});
+        tet_groups_.add(physical_);
+        tet_entities_.add(entity_);
+        tets_have_groups_ |= physical_ != 0;
+        return;
       case gmsh::kTriangle:
         mesh.triangles.push_back({nodes[0], nodes[1], nodes[2]});
         break;
@@ -518,12 +545,15 @@ class Reader {
     MeshData& mesh = contents_.mesh;
     mesh.edge_refs = groups_[1].take();
     mesh.triangle_refs = groups_[2].take();
-    mesh.tet_refs = groups_[3].take();
+    tets_.pass();
+    tet_groups_.pass();
+    tet_entities_.pass();
+    if (!tets_have_groups_) stream_.prefer_other_tet_refs();
     const std::vector<std::int32_t>& corner_refs =
         groups_[0].physical();  // the entities are just their numbers
     for (std::size_t i = 0; i < mesh.corners.size(); ++i) {
       const std::uint64_t place = std::uint64_t{mesh.corners[i]} - first_node_;
-      if (place < mesh.point_refs.size()) mesh.point_refs[place] = corner_refs[i];
+      if (place < points_.count()) stream_.set_point_ref(static_cast<std::uint32_t>(place), corner_refs[i]);
     }
     std::ranges::sort(mesh.corners);  // a point can be in several groups
     mesh.corners.erase(std::ranges::unique(mesh.corners).begin(), mesh.corners.end());
@@ -531,12 +561,17 @@ class Reader {
 
   Cursor& in_;
   MeshContents& contents_;
+  MeshStream& stream_;
+  StreamedRows<Point> points_;
+  StreamedRows<std::array<std::uint32_t, 4>> tets_;
+  StreamedRows<std::int32_t> tet_groups_, tet_entities_;
+  bool tets_have_groups_ = false, with_fields_;
   std::uint64_t first_node_ = 0, num_nodes_ = 0;  ///< num_nodes_: 0 without a range
   int version_ = 4;
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
   std::map<std::pair<int, std::int32_t>, std::int32_t> entity_groups_;
   NodeTags tags_;
-  std::array<Groups, 4> groups_;  ///< by dimension
+  std::array<Groups, 3> groups_;  ///< by dimension
   std::map<const ElementType*, std::uint64_t> foreign_;
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
 };
@@ -742,17 +777,29 @@ MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange&
   const std::string bytes = layout->part(range);
   Cursor in(file.name(), bytes);
   MeshContents contents;
-  Reader(in, contents, range, layout->size().points).read();
+  MeshCollector collector;
+  Reader(in, contents, collector, range, layout->size().points).read();
+  collector.put_into(contents.mesh);
   contents.complete();
   return contents;
 }
 
 MeshContents read_gmsh(const std::filesystem::path& path) {
-  const FileBytes file(path);
-  Cursor in(file.name(), file.bytes());
+  const InputFile file(path);
+  Cursor in(file);
   MeshContents contents;
-  Reader(in, contents).read();
+  MeshCollector collector;
+  Reader(in, contents, collector, true).read();
+  collector.put_into(contents.mesh);
   contents.complete();
+  return contents;
+}
+
+MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream) {
+  const InputFile file(path);
+  Cursor in(file);
+  MeshContents contents;
+  Reader(in, contents, stream, false).read();
   return contents;
 }
 

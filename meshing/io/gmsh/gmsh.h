@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/files/mesh_stream.h"
 
 namespace weft::meshing {
 
@@ -13,6 +14,9 @@ namespace weft::meshing {
 /// entities. Node data are fields. Other elements and sections are dropped. Throws InputError naming file,
 /// entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path);
+/// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
+/// ... nothing is kept, of others their tags.
+MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream);
 
 /// The size of a binary file of version 4.1 whose nodes are tagged 1, 2, 3 ..., as weft writes them; nothing
 /// of another, of which ranges cannot be read. Reads all tags.

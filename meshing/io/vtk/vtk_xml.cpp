@@ -108,6 +108,12 @@ std::string array_name(pugi::xml_node array) {
   return name.empty() ? "a DataArray" : "array " + name;
 }
 
+/// Whether its values are words.
+bool is_text(pugi::xml_node array) {
+  const std::string_view format = array.attribute("format").value();
+  return format == "ascii" || format.empty();
+}
+
 /// The data of one array in blocks, as VTK stores them.
 std::vector<char> compressed(const std::vector<char>& data) {
   const std::uint64_t num_blocks = (data.size() + kBlockSize - 1) / kBlockSize;
@@ -159,25 +165,67 @@ VtkDocument::VtkDocument(const std::filesystem::path& path, const std::string& t
   }
 }
 
-/// The file up to the mark of the appended data, without which it is read to its end.
-void VtkDocument::read_text() {
-  constexpr std::uint64_t kFirst = std::uint64_t{1} << 16;
-  std::size_t appended = std::string::npos, end = std::string::npos, mark = std::string::npos;
-  while (mark == std::string::npos && text_.size() < file_.size()) {
-    const std::size_t known = text_.size();
-    text_.resize(std::min(file_.size(), std::max(kFirst, 2 * std::uint64_t{known})));
-    file_.read_at(known, text_.data() + known, text_.size() - known);
-    // A match may begin in what was known.
-    if (appended == std::string::npos)
-      appended = text_.find("<AppendedData", known - std::min(known, std::size_t{16}));
-    if (appended == std::string::npos) continue;
-    end = text_.find('>', appended);
-    if (end != std::string::npos) mark = text_.find('_', end);
+namespace {
+
+/// Whether values of this element stand in the text as words.
+bool begins_text_array(std::string_view tag) {
+  if (!tag.starts_with("<DataArray") || tag.ends_with("/>")) return false;
+  const std::size_t format = tag.find(" format=");
+  return format == std::string_view::npos || tag.substr(format + 9).starts_with("ascii");
+}
+
+/// Moves behind a tag, of which the cursor is at the begin. False where it has no end.
+bool pass_tag(Cursor& in) {
+  if (in.ahead(4) == "<!--") return in.find("-->") && (in.seek(in.position() + 3), true);
+  for (char quote = 0;; in.seek(in.position() + 1)) {
+    const std::string_view next = in.ahead(1);
+    if (next.empty()) return false;
+    if (quote != 0) {
+      quote = next[0] == quote ? 0 : quote;
+    } else if (next[0] == '"' || next[0] == '\'') {
+      quote = next[0];
+    } else if (next[0] == '>') {
+      return in.seek(in.position() + 1), true;
+    }
   }
-  if (appended == std::string::npos) return;
-  if (mark == std::string::npos) fail("AppendedData", "the file is truncated: no data");
-  data_ = mark + 1;
-  text_.resize(end + 1);
+}
+
+}  // namespace
+
+/// The file up to the appended data, without which it is read to its end. The values of a text array are left
+/// in the file: in their place it says where they are.
+void VtkDocument::read_text() {
+  Cursor in(file_);
+  bool values_follow = false;
+  for (std::uint64_t begin = 0;;) {
+    const bool more = in.find("<");
+    const std::uint64_t end = more ? in.position() : file_.size();
+    if (values_follow) {
+      text_ += std::to_string(begin) + " " + std::to_string(end);
+    } else {
+      copy_text(begin, end);
+    }
+    if (!more) return;
+    const bool closed = pass_tag(in);
+    begin = closed ? in.position() : file_.size();
+    const std::size_t tag = text_.size();
+    copy_text(end, begin);
+    if (!closed) return;
+    if (std::string_view(text_).substr(tag).starts_with("<AppendedData")) return begin_appended(in);
+    values_follow = begins_text_array(std::string_view(text_).substr(tag));
+  }
+}
+
+void VtkDocument::copy_text(std::uint64_t begin, std::uint64_t end) {
+  const std::size_t known = text_.size();
+  text_.resize(known + (end - begin));
+  file_.read_at(begin, text_.data() + known, end - begin);
+}
+
+/// The cursor is behind the tag, and has to find the mark.
+void VtkDocument::begin_appended(Cursor& in) {
+  if (!in.find("_")) fail("AppendedData", "the file is truncated: no data");
+  data_ = in.position() + 1;
   text_ += "</AppendedData></VTKFile>";
 }
 
@@ -207,12 +255,20 @@ std::vector<std::int64_t> VtkDocument::integers(pugi::xml_node array, std::uint6
 }
 
 bool VtkDocument::has_rows(pugi::xml_node array) const {
+  if (is_text(array)) return true;
   return !compressed_ && !appended_base64_ && data_ > 0 &&
          std::string_view(array.attribute("format").value()) == "appended";
 }
 
 std::uint64_t VtkDocument::size(pugi::xml_node array) const {
   std::uint64_t size = 0;
+  if (is_text(array)) {
+    const TextSpan span = text_span(array);
+    Cursor in(file_, span.begin, span.end);
+    TextPlace at{0, span.begin};
+    pass_over(in, at, kAny);
+    return at.value;
+  }
   with_type(array.attribute("type").value(),
             [&](auto example) { size = span_of(array).bytes / sizeof(example); });
   return size;
@@ -220,8 +276,7 @@ std::uint64_t VtkDocument::size(pugi::xml_node array) const {
 
 template <class T>
 std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected, Rows rows) const {
-  const std::string_view format = array.attribute("format").value();
-  if (format == "ascii" || format.empty()) return ascii_values<T>(array, expected);
+  if (is_text(array)) return ascii_values<T>(array, expected, rows);
   std::vector<T> out;
   const bool known = with_type(array.attribute("type").value(), [&](auto example) {
     using Stored = decltype(example);
@@ -252,14 +307,35 @@ std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected,
   return out;
 }
 
+VtkDocument::TextSpan VtkDocument::text_span(pugi::xml_node array) const {
+  const std::string said = array.child_value();
+  if (said.empty()) return {0, 0};  // an element without content
+  Cursor in(file_.name(), said);
+  in.enter(array_name(array));
+  const std::uint64_t begin = in.text_count();
+  return {begin, in.text_count()};
+}
+
+/// Moves the cursor of a text array to a value, or behind the last where there are fewer; `at`: where it is.
+void VtkDocument::pass_over(Cursor& in, TextPlace& at, std::uint64_t value) const {
+  const auto known = places_.find(at.position);
+  if (known != places_.end() && known->second.value <= value) at = known->second;
+  in.seek(at.position);
+  for (in.skip_blanks(); at.value < value && !in.at_end(); in.skip_blanks()) in.word(), ++at.value;
+  at.position = in.position();
+}
+
 template <class T>
-std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t expected) const {
-  Cursor in(file_.name(), array.child_value());
-  in.enter(array_name(array) + ", value");
-  if (expected != kAny) in.require(expected, 1);
+std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t expected, Rows rows) const {
+  const TextSpan span = text_span(array);
+  Cursor in(file_, span.begin, span.end);
+  TextPlace at{0, span.begin};
+  if (expected != kAny) in.enter(array_name(array) + ", value"), in.require(expected, 1);
+  pass_over(in, at, rows.first);
+  in.enter(array_name(array) + ", value", at.value);
   std::vector<T> out;
-  if (expected != kAny) out.reserve(expected);
-  for (in.skip_blanks(); !in.at_end(); in.skip_blanks()) {
+  if (expected != kAny) out.reserve(std::min(rows.count, expected - std::min(expected, rows.first)));
+  for (in.skip_blanks(); out.size() < rows.count && !in.at_end(); in.skip_blanks()) {
     in.next_row();
     if constexpr (std::is_same_v<T, double>) {
       out.push_back(in.text_real());
@@ -267,9 +343,12 @@ std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t exp
       out.push_back(in.text_integer());
     }
   }
-  if (expected == kAny || out.size() == expected) return out;
-  fail(array_name(array),
-       "has " + std::to_string(out.size()) + " values instead of " + std::to_string(expected));
+  places_[span.begin] = {at.value + out.size(), in.position()};
+  const bool is_all = at.value + out.size() >= expected || in.at_end();
+  if (expected == kAny || !is_all) return out;
+  const std::uint64_t found = size(array);
+  if (found == expected) return out;
+  fail(array_name(array), "has " + std::to_string(found) + " values instead of " + std::to_string(expected));
 }
 
 std::uint64_t VtkDocument::appended_offset(pugi::xml_node array) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "meshing/io/files/atomic_file.h"
+#include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/mesh_contents.h"
 
@@ -46,7 +48,8 @@ class VtkDocument {
   /// Part of the values of an array that has_rows().
   std::vector<double> reals(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
-  /// Whether parts of an array can be read: it is appended, raw and not compressed.
+  /// Whether parts of an array can be read: it is text, or appended, raw and not compressed. Rows of text are
+  /// found by passing over those before them, from the last ones that have been read on.
   bool has_rows(pugi::xml_node array) const;
   /// How many values such an array has.
   std::uint64_t size(pugi::xml_node array) const;
@@ -57,24 +60,39 @@ class VtkDocument {
     std::uint64_t position, bytes;
   };
 
+  /// Where the values of a text array are in the file.
+  struct TextSpan {
+    std::uint64_t begin, end;
+  };
+  /// A value of a text array, by its number, and where it is.
+  struct TextPlace {
+    std::uint64_t value, position;
+  };
+
   void read_text();
+  void copy_text(std::uint64_t begin, std::uint64_t end);
+  void begin_appended(Cursor& in);
+  TextSpan text_span(pugi::xml_node array) const;
+  void pass_over(Cursor& in, TextPlace& at, std::uint64_t value) const;
   template <class T>
   std::vector<T> values(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   template <class T>
-  std::vector<T> ascii_values(pugi::xml_node array, std::uint64_t expected) const;
+  std::vector<T> ascii_values(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   std::string decoded(pugi::xml_node array) const;
   Span span_of(pugi::xml_node array) const;
   std::uint64_t appended_offset(pugi::xml_node array) const;
   std::string_view appended() const;
 
   InputFile file_;
-  std::string text_;  ///< up to the appended data
+  std::string text_;  ///< up to the appended data, without the values of arrays of text
   pugi::xml_document xml_;
   pugi::xml_node grid_;
   bool swapped_ = false, wide_headers_ = false, compressed_ = false;
   bool appended_base64_ = false;
   std::uint64_t data_ = 0;        ///< where the appended data begin
   mutable std::string appended_;  ///< all of them, once something encoded was wanted
+  mutable std::map<std::uint64_t, TextPlace>
+      places_;  ///< in text arrays, by their begin: behind what has been read
 };
 
 /// What stands around the appended, uncompressed arrays of a document, and where these lie.

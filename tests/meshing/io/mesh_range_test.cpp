@@ -96,6 +96,23 @@ TEST(MeshRange, IsNotReadOfFormatsWithoutPlaces) {
   }
 }
 
+TEST(MeshRange, OfVtuAsTextIsFoundByPassingOverRows) {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "m.vtu";
+  WriteOptions ascii;
+  ascii.encoding = WriteOptions::Encoding::ascii;
+  MeshContents box = named_box();
+  box.mesh.point_refs[7] = 3;
+  write_mesh_contents(path, box, ascii);
+  const MeshContents whole = read_mesh_contents(path);
+  expect_equal(whole.mesh, box.mesh);
+  for (const std::uint64_t parts : {1u, 3u, 50u}) expect_equal(read_in_parts(path, parts).mesh, whole.mesh);
+  std::string bytes = bytes_of(path);
+  bytes.replace(bytes.find("<?xml"), 5, "<!-- <DataArray format=\"ascii\"> --><?xml");
+  put_bytes(path, bytes);
+  EXPECT_THROW(read_mesh_contents(path), InputError) << "a declaration that is not first";
+}
+
 TEST(MeshRange, IsNotReadOfTextOrOlderVersionsOfMsh) {
   const TemporaryDirectory directory;
   WriteOptions ascii, old;

@@ -44,6 +44,30 @@ TEST(Partitioner, ReadsSlabsAndAxes) {
   EXPECT_TRUE(parse_partitioner("pqr:2x3x4:principal:fewer").principal_axes);
 }
 
+TEST(Partitioner, ReadsCoordinates) {
+  const Partitioner p = parse_partitioner("pqr:8x2x1:harmonic=3,-5:principal:fewer", 16);
+  EXPECT_EQ(p.coordinate.kind, BoundaryCoordinate::Kind::harmonic);
+  EXPECT_THAT(p.coordinate.refs, ElementsAre(3, -5));
+  EXPECT_THAT(p.slabs, ElementsAre(8, 2, 1));
+  EXPECT_TRUE(p.principal_axes && p.fewer);
+  EXPECT_EQ(parse_partitioner("pqr:wall=7").coordinate.kind, BoundaryCoordinate::Kind::wall);
+  EXPECT_THAT(parse_partitioner("pqr:4x1x1:wall=7,1,2").coordinate.refs, ElementsAre(7, 1, 2));
+  EXPECT_FALSE(parse_partitioner("pqr:4x1x1").coordinate.asked());
+  for (const char* text : {"harmonic=3,-5", "wall=7,1,2", "wall=0"})
+    EXPECT_EQ(text_of(parse_coordinate(text)), text);
+}
+
+TEST(Partitioner, SaysWhatIsWrongWithACoordinate) {
+  EXPECT_THAT(refusal("pqr:4x1x1:wall="),
+              AllOf(HasSubstr("'' is not a reference"), HasSubstr(":wall=A,...")));
+  EXPECT_THAT(refusal("pqr:4x1x1:wall=1,two"), HasSubstr("'two' is not a reference"));
+  EXPECT_THAT(refusal("pqr:4x1x1:wall=99999999999"), HasSubstr("is not a reference"));
+  for (const char* text : {"pqr:harmonic=3", "pqr:harmonic=3,3", "pqr:4x1x1:harmonic=1,2,3"})
+    EXPECT_THAT(refusal(text), HasSubstr("does not name two different references")) << text;
+  EXPECT_THAT(refusal("pqr:wall=1:4x1x1"), HasSubstr("'4x1x1' is not known"));
+  EXPECT_THAT(refusal("graph:wall=1"), HasSubstr("graph takes no options"));
+}
+
 TEST(Partitioner, SaysWhatIsWrongAndWhatIsAllowed) {
   EXPECT_THAT(refusal("metis"),
               AllOf(HasSubstr("'metis' is not known"), HasSubstr("allowed: bisection, graph")));

@@ -172,6 +172,19 @@ TEST_P(OnRandomGraphs, HoldersOfAVertexAgreeOnWhoReceives) {
 
 INSTANTIATE_TEST_SUITE_P(Colouring, OnRandomGraphs, ::testing::Values(0.0, 0.02, 0.1, 0.5, 1.0));
 
+TEST(Colouring, PoorTetsComeFirstAndAmongAlikeOnesTheOrderChanges) {
+  const SubdomainId few(9), many(2), as_many(3);
+  int changes = 0;
+  for (std::uint64_t round = 0; round < 40; ++round) {
+    EXPECT_LT(priority_in(round, few, 0), priority_in(round, many, 1));
+    EXPECT_LT(priority_in(round, few, 3), priority_in(round, many, 4));
+    EXPECT_LT(priority_in(round, few, 1000), priority_in(round, many, ~std::uint64_t{0}));
+    changes += (priority_in(round, many, 40) < priority_in(round, as_many, 60)) !=
+               (priority_in(round + 1, many, 40) < priority_in(round + 1, as_many, 60));
+  }
+  EXPECT_GT(changes, 8);
+}
+
 TEST(Colouring, TiesAreSettledById) {
   const auto of = [](std::uint64_t value, std::uint32_t id) { return Priority{value, SubdomainId(id)}; };
   const std::vector<Priority> neighbours{of(3, 5), of(2, 9)};

@@ -99,6 +99,32 @@ void expect_moves_are_near(const std::map<TetName, SubdomainId>& before,
   }
 }
 
+/// Those that receive from all their neighbours, by the order that Choice goes by: an independent set of the
+/// graph of neighbours, not empty.
+std::set<SubdomainId> receivers_from_all(std::vector<Subdomain>& subdomains,
+                                         const std::vector<Priority>& priorities) {
+  std::set<SubdomainId> receivers;
+  for (const Subdomain& s : subdomains) {
+    std::vector<Priority> neighbours;
+    for (const SubdomainId n : s.interface.neighbours()) neighbours.push_back(priorities[n.value]);
+    if (ReceiverOrder(priorities[s.id.value], neighbours).above_self() == 0) receivers.insert(s.id);
+  }
+  EXPECT_FALSE(receivers.empty());
+  for (const Subdomain& s : subdomains)
+    for (const SubdomainId n : s.interface.neighbours())
+      EXPECT_FALSE(receivers.contains(s.id) && receivers.contains(n)) << s.id << " and " << n;
+  return receivers;
+}
+
+/// They have given nothing away.
+void expect_to_have_all(const std::set<SubdomainId>& receivers, const std::map<TetName, SubdomainId>& before,
+                        const std::map<TetName, SubdomainId>& after) {
+  for (const auto& [tet, place] : before)
+    if (receivers.contains(place)) {
+      EXPECT_EQ(after.at(tet), place);
+    }
+}
+
 /// Shifts until nothing is wanted; every step is checked.
 void shift_until_free(const Scene& scene, const ShiftOptions& options, unsigned seed) {
   const Cut cut = scene.cut();
@@ -115,10 +141,12 @@ void shift_until_free(const Scene& scene, const ShiftOptions& options, unsigned 
     const auto wants = rounds.wants();
     const auto priorities = random_priorities(scene.subdomains, random);
     const auto winners = winners_of(rounds.subdomains(), wants, priorities);
+    const std::set<SubdomainId> receivers = receivers_from_all(rounds.subdomains(), priorities);
     const std::uint64_t moved = rounds.shift(priorities);
     const auto after = tets_of(rounds.subdomains());
     EXPECT_GT(moved, 0u);
     expect_winners_are_respected(before, after, winners, options.layers);
+    expect_to_have_all(receivers, before, after);
     if (!options.by_faces && options.layers < 4)
       expect_moves_are_near(before, after, winners, options.layers);
     mark_as_free(rounds.subdomains());
@@ -140,6 +168,18 @@ TEST(Shift, LosesNothingAndFreesEverything) {
                  std::to_string(options.layers) + (options.by_faces ? " by faces" : " by points"));
     EXPECT_NO_THROW(shift_until_free(scene, options, seed));
     if (HasFailure()) return;
+  }
+}
+
+TEST(Shift, LayersAreAsGivenAlsoLaterWhereTheyAreGiven) {
+  for (const int layers : {0, 1, 5}) {
+    const ShiftOptions by_default{layers, true}, as_given{layers, true, false};
+    EXPECT_EQ(by_default.in_round(0).layers, layers);
+    EXPECT_EQ(by_default.in_round(3).layers, std::min(layers, 1));
+    for (const std::uint64_t round : {0, 3}) {
+      EXPECT_EQ(as_given.in_round(round).layers, layers);
+      EXPECT_TRUE(as_given.in_round(round).by_faces);
+    }
   }
 }
 

@@ -250,14 +250,16 @@ void add_subdomains(std::vector<Row>& rows) {
       "subdomains", "number of subdomains; 0: one mesh, on several ranks 4 a thread",
       [](Options & o) -> auto& { return o.distributed.subdomains; }));
   rows.push_back(word(
-      "partitioner", "graph, bisection or pqr:PxQxR[:principal][:fewer]",
+      "partitioner", "graph, bisection or pqr:PxQxR[:harmonic=A,B|:wall=A,...][:principal][:fewer]",
       [](Options & o) -> auto& { return o.distributed.partitioner; }));
   rows.push_back(choice(
       "equal", "what subdomains have equally of", [](Options & o) -> auto& { return o.distributed.equal; },
       Words<Distributed::Equal>{{{"work", Distributed::Equal::work}, {"tets", Distributed::Equal::tets}}}));
-  rows.push_back(whole_number(
-      "layers", "layers of tets that migrate in the first shift",
-      [](Options & o) -> auto& { return o.distributed.layers; }));
+  rows.push_back({{"layers", "whole number, or auto", "layers of tets that migrate in every shift", true},
+                  [](Options& o, const std::string& option, const std::string& text) {
+                    o.distributed.layers.reset();
+                    if (text != "auto") o.distributed.layers = whole_number_of<int>(option, text);
+                  }});
   rows.push_back(choice(
       "layers-by", "what layers grow across", [](Options & o) -> auto& { return o.distributed.layers_by; },
       Words<Distributed::LayersBy>{

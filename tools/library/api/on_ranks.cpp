@@ -16,6 +16,7 @@
 #include "partition/fields/slice_files.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/metric/part_domain.h"
+#include "partition/verify/verify_slices.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
@@ -152,6 +153,22 @@ MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& o
   return result;
 }
 
+VerifiedOnRanks verify_on_ranks(const std::string& mesh, const std::string& against, int max_problems) {
+  VerifiedOnRanks result;
+  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+    const auto check = [&](const std::string& file, int most) {
+      const MeshSlice slice = read_mesh(peers, file, result).slice;
+      const std::string problem = partition::array_problem(peers, slice);
+      if (!problem.empty()) throw InputError("", "", problem);  // as verify() does
+      return partition::verify_slices(peers, slice, most);
+    };
+    result.report = check(mesh, max_problems);
+    if (!against.empty()) result.against = check(against, 0);
+  });
+  result.first = first;
+  return result;
+}
+
 namespace {
 
 /// The mesh, as far as lost_in() counts it: all of the boundary, and as many references as are not 0.
@@ -172,7 +189,8 @@ std::vector<Dropped> lost_of_slices(Peers& peers, const MeshSlice& slice, const 
 
 bool can_convert_on_ranks(const std::string& input, const std::string& solution, const std::string& output) {
   try {
-    return !meshing::holds_fields(input) && meshing::size_for_ranges(input) &&
+    return !meshing::holds_fields(input) &&
+           (meshing::size_for_ranges(input) || meshing::can_be_streamed(input)) &&
            !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
            partition::can_write_slices(output);
   } catch (const InputError&) {  // that whoever reads the file whole tells once

@@ -98,8 +98,9 @@ void validate(const DistributedOptions& distributed) {
   constexpr std::array<std::string_view, 3> kBalancers = {"stealing", "diffusion", "none"};
   require(distributed.subdomains <= kMostSubdomains, "--subdomains",
           fmt::format("{} is above {}", distributed.subdomains, kMostSubdomains));
-  require(distributed.layers >= 0 && distributed.layers <= kMostLayers, "--layers",
-          fmt::format("{} is not between 0 and {}", distributed.layers, kMostLayers));
+  const int layers = distributed.layers.value_or(0);
+  require(layers >= 0 && layers <= kMostLayers, "--layers",
+          fmt::format("{} is not between 0 and {}", layers, kMostLayers));
   bool known = false;
   for (const std::string_view name : kBalancers) known |= name == distributed.balancer;
   require(known, "--balancer",

@@ -144,7 +144,9 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.decomposition.ridge_angle_degrees = options_.geometry.ridge_angle;
   method.decomposition.model = model_;
   method.decomposition.target_complexity = target_complexity;
-  method.shift = {asked.layers, asked.layers_by == DistributedOptions::LayersBy::faces};
+  method.shift.layers = asked.layers.value_or(method.shift.layers);
+  method.shift.by_faces = asked.layers_by == DistributedOptions::LayersBy::faces;
+  method.shift.fewer_later = !asked.layers;
   if (asked.shifts) method.most_shifts = *asked.shifts;
   method.refine_interface = asked.interface_refinement;
   method.tets_at_frozen_stay = asked.freeze == DistributedOptions::Freeze::tets;
@@ -251,7 +253,7 @@ void DistributedRun::gather_statistics(Report& report) {
   add_engine(std::move(sums), *stats_);
   stats_->subdomains = rank_.plan.subdomains;
   stats_->partitioner = partitioner_of(options_.distributed);
-  stats_->layers = options_.distributed.layers;
+  stats_->layers = rank_.plan.shift.layers;
   stats_->checks = result_.checks;
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);
   stats_->divided_from = static_cast<std::uint32_t>(rank_.plan.seeds.size());

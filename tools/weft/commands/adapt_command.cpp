@@ -227,8 +227,10 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
-  sub.add_option("--partitioner", distributed.partitioner,
-                 "graph (default), bisection, or slabs: pqr:PxQxR[:principal][:fewer]")
+  sub.add_option(
+         "--partitioner", distributed.partitioner,
+         "graph (default), bisection, or slabs: pqr:PxQxR[:COORDINATE][:principal][:fewer], COORDINATE "
+         "being harmonic=A,B or wall=A,... with references of triangles")
       ->type_name("NAME")
       ->group(kGroup);
   static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};
@@ -238,7 +240,7 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->type_name("WHAT")
       ->group(kGroup);
   sub.add_option("--layers", distributed.layers,
-                 "layers of tets migrated in the first shift; default 2; at most 1 later")
+                 "layers of tets migrated in every shift; default 2 in the first, then 1")
       ->type_name("L")
       ->check(CLI::Range(0, 1000).description(""))
       ->group(kGroup);

@@ -71,7 +71,7 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
 
 /// Under mpirun what these do not do together is done once, by the first.
 bool is_done_by_first(const std::string& subcommand) {
-  constexpr std::string_view kTogether[] = {"adapt", "stat", "metric", "interpolate", "convert"};
+  constexpr std::string_view kTogether[] = {"adapt", "stat", "metric", "interpolate", "convert", "verify"};
   return under_mpirun() && std::ranges::find(kTogether, subcommand) == std::end(kTogether);
 }
 

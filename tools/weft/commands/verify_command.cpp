@@ -11,6 +11,7 @@
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
+#include "weft/on_ranks.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -55,21 +56,35 @@ std::string report_text(const std::string& name, const CheckReport& report) {
   return text;
 }
 
-int run_verify(const VerifyCommand& command) {
+/// By all ranks of mpirun in shares, else by this process.
+VerifiedOnRanks check_files(const VerifyCommand& command) {
+  if (under_mpirun()) return verify_on_ranks(command.mesh, command.against);
   Progress progress(command.verbosity.style());
   progress.phase("checking");
-  const CheckReport report = verify(read_mesh(command.mesh));
-  std::string text = report_text(command.mesh, report);
-  std::vector<std::string> found;
+  VerifiedOnRanks done;
+  done.report = verify(read_mesh(command.mesh));
   if (!command.against.empty()) {
     progress.phase("checking the other mesh");
-    found = differences(report, verify(read_mesh(command.against), 0));
+    done.against = verify(read_mesh(command.against), 0);
+  }
+  progress.finish();
+  return done;
+}
+
+int run_verify(const VerifyCommand& command) {
+  const VerifiedOnRanks done = check_files(command);
+  if (!done.first) return kDone;
+  for (const std::string& warning : done.warnings)
+    if (!command.verbosity.quiet) fmt::print(stderr, "warning: {}\n", warning);
+  std::string text = report_text(command.mesh, done.report);
+  std::vector<std::string> found;
+  if (done.against) {
+    found = differences(done.report, *done.against);
     text += fmt::format("against {}\n", command.against);
     if (found.empty()) text += "  volumes and areas are the same\n";
     for (const std::string& difference : found) text += fmt::format("  PROBLEM: {}\n", difference);
   }
-  progress.finish();
-  const bool good = report.ok() && found.empty();
+  const bool good = done.report.ok() && found.empty();
   command.verbosity.print("{}{}\n", text, good ? "conforms" : "DOES NOT CONFORM");
   return good ? kDone : kGoalNotMet;
 }

@@ -50,6 +50,15 @@ struct MeasuresOnRanks : DoneOnRanks, MeshFigures {};
 /// measure(), sums but for rounding.
 WEFT_API MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& options);
 
+struct VerifiedOnRanks : DoneOnRanks {
+  CheckReport report;
+  std::optional<CheckReport> against;  ///< of the other mesh, without its problems' words
+};
+/// Checks the mesh of a file, and another one beside it (empty: none): what verify() says, volumes and areas
+/// but for rounding.
+WEFT_API VerifiedOnRanks verify_on_ranks(const std::string& mesh, const std::string& against = {},
+                                         int max_problems = 20);
+
 struct ConvertedOnRanks : DoneOnRanks {
   MeshCounts counts;
   std::vector<Dropped> dropped;

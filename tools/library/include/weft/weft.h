@@ -202,9 +202,12 @@ struct DistributedOptions {
   enum class Freeze { vertices, tets };
 
   std::uint32_t subdomains = 0;  ///< 0: one mesh in one process, 4 for each thread on several ranks
-  std::string partitioner;       ///< graph (default), bisection, pqr:PxQxR[:principal][:fewer]
-  Equal equal = Equal::work;     ///< what parts have equally of: predicted work or tets of the input
-  int layers = 2;                ///< layers of tets handed over in the first shift
+  /// graph (default), bisection, or slabs: pqr:PxQxR[:COORDINATE][:principal][:fewer], COORDINATE being
+  /// harmonic=A,B (0 on triangles of reference A, 1 on those of B, harmonic between) or wall=A,... (distance
+  /// from triangles of these references): what the P slabs are cut along
+  std::string partitioner;
+  Equal equal = Equal::work;  ///< what parts have equally of: predicted work or tets of the input
+  std::optional<int> layers;  ///< of tets handed over in every shift; empty: 2 in the first, then 1
   LayersBy layers_by = LayersBy::points;
   std::optional<std::uint32_t> shifts;  ///< at most; empty: until all the interface has been free, at most 12
   std::string balancer = "stealing";    ///< stealing, diffusion, none

@@ -12,6 +12,7 @@
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/by_components.h"
+#include "tools/library/jobs/sources/dealt_stream.h"
 
 namespace weft::tools {
 namespace {
@@ -79,6 +80,9 @@ MeshShare read_mesh_share(Peers& peers, const std::string& file) {
   MeshShare share;
   std::optional<meshing::MeshSize> size;
   MeshData whole;
+  bool streamed = false;
+  partition::agree_on(peers, [&] { streamed = peers.rank() == 0 && meshing::can_be_streamed(file); });
+  if (partition::max(peers, std::uint8_t{streamed}) != 0) return read_dealt_share(peers, file);
   partition::agree_on(peers, [&] {
     size = meshing::size_for_ranges(file);
     if (size) {
@@ -127,7 +131,12 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   slice.log_metrics = deal(peers, metric, totals[2]);
   slice.tets = deal(peers, mesh.tets, totals[1]);
   slice.tet_refs = deal(peers, mesh.tet_refs, totals[1]);
-  MeshData& b = slice.boundary;
+  slice.boundary = boundary_of_first(peers, mesh);
+  return slice;
+}
+
+MeshData boundary_of_first(Peers& peers, const MeshData& mesh) {
+  MeshData b;
   b.triangles = mesh.triangles;
   b.triangle_refs = mesh.triangle_refs;
   b.edges = mesh.edges;
@@ -145,7 +154,7 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   list(&MeshData::ridges);
   list(&MeshData::required_edges);
   list(&MeshData::required_triangles);
-  return slice;
+  return b;
 }
 
 Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {

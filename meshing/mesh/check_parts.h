@@ -1,0 +1,47 @@
+// The checks of check_mesh() on a mesh in parts, step by step: who has the parts puts together what they find
+// (partition/verify/verify_slices.h).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshing/mesh/mesh_data.h"
+#include "meshing/mesh/problems.h"
+
+namespace weft::meshing {
+
+/// All tets at the vertices of a range. What is checked here belongs to these vertices: a face or an edge to
+/// its least one.
+struct Stars {
+  const MeshData& mesh;                ///< vertices numbered as in the whole mesh; all triangles; no points
+  std::span<const std::int8_t> signs;  ///< of the tets' orientations
+  std::span<const std::uint64_t> tet_numbers;  ///< in the whole mesh, ascending
+  std::uint32_t first, end;                    ///< the vertices
+};
+
+struct StarsReport {
+  Problems problems;                     ///< of faces, in the order of check_mesh()
+  std::vector<std::uint8_t> matched;     ///< triangles that are faces of these tets
+  std::vector<std::uint32_t> component;  ///< for each tet the least of those that it is joined with here
+  std::uint64_t touching_edges = 0;
+  std::uint64_t balls = 0;  ///< sets of tets joined around a vertex
+  std::uint64_t used = 0;   ///< vertices with tets
+};
+
+/// 100 bytes a tet of temporaries; multithreaded.
+StarsReport check_stars(const Stars& stars, std::size_t max_problems);
+
+/// Marks the listed edges of `boundary` that are edges of these tets, and of its triangles where
+/// `with_triangles`.
+std::vector<std::uint8_t> find_edges(const MeshData& boundary,
+                                     const std::vector<std::array<std::uint32_t, 4>>& tets,
+                                     bool with_triangles);
+
+/// What check_mesh() says of triangles and edges, when the marks of all parts are put together.
+void report_unmatched(const MeshData& boundary, std::span<const std::uint8_t> matched,
+                      std::span<const std::uint8_t> found, Problems& problems);
+
+}  // namespace weft::meshing

@@ -1,0 +1,226 @@
+// Rank 0 says before each block what comes and for whom; the others listen until it says that nothing more
+// does.
+#include "tools/library/jobs/sources/dealt_stream.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
+
+namespace weft::tools {
+namespace {
+
+using meshing::Point;
+using partition::Peers;
+using Tet = std::array<std::uint32_t, 4>;
+
+enum class Column : std::uint64_t { points, point_refs, tets, tet_refs, other_tet_refs, none };
+
+/// What rank 0 says before a block. Without padding.
+struct Announcement {
+  Column column;
+  std::uint64_t first;  ///< number of the first row in the whole mesh
+  std::uint64_t rank;   ///< whose the block is
+};
+
+template <class T>
+struct Block {
+  std::uint64_t first;
+  std::vector<T> rows;
+};
+
+/// Rows of one array, of which this rank has some blocks.
+template <class T>
+class DealtColumn {
+ public:
+  void add(std::uint64_t first, std::vector<T> rows) { blocks_.push_back({first, std::move(rows)}); }
+
+  /// All ranks: the rows that this rank is to have; zeros where no rank has any. What was dealt is given up.
+  std::vector<T> share(Peers& peers, std::uint64_t total) {
+    std::vector<std::vector<std::uint64_t>> runs(static_cast<std::size_t>(peers.ranks()));  // first, count
+    std::vector<std::vector<T>> rows(runs.size());
+    for (Block<T>& block : blocks_) {
+      for (int r = 0; r < peers.ranks(); ++r) {
+        const Share s = share_of(total, r, peers.ranks());
+        const std::uint64_t end = block.first + block.rows.size();
+        const std::uint64_t from = std::clamp(s.first, block.first, end);
+        const std::uint64_t to = std::clamp(s.first + s.count, from, end);
+        if (from == to) continue;
+        auto& of_rank = rows[static_cast<std::size_t>(r)];
+        runs[static_cast<std::size_t>(r)].insert(runs[static_cast<std::size_t>(r)].end(), {from, to - from});
+        of_rank.insert(of_rank.end(), block.rows.begin() + static_cast<std::ptrdiff_t>(from - block.first),
+                       block.rows.begin() + static_cast<std::ptrdiff_t>(to - block.first));
+      }
+      block = {};
+    }
+    blocks_ = {};
+    const auto runs_here = partition::all_to_all(peers, std::move(runs));
+    auto rows_here = partition::all_to_all(peers, std::move(rows));
+    const Share mine = share_of(total, peers.rank(), peers.ranks());
+    std::vector<T> share(mine.count);
+    for (std::size_t r = 0; r < runs_here.size(); ++r) {
+      auto next = rows_here[r].begin();
+      for (std::size_t i = 0; i < runs_here[r].size(); i += 2) {
+        const auto end = next + static_cast<std::ptrdiff_t>(runs_here[r][i + 1]);
+        std::copy(next, end, share.begin() + static_cast<std::ptrdiff_t>(runs_here[r][i] - mine.first));
+        next = end;
+      }
+      rows_here[r] = {};
+    }
+    return share;
+  }
+
+ private:
+  std::vector<Block<T>> blocks_;
+};
+
+/// What this rank has got of the mesh so far.
+struct DealtArrays {
+  DealtColumn<Point> points;
+  DealtColumn<std::int32_t> point_refs, tet_refs, other_tet_refs;
+  DealtColumn<Tet> tets;
+
+  void add(const Announcement& a, const partition::Bytes& bytes) {
+    switch (a.column) {
+      case Column::points:
+        return points.add(a.first, partition::values_of<Point>(bytes));
+      case Column::point_refs:
+        return point_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
+      case Column::tets:
+        return tets.add(a.first, partition::values_of<Tet>(bytes));
+      case Column::tet_refs:
+        return tet_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
+      case Column::other_tet_refs:
+        return other_tet_refs.add(a.first, partition::values_of<std::int32_t>(bytes));
+      case Column::none:
+        return;
+    }
+  }
+};
+
+/// All ranks: one block from rank 0, which alone knows what comes. Returns whether any has come.
+bool pass_block(Peers& peers, const Announcement& mine, partition::Bytes rows, DealtArrays& arrays) {
+  std::vector<partition::Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
+  if (peers.rank() == 0)
+    for (std::size_t r = 0; r < to_each.size(); ++r) {
+      to_each[r] = partition::bytes_of(std::vector{mine});
+      if (r == mine.rank) to_each[r].insert(to_each[r].end(), rows.begin(), rows.end());
+    }
+  rows = {};
+  partition::Bytes arrived = std::move(peers.all_to_all(std::move(to_each))[0]);
+  const Announcement said =
+      partition::values_of<Announcement>({arrived.begin(), arrived.begin() + sizeof(Announcement)})[0];
+  if (said.rank == static_cast<std::uint64_t>(peers.rank())) {
+    arrived.erase(arrived.begin(), arrived.begin() + sizeof(Announcement));
+    arrays.add(said, arrived);
+  }
+  return said.column != Column::none;
+}
+
+/// Of rank 0: the reader's rows go on to the ranks in turn.
+class Dealer final : public meshing::MeshStream {
+ public:
+  Dealer(Peers& peers, DealtArrays& arrays) : peers_(peers), arrays_(arrays) {}
+
+  void take_points(std::vector<Point> rows) override { deal(Column::points, rows); }
+  void take_point_refs(std::vector<std::int32_t> rows) override { deal(Column::point_refs, rows); }
+  void take_tets(std::vector<Tet> rows) override { deal(Column::tets, rows); }
+  void take_tet_refs(std::vector<std::int32_t> rows) override { deal(Column::tet_refs, rows); }
+  void take_other_tet_refs(std::vector<std::int32_t> rows) override { deal(Column::other_tet_refs, rows); }
+  void prefer_other_tet_refs() override { prefers_other_ = true; }
+  void set_point_ref(std::uint32_t point, std::int32_t ref) override {
+    refs_of_points_.emplace_back(point, ref);
+  }
+
+  /// The others stop listening.
+  void end() { pass_block(peers_, {Column::none, 0, 0}, {}, arrays_); }
+
+  std::uint64_t count(Column column) const { return counts_[static_cast<std::size_t>(column)]; }
+  bool prefers_other() const { return prefers_other_; }
+  const std::vector<std::pair<std::uint32_t, std::int32_t>>& refs_of_points() const {
+    return refs_of_points_;
+  }
+
+ private:
+  template <class T>
+  void deal(Column column, const std::vector<T>& rows) {
+    std::uint64_t& count = counts_[static_cast<std::size_t>(column)];
+    const std::uint64_t rank = count / kRows % static_cast<std::uint64_t>(peers_.ranks());
+    pass_block(peers_, {column, count, rank}, partition::bytes_of(rows), arrays_);
+    count += rows.size();
+  }
+
+  Peers& peers_;
+  DealtArrays& arrays_;
+  std::array<std::uint64_t, 5> counts_{};
+  bool prefers_other_ = false;
+  std::vector<std::pair<std::uint32_t, std::int32_t>> refs_of_points_;
+};
+
+/// What all ranks have to know of what rank 0 has read. Plain data.
+struct Told {
+  std::uint64_t points, tets, prefers_other;
+};
+
+/// The points with a reference of their own, after the arrays.
+void set_point_refs(Peers& peers, const std::vector<std::pair<std::uint32_t, std::int32_t>>& refs,
+                    partition::MeshSlice& slice) {
+  std::vector<std::uint32_t> points;
+  std::vector<std::int32_t> values;
+  for (const auto& [point, ref] : refs) points.push_back(point), values.push_back(ref);
+  points = partition::allgather(peers, points)[0];
+  values = partition::allgather(peers, values)[0];
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i] >= slice.first_point && points[i] - slice.first_point < slice.points.size())
+      slice.point_refs[points[i] - slice.first_point] = values[i];
+}
+
+}  // namespace
+
+MeshShare read_dealt_share(Peers& peers, const std::string& file) {
+  MeshShare share;
+  DealtArrays arrays;
+  Dealer dealer(peers, arrays);
+  meshing::MeshContents rest;
+  std::string complaint;
+  if (peers.rank() == 0) {
+    try {
+      rest = meshing::stream_mesh(file, dealer);
+    } catch (const std::exception& error) {
+      complaint = error.what();
+    }
+    dealer.end();
+  } else {
+    while (pass_block(peers, {}, {}, arrays)) {
+    }
+  }
+  partition::agree(peers, complaint);
+
+  partition::MeshSlice& slice = share.slice;
+  const Told told =
+      partition::allgather(peers, std::vector<Told>{{dealer.count(Column::points), dealer.count(Column::tets),
+                                                     dealer.prefers_other()}})[0][0];
+  slice.num_points = told.points;
+  slice.num_tets = told.tets;
+  slice.first_point = share_of(told.points, peers.rank(), peers.ranks()).first;
+  slice.first_tet = share_of(told.tets, peers.rank(), peers.ranks()).first;
+  slice.points = arrays.points.share(peers, told.points);
+  slice.point_refs = arrays.point_refs.share(peers, told.points);
+  slice.tets = arrays.tets.share(peers, told.tets);
+  slice.tet_refs = (told.prefers_other ? arrays.other_tet_refs : arrays.tet_refs).share(peers, told.tets);
+  set_point_refs(peers, dealer.refs_of_points(), slice);
+  rest.complete();
+  slice.boundary = boundary_of_first(peers, std::move(rest.mesh));
+  share.names = std::move(rest.names);
+  share.dropped = std::move(rest.dropped);
+  return share;
+}
+
+}  // namespace weft::tools

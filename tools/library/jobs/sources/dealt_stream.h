@@ -1,0 +1,16 @@
+// A mesh that rank 0 reads and deals out to all ranks while it does: no rank ever holds it whole.
+#pragma once
+
+#include <string>
+
+#include "partition/communication/peers.h"
+#include "tools/library/jobs/sources/shares.h"
+
+namespace weft::tools {
+
+/// All ranks: the share of a file that meshing::can_be_streamed(). Blocks of points and tets go round the
+/// ranks as they are read; when their numbers are known, each rank gets its share of what all have got. Rank
+/// 0 holds what the others do, a block, and the boundary. Throws InputError alike on all ranks.
+MeshShare read_dealt_share(partition::Peers& peers, const std::string& file);
+
+}  // namespace weft::tools
