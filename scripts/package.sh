@@ -10,4 +10,4 @@ cmake --build build-package --parallel "$(nproc)"
 rm -rf build-package/packages
 (cd build-package && cpack -G DEB > cpack.log) || { cat build-package/cpack.log; exit 1; }
 ls build-package/packages/*.deb
-lintian --fail-on error --no-tag-display-limit build-package/packages/*.deb
+lintian --fail-on error --tag-display-limit 0 build-package/packages/*.deb

@@ -33,11 +33,12 @@ fs::path own_folder() {
   return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
 }
 
-/// Beside this code, where an installation has its libraries, and where a build has them.
+/// Beside this code, where an installation has its libraries (which may be two folders up: those for some
+/// processors only lie in glibc-hwcaps/LEVEL), and where a build has them.
 std::vector<fs::path> places() {
   const fs::path own = own_folder();
   std::vector<fs::path> all = {own / kPartName, own / "weft" / kPartName, own / "../lib" / kPartName,
-                               own / "../lib/weft" / kPartName};
+                               own / "../lib/weft" / kPartName, own / "../../weft" / kPartName};
 #ifdef WEFT_CAD_BUILD_FOLDER
   all.push_back(fs::path(WEFT_CAD_BUILD_FOLDER) / kPartName);
 #endif

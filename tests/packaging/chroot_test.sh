@@ -20,11 +20,27 @@ mapfile -t inside_packages < <(cd "$root" && printf '/%s\n' packages/*.deb)
 inside apt-get install -y -qq --no-install-recommends "${inside_packages[@]}" g++ pkg-config >/dev/null
 inside weft --version | head -1
 inside sh -c 'cd /tmp && weft mesh box --cells 4 4 4 -o box.meshb && weft adapt box.meshb --metric-fn uniform:0.2 -o fine.meshb --quiet && weft verify fine.meshb --quiet'
+if [[ -e $root/usr/lib/x86_64-linux-gnu/weft/libweft_cad.so ]]; then
+  cp tests/data/models/cylinder.brep "$root/tmp/"
+  inside sh -c 'cd /tmp && weft mesh cylinder.brep --size 0.5 -o cylinder.meshb --quiet && weft verify cylinder.meshb --quiet'
+fi
 cat tests/package/one_mesh.cpp >"$root/tmp/one_mesh.cpp"
 inside sh -c 'cd /tmp && g++ -std=c++20 one_mesh.cpp -o one_mesh $(pkg-config --cflags --libs weft) && ./one_mesh'
+cp tools/bindings/c/examples/adapt_file.c "$root/tmp/"
+inside sh -c 'cd /tmp && weft metric box.meshb --metric-fn uniform:0.2 -o box.solb --quiet &&
+  gcc -std=c99 adapt_file.c -o adapt_file $(pkg-config --cflags --libs weft) && ./adapt_file box.meshb box.solb from-c.meshb | head -1 &&
+  weft verify from-c.meshb --against box.meshb --quiet'
+if [[ -e $root/usr/lib/x86_64-linux-gnu/libweft_fortran.a ]]; then
+  cp tools/bindings/fortran/examples/adapt_file.f90 "$root/tmp/"
+  inside apt-get install -y -qq --no-install-recommends gfortran >/dev/null
+  inside sh -c 'cd /tmp && gfortran -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_file.f90 -o from_fortran -lweft_fortran -lweft &&
+    ./from_fortran box.meshb box.solb from-fortran.meshb | head -1 && cmp from-c.meshb from-fortran.meshb'
+fi
 inside sh -c 'test -s /usr/share/man/man1/weft-adapt.1.gz && test -s /usr/share/bash-completion/completions/weft'
 if [[ -e $root/usr/lib/python3/dist-packages/weft ]]; then
   inside python3 -c 'import weft; print(len(weft.adapt(weft.box((3, 3, 3)), metric_fn="uniform:0.3").mesh.tets), "tets from Python")'
+  inside sh -c 'cd /tmp && python3 -c "import weft; m = weft.read(\"box.meshb\"); weft.write(\"from-python.meshb\",
+    weft.adapt(m, weft.read_metric(\"box.solb\", m), hgrad=1.5, threads=1))" && cmp from-c.meshb from-python.meshb'
 fi
 inside apt-get remove -y -qq libweft0 >/dev/null
 if inside sh -c 'ls /usr/lib/x86_64-linux-gnu/libweft*' 2>/dev/null; then

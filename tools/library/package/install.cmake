@@ -13,7 +13,8 @@ install(TARGETS weft_library EXPORT weftTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(WEFT_HAS_CAD)
-  install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+  # Loaded by name, so not among the libraries that programs link.
+  install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
 install(TARGETS weft RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/library/include/weft ${PROJECT_SOURCE_DIR}/meshing/include/weft
