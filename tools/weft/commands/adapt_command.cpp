@@ -33,6 +33,8 @@ Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the t
 the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices
 and 12 tets per unit of complexity. Ctrl-C, SIGTERM and SIGALRM end the run with a valid intermediate mesh
 and exit code 1.
+Slabs: ALONG is harmonic=A,B (P slabs along what Laplace's equation makes between the triangles of reference
+A and those of B) or wall=A,... (along the distance from triangles of these references).
 Cases with published figures: cube-polar2-50000, cube-polar2-500000, delta-wing-500000.)";
 
 struct AdaptCommand {
@@ -227,10 +229,8 @@ void add_subdomains(CLI::App& sub, AdaptCommand& command) {
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 22).description(""))
       ->group(kGroup);
-  sub.add_option(
-         "--partitioner", distributed.partitioner,
-         "graph (default), bisection, or slabs: pqr:PxQxR[:COORDINATE][:principal][:fewer], COORDINATE "
-         "being harmonic=A,B or wall=A,... with references of triangles")
+  sub.add_option("--partitioner", distributed.partitioner,
+                 "graph (default), bisection, or slabs: pqr:PxQxR[:ALONG][:principal][:fewer]")
       ->type_name("NAME")
       ->group(kGroup);
   static const std::map<std::string, Equal> shares = {{"work", Equal::work}, {"tets", Equal::tets}};
