@@ -101,6 +101,7 @@ LIBRARIES = {
     "OpenCASCADE": (re.compile(r"(Adaptor|BRep|GCPnts|Geom|IFSelect|IGES|Interface_|Message|Poly_|STEP|Shape|Standard|TCol|TKernel|"
                                r"Top|gp_?).*\.hxx$"),
                     ["meshing/cad/occ_", "tests/meshing/cad/"]),
+    "SimGrid": (re.compile(r"simgrid/"), ["engine/simulate/simgrid_network.cpp"]),
     "METIS": (re.compile(r"metis\.h$"), ["partition/decompose/graph_partition.cpp"]),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
@@ -185,6 +186,7 @@ FORBIDDEN = [
     ("engine/base/a.cpp", '"meshing/metric/metric.h"'),
     ("engine/network/a.h", '"engine/mpi/mpi_transport.h"'),
     ("engine/schedule/a.h", '"engine/balance/balancer.h"'),
+    ("engine/simulate/simulation.cpp", "<simgrid/s4u.hpp>"),
     ("partition/shift/a.h", '"engine/objects/message.h"'),
     ("partition/shift/a.h", '"partition/communication/peers.h"'),
     ("partition/subdomain/a.h", '"partition/shift/shift.h"'),

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what weft needs on Debian 12; does nothing, offline, when it is all there. --all: also what optional parts need
-# (PETSc, dolfinx, Debian packages, documentation, Clang); without it these parts are left out, and their tests skip.
+# (PETSc, SimGrid, dolfinx, Debian packages, documentation, Clang); without it these parts are left out, and their tests skip.
 set -euo pipefail
 
 packages=(
@@ -18,6 +18,7 @@ packages=(
 
 if [[ ${1:-} == --all ]]; then
   packages+=(
+    libsimgrid-dev
     petsc-dev python3-petsc4py python3-dolfinx
     lintian debootstrap man-db groff zsh fish
     doxygen gcovr

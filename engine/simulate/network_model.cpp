@@ -33,14 +33,30 @@ double number_with_unit(std::string_view word, std::initializer_list<Unit> units
                                    std::data(units)[units.size() - 1].name));
 }
 
-int switch_of(std::string_view word) {
-  if (word == "flat") return 0;
-  int ranks = 0;
-  if (word.starts_with("tree:")) {
-    const auto [end, error] = std::from_chars(word.data() + 5, word.data() + word.size(), ranks);
-    if (error == std::errc() && end == word.data() + word.size() && ranks > 0) return ranks;
+struct NamedTopology {
+  std::string_view name;
+  Topology topology;
+  std::string_view of;  ///< what has N ranks
+};
+constexpr NamedTopology kTopologies[] = {{"tree", Topology::tree, "switch"},
+                                         {"fat-tree", Topology::fat_tree, "switch"},
+                                         {"dragonfly", Topology::dragonfly, "router"}};
+
+void read_topology(std::string_view word, NetworkModel& network) {
+  if (word == "flat") return;
+  const std::size_t colon = std::min(word.find(':'), word.size());
+  for (const NamedTopology& known : kTopologies) {
+    if (word.substr(0, colon) != known.name || colon == word.size()) continue;
+    const auto [end, error] =
+        std::from_chars(word.data() + colon + 1, word.data() + word.size(), network.switch_ranks);
+    if (error != std::errc() || end != word.data() + word.size() || network.switch_ranks <= 0) break;
+    network.topology = known.topology;
+    return;
   }
-  throw std::invalid_argument(text("'", word, "' is no topology: flat, or tree:N for N ranks a switch"));
+  throw std::invalid_argument(
+      text("'", word,
+           "' is no topology: flat, tree:N or fat-tree:N for N ranks a switch, dragonfly:N for N "
+           "ranks a router"));
 }
 
 std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
@@ -60,25 +76,29 @@ NetworkModel parse_network(std::string_view text_) {
     begin = end + 1;
   }
   if (words.size() < 2 || words.size() > 3)
-    throw std::invalid_argument(
-        text("'", text_, "' is not LATENCY,BANDWIDTH[,flat|tree:N], as in 2us,10GB/s"));
+    throw std::invalid_argument(text(
+        "'", text_, "' is not LATENCY,BANDWIDTH[,flat|tree:N|fat-tree:N|dragonfly:N], as in 2us,10GB/s"));
   NetworkModel network;
   network.latency = number_with_unit(words[0], {{"", 1}, {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}});
   network.bandwidth =
       number_with_unit(words[1], {{"", 1}, {"B/s", 1}, {"MB/s", 1e6}, {"GB/s", 1e9}, {"Gbit/s", 1.25e8}});
-  if (words.size() == 3) network.switch_ranks = switch_of(words[2]);
+  if (words.size() == 3) read_topology(words[2], network);
   return network;
 }
 
 std::string text_of(const NetworkModel& network) {
   std::string words = text(network.latency * 1e6, " us, ", network.bandwidth * 1e-9, " GB/s");
-  if (network.switch_ranks > 0) words += text(", ", network.switch_ranks, " ranks a switch, uplinks of half");
+  if (network.topology == Topology::tree)
+    words += text(", ", network.switch_ranks, " ranks a switch, uplinks of half");
+  for (const NamedTopology& known : kTopologies)
+    if (has_flows(known.topology) && known.topology == network.topology)
+      words += text(", ", known.name, " of SimGrid, ", network.switch_ranks, " ranks a ", known.of);
   return words;
 }
 
 NetworkLinks::NetworkLinks(const NetworkModel& network, int ranks)
     : network_(network), ports_(static_cast<std::size_t>(ranks)) {
-  if (network.switch_ranks > 0)
+  if (network.topology == Topology::tree)
     uplinks_.resize(static_cast<std::size_t>((ranks + network.switch_ranks - 1) / network.switch_ranks));
 }
 
@@ -93,7 +113,7 @@ std::int64_t NetworkLinks::send(Rank from, Rank to, std::size_t bytes, std::int6
   const auto switch_index = [&](Rank rank) {
     return rank.index() / static_cast<std::size_t>(network_.switch_ranks);
   };
-  if (network_.switch_ranks > 0 && switch_index(from) != switch_index(to)) {
+  if (network_.topology == Topology::tree && switch_index(from) != switch_index(to)) {
     const double uplink = network_.bandwidth * network_.switch_ranks / kTaper;
     const std::int64_t on_uplink = nanoseconds(static_cast<double>(bytes) / uplink);
     last = std::max(last, pass(uplinks_[switch_index(from)].out, last - on_uplink, on_uplink));

@@ -13,6 +13,7 @@
 #include <queue>
 #include <stdexcept>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "engine/base/text.h"
 #include "engine/run/launch.h"
 #include "engine/simulate/fiber.h"
+#include "engine/simulate/flow_network.h"
 #include "engine/trace/trace.h"
 
 namespace weft::engine {
@@ -91,10 +93,20 @@ class Simulation {
     }
   };
   void take_turns();
+  bool is_stale(const Turn& turn) const;
+  bool deliver(TimePoint until);
   void rouse_all();
+
+  /// On its way through a FlowNetwork.
+  struct Flying {
+    Rank from, to;
+    Packet packet;
+  };
 
   const SimulationOptions options_;
   NetworkLinks links_;
+  std::unique_ptr<FlowNetwork> flows_;  ///< null: `links_` says at once when a packet arrives
+  std::unordered_map<std::uint64_t, Flying> flying_;
   ProcessorClock processor_;
   std::vector<std::unique_ptr<SimulatedRank>> ranks_;
   std::priority_queue<Turn, std::vector<Turn>, std::greater<>> turns_;
@@ -300,6 +312,7 @@ class SimulatedRank final : public Transport, public VirtualTime {
 Simulation::Simulation(const SimulationOptions& options, const std::function<void(Transport&)>& body)
     : options_(options), links_(options.network, options.ranks) {
   if (options.ranks < 1) throw std::invalid_argument(text("there cannot be ", options.ranks, " ranks"));
+  if (has_flows(options.network.topology)) flows_ = make_flow_network(options.network, options.ranks);
   for (int r = 0; r < options.ranks; ++r) {
     ranks_.push_back(std::make_unique<SimulatedRank>(*this, Rank(r), body));
     schedule(Rank(r), 0, 0);
@@ -320,12 +333,20 @@ SimulationResult Simulation::run() {
   return result_;
 }
 
+bool Simulation::is_stale(const Turn& turn) const {
+  const SimulatedRank& rank = *ranks_[turn.rank.index()];
+  return rank.turn() != turn.turn || rank.finished();
+}
+
 void Simulation::take_turns() {
-  while (!turns_.empty()) {
+  for (;;) {
+    while (!turns_.empty() && is_stale(turns_.top())) turns_.pop();
+    // What arrives before the next turn may give another rank an earlier one. No rank sends before that time.
+    if (deliver(turns_.empty() ? kNever : turns_.top().time)) continue;
+    if (turns_.empty()) return;
     const Turn next = turns_.top();
     turns_.pop();
     SimulatedRank& rank = *ranks_[next.rank.index()];
-    if (rank.turn() != next.turn || rank.finished()) continue;
     ++result_.turns;
     rank.take_turn(next.time);
     while (outside_ != nullptr) {
@@ -336,12 +357,27 @@ void Simulation::take_turns() {
   }
 }
 
+/// Hands over the next packets that arrive from flows until then; false when there are none.
+bool Simulation::deliver(TimePoint until) {
+  if (flying_.empty()) return false;
+  const std::vector<FlowNetwork::Arrival> arrivals = flows_->advance(until);
+  for (const FlowNetwork::Arrival& arrival : arrivals) {
+    Flying flying = std::move(flying_.extract(arrival.packet).mapped());
+    rank(flying.to).arrive(arrival.time, flying.from, std::move(flying.packet));
+  }
+  return !arrivals.empty();
+}
+
 void Simulation::pass(Rank from, Rank to, Packet packet, TimePoint time) {
   std::size_t bytes = packet.head.size();
   for (const Blob& segment : packet.segments) bytes += segment.size();
   if (from != to) {
     ++result_.packets;
     result_.bytes += bytes;
+    if (flows_) {
+      flying_.emplace(result_.packets, Flying{from, to, std::move(packet)});
+      return flows_->send(result_.packets, from, to, bytes, time);
+    }
   }
   rank(to).arrive(links_.send(from, to, bytes, time), from, std::move(packet));
 }

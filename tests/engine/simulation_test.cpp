@@ -127,7 +127,12 @@ TEST(Simulation, A_large_message_takes_the_time_that_the_bandwidth_gives) {
 }
 
 TEST(Simulation, Switches_share_their_uplinks) {
-  const NetworkModel model{.latency = 1e-6, .bandwidth = 1e9, .gap = 0, .overhead = 0, .switch_ranks = 4};
+  const NetworkModel model{.latency = 1e-6,
+                           .bandwidth = 1e9,
+                           .gap = 0,
+                           .overhead = 0,
+                           .topology = Topology::tree,
+                           .switch_ranks = 4};
   NetworkLinks links(model, 8);
   const auto near = links.send(Rank(0), Rank(1), 1'000'000, 0);
   std::int64_t last = 0;
@@ -141,10 +146,15 @@ TEST(Simulation, Networks_are_read_from_words) {
   const NetworkModel network = parse_network("50us,1GB/s,tree:16");
   EXPECT_DOUBLE_EQ(network.latency, 50e-6);
   EXPECT_DOUBLE_EQ(network.bandwidth, 1e9);
+  EXPECT_EQ(network.topology, Topology::tree);
   EXPECT_EQ(network.switch_ranks, 16);
+  EXPECT_EQ(parse_network("2us,10GB/s,fat-tree:8").topology, Topology::fat_tree);
+  EXPECT_EQ(parse_network("2us,10GB/s,dragonfly:4").topology, Topology::dragonfly);
+  EXPECT_EQ(parse_network("2us,10GB/s,dragonfly:4").switch_ranks, 4);
+  EXPECT_EQ(parse_network("2us,10GB/s,flat").topology, Topology::flat);
   EXPECT_DOUBLE_EQ(parse_network("2e-6,1e10").bandwidth, 1e10);
-  for (const char* bad :
-       {"", "2us", "2us,10GB/s,ring", "-1us,1GB/s", "2us,fast", "2us,1GB/s,tree:0", "1,2,flat,4"})
+  for (const char* bad : {"", "2us", "2us,10GB/s,ring", "-1us,1GB/s", "2us,fast", "2us,1GB/s,tree:0",
+                          "2us,1GB/s,dragonfly", "2us,1GB/s,fat-tree:4x", "1,2,flat,4"})
     EXPECT_THROW(parse_network(bad), std::invalid_argument) << bad;
 }
 

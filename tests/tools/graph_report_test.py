@@ -165,6 +165,28 @@ class Replays(SampleTest):
         self.assertAlmostEqual(fine["work_seconds"] / recorded["work_seconds"], 1, delta=0.3)
         self.assertAlmostEqual(large["work_seconds"] / recorded["work_seconds"], 2 * 3 / 2, delta=0.9)
 
+    def test_networks_of_simgrid_have_contention(self):
+        self.sample(subdomains=24, rounds=4)
+        networks = [f"1us,20MB/s,{topology}" for topology in ("tree:4", "fat-tree:4", "dragonfly:2")]
+        if os.environ["WEFT_HAS_SIMGRID"] != "1":
+            for network in networks[1:]:
+                done = self.weft("replay", "graph.json", "--ranks", 8, "--network", network, expect=(2, 64))
+                self.assertIn("libsimgrid-dev", done.stderr)
+            self.skipTest("SimGrid is not installed: scripts/setup.sh --all")
+        words = ("--ranks", 8, "--balancer", "none", "--network")
+        fast, *slow = (self.account(*words, network) for network in ("1us,100GB/s,fat-tree:4", *networks))
+        for replay in slow:
+            self.assertEqual(replay["messages"], fast["messages"])
+            self.assertEqual(replay["work_seconds"], fast["work_seconds"])
+            self.assertGreater(replay["seconds"], 1.01 * fast["seconds"])
+        tree, fat_tree, dragonfly = (replay["seconds"] - fast["seconds"] for replay in slow)
+        self.assertGreater(fat_tree, tree / 4)
+        self.assertLess(fat_tree, 4 * tree)
+        self.assertGreater(dragonfly, tree / 4)
+        self.assertIn("dragonfly of SimGrid, 2 ranks a router", self.weft("replay", "graph.json", *words, networks[2]).stdout)
+        again = self.account(*words, networks[2])
+        self.assertEqual([again[key] for key in ("seconds", "packets")], [slow[2][key] for key in ("seconds", "packets")])
+
     def test_its_graph_is_a_graph_and_can_be_replayed_again(self):
         recorded = self.sample()["graph"]
         self.replay("first", "--ranks", 3, "--balancer", "diffusion", "--network", "50us,1GB/s,tree:2")

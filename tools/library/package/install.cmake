@@ -16,6 +16,9 @@ if(WEFT_HAS_CAD)
   # Loaded by name, so not among the libraries that programs link.
   install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
+if(WEFT_HAS_SIMGRID)
+  install(TARGETS weft_simgrid LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+endif()
 install(TARGETS weft RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/library/include/weft ${PROJECT_SOURCE_DIR}/meshing/include/weft
   ${PROJECT_SOURCE_DIR}/tools/bindings/c/include/weft

@@ -47,7 +47,8 @@ void add_machine(CLI::App& sub, ReplayOptions& options) {
   sub.add_option("--ranks", options.ranks, "ranks (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--threads", options.threads, "threads a rank (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--network", options.network,
-                 "latency, bandwidth, topology (flat, or tree:N: N ranks a switch); 2us,10GB/s")
+                 "latency, bandwidth, topology: flat, tree:N (N ranks a switch), or by SimGrid fat-tree:N, "
+                 "dragonfly:N (N ranks a router); 2us,10GB/s")
       ->type_name("L,B[,T]")
       ->group(kGroup);
   sub.add_option("--balancer", options.balancer, "none, stealing (default) or diffusion")

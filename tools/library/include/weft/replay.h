@@ -13,7 +13,9 @@ namespace weft {
 struct ReplayOptions {
   int ranks = 1;
   int threads = 1;                     ///< a rank; a task takes one
-  std::string network = "2us,10GB/s";  ///< LATENCY,BANDWIDTH[,flat|tree:N]
+  /// LATENCY,BANDWIDTH[,TOPOLOGY]: flat; tree:N, fat-tree:N for N ranks a switch; dragonfly:N for N ranks a
+  /// router. fat-tree and dragonfly are simulated by SimGrid, where weft was built with it.
+  std::string network = "2us,10GB/s";
   std::string balancer = "stealing";   ///< none, stealing, diffusion
   double slowdown = 1;                 ///< of every task: cores that are all busy are slower
   bool processor_times = false;        ///< tasks take their processor time: the machine had other work, too
@@ -58,7 +60,7 @@ WEFT_API std::string summary(const ReplayResult& result);
 /// that the rank takes, and by the network that its messages have to pass. What they do is real.
 struct SimulatedRanks {
   int ranks = 1;
-  std::string network = "2us,10GB/s";  ///< LATENCY,BANDWIDTH[,flat|tree:N]
+  std::string network = "2us,10GB/s";  ///< as ReplayOptions::network
   double slowdown = 1;                 ///< of the processor: cores that are all busy are slower
 };
 
