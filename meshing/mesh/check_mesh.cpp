@@ -88,10 +88,10 @@ void check_coordinates(const std::vector<Point>& points, Problems& problems) {
 
 /// Three vertices, ascending, and where they occur: tet * 4 + face, or a triangle. Two words compare faster
 /// than four halves.
-struct FaceRecord {
+struct SortedFace {
   std::uint64_t high, low;
-  FaceRecord() = default;
-  FaceRecord(Triangle v, std::uint32_t place) {
+  SortedFace() = default;
+  SortedFace(Triangle v, std::uint32_t place) {
     std::sort(v.begin(), v.end());
     high = std::uint64_t{v[0]} << 32 | v[1];
     low = std::uint64_t{v[2]} << 32 | place;
@@ -103,11 +103,11 @@ struct FaceRecord {
   std::uint32_t place() const { return static_cast<std::uint32_t>(low); }
   std::uint32_t tet() const { return place() / 4; }
   std::uint32_t face() const { return place() % 4; }
-  bool same_face(const FaceRecord& o) const { return high == o.high && low >> 32 == o.low >> 32; }
-  bool operator<(const FaceRecord& o) const { return high != o.high ? high < o.high : low < o.low; }
+  bool same_face(const SortedFace& o) const { return high == o.high && low >> 32 == o.low >> 32; }
+  bool operator<(const SortedFace& o) const { return high != o.high ? high < o.high : low < o.low; }
 };
 
-std::string name(const FaceRecord& face) {
+std::string name(const SortedFace& face) {
   std::ostringstream out;
   const Triangle v = face.vertices();
   out << "face (" << std::uint64_t{v[0]} + 1 << ' ' << std::uint64_t{v[1]} + 1 << ' '
@@ -115,8 +115,8 @@ std::string name(const FaceRecord& face) {
   return out.str();
 }
 
-std::vector<FaceRecord> sorted_tet_faces(const std::vector<Tet>& tets) {
-  std::vector<FaceRecord> faces(4 * tets.size());
+std::vector<SortedFace> sorted_tet_faces(const std::vector<Tet>& tets) {
+  std::vector<SortedFace> faces(4 * tets.size());
   for_chunks(tets.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t)
       for (std::size_t f = 0; f < 4; ++f) {
@@ -129,8 +129,8 @@ std::vector<FaceRecord> sorted_tet_faces(const std::vector<Tet>& tets) {
   return faces;
 }
 
-std::vector<FaceRecord> sorted_triangles(const std::vector<Triangle>& triangles) {
-  std::vector<FaceRecord> records(triangles.size());
+std::vector<SortedFace> sorted_faces(const std::vector<Triangle>& triangles) {
+  std::vector<SortedFace> records(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
     records[i] = {triangles[i], static_cast<std::uint32_t>(i)};
   tbb::parallel_sort(records);
@@ -196,7 +196,7 @@ class FaceCheck {
       : mesh_(mesh),
         signs_(signs),
         faces_(sorted_tet_faces(mesh.tets)),
-        triangles_(sorted_triangles(mesh.triangles)),
+        triangles_(sorted_faces(mesh.triangles)),
         matched_(mesh.triangles.size(), 0),
         components_(mesh.tets.size()) {}
 
@@ -230,7 +230,7 @@ class FaceCheck {
   std::uint64_t count_balls() const {
     Components corners(4 * mesh_.tets.size());
     for_groups([&](Group group) {
-      for (const FaceRecord& face : group.subspan(1))
+      for (const SortedFace& face : group.subspan(1))
         for (const std::uint32_t v : face.vertices())
           corners.unite(corner_of(group[0].tet(), v), corner_of(face.tet(), v));
     });
@@ -238,7 +238,7 @@ class FaceCheck {
   }
 
  private:
-  using Group = std::span<const FaceRecord>;
+  using Group = std::span<const SortedFace>;
 
   template <class Visit>
   void for_groups(const Visit& visit) const {
@@ -275,16 +275,16 @@ class FaceCheck {
   }
 
   /// The smallest record of the same face.
-  static FaceRecord first_of(FaceRecord face) {
+  static SortedFace first_of(SortedFace face) {
     face.low &= ~std::uint64_t{0xFFFFFFFFu};
     return face;
   }
 
-  std::uint32_t opposite(const FaceRecord& face) const { return mesh_.tets[face.tet()][face.face()]; }
+  std::uint32_t opposite(const SortedFace& face) const { return mesh_.tets[face.tet()][face.face()]; }
 
   /// On which side of the face, its vertices ascending, the tet lies: its orientation, and the sign of the
   /// permutation that leads from the tet's order of vertices to (face, opposite vertex).
-  int side(const FaceRecord& face) const {
+  int side(const SortedFace& face) const {
     const Tet& v = mesh_.tets[face.tet()];
     const std::uint32_t f = face.face();
     const std::uint32_t a = v[(f + 1) % 4], b = v[(f + 2) % 4], c = v[(f + 3) % 4];
@@ -297,14 +297,14 @@ class FaceCheck {
     for (std::size_t i = 1; i < group.size(); ++i) components_.unite(group[0].tet(), group[i].tet());
     if (group.size() > 2) {
       std::ostringstream tets;
-      for (const FaceRecord& face : group.first(shown)) tets << ' ' << face.tet() + 1;
+      for (const SortedFace& face : group.first(shown)) tets << ' ' << face.tet() + 1;
       found.add(name(group[0]), ": shared by ", group.size(), " tets:", tets.str());
     }
     for (std::size_t i = 0; i < shown; ++i)
       for (std::size_t j = i + 1; j < shown; ++j) check_pair(group[i], group[j], found);
   }
 
-  void check_pair(const FaceRecord& a, const FaceRecord& b, Problems& found) const {
+  void check_pair(const SortedFace& a, const SortedFace& b, Problems& found) const {
     if (opposite(a) == opposite(b)) {
       // The pair meets in four groups: named in that of the face without the largest vertex.
       if (opposite(a) > a.vertices()[2])
@@ -320,7 +320,7 @@ class FaceCheck {
       return;
     }
     const std::int32_t ref = mesh_.tet_refs[group[0].tet()];
-    for (const FaceRecord& face : group.subspan(1)) {
+    for (const SortedFace& face : group.subspan(1)) {
       if (mesh_.tet_refs[face.tet()] == ref) continue;
       found.add(name(face), ": between tets ", group[0].tet() + 1, " and ", face.tet() + 1,
                 " of different references without a triangle");
@@ -339,8 +339,8 @@ class FaceCheck {
 
   const MeshData& mesh_;
   const std::vector<std::int8_t>& signs_;
-  const std::vector<FaceRecord> faces_;
-  const std::vector<FaceRecord> triangles_;
+  const std::vector<SortedFace> faces_;
+  const std::vector<SortedFace> triangles_;
   std::vector<std::uint8_t> matched_;  // triangles that are faces; each is written by one chunk
   Components components_;
 };

@@ -11,7 +11,7 @@
 
 namespace weft::meshing {
 
-// All functions here accept what read_gmf_mesh and read_gmf_solution do, complain in the same words, and
+// All functions here accept what read_gmf_mesh and read_gmf_solution do, report errors in the same words, and
 // check of the rows those that they read. Of binary files only the part asked for is read, and nothing larger
 // is allocated; text files are read whole and scanned, but only the part asked for is kept. Rows that the
 // layout does not have throw std::out_of_range; a file whose size has changed since, InputError.

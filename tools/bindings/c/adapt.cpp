@@ -42,8 +42,8 @@ PartCall check_part_call(const weft_part* part, const weft_metric* metric, const
   return call;
 }
 
-/// A complaint that travels: the status as one letter, then the text.
-std::string complaint_of(const std::exception_ptr& error) {
+/// An error as it is sent to other ranks: the status as one character, then the text.
+std::string issue_of(const std::exception_ptr& error) {
   std::string text;
   const weft_status status = status_of(error, text);
   return static_cast<char>('0' + status) + text;
@@ -62,16 +62,16 @@ void check_communicator(MPI_Comm communicator) {
 weft_status adapt_parts(MPI_Comm communicator, const weft_part* part, const weft_metric* metric,
                         const weft_options* options, weft_result** result) {
   check_communicator(communicator);
-  std::string complaint;
+  std::string issue;
   PartCall call;
   std::shared_ptr<OptionsObject> known;
   try {
     known = object_or_none<OptionsObject>(options, "options");
     call = check_part_call(part, metric, known ? known->options : Options{}, result);
   } catch (...) {
-    complaint = complaint_of(std::current_exception());
+    issue = issue_of(std::current_exception());
   }
-  const Complaint first = first_complaint(communicator, complaint);
+  const RankError first = first_error(communicator, issue);
   if (first.rank >= 0) {
     set_last_error("rank " + std::to_string(first.rank) + ": " + first.text.substr(1));
     return static_cast<weft_status>(first.text[0] - '0');

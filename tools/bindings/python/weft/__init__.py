@@ -128,7 +128,7 @@ def _handle(comm: Any) -> int:
     raise UsageError(f"comm: is a {type(comm).__name__}, not a communicator of mpi4py")
 
 
-def _raise_complaint(rank: int, text: str, cause: Optional[BaseException]) -> None:
+def _raise_issue(rank: int, text: str, cause: Optional[BaseException]) -> None:
     kind, _, said = text.partition("\n")
     error = getattr(_errors, kind, Error)
     raise error(f"rank {rank}: {said}") from cause
@@ -138,16 +138,16 @@ def _adapt_parts(comm: Any, mesh: MeshLike, metric: MetricLike, fields: Any, sol
                  progress: Optional[Progress], cancel: Optional[Cancel], ids: Any, tet_ids: Any,
                  options: Dict[str, Any]) -> PartResult:
     handle = _handle(comm)
-    complaint, cause, prepared = "", None, None
+    issue, cause, prepared = "", None, None
     try:
         prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, options, fields,
                                       solutions, order)
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
-        complaint, cause = f"{kind}\n{error}", error
-    rank, text = _weft.first_complaint(handle, complaint)
+        issue, cause = f"{kind}\n{error}", error
+    rank, text = _weft.first_error(handle, issue)
     if rank >= 0:
-        _raise_complaint(rank, text, cause)
+        _raise_issue(rank, text, cause)
     return _weft.adapt_prepared(handle, prepared, progress, cancel)
 
 
