@@ -5,4 +5,4 @@ cd "$(dirname "$0")/.."
 
 scripts/setup.sh
 scripts/build.sh release
-ctest --test-dir build --output-on-failure --parallel $(($(nproc) + 1)) "$@"  # some only wait
+ctest --test-dir build --output-on-failure --parallel $(($(nproc) + 2)) "$@"  # many mostly wait

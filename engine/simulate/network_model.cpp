@@ -59,7 +59,9 @@ void read_topology(std::string_view word, NetworkModel& network) {
            "ranks a router"));
 }
 
-std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(std::llround(1e9 * seconds)); }
+std::int64_t whole_nanoseconds(double seconds) {
+  return static_cast<std::int64_t>(std::llround(1e9 * seconds));
+}
 
 /// Passes a packet through a link that is free from `free` on.
 std::int64_t pass(std::int64_t& free, std::int64_t time, std::int64_t takes) {
@@ -106,16 +108,16 @@ NetworkLinks::NetworkLinks(const NetworkModel& network, int ranks)
 /// where all links are free.
 std::int64_t NetworkLinks::send(Rank from, Rank to, std::size_t bytes, std::int64_t time) {
   if (from == to) return time;
-  const std::int64_t length = nanoseconds(static_cast<double>(bytes) / network_.bandwidth);
-  const std::int64_t on_port = nanoseconds(network_.gap) + length;
-  const std::int64_t latency = nanoseconds(network_.latency);
+  const std::int64_t length = whole_nanoseconds(static_cast<double>(bytes) / network_.bandwidth);
+  const std::int64_t on_port = whole_nanoseconds(network_.gap) + length;
+  const std::int64_t latency = whole_nanoseconds(network_.latency);
   std::int64_t last = pass(ports_[from.index()].out, time, on_port);  // the last byte has left
   const auto switch_index = [&](Rank rank) {
     return rank.index() / static_cast<std::size_t>(network_.switch_ranks);
   };
   if (network_.topology == Topology::tree && switch_index(from) != switch_index(to)) {
     const double uplink = network_.bandwidth * network_.switch_ranks / kTaper;
-    const std::int64_t on_uplink = nanoseconds(static_cast<double>(bytes) / uplink);
+    const std::int64_t on_uplink = whole_nanoseconds(static_cast<double>(bytes) / uplink);
     last = std::max(last, pass(uplinks_[switch_index(from)].out, last - on_uplink, on_uplink));
     last = std::max(last, pass(uplinks_[switch_index(to)].in, last - on_uplink, on_uplink)) + latency;
   }

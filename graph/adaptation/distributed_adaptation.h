@@ -24,7 +24,7 @@ struct DistributedOptions {
   /// it. Not to be scaled any more then (DecompositionOptions::target_complexity).
   partition::MeshSlice* background = nullptr;
   partition::ShiftOptions shift;
-  std::uint32_t most_shifts = 12;
+  std::uint32_t most_shifts = kMostShifts;
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};

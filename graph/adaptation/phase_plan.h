@@ -11,7 +11,7 @@ namespace weft::graph::adaptation {
 /// What a plan is made from, but for what is known of the input.
 struct PlanOptions {
   std::uint32_t subdomains = 1;
-  std::uint32_t most_shifts = 12;
+  std::uint32_t most_shifts = kMostShifts;
   partition::Partitioner partitioner;
   double tets_of_seed = 1e5;  ///< DistributedOptions
 };

@@ -55,6 +55,9 @@ struct PartsOf {
   std::uint32_t count = 1;
 };
 
+/// Shifts at most, where the user says nothing.
+inline constexpr std::uint32_t kMostShifts = 12;
+
 /// How subdomains are adapted; the same on all ranks.
 struct AdaptationPlan {
   std::uint32_t subdomains = 1;
@@ -62,7 +65,7 @@ struct AdaptationPlan {
   /// Ranks of the run that the subdomains were made in: their objects keep their names when it goes on from a
   /// checkpoint. 0: those of this run.
   int home_ranks = 0;
-  std::uint32_t most_shifts = 12;
+  std::uint32_t most_shifts = kMostShifts;
   partition::ShiftOptions shift;
   std::vector<Phase> phases{{0, 1}};
   bool coarsens = false;  ///< the first phase is coarser than the input

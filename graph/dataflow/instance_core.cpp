@@ -13,7 +13,7 @@
 namespace weft::graph::dataflow {
 namespace {
 
-/// Runs `step` on the engine's table of events, whose complaints know neither graph nor node.
+/// Runs `step` on the engine's table of events, whose errors know neither graph nor node.
 template <class Step>
 auto naming(const Structure& graph, NodeIndex event, const Step& step) {
   try {

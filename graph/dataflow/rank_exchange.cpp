@@ -31,14 +31,14 @@ struct Contributions {
 /// Small payloads that go the same way, packed as one.
 class Bundle {
  public:
-  struct Letter {
+  struct Message {
     std::int32_t from, to;
     std::uint64_t bytes;     ///< of the payload, its segments' included
     std::uint64_t segments;  ///< entries of segment_sizes_
   };
 
   void add(int from, int to, const engine::Payload& payload) {
-    letters_.push_back({from, to, payload.size(), payload.segments.size()});
+    messages_.push_back({from, to, payload.size(), payload.segments.size()});
     bytes_.insert(bytes_.end(), payload.bytes.begin(), payload.bytes.end());
     for (const engine::Blob& segment : payload.segments) {
       segment_sizes_.push_back(segment.size());
@@ -46,16 +46,16 @@ class Bundle {
     }
   }
   void append(const Bundle& other) {
-    other.each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
-      add(letter, bytes, sizes);
+    other.each([&](const Message& message, const std::byte* bytes, const std::uint64_t* sizes) {
+      add(message, bytes, sizes);
     });
   }
-  /// Takes out the letters for which goes(to).
+  /// Takes out the messages for which goes(to).
   template <class Goes>
   Bundle take(const Goes& goes) {
     Bundle going, staying;
-    each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
-      (goes(letter.to) ? going : staying).add(letter, bytes, sizes);
+    each([&](const Message& message, const std::byte* bytes, const std::uint64_t* sizes) {
+      (goes(message.to) ? going : staying).add(message, bytes, sizes);
     });
     *this = std::move(staying);
     return going;
@@ -63,43 +63,43 @@ class Bundle {
   /// Calls deliver(from, payload) for each.
   template <class Deliver>
   void open(const Deliver& deliver) const {
-    each([&](const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
+    each([&](const Message& message, const std::byte* bytes, const std::uint64_t* sizes) {
       engine::Payload payload;
       std::uint64_t in_segments = 0;
-      for (std::uint64_t s = 0; s < letter.segments; ++s) in_segments += sizes[s];
-      const std::byte* next = bytes + (letter.bytes - in_segments);
+      for (std::uint64_t s = 0; s < message.segments; ++s) in_segments += sizes[s];
+      const std::byte* next = bytes + (message.bytes - in_segments);
       payload.bytes.assign(bytes, next);
-      for (std::uint64_t s = 0; s < letter.segments; next += sizes[s++]) {
+      for (std::uint64_t s = 0; s < message.segments; next += sizes[s++]) {
         payload.segments.push_back(engine::Blob::allocate(sizes[s]));
         if (sizes[s] > 0) std::memcpy(payload.segments.back().data(), next, sizes[s]);
       }
-      deliver(letter.from, std::move(payload));
+      deliver(message.from, std::move(payload));
     });
   }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(letters_, segment_sizes_, bytes_);
+    archive(messages_, segment_sizes_, bytes_);
   }
 
  private:
-  void add(const Letter& letter, const std::byte* bytes, const std::uint64_t* sizes) {
-    letters_.push_back(letter);
-    bytes_.insert(bytes_.end(), bytes, bytes + letter.bytes);
-    segment_sizes_.insert(segment_sizes_.end(), sizes, sizes + letter.segments);
+  void add(const Message& message, const std::byte* bytes, const std::uint64_t* sizes) {
+    messages_.push_back(message);
+    bytes_.insert(bytes_.end(), bytes, bytes + message.bytes);
+    segment_sizes_.insert(segment_sizes_.end(), sizes, sizes + message.segments);
   }
   template <class Visit>
   void each(const Visit& visit) const {
     const std::byte* bytes = bytes_.data();
     const std::uint64_t* sizes = segment_sizes_.data();
-    for (const Letter& letter : letters_) {
-      visit(letter, bytes, sizes);
-      bytes += letter.bytes;
-      sizes += letter.segments;
+    for (const Message& message : messages_) {
+      visit(message, bytes, sizes);
+      bytes += message.bytes;
+      sizes += message.segments;
     }
   }
 
-  std::vector<Letter> letters_;
+  std::vector<Message> messages_;
   std::vector<std::uint64_t> segment_sizes_;
   std::vector<std::byte> bytes_;
 };
@@ -113,7 +113,7 @@ struct Mailbox {
   Bundle held;
   std::map<std::int32_t, Bundle> arrived;  ///< by step; a rank may be steps ahead
   std::int32_t step = 0;
-  bool began = false, passed = false;  ///< passed: this step's letters have gone on
+  bool began = false, passed = false;  ///< passed: this step's messages have gone on
 
   // Of the tree: rank r has the children 2 r + 1 and 2 r + 2. What has come from this rank and its children.
   std::array<std::optional<Contributions>, 3> parts;
@@ -129,8 +129,8 @@ struct Mailbox {
     began = true;
     pass_on(context);
   }
-  void pass(engine::Context& context, std::int32_t at_step, Bundle letters) {
-    arrived[at_step] = std::move(letters);
+  void pass(engine::Context& context, std::int32_t at_step, Bundle messages) {
+    arrived[at_step] = std::move(messages);
     pass_on(context);
   }
   void pass_on(engine::Context& context) {
@@ -246,18 +246,18 @@ std::vector<engine::Payload> RankExchange::exchange(std::vector<engine::Payload>
     if (to_each.size() != static_cast<std::size_t>(ranks)) {
       throw std::logic_error(engine::text(to_each.size(), " payloads for ", ranks, " ranks"));
     }
-    Bundle letters;
+    Bundle messages;
     for (int step = 1; step < ranks; ++step) {  // not all to the same rank at first
       const int to = (mine + step) % ranks;
       engine::Payload& payload = to_each[static_cast<std::size_t>(to)];
       // What is not sent is empty where it would have come: the run's end says that nothing comes any more.
       if (payload.size() == 0) continue;
       if (payload.size() < kDirectBytes)
-        letters.add(mine, to, std::exchange(payload, {}));
+        messages.add(mine, to, std::exchange(payload, {}));
       else
         context.invoke<&Mailbox::put>(mailbox_of(to), mine, std::move(payload));
     }
-    if (ranks > 1) context.invoke<&Mailbox::begin>(mailbox_of(mine), std::move(letters));
+    if (ranks > 1) context.invoke<&Mailbox::begin>(mailbox_of(mine), std::move(messages));
   });
   std::vector<engine::Payload> received;
   with_mailbox([&](Mailbox& mailbox) { received = std::move(mailbox.from_each); });

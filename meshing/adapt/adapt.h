@@ -25,7 +25,7 @@ struct AdaptOptions {
   /// How many others of the current TBB arena's `threads` have nothing to do now: asked before each pass,
   /// which they help with. Empty: the adaptation has `threads` of its own.
   std::function<int()> idle_threads;
-  double ridge_angle_degrees = 45;
+  double ridge_angle_degrees = kRidgeAngle;
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
                      ///< 0: 0.1 % of the bounding box diagonal
   std::shared_ptr<const Model> model;  ///< that the boundary lies on; null: the surface is reconstructed

@@ -257,7 +257,7 @@ class Adaptation {
   }
 
   /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric
-  /// its tets are needles as yet, and splits along the boundary would be refused for making them thinner
+  /// its tets are still needles, and splits along the boundary would be refused for making them thinner
   /// still.
   void resolve_curved_boundary() {
     constexpr int kMostRounds = 15;

@@ -24,6 +24,11 @@ inline Vec cross(const Vec& a, const Vec& b) {
 }
 inline double norm2(const Vec& a) { return dot(a, a); }
 inline double norm(const Vec& a) { return std::sqrt(norm2(a)); }
+/// Of length 1; the zero vector stays.
+inline Vec normalized(const Vec& v) {
+  const double length = norm(v);
+  return length > 0 ? (1 / length) * v : Vec{};
+}
 inline Point midpoint(const Point& a, const Point& b) {
   return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
 }

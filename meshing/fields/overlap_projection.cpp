@@ -252,7 +252,7 @@ class BoundedColumn {
   ValueTable& table_;
 };
 
-void check(const MeshData& mesh) {
+void check_volumes(const MeshData& mesh) {
   const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
     const auto x = corners_of(mesh, t);
     return orientation(x[0], x[1], x[2], x[3]) <= 0;
@@ -276,7 +276,7 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
                             std::span<const std::uint32_t> places, std::span<const double> wanted,
                             std::span<const TensorColumns> tensors, ValueTable& table) {
-  check(to.mesh());
+  check_volumes(to.mesh());
   const Demands demands = demands_of(from, old, to.mesh(), places, table);
   const MassMatrix mass(to.mesh());
   const auto refresh = [&](std::vector<double>& values) { to.refresh(table.columns, values); };

@@ -22,7 +22,7 @@ double volume_of(const MeshData& mesh, std::size_t t) {
   return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6);
 }
 
-std::size_t width(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
+std::size_t columns_of(const Field& field) { return static_cast<std::size_t>(components(field.kind)); }
 
 SymTensor tensor_of(const Field& field, std::size_t v) {
   const double* t = field.values.data() + 6 * v;
@@ -34,9 +34,9 @@ std::vector<ComponentAccount> named_accounts(const SolutionData& fields) {
   for (std::size_t f = 0; f < fields.fields.size(); ++f) {
     const Field& field = fields.fields[f];
     const std::string name = field.name.empty() ? "field " + std::to_string(f + 1) : field.name;
-    for (std::size_t c = 1; c <= width(field); ++c) {
+    for (std::size_t c = 1; c <= columns_of(field); ++c) {
       accounts.emplace_back();
-      accounts.back().name = width(field) == 1 ? name : name + " " + std::to_string(c);
+      accounts.back().name = columns_of(field) == 1 ? name : name + " " + std::to_string(c);
     }
   }
   return accounts;
@@ -106,9 +106,9 @@ bool is_definite(const MetricDomain& domain, const Field& field) {
 std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, SolutionData& fields) {
   std::vector<TensorColumns> tensors;
   std::size_t first = 0, end = 0;
-  for (const Field& field : fields.fields) end += width(field);
+  for (const Field& field : fields.fields) end += columns_of(field);
   const std::size_t count = fields.fields.size();
-  for (std::size_t f = 0; f < count; first += width(fields.fields[f++])) {
+  for (std::size_t f = 0; f < count; first += columns_of(fields.fields[f++])) {
     if (!is_definite(domain, fields.fields[f])) continue;
     std::vector<double> least(fields.num_points), largest(fields.num_points);
     for_each_index(fields.num_points, [&](std::size_t v) {

@@ -11,11 +11,6 @@ constexpr int kMaxIterations = 16;
 // A Newton step this small, in weights, leaves an error of its square.
 constexpr double kSmallStep = 1e-8;
 
-Vec unit(const Vec& v) {
-  const double length = norm(v);
-  return length > 0 ? (1 / length) * v : Vec{};
-}
-
 struct ArcJet {
   Vec x, d1, d2;
 };
@@ -46,8 +41,8 @@ ArcPoint closest_point(const CubicArc& arc, const Point& p, double start) {
     jet = evaluate(arc, s);
   }
   const Point x = s == 1 ? arc.b : arc.a + jet.x;
-  Vec tangent = unit(jet.d1);
-  if (tangent == Vec{}) tangent = unit(arc.b - arc.a);
+  Vec tangent = normalized(jet.d1);
+  if (tangent == Vec{}) tangent = normalized(arc.b - arc.a);
   return {s, norm2(x - p), x, tangent};
 }
 
@@ -115,13 +110,13 @@ CurvedTriangle::Frame CurvedTriangle::frame(const Barycentric& at) const {
 namespace {
 
 /// The quadratic model of half the squared distance, in the weights of corners 1 and 2.
-struct Model {
+struct QuadraticModel {
   double g1, g2, h11, h12, h22;
 };
 
-Model model_of(const CurvedTriangle::Jet& jet, const Vec& q) {
+QuadraticModel model_of(const CurvedTriangle::Jet& jet, const Vec& q) {
   const Vec r = jet.x - q;
-  Model m{dot(r, jet.d1), dot(r, jet.d2), norm2(jet.d1), dot(jet.d1, jet.d2), norm2(jet.d2)};
+  QuadraticModel m{dot(r, jet.d1), dot(r, jet.d2), norm2(jet.d1), dot(jet.d1, jet.d2), norm2(jet.d2)};
   const double a = m.h11 + dot(r, jet.d11), b = m.h12 + dot(r, jet.d12), c = m.h22 + dot(r, jet.d22);
   // Newton's Hessian unless the point is so far from the surface that it is about to lose definiteness.
   if (a > 0 && c > 0 && a * c - b * b > 0.1 * (m.h11 * m.h22 - m.h12 * m.h12)) {
@@ -131,7 +126,7 @@ Model model_of(const CurvedTriangle::Jet& jet, const Vec& q) {
 }
 
 /// The step to the model's minimum over the plane, as a change of the three weights.
-Barycentric free_step(const Model& m) {
+Barycentric free_step(const QuadraticModel& m) {
   const double det = m.h11 * m.h22 - m.h12 * m.h12, trace = m.h11 + m.h22;
   if (!(trace > 0)) return {};
   double s1 = -m.g1 / trace, s2 = -m.g2 / trace;  // of a degenerate triangle: downhill
@@ -143,7 +138,7 @@ Barycentric free_step(const Model& m) {
 }
 
 /// The step to the model's minimum along edge `i`.
-Barycentric edge_step(const Model& m, int i) {
+Barycentric edge_step(const QuadraticModel& m, int i) {
   Barycentric e{};
   e[(i + 1) % 3] = -1;
   e[(i + 2) % 3] = 1;
@@ -162,7 +157,7 @@ bool leaves(const Barycentric& at, const Barycentric& step) {
 
 /// The best step that does not leave the triangle at once: over the plane, else along an edge that `at` is
 /// on.
-Barycentric feasible_step(const Barycentric& at, const Model& m) {
+Barycentric feasible_step(const Barycentric& at, const QuadraticModel& m) {
   Barycentric step = free_step(m);
   if (!leaves(at, step)) return step;
   for (int i = 0; i < 3; ++i) {

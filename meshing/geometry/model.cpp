@@ -14,11 +14,6 @@ constexpr double kStill = 1e-13;
 constexpr double kFlat = 1e-11;
 constexpr int kBorderSegments = 32;
 
-Vec unit(const Vec& v) {
-  const double length = norm(v);
-  return length > 0 ? (1 / length) * v : Vec{};
-}
-
 double at_share(double a, double b, int i, int n) { return i == n ? b : a + (b - a) * i / n; }
 
 /// `x` moved by periods into [lo, lo + period).
@@ -168,7 +163,7 @@ void Model::find_planes_and_lines() {
   for (std::uint32_t e = 0; e < num_edges(); ++e) {
     const EdgeSamples& s = edge_samples_[e];
     if (edge(e).form.kind == CurveForm::Kind::circle || s.x.empty()) continue;
-    const Vec along = unit(s.x.back() - s.x.front());
+    const Vec along = normalized(s.x.back() - s.x.front());
     const bool straight = norm(along) > 0 && std::all_of(s.x.begin(), s.x.end(), [&](const Point& x) {
                             return norm(cross(x - s.x.front(), along)) <= kFlat * size_;
                           });
@@ -196,7 +191,7 @@ SurfaceJet Model::surface(std::uint32_t f, const Parameters& at) const {
 
 OnEdge Model::point_on_edge(std::uint32_t e, double t) const {
   const CurveJet jet = curve(e, t);
-  return {jet.x, t, unit(jet.d1), 0};
+  return {jet.x, t, normalized(jet.d1), 0};
 }
 
 OnFace Model::point_on_face(std::uint32_t f, const Parameters& at) const {
@@ -206,7 +201,7 @@ OnFace Model::point_on_face(std::uint32_t f, const Parameters& at) const {
   const Vec n = cross(jet.du, jet.dv);
   // Where one derivative is lost in the other's rounding there is no normal.
   const bool sound = norm(n) > 1e-10 * std::max(norm2(jet.du), norm2(jet.dv));
-  return {jet.x, at, sound ? unit(n) : Vec{}, 0};
+  return {jet.x, at, sound ? normalized(n) : Vec{}, 0};
 }
 
 std::optional<SurfaceCurvature> Model::curvature(std::uint32_t f, const Parameters& at) const {
@@ -216,7 +211,7 @@ std::optional<SurfaceCurvature> Model::curvature(std::uint32_t f, const Paramete
   // symmetric.
   const double ee = norm2(jet.du), ff = dot(jet.du, jet.dv), gg = norm2(jet.dv), det = ee * gg - ff * ff;
   if (!(det > 1e-20 * std::max(ee, gg) * std::max(ee, gg)) || norm(n) == 0) return std::nullopt;
-  const Vec a = unit(jet.du), b = cross(n, a);
+  const Vec a = normalized(jet.du), b = cross(n, a);
   // Parameters that run along a and b at unit speed.
   const double va = dot(jet.dv, a), vb = dot(jet.dv, b), su = 1 / std::sqrt(ee), sv = 1 / vb;
   const std::array<double, 2> da{su, 0}, db{-va * su * sv, sv};

@@ -14,13 +14,6 @@ constexpr double kHoldBack = 1e-4;
 // which a fit is extrapolation. Measured on irregular cylinders and cones: at 3 good fits are lost, at 30 bad
 // ones get in.
 constexpr double kUncertain = 10;
-// A fit that turns the mean normal by more (26 degrees) contradicts the triangles and is not believed.
-constexpr double kTrustedCosine = 0.9;
-
-Vec unit(const Vec& v) {
-  const double length = norm(v);
-  return length > 0 ? (1 / length) * v : Vec{};
-}
 
 /// Symmetric positive definite 5x5 system by Cholesky's factors; only the lower half is read.
 class System {
@@ -80,7 +73,7 @@ struct LocalFit {
 /// as often for a vertex at a feature edge with a single row of triangles.
 bool improve(LocalFit& fit, std::span<const Vec> ring, std::span<const Vec> tangents, double size) {
   const Vec side = std::abs(fit.normal.x) < 0.6 ? Vec{1, 0, 0} : Vec{0, 1, 0};
-  const Vec e1 = unit(cross(fit.normal, side)), e2 = cross(fit.normal, e1);
+  const Vec e1 = normalized(cross(fit.normal, side)), e2 = cross(fit.normal, e1);
   const double k = fit.larger_curvature();
   System system;
   std::array<double, 5> x{};
@@ -106,7 +99,7 @@ bool improve(LocalFit& fit, std::span<const Vec> ring, std::span<const Vec> tang
   if (variance > kUncertain) return false;
   fit.variance = variance * residue2 / std::max(1, rows - 5);
   x = system.solve(x);
-  fit.normal = unit(fit.normal - x[0] * e1 - x[1] * e2);
+  fit.normal = normalized(fit.normal - x[0] * e1 - x[1] * e2);
   fit.c += x[2], fit.d += x[3], fit.e += x[4];
   return true;
 }
@@ -126,7 +119,7 @@ Vec improved_normal(std::span<const Vec> ring, std::span<const Vec> tangents, co
   const Vec correction = fit.normal - mean;
   const double sum = norm2(correction) + fit.variance;
   if (!(sum > 0) || dot(fit.normal, mean) < kTrustedCosine) return mean;
-  return unit(mean + norm2(correction) / sum * correction);
+  return normalized(mean + norm2(correction) / sum * correction);
 }
 
 }  // namespace weft::meshing

@@ -63,17 +63,12 @@ struct OnModel {
   const Model& model() const { return *classification.model; }
 };
 
-Vec unit(const Vec& v) {
-  const double length = norm(v);
-  return length > 0 ? (1 / length) * v : Vec{};
-}
-
 /// Components lost in rounding are exactly zero, so that axis-aligned planes and lines are exact.
-Vec snapped(const Vec& v) {
+Vec on_axes(const Vec& v) {
   Vec u = v;
   for (int i = 0; i < 3; ++i)
     if (std::abs(u[i]) < 1e-12) u[i] = 0;
-  return unit(u);
+  return normalized(u);
 }
 
 }  // namespace
@@ -200,7 +195,7 @@ void Surface::Impl::take_plane(std::uint32_t patch) {
   }
   const double side = dot((*frame)->z, plane.normal) < 0 ? -1 : 1;
   plane.point = (*frame)->origin;
-  p.normal = plane.normal = snapped(side * (*frame)->z);
+  p.normal = plane.normal = on_axes(side * (*frame)->z);
 }
 
 void Surface::Impl::take_patches_of_model() {
@@ -226,7 +221,7 @@ void Surface::Impl::take_line(std::uint32_t curve) {
   const auto vertices = topology.vertices_along(CurveId(curve));
   const Vec chord = points[vertices.back()] - points[vertices.front()];
   line.point = frame->origin;
-  line.direction = snapped((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
+  line.direction = on_axes((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
   double length = 0;
   for (std::size_t i = 1; i < vertices.size(); ++i)
     length += norm(points[vertices[i]] - points[vertices[i - 1]]);
@@ -526,7 +521,7 @@ Surface::OnCurve Surface::Impl::project_to_model_edge(CurveId curve, const Point
   Vec tangent = q.tangent;
   if (tangent == Vec{}) {
     const auto& v = topology.features[hint].vertices;
-    tangent = unit(points[v[1]] - points[v[0]]);
+    tangent = normalized(points[v[1]] - points[v[0]]);
   }
   return {q.x, tangent, hint};
 }
@@ -539,7 +534,7 @@ Surface::OnCurve Surface::Impl::project_to_curve_in_face(CurveId curve, const Po
   std::uint32_t start = patch_triangle[on->curve_patch[curve.value]];
   const OnSurface q = project_to_model(PatchId(on->curve_patch[curve.value]), p, VertexKind::interior, start);
   const Vec chord = points[v[1]] - points[v[0]];
-  return {q.x, unit(chord - dot(chord, q.normal) * q.normal), hint};
+  return {q.x, normalized(chord - dot(chord, q.normal) * q.normal), hint};
 }
 
 // ---- curves

@@ -35,7 +35,7 @@ struct Curve {
 class Surface {
  public:
   struct Options {
-    double ridge_angle_degrees = 45;  ///< dihedral deviation above which an edge is a ridge
+    double ridge_angle_degrees = kRidgeAngle;  ///< dihedral deviation above which an edge is a ridge
   };
 
   /// A feature edge of the input mesh: its end vertices (indices into MeshData::points, first < second).

@@ -13,22 +13,15 @@ namespace weft::meshing {
 namespace {
 
 constexpr double kFlatness = 1e-6, kRounding = 1e-12;
-// A tangent that turns a normal by more (26 degrees) contradicts the triangles and is not believed.
-constexpr double kTrustedCosine = 0.9;
-
-Vec unit(const Vec& v) {
-  const double length = norm(v);
-  return length > 0 ? (1 / length) * v : Vec{};
-}
 
 /// Unit vector whose components lost in rounding are exactly zero, so that axis-aligned planes and lines are
 /// exact.
 Vec snapped(const Vec& v) {
-  Vec u = unit(v);
+  Vec u = normalized(v);
   for (int i = 0; i < 3; ++i) {
     if (std::abs(u[i]) < kRounding) u[i] = 0;
   }
-  return unit(u);
+  return normalized(u);
 }
 
 /// The third of the chord that makes the arc leaving along unit tangent `t` closest to a circle's: a circular
@@ -150,7 +143,7 @@ bool ShapeBuilder::fit_line(CurveId c, Line& line) const {
 /// Tangent in b of the circle through a, b and c.
 Vec ShapeBuilder::tangent_inside(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
   const Vec in = points_[b] - points_[a], out = points_[c] - points_[b];
-  return unit(norm2(out) * in + norm2(in) * out);
+  return normalized(norm2(out) * in + norm2(in) * out);
 }
 
 void ShapeBuilder::find_tangents() {
@@ -170,10 +163,10 @@ void ShapeBuilder::find_tangents() {
     }
     // At an end the circle through the last three vertices goes on: it meets a chord's ends at equal angles.
     const auto mirror = [&](const Vec& tangent, std::uint32_t a, std::uint32_t b) {
-      const Vec chord = unit(points_[b] - points_[a]);
+      const Vec chord = normalized(points_[b] - points_[a]);
       return 2 * dot(tangent, chord) * chord - tangent;
     };
-    t[0] = n > 1 ? mirror(t[1], v[0], v[1]) : unit(points_[v[1]] - points_[v[0]]);
+    t[0] = n > 1 ? mirror(t[1], v[0], v[1]) : normalized(points_[v[1]] - points_[v[0]]);
     t[n] = n > 1 ? mirror(t[n - 1], v[n - 1], v[n]) : t[0];
   }
 }
@@ -252,7 +245,7 @@ void ShapeBuilder::adjust_normals() {
       const Vec& t = t0 ? *t0 : *t1;
       normal = normal - dot(normal, t) * t;
     }
-    normal = unit(normal);
+    normal = normalized(normal);
     if (dot(normal, fan.normal) > kTrustedCosine) fan.normal = normal;
   }
 }
@@ -276,11 +269,11 @@ void ShapeBuilder::set_inner_handles() {
 std::array<Vec, 2> ShapeBuilder::inner_handles(std::uint32_t edge, const Fan& a, const Fan& b) const {
   const Vec chord = points_[s_.edges[edge][1]] - points_[s_.edges[edge][0]];
   const Vec turn = cross(a.normal, b.normal);
-  const Vec axis = norm(turn) > 1e-6 ? unit(turn) : Vec{};  // below, its direction is rounding
+  const Vec axis = norm(turn) > 1e-6 ? normalized(turn) : Vec{};  // below, its direction is rounding
   const Vec along = dot(chord, axis) * axis, bent = chord - along;
   const auto handle = [&](const Fan& fan, double sign) {
     if (fan.peaked || fan.normal == Vec{}) return sign / 3 * chord;
-    const Vec tangent = unit(sign * (bent - dot(bent, fan.normal) * fan.normal));
+    const Vec tangent = normalized(sign * (bent - dot(bent, fan.normal) * fan.normal));
     return sign / 3 * along + circle_handle(sign * bent, tangent);
   };
   return {handle(a, 1), handle(b, -1)};

@@ -597,7 +597,7 @@ void sync_file(const std::filesystem::path& path, const Library& library) {
 /// same memory as this one, so what it survives this one survives.
 void check_that_it_opens(const std::filesystem::path& path) {
   constexpr unsigned kPatienceSeconds = 60;
-  const auto complaint = complaint_of_child(
+  const auto issue = issue_of_child(
       [&]() -> std::string {
         int file = 0, type = CG_FILE_NONE;
         if (cg_is_cgns(path.c_str(), &type) != CG_OK || type != CG_FILE_HDF5)
@@ -607,8 +607,8 @@ void check_that_it_opens(const std::filesystem::path& path) {
         return "";
       },
       kPatienceSeconds);
-  if (!complaint) throw InputError(path.string(), "", "the file is damaged: the CGNS library crashes on it");
-  if (!complaint->empty()) throw InputError(path.string(), "", *complaint);
+  if (!issue) throw InputError(path.string(), "", "the file is damaged: the CGNS library crashes on it");
+  if (!issue->empty()) throw InputError(path.string(), "", *issue);
 }
 
 std::uint64_t checked_size(const std::filesystem::path& path) {
@@ -672,7 +672,7 @@ void write_cgns(const std::filesystem::path& path, const MeshView& contents, con
   // A full disk keeps HDF5 from closing the file, and a later file would meet what is left of it: it is left
   // in another process. Its end closes the file, too.
   const std::lock_guard lock(library_mutex());
-  const auto complaint = complaint_of_child(
+  const auto issue = issue_of_child(
       [&]() -> std::string {
         Library library(file.temporary(), CG_MODE_WRITE, path.string());
         Writer(library, contents).write();
@@ -681,9 +681,8 @@ void write_cgns(const std::filesystem::path& path, const MeshView& contents, con
         return "";
       },
       0);
-  if (!complaint)
-    throw InputError(path.string(), "", "cannot write: the CGNS library did not get to its end");
-  if (!complaint->empty()) throw InputError("", "", *complaint);
+  if (!issue) throw InputError(path.string(), "", "cannot write: the CGNS library did not get to its end");
+  if (!issue->empty()) throw InputError("", "", *issue);
   file.commit();
 }
 

@@ -340,9 +340,9 @@ class Body {
 };
 
 /// Writes rows of any encoding.
-class Writer {
+class PlyWriter {
  public:
-  Writer(const std::filesystem::path& path, WriteOptions::Encoding encoding)
+  PlyWriter(const std::filesystem::path& path, WriteOptions::Encoding encoding)
       : file_(path), text_(file_), encoding_(encoding) {}
 
   void write(const MeshContents& surface) {
@@ -439,7 +439,7 @@ MeshContents read_ply(const std::filesystem::path& path) {
 
 void write_ply(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
   check_lengths(contents.mesh, contents.fields);
-  Writer(path, options.encoding).write(surface_of(contents));
+  PlyWriter(path, options.encoding).write(surface_of(contents));
 }
 
 }  // namespace weft::meshing

@@ -342,9 +342,9 @@ void write_integer(File& file, const Encoding& encoding, std::int64_t number) {
                              : write_value(file, encoding, static_cast<std::int32_t>(number));
 }
 
-class Writer {
+class UgridWriter {
  public:
-  Writer(const fs::path& path, const MeshData& mesh)
+  UgridWriter(const fs::path& path, const MeshData& mesh)
       : name_(path.string()), file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
     check_integers(name_, encoding_, std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
   }
@@ -447,7 +447,7 @@ void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOpti
   check_lengths(contents.mesh, contents.fields);
   const Encoding encoding = encoding_of(path);
   if (!encoding.ascii && encoding.real_size == 4) refuse_rounded_tets(contents.mesh, path.string());
-  Writer(path, contents.mesh).write();
+  UgridWriter(path, contents.mesh).write();
 }
 
 bool is_ugrid_for_parts(const fs::path& path) {

@@ -53,8 +53,8 @@ inline constexpr std::array<std::array<std::array<std::int8_t, 2>, 4>, 4> kOther
   return table;
 }();
 
-/// Adds the tet across face `f` of `t` to a ball, unless it has been seen. Its `local` is the face that it
-/// was found across as yet.
+/// Adds the tet across face `f` of `t` to a ball, unless it has been seen. Until the ball is complete its
+/// `local` is the face across which it was found.
 inline void add_neighbour(const TetMesh& mesh, TetId t, int f, Ball& ball) {
   const TetFace n = mesh.neighbour(t, f);
   if (!n.valid()) return;

@@ -10,13 +10,13 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 
-Edge sorted_edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+Edge edge_between(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 std::vector<Edge> sorted_sides(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   std::vector<Edge> sides;
   sides.reserve(3 * triangles.size());
   for (const auto& t : triangles)
-    for (std::size_t i = 0; i < 3; ++i) sides.push_back(sorted_edge(t[i], t[(i + 1) % 3]));
+    for (std::size_t i = 0; i < 3; ++i) sides.push_back(edge_between(t[i], t[(i + 1) % 3]));
   std::sort(sides.begin(), sides.end());
   return sides;
 }
@@ -35,7 +35,7 @@ void take_boundary_edges(const MeshData& input, MeshData& boundary, std::vector<
   std::vector<std::uint32_t> new_index(input.edges.size(), kDropped);
   for (std::size_t i = 0; i < input.edges.size(); ++i) {
     const auto [a, b] = input.edges[i];
-    if (!std::binary_search(sides.begin(), sides.end(), sorted_edge(a, b))) continue;
+    if (!std::binary_search(sides.begin(), sides.end(), edge_between(a, b))) continue;
     new_index[i] = static_cast<std::uint32_t>(boundary.edges.size());
     boundary.edges.push_back(input.edges[i]);
     boundary.edge_refs.push_back(input.edge_refs[i]);

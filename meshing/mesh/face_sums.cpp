@@ -18,7 +18,7 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 using Tet = std::array<std::uint32_t, 4>;
 
-constexpr std::size_t kChunk = 1 << 14;
+constexpr std::size_t kTetsPerChunk = 1 << 14;
 
 /// Steele, Lea and Flood's finaliser (OOPSLA 2014): every bit depends on every bit.
 std::uint64_t mix(std::uint64_t x) {
@@ -29,7 +29,7 @@ std::uint64_t mix(std::uint64_t x) {
 
 std::uint64_t hash_of(std::uint64_t id) { return mix(id + 0x9E3779B97F4A7C15ull); }
 
-Triangle sorted(Triangle v) {
+Triangle ascending(Triangle v) {
   if (v[0] > v[1]) std::swap(v[0], v[1]);
   if (v[1] > v[2]) std::swap(v[1], v[2]);
   if (v[0] > v[1]) std::swap(v[0], v[1]);
@@ -45,7 +45,7 @@ class Triangles {
     while (size < 2 * triangles.size()) size *= 2;
     places_.assign(size, kNone);
     vertices_.reserve(triangles.size());
-    for (const Triangle& triangle : triangles) add(sorted(triangle), num_points);
+    for (const Triangle& triangle : triangles) add(ascending(triangle), num_points);
   }
 
   std::uint64_t faults() const {
@@ -57,7 +57,7 @@ class Triangles {
   /// Whether the face has a triangle, which then is told that a tet lies on that side. By any thread.
   bool see(const Triangle& face, bool positive) {
     if (!(on_triangle_[face[0]] & on_triangle_[face[1]] & on_triangle_[face[2]])) return false;
-    const std::uint32_t found = places_[place_of(sorted(face))];
+    const std::uint32_t found = places_[place_of(ascending(face))];
     if (found == kNone) return false;
     std::atomic_ref(seen_[found]).fetch_add(positive ? kPositive : kNegative, std::memory_order_relaxed);
     return true;
@@ -100,10 +100,10 @@ class Sum {
     FaceSums sums;
     sums.faults += mesh_.tet_refs.size() != mesh_.tets.size();
     if (sums.faults > 0) return sums;
-    std::vector<FaceSums> parts((mesh_.tets.size() + kChunk - 1) / kChunk);
+    std::vector<FaceSums> parts((mesh_.tets.size() + kTetsPerChunk - 1) / kTetsPerChunk);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-      const std::size_t end = std::min(mesh_.tets.size(), (chunk + 1) * kChunk);
-      for (std::size_t t = chunk * kChunk; t < end; ++t) add_tet(t, parts[chunk]);
+      const std::size_t end = std::min(mesh_.tets.size(), (chunk + 1) * kTetsPerChunk);
+      for (std::size_t t = chunk * kTetsPerChunk; t < end; ++t) add_tet(t, parts[chunk]);
     });
     for (const FaceSums& part : parts) sums += part;
     sums.faults += triangles_.faults();

@@ -24,14 +24,14 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kGone = 0xFFFFFFFFu;
 
 template <std::size_t N>
-std::array<std::uint32_t, N> sorted(std::array<std::uint32_t, N> v) {
+std::array<std::uint32_t, N> in_order(std::array<std::uint32_t, N> v) {
   std::sort(v.begin(), v.end());
   return v;
 }
 
 template <std::size_t N>
 bool repeats(const std::array<std::uint32_t, N>& v) {
-  const auto s = sorted(v);
+  const auto s = in_order(v);
   return std::adjacent_find(s.begin(), s.end()) != s.end();
 }
 
@@ -196,7 +196,7 @@ class Repair {
     std::set<Tet> there;
     for (std::size_t t = 0; t < m_.tets.size(); ++t) {
       const bool degenerate = repeats(m_.tets[t]);
-      drop[t] = degenerate || !there.insert(sorted(m_.tets[t])).second;
+      drop[t] = degenerate || !there.insert(in_order(m_.tets[t])).second;
       if (!drop[t]) continue;
       mend(degenerate ? "tets with a repeated vertex removed" : "repeated tets removed", "tet")
           .add(tet_source_[t]);
@@ -366,7 +366,7 @@ class Repair {
         if (!degenerate) remember_ref(m_.triangles[i], m_.triangle_refs[i]);
         continue;
       }
-      const auto [known, is_new] = there.try_emplace(sorted(m_.triangles[i]), m_.triangle_refs[i]);
+      const auto [known, is_new] = there.try_emplace(in_order(m_.triangles[i]), m_.triangle_refs[i]);
       if (!is_new) {
         mend(known->second == m_.triangle_refs[i] ? "repeated triangles removed"
                                                   : "repeated triangles with another reference removed",
@@ -404,7 +404,7 @@ class Repair {
     }
     std::set<std::int32_t> refs;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [begin, end] = beside_.equal_range(sorted(std::array{triangle[k], triangle[(k + 1) % 3]}));
+      const auto [begin, end] = beside_.equal_range(in_order(std::array{triangle[k], triangle[(k + 1) % 3]}));
       for (auto at = begin; at != end; ++at) {
         const Triangle& other = m_.triangles[at->second];
         const bool in_plane = std::all_of(other.begin(), other.end(), [&](std::uint32_t v) {
@@ -421,14 +421,14 @@ class Repair {
   void add_missing(const std::map<Triangle, std::int32_t>& there) {
     for (std::uint32_t i = 0; i < m_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k)
-        beside_.emplace(sorted(std::array{m_.triangles[i][k], m_.triangles[i][(k + 1) % 3]}), i);
+        beside_.emplace(in_order(std::array{m_.triangles[i][k], m_.triangles[i][(k + 1) % 3]}), i);
     const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
     for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
       for (int f = 0; f < 4; ++f) {
         const std::uint32_t n = adjacency.neighbours[t][f];
         if (n != kNoNeighbour && (m_.tet_refs[n >> 2] == m_.tet_refs[t] || n >> 2 < t)) continue;
         const Triangle face = face_of(m_.tets[t], f);
-        if (there.contains(sorted(face))) continue;
+        if (there.contains(in_order(face))) continue;
         m_.triangles.push_back({face[0], face[2], face[1]});
         m_.triangle_refs.push_back(ref_of_missing(face));
         mend("missing triangles made", "tet").add(tet_source_[t]);
@@ -445,7 +445,7 @@ class Repair {
     for (std::size_t i = 0; i < m_.edges.size(); ++i) {
       const auto& e = m_.edges[i];
       const bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] &&
-                        used[e[1]] && there.insert(sorted(e)).second;
+                        used[e[1]] && there.insert(in_order(e)).second;
       if (!good) {
         mend("edges that are repeated, or of no tets, removed", "edge").add(i);
         continue;

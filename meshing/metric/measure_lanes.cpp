@@ -23,7 +23,7 @@ Lanes determinant(const TensorLanes& a) {
          a.xz * (a.xy * a.yz - a.yy * a.xz);
 }
 
-Lanes square_root(const Lanes& x) {
+Lanes root_of(const Lanes& x) {
   Lanes root;
   for (int i = 0; i < kLanes; ++i) root[i] = std::sqrt(x[i]);
   return root;
@@ -164,8 +164,8 @@ void EdgeBatch::add(const Vec& edge, const Metric& a, const Metric& b) {
 Lanes EdgeBatch::take_lengths() {
   size_ = 0;
   const VecLanes e = load_lanes3(edges_[0].data(), kLanes);
-  const Lanes la = square_root(squared_lengths(load_lanes6(a_[0].data(), kLanes), e));
-  const Lanes lb = square_root(squared_lengths(load_lanes6(b_[0].data(), kLanes), e));
+  const Lanes la = root_of(squared_lengths(load_lanes6(a_[0].data(), kLanes), e));
+  const Lanes lb = root_of(squared_lengths(load_lanes6(b_[0].data(), kLanes), e));
   // log_mean_length() of metric.h.
   const Lanes d = la - lb, mean = 0.5 * (la + lb);
   const auto differ = absolute(d) > 0.001;

@@ -11,7 +11,7 @@
 namespace weft::meshing {
 namespace {
 
-SymTensor tensor_at(const Field& field, std::size_t i) {
+SymTensor tensor_or_size_at(const Field& field, std::size_t i) {
   if (field.kind == Field::Kind::scalar) return identity_tensor(std::pow(field.values[i], -2));
   const double* v = &field.values[6 * i];
   return {v[0], v[1], v[2], v[3], v[4], v[5]};
@@ -19,7 +19,7 @@ SymTensor tensor_at(const Field& field, std::size_t i) {
 
 bool is_good(const Field& field, std::size_t i) {
   if (field.kind == Field::Kind::scalar) return field.values[i] > 0 && std::isfinite(field.values[i]);
-  const SymTensor m = tensor_at(field, i);
+  const SymTensor m = tensor_or_size_at(field, i);
   return std::isfinite(m.xx + m.xy + m.yy + m.xz + m.yz + m.zz) && is_positive_definite(m);
 }
 
@@ -65,7 +65,7 @@ std::vector<MeshMend> repair_metric(const MeshData& mesh, SolutionData& solution
       LogMetric sum{};
       double count = 0;
       for (const std::uint32_t n : near.of(v))
-        if (good[n]) sum = sum + log_of(tensor_at(field, n)), ++count;
+        if (good[n]) sum = sum + log_of(tensor_or_size_at(field, n)), ++count;
       if (count == 0) {
         left.push_back(v);
         continue;

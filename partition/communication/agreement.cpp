@@ -29,8 +29,8 @@ std::string text_of_lowest(Peers& peers, bool has, const std::string& text) {
 
 }  // namespace
 
-void agree(Peers& peers, const std::string& complaint) {
-  const std::string first = text_of_lowest(peers, !complaint.empty(), complaint);
+void agree(Peers& peers, const std::string& issue) {
+  const std::string first = text_of_lowest(peers, !issue.empty(), issue);
   if (!first.empty()) throw meshing::InputError("", "", first);
 }
 

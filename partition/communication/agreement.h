@@ -8,20 +8,20 @@
 
 namespace weft::partition {
 
-/// All ranks: throws meshing::InputError with the complaint of the lowest rank that has one (not empty).
-void agree(Peers& peers, const std::string& complaint);
+/// All ranks: throws meshing::InputError with the text of the lowest rank whose `issue` is not empty.
+void agree(Peers& peers, const std::string& issue);
 
 /// All ranks: runs action(), which talks to no peer, and then agrees on the exceptions it threw.
 template <class Action>
 void agree_on(Peers& peers, const Action& action) {
-  std::string complaint;
+  std::string issue;
   try {
     action();
   } catch (const std::exception& error) {
-    complaint = error.what();
-    if (complaint.empty()) complaint = "unknown error";
+    issue = error.what();
+    if (issue.empty()) issue = "unknown error";
   }
-  agree(peers, complaint);
+  agree(peers, issue);
 }
 
 /// All ranks: the text of rank 0.

@@ -39,12 +39,12 @@ Head head_of(const Bytes& bytes) {
 
 }  // namespace
 
-void keep_least(std::optional<InputIssue>& least, InputIssue complaint) {
-  if (!least || complaint.order < least->order) least = std::move(complaint);
+void keep_least(std::optional<InputIssue>& least, InputIssue issue) {
+  if (!least || issue.order < least->order) least = std::move(issue);
 }
 
-void throw_first(Peers& peers, const std::optional<InputIssue>& complaint) {
-  const Bytes least = peers.reduce(packed(complaint, peers.rank()), [](Bytes& first, const Bytes& other) {
+void throw_first(Peers& peers, const std::optional<InputIssue>& issue) {
+  const Bytes least = peers.reduce(packed(issue, peers.rank()), [](Bytes& first, const Bytes& other) {
     const Head a = head_of(first), b = head_of(other);
     if (std::lexicographical_compare(b.begin(), b.begin() + kCompared, a.begin(), a.begin() + kCompared))
       first = other;

@@ -17,9 +17,9 @@ struct InputIssue {
 };
 
 /// Keeps the least.
-void keep_least(std::optional<InputIssue>& least, InputIssue complaint);
+void keep_least(std::optional<InputIssue>& least, InputIssue issue);
 
-/// Every rank throws meshing::InputError of the least of all ranks' complaints; returns where there is none.
-void throw_first(Peers& peers, const std::optional<InputIssue>& complaint);
+/// Every rank throws meshing::InputError of the least of all ranks' issues; returns where there is none.
+void throw_first(Peers& peers, const std::optional<InputIssue>& issue);
 
 }  // namespace weft::partition

@@ -27,9 +27,9 @@ struct InputMeasures {
 struct DecompositionOptions {
   std::uint32_t num_subdomains = 1;
   Partitioner partitioner;
-  double ridge_angle_degrees = 45;  ///< of meshing::Surface
-  double target_complexity = 0;     ///< the metric is scaled to it (paper, equation 3); 0: as it is
-  bool equal_tets = false;          ///< parts of equally many tets of the input, not of equal predicted work
+  double ridge_angle_degrees = meshing::kRidgeAngle;  ///< of meshing::Surface
+  double target_complexity = 0;  ///< the metric is scaled to it (paper, equation 3); 0: as it is
+  bool equal_tets = false;       ///< parts of equally many tets of the input, not of equal predicted work
   std::shared_ptr<const meshing::Model> model = nullptr;  ///< of the boundary; on every rank or none
   /// How many of the subdomains have tets at first, 1 to num_subdomains: these divide later. The same on all
   /// ranks. Null: all.

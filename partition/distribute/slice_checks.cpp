@@ -13,7 +13,7 @@ namespace {
 
 using meshing::MeshData;
 
-/// Complaints come in this order.
+/// Issues come in this order.
 enum Stage : std::uint64_t { kSizes, kPoints, kMetrics, kTets, kTriangles, kEdges, kLists, kNoTets };
 
 class Checks {
@@ -59,7 +59,7 @@ class Checks {
                    first + i);
   }
 
-  /// Complaints of one stage and number keep the order in which they were added.
+  /// Issues of one stage and number keep the order in which they were added.
   void add(Stage stage, std::string entity, std::string reason, std::uint64_t number = 0) {
     keep_least(first_, {{stage, number, added_++}, std::move(entity), std::move(reason)});
   }

@@ -29,7 +29,7 @@ constexpr std::uint64_t MeshCounts::*kKinds[] = {&MeshCounts::points,
                                                  &MeshCounts::on_edges,
                                                  &MeshCounts::on_faces};
 
-std::string complaint_about(const MeshPiece& piece) {
+std::string issue_about(const MeshPiece& piece) {
   const meshing::MeshData& mesh = piece.mesh;
   const std::size_t n = mesh.points.size();
   const bool fits = piece.ids.size() == n && piece.log_metrics.size() == n && mesh.point_refs.size() == n &&
@@ -138,7 +138,7 @@ void number_others_points(Peers& peers, std::span<const MeshPiece> mine, std::ve
   for (std::size_t i = 0; i < places.size(); ++i) *places[i] = mine_answered[i];
 }
 
-std::string complaint_about_points(std::span<const MeshPiece> mine, const std::vector<PieceNumbers>& pieces) {
+std::string issue_about_points(std::span<const MeshPiece> mine, const std::vector<PieceNumbers>& pieces) {
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const auto unknown = std::ranges::find(pieces[p].points, kUnknown);
     if (unknown == pieces[p].points.end()) continue;
@@ -154,16 +154,16 @@ std::string complaint_about_points(std::span<const MeshPiece> mine, const std::v
 }  // namespace
 
 Numbering number_pieces(Peers& peers, std::span<const MeshPiece> mine) {
-  std::string complaint;
-  for (const MeshPiece& piece : mine) complaint = complaint.empty() ? complaint_about(piece) : complaint;
-  agree(peers, complaint);
+  std::string issue;
+  for (const MeshPiece& piece : mine) issue = issue.empty() ? issue_about(piece) : issue;
+  agree(peers, issue);
   refuse_twins(peers, mine);
   Numbering numbering;
   for (PieceShare& share : shares_of(peers, mine)) numbering.pieces.push_back({std::move(share), {}, {}});
   sum_counts(peers, mine, numbering);
   for (PieceNumbers& piece : numbering.pieces) number_own_points(piece);
   number_others_points(peers, mine, numbering.pieces);
-  agree(peers, complaint_about_points(mine, numbering.pieces));
+  agree(peers, issue_about_points(mine, numbering.pieces));
   return numbering;
 }
 

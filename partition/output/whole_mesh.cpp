@@ -15,8 +15,8 @@ using meshing::Point;
 using meshing::RefCounts;
 using meshing::WholeMesh;
 
-constexpr RefCounts FirstWithRef::*kKinds[] = {&FirstWithRef::tets, &FirstWithRef::triangles,
-                                               &FirstWithRef::edges};
+constexpr RefCounts FirstWithRef::*kRefCounts[] = {&FirstWithRef::tets, &FirstWithRef::triangles,
+                                                   &FirstWithRef::edges};
 constexpr RefCounts WholeMesh::*kTotals[] = {&WholeMesh::tets, &WholeMesh::triangles, &WholeMesh::edges};
 
 struct RefRow {
@@ -63,7 +63,7 @@ void sum_refs(Peers& peers, std::span<const MeshPiece> mine, const Numbering& nu
   for (const RefRow& row : gathered(peers, rows)) {
     std::uint64_t& total = (result.whole.*kTotals[row.kind])[row.ref];
     const auto here = piece_of.find(row.subdomain);
-    if (here != piece_of.end()) (result.pieces[here->second].*kKinds[row.kind])[row.ref] = total;
+    if (here != piece_of.end()) (result.pieces[here->second].*kRefCounts[row.kind])[row.ref] = total;
     total += row.count;
   }
 }

@@ -17,7 +17,7 @@
 
 #include "engine/base/serialize.h"
 
-namespace weft::engine {
+namespace weft::engine::chrome_trace_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -296,4 +296,4 @@ TEST(RankTimeline, TakesATraceThroughAPayload) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::chrome_trace_test

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace weft::engine {
+namespace weft::engine::cost_model_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -191,4 +191,4 @@ TEST(CostModel, SaysWhichMethodsItHas) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::cost_model_test

@@ -13,7 +13,7 @@
 #include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
-namespace weft::engine {
+namespace weft::engine::failure_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -401,4 +401,4 @@ TEST(Failure, ASilentRankCountsAsDead) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::failure_test

@@ -10,7 +10,7 @@
 #include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
-namespace weft::engine {
+namespace weft::engine::looking_on_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -168,4 +168,4 @@ TEST(State, IsShownInTheNextRunWhenAskedForBetweenRuns) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::looking_on_test

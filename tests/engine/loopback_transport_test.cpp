@@ -6,7 +6,7 @@
 #include "tests/engine/transport_contract.h"
 #include "tests/support/ranks.h"
 
-namespace weft::engine {
+namespace weft::engine::loopback_transport_test {
 namespace {
 
 using contract::Player;
@@ -49,4 +49,4 @@ TEST(LoopbackTransport, WakeEndsWaitAndIsRemembered) { keep(contract::wakes); }
 TEST(LoopbackTransport, NobodyIsDead) { keep(contract::nobody_is_dead); }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::loopback_transport_test

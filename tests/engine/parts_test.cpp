@@ -14,7 +14,7 @@
 #include "engine/schedule/context.h"
 #include "engine/schedule/termination.h"
 
-namespace weft::engine {
+namespace weft::engine::parts_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -515,4 +515,4 @@ TEST(Exchange, KeepsFramesOfALaterPhaseForTheOneWhoBeginsIt) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::parts_test

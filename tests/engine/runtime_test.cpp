@@ -10,7 +10,7 @@
 
 #include "tests/support/ranks.h"
 
-namespace weft::engine {
+namespace weft::engine::runtime_test {
 namespace {
 
 using weft::testing::kSlowness;
@@ -644,4 +644,4 @@ TEST_P(RuntimeOnRanks, SummariesAgreeAndNoCallIsCollective) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::runtime_test

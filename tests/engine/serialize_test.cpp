@@ -21,7 +21,7 @@
 
 #include "engine/base/rank.h"
 
-namespace weft::engine {
+namespace weft::engine::serialize_test {
 namespace {
 
 constexpr std::size_t kLarge = Packer::kSegmentBytes / sizeof(double);
@@ -357,4 +357,4 @@ TEST(Serialize, BytesThatStandForNoValueAreRefused) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::serialize_test

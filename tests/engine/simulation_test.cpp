@@ -12,7 +12,7 @@
 
 #include "engine/run/runtime.h"
 
-namespace weft::engine {
+namespace weft::engine::simulation_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -291,4 +291,4 @@ TEST(Simulation, Measured_time_passes_by_the_processor) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::simulation_test

@@ -15,7 +15,7 @@
 #include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
-namespace weft::engine {
+namespace weft::engine::snapshot_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -275,4 +275,4 @@ TEST_P(SnapshotsOnRanks, NoObjectMovesBecauseItIsToBeCopied) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::snapshot_test

@@ -10,7 +10,7 @@
 
 #include "engine/base/serialize.h"
 
-namespace weft::engine {
+namespace weft::engine::summary_test {
 namespace {
 
 constexpr TimePoint kSecond = 1'000'000'000;
@@ -204,4 +204,4 @@ TEST(RunSummary, ItsJsonHasWhatTheHeaderSays) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::summary_test

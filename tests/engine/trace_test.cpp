@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace weft::engine {
+namespace weft::engine::trace_test {
 namespace {
 
 Span compute(std::uint32_t method, TimePoint begin, TimePoint end) {
@@ -172,4 +172,4 @@ TEST(Trace, ThreadsRecordSideBySide) {  // for the thread sanitizer
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::trace_test

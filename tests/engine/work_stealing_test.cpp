@@ -7,7 +7,7 @@
 
 #include "engine/balance/balancer.h"
 
-namespace weft::engine {
+namespace weft::engine::work_stealing_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -127,4 +127,4 @@ TEST(WorkStealing, WhoIsIdleButForMessagesAsksAgainOnlyAfterWork) {
 }
 
 }  // namespace
-}  // namespace weft::engine
+}  // namespace weft::engine::work_stealing_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::blueprint_test {
 namespace {
 
 using ::testing::AllOf;
@@ -150,4 +150,4 @@ TEST(Blueprint, RefusesEdgesOfAnotherGraph) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::blueprint_test

@@ -12,7 +12,7 @@
 #include "graph/adaptation/word_packing.h"
 #include "meshing/base/error.h"
 
-namespace weft::graph::adaptation {
+namespace weft::graph::adaptation::checkpoint_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ TEST(WordPacking, IndicesThatAreNearEachOtherTakeHalf) {
 }
 
 }  // namespace
-}  // namespace weft::graph::adaptation
+}  // namespace weft::graph::adaptation::checkpoint_files_test

@@ -9,7 +9,7 @@
 #include "graph/dataflow/blueprint.h"
 #include "tests/support/ranks.h"
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::dataflow_failure_test {
 namespace {
 
 using engine::Context;
@@ -152,4 +152,4 @@ TEST_P(DataflowFailureOnRanks, ASecondValueInARoundIsRefused) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::dataflow_failure_test

@@ -14,7 +14,7 @@
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::dataflow_test {
 namespace {
 
 using engine::Context;
@@ -423,4 +423,4 @@ TEST(Dataflow, TheBalancerSeesWhatStartsAndEventsWillCost) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::dataflow_test

@@ -12,7 +12,7 @@
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"
 
-namespace weft::graph::adaptation {
+namespace weft::graph::adaptation::engine_peers_test {
 namespace {
 
 using engine::Registry;
@@ -203,4 +203,4 @@ TEST_P(EnginePeersOnRanks, RefusesAMessageTooMany) {
 }
 
 }  // namespace
-}  // namespace weft::graph::adaptation
+}  // namespace weft::graph::adaptation::engine_peers_test

@@ -15,7 +15,7 @@
 #include "tests/graph/rounds_game.h"
 #include "tests/support/ranks.h"
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::execution_log_test {
 namespace {
 
 using engine::Context;
@@ -236,4 +236,4 @@ TEST(RankExchange, GathersAndReducesOverATree) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::execution_log_test

@@ -13,7 +13,7 @@
 #include "graph/dataflow/dump/graph_files.h"
 #include "tests/support/simulated_run.h"
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::graph_drawing_test {
 namespace {
 
 GraphDump dump_of(const weft::testing::SimulationRules& rules) {
@@ -185,4 +185,4 @@ TEST(Dot, QuotesNamesAndMarksTheCriticalPath) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::graph_drawing_test

@@ -17,7 +17,7 @@
 #include "tests/support/ranks.h"
 #include "tests/support/simulated_run.h"
 
-namespace weft::graph::dataflow {
+namespace weft::graph::dataflow::graph_dump_test {
 namespace {
 
 using engine::TimePoint;
@@ -335,4 +335,4 @@ TEST(GraphDump, OfARunOfTheEngineIsWhole) {
 }
 
 }  // namespace
-}  // namespace weft::graph::dataflow
+}  // namespace weft::graph::dataflow::graph_dump_test

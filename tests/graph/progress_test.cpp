@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace weft::graph::adaptation {
+namespace weft::graph::adaptation::progress_test {
 namespace {
 
 constexpr engine::TimePoint kSecond = 1'000'000'000;
@@ -163,4 +163,4 @@ TEST(ProgressTable, NoTimeIsLeftBelowZero) {
 }
 
 }  // namespace
-}  // namespace weft::graph::adaptation
+}  // namespace weft::graph::adaptation::progress_test

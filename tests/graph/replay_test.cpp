@@ -17,7 +17,7 @@
 #include "graph/replay/replay_plan.h"
 #include "tests/support/simulated_run.h"
 
-namespace weft::graph::replay {
+namespace weft::graph::replay::replay_test {
 namespace {
 
 using dataflow::GraphDump;
@@ -238,4 +238,4 @@ TEST(Replay, A_planned_graph_is_refused) {
 }
 
 }  // namespace
-}  // namespace weft::graph::replay
+}  // namespace weft::graph::replay::replay_test

@@ -11,8 +11,9 @@
 #include "partition/subdomain/subdomain.h"
 #include "tests/partition/scenes.h"
 #include "tests/partition/shift/rounds.h"
+#include "tests/support/repetitions.h"
 
-namespace weft::graph::adaptation {
+namespace weft::graph::adaptation::subdomain_serialize_test {
 namespace {
 
 using namespace weft::support;
@@ -80,7 +81,7 @@ void expect_same(const Subdomain& a, const Subdomain& b) {
 }
 
 TEST(SubdomainSerialize, EveryStepGivesTheSameAfterAJourney) {
-  for (unsigned seed = 0; seed < 12; ++seed) {
+  for (unsigned seed = 0; seed < repetitions(6, 12); ++seed) {
     const Scene scene = random_scene(seed, 1.5);
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + scene.name);
     const Cut cut = scene.cut();
@@ -131,4 +132,4 @@ TEST(SubdomainSerialize, APieceOfTheBackgroundArrivesWhole) {
 }
 
 }  // namespace
-}  // namespace weft::graph::adaptation
+}  // namespace weft::graph::adaptation::subdomain_serialize_test

@@ -11,8 +11,7 @@
 
 namespace weft::testing {
 
-/// The numbers of ranks that tests are run with: 1, 2, 3, 4 and 8 in one process; what there are under
-/// mpirun.
+/// The numbers of ranks that tests are run with: 1, 2, 3 and 8 in one process; what there are under mpirun.
 std::vector<int> rank_counts();
 
 /// True when each rank is a process.

@@ -41,13 +41,13 @@ class Deadline(CommandTest):
 
 class TimeLimit(Deadline):
     def test_of_one_mesh(self):
-        self.assert_valid_result(self.start(0, *LONG, "--time-limit", 2), "time limit")
+        self.assert_valid_result(self.start(0, *LONG, "--time-limit", 1), "time limit")
 
     def test_in_subdomains(self):
-        self.assert_valid_result(self.start(0, *LONG, "--subdomains", 6, "--time-limit", 2), "time limit")
+        self.assert_valid_result(self.start(0, *LONG, "--subdomains", 6, "--time-limit", 1), "time limit")
 
     def test_on_two_ranks(self):
-        self.assert_valid_result(self.start(2, *LONG, "--time-limit", 3), "time limit")
+        self.assert_valid_result(self.start(2, *LONG, "--time-limit", 2), "time limit")
 
     def test_before_anything_is_done(self):
         self.assert_valid_result(self.start(2, *LONG, "--time-limit", 0.01), "time limit")
@@ -78,11 +78,11 @@ class Memory(Deadline):
 class Signals(Deadline):
     def running(self, ranks):
         process = self.start(ranks, *LONG, "--subdomains", 6)
-        for _ in range(SECONDS):
-            time.sleep(1)
+        for _ in range(10 * SECONDS):
+            time.sleep(0.1)
             if process.poll() is not None or len(ranks_of(process)) == ranks:
                 break
-        time.sleep(2)  # into the adaptation, or near it: either is to end well
+        time.sleep(1)  # into the adaptation, or near it: either is to end well
         return process
 
     def test_to_one_rank_reaches_all(self):
@@ -99,7 +99,7 @@ class Signals(Deadline):
     def test_a_second_time_ends_at_once(self):
         process = subprocess.Popen([str(WEFT), "adapt", self.box(8), *map(str, LONG)], cwd=self.folder,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        time.sleep(2)
+        time.sleep(1)
         process.send_signal(signal.SIGTERM)
         process.send_signal(signal.SIGTERM)
         self.assertIn(process.wait(timeout=SECONDS), (-signal.SIGTERM, 1))  # 1: it was through before

@@ -211,14 +211,17 @@ enum class GradationSpace {
 struct MetricLimits {
   double hmin = 0, hmax = 0;  ///< smallest and largest size; 0: none
   double aspect = 0;          ///< largest ratio of two sizes at one vertex, 1: isotropic; 0: none
-  double gradation = 0;       ///< largest growth of sizes per unit edge; up to 1: none
+  double gradation = 0;       ///< largest growth of sizes per unit edge; values <= 1: no gradation
   GradationSpace space = GradationSpace::metric;
 };
 
+/// Edges of the boundary sharper than this are features, unless options say otherwise. Degrees.
+inline constexpr double kRidgeAngle = 45;
+
 struct CurvatureOptions {
-  double per_turn = 0;              ///< edges round a full circle of the local radius of curvature; 0: any
-  double sagitta = 0;               ///< largest distance of an edge's middle from the surface; 0: any
-  double ridge_angle_degrees = 45;  ///< edges sharper than this separate surfaces
+  double per_turn = 0;  ///< edges per full turn of curvature; 0: no limit
+  double sagitta = 0;   ///< largest distance of an edge's middle from the surface; 0: any
+  double ridge_angle_degrees = kRidgeAngle;  ///< edges sharper than this separate surfaces
 };
 
 struct WallOptions {

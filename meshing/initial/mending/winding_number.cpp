@@ -8,7 +8,7 @@ namespace weft::meshing {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::uint32_t kLeaf = 8;
+constexpr std::uint32_t kLeafTriangles = 8;
 constexpr double kFar = 2.5;  // of a box's radius: with one dipole a box, errors stay below about 0.01
 
 }  // namespace
@@ -43,7 +43,7 @@ void WindingNumber::summarise(Node& node, std::uint32_t begin, std::uint32_t end
 
 void WindingNumber::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end) {
   summarise(nodes_[node], begin, end);
-  if (end - begin <= kLeaf) {
+  if (end - begin <= kLeafTriangles) {
     nodes_[node].first = begin;
     nodes_[node].count = end - begin;
     return;

@@ -13,11 +13,11 @@
 namespace weft::meshing {
 namespace {
 
-/// What the child says before its complaint: who says nothing has not come to the end.
+/// What the child writes before its error text: a child that writes nothing has not come to the end.
 constexpr char kDone = '!';
 
 /// What went wrong, if anything.
-std::string complaint_of(const std::function<std::string()>& work) try {
+std::string issue_of(const std::function<std::string()>& work) try {
   return work();
 } catch (const std::exception& error) {
   return error.what();
@@ -29,7 +29,7 @@ std::string complaint_of(const std::function<std::string()>& work) try {
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   ::alarm(patience);
-  const std::string words = kDone + complaint_of(work);
+  const std::string words = kDone + issue_of(work);
   for (std::size_t at = 0; at < words.size();) {
     const ssize_t count = ::write(to_parent, words.data() + at, words.size() - at);
     if (count < 0 && errno != EINTR) ::_exit(1);
@@ -50,15 +50,15 @@ std::string everything_from(int descriptor) {
 
 }  // namespace
 
-std::optional<std::string> complaint_of_child(const std::function<std::string()>& work, unsigned patience) {
+std::optional<std::string> issue_of_child(const std::function<std::string()>& work, unsigned patience) {
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return complaint_of(work);
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return issue_of(work);
   const pid_t child = ::fork();
   if (child == 0) be_child(work, ends[1], patience);
   ::close(ends[1]);
   const std::string words = child < 0 ? "" : everything_from(ends[0]);
   ::close(ends[0]);
-  if (child < 0) return complaint_of(work);
+  if (child < 0) return issue_of(work);
   while (::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
   }
   if (words.empty()) return std::nullopt;

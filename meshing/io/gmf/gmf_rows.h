@@ -38,9 +38,9 @@ std::int32_t read_ref(Rows& rows) {
 
 /// The section of a keyword without which there is nothing to read.
 template <class File>
-const Section& required_section(const File& file, Keyword code, const char* complaint) {
+const Section& required_section(const File& file, Keyword code, const char* issue) {
   const Section* section = file.layout().find(code);
-  if (!section) throw InputError(file.name(), std::string(keyword_name(code)), complaint);
+  if (!section) throw InputError(file.name(), std::string(keyword_name(code)), issue);
   return *section;
 }
 

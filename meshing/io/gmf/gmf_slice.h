@@ -12,7 +12,7 @@
 
 namespace weft::meshing {
 
-// All functions here accept what read_gmf_mesh and read_gmf_solution do, complain in the same words, and
+// All functions here accept what read_gmf_mesh and read_gmf_solution do, report errors in the same words, and
 // check of the rows those that they read. Of binary files only the part asked for is read; text files are
 // scanned from the first row of a section on. Nothing larger than the part is allocated. Rows that the
 // layout does not have throw std::out_of_range; a file whose size has changed since, InputError.

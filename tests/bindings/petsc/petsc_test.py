@@ -39,7 +39,7 @@ def adapted(ranks, *options):
     return [Told(part) for part in text.split("adapted:\n")]
 
 
-def complaint(ranks, *options):
+def issue(ranks, *options):
     code, text = run(ranks, *options)
     if code == 0:
         raise AssertionError(f"no error: {text}")
@@ -111,7 +111,7 @@ class Adaptor(unittest.TestCase):
         code, text = run(2, "-metric", "layer", "-dm_plex_metric_num_iterations", "1", "-info", ":dm")
         self.assertEqual(code, 0)
         self.assertIn("by its limit of 1 shift", text)
-        self.assertIn("--hausd", complaint(1, "-dm_plex_metric_hausdorff_number", "inf"))
+        self.assertIn("--hausd", issue(1, "-dm_plex_metric_hausdorff_number", "inf"))
 
     def test_no_insert_keeps_all_vertices(self):
         before, after = self.check(2, "-metric", "layer", "-dm_plex_metric_no_insert")
@@ -133,13 +133,13 @@ class Adaptor(unittest.TestCase):
         self.assertEqual(*(run(2, "-metric", "layer", "-weft_threads", "1", *simple) for _ in range(2)))
 
     def test_what_weft_cannot_do_is_refused(self):
-        self.assertIn("dimension 2 in 2", complaint(1, "-cells", "0", "-dm_plex_dim", "2", "-dm_plex_simplex", "0"))
+        self.assertIn("dimension 2 in 2", issue(1, "-cells", "0", "-dm_plex_dim", "2", "-dm_plex_simplex", "0"))
         self.assertIn("is a hexahedron: all must be tetrahedra",
-                      complaint(2, "-cells", "0", "-dm_plex_dim", "3", "-dm_plex_simplex", "0"))
+                      issue(2, "-cells", "0", "-dm_plex_dim", "3", "-dm_plex_simplex", "0"))
 
     def test_a_metric_that_is_none_is_named_on_all_ranks(self):
-        self.assertRegex(complaint(2, "-metric", "negative"), r"weft: rank 0: .*vertex \d+")
-        self.assertIn("must be a local vector as of DMPlexMetricCreate()", complaint(2, "-metric", "global"))
+        self.assertRegex(issue(2, "-metric", "negative"), r"weft: rank 0: .*vertex \d+")
+        self.assertIn("must be a local vector as of DMPlexMetricCreate()", issue(2, "-metric", "global"))
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "meshing/metric/sources/curvature_metric.h"
 
-namespace weft::meshing {
+namespace weft::meshing::adapt_on_model_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -125,4 +125,4 @@ TEST(AdaptOnModel, CurvatureOfACoarseMeshIsTheModels) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::adapt_on_model_test

@@ -23,8 +23,9 @@
 #include "meshing/operators/collapse_edge.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
+#include "tests/support/repetitions.h"
 
-namespace weft::meshing {
+namespace weft::meshing::adapt_test {
 namespace {
 
 using support::expect_same_domain;
@@ -746,12 +747,13 @@ TEST(AdaptCases, CubePolar2ReachesItsFloors) {
   auto solution = folder / "cube-polar2" / "start.solb";
   LogMetricField metric =
       metric_from_solution(read_solution(solution), mesh.points.size(), solution.string());
-  scale_to_complexity(mesh, 50000, metric);
+  const double target = support::repetitions(20000, 50000);
+  scale_to_complexity(mesh, target, metric);
   const AdaptResult result = adapted(mesh, metric, with_threads(2));
   expect_same_domain(result.mesh, mesh);
   expect_good(result, {0.85, 0.60, 0.20, 0.95});
-  EXPECT_NEAR(complexity(result.mesh, result.log_metrics), 50000, 0.03 * 50000);
+  EXPECT_NEAR(complexity(result.mesh, result.log_metrics), target, 0.03 * target);
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::adapt_test

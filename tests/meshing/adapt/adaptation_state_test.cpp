@@ -16,7 +16,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::adaptation_state_test {
 namespace {
 
 using support::uniform_metric;
@@ -155,4 +155,4 @@ TEST(AdaptationState, BeforeAnInterruptionLeadsToWhatTheRunWouldHaveBecome) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::adaptation_state_test

@@ -12,7 +12,7 @@
 #include "meshing/metric/measures.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::anisotropy_test {
 namespace {
 
 /// Ends an adaptation that would run for ever, so that the test can say so.
@@ -83,4 +83,4 @@ INSTANTIATE_TEST_SUITE_P(Axes, Squeezed,
                          testing::Values(Vec{1, 2, 3}, Vec{0.3, -0.7, 0.2}, Vec{1, 1, 1}, Vec{0, 0, 1}));
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::anisotropy_test

@@ -21,7 +21,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::kernel_property_test {
 namespace {
 
 using support::expect_same_domain;
@@ -396,4 +396,4 @@ TEST(KernelProperty, PassesOfManyThreadsDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::kernel_property_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace weft::meshing {
+namespace weft::meshing::work_test {
 namespace {
 
 TEST(PredictedWorkOfAnAdaptation, OfAMeshThatHasItsSizeIsMostlyReconnection) {
@@ -46,4 +46,4 @@ TEST(WorkMeterOfAnAdaptation, NeverGoesBackWhenMoreIsLeftThanWasExpected) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::work_test

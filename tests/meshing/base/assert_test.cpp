@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace weft::meshing {
+namespace weft::meshing::assert_test {
 namespace {
 
 TEST(Assert, SaysWhereAndWhatFailed) {
@@ -28,4 +28,4 @@ TEST(Assert, DoesNotEvaluateWhatIsBeyondTheLevel) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::assert_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace weft::meshing {
+namespace weft::meshing::printable_test {
 namespace {
 
 TEST(Printable, LeavesTextOfAnyLanguage) {
@@ -26,4 +26,4 @@ TEST(Printable, ReplacesWhatIsNoText) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::printable_test

@@ -27,7 +27,7 @@
 #include "meshing/geometry/model.h"
 #include "meshing/io/gmf/gmf.h"
 
-namespace weft::meshing {
+namespace weft::meshing::occ_model_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -302,4 +302,4 @@ TEST_F(OccModels, OfCasesGiveBackTheRecordedVertices) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::occ_model_test

@@ -9,7 +9,7 @@
 #include "meshing/base/error.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::interpolate_test {
 namespace {
 
 using support::unit_cube;
@@ -95,4 +95,4 @@ TEST(Integrals, AreExactForLinearFields) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::interpolate_test

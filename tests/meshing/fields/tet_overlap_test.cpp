@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-namespace weft::meshing {
+namespace weft::meshing::tet_overlap_test {
 namespace {
 
 using Tet = std::array<Point, 4>;
@@ -102,4 +102,4 @@ TEST(TetOverlap, WithThePartsOfATetAddsUp) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::tet_overlap_test

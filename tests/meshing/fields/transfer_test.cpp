@@ -13,7 +13,7 @@
 #include "meshing/metric/metric.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::transfer_test {
 namespace {
 
 using support::unit_cube;
@@ -231,4 +231,4 @@ TEST(Transfer, RefusesMeshesWithoutVolume) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::transfer_test

@@ -8,7 +8,7 @@
 
 #include "meshing/geometry/analytic_model.h"
 
-namespace weft::meshing {
+namespace weft::meshing::model_classification_test {
 namespace {
 
 constexpr std::uint32_t kRing = 24;
@@ -128,4 +128,4 @@ TEST(ModelClassification, BelievesReferencesThatAreIdsOfFacesWhereVerticesAllowS
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::model_classification_test

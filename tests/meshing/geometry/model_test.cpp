@@ -10,7 +10,7 @@
 
 #include "meshing/geometry/analytic_model.h"
 
-namespace weft::meshing {
+namespace weft::meshing::model_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -139,4 +139,4 @@ TEST(Model, ScaledHasLengthsOfItsScaleAndParametersOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::model_test

@@ -12,7 +12,7 @@
 
 #include "meshing/base/error.h"
 
-namespace weft::meshing {
+namespace weft::meshing::surface_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -563,4 +563,4 @@ TEST(Surface, OfAMeshWithoutTrianglesIsEmpty) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::surface_test

@@ -8,7 +8,7 @@
 #include "meshing/initial/self_intersections.h"
 #include "tests/meshing/initial/initial_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::closed_surface_test {
 namespace {
 
 using support::ball;
@@ -108,4 +108,4 @@ TEST(SelfIntersections, SeesOverlapsOfEverySort) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::closed_surface_test

@@ -7,7 +7,7 @@
 
 #include "meshing/mesh/predicates.h"
 
-namespace weft::meshing {
+namespace weft::meshing::delaunay_test {
 namespace {
 
 double volume(const TetGrid& grid) {
@@ -62,4 +62,4 @@ TEST(Delaunay, OfCoplanarPoints) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::delaunay_test

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace weft::meshing {
+namespace weft::meshing::exact_place_test {
 namespace {
 
 class ExactPlaces : public ::testing::Test {
@@ -59,4 +59,4 @@ TEST_F(ExactPlaces, OrientLikePlainPoints) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::exact_place_test

@@ -11,7 +11,7 @@
 #include "meshing/metric/measures.h"
 #include "tests/meshing/initial/initial_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::fill_volume_test {
 namespace {
 
 using support::ball;
@@ -120,4 +120,4 @@ TEST(PointDistribution, IsTheLeastOverAllSurfaceVertices) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::fill_volume_test

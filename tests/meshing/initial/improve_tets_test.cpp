@@ -10,7 +10,7 @@
 #include "meshing/initial/grid/star_cavity.h"
 #include "meshing/initial/recovery/recovery.h"
 
-namespace weft::meshing {
+namespace weft::meshing::improve_tets_test {
 namespace {
 
 struct Totals {
@@ -93,4 +93,4 @@ TEST(StarCavity, FillsTheSameSpace) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::improve_tets_test

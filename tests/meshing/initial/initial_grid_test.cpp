@@ -14,7 +14,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "tests/meshing/initial/initial_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::initial_grid_test {
 namespace {
 
 using support::ball;
@@ -154,4 +154,4 @@ TEST(InitialGrid, RepeatsItself) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::initial_grid_test

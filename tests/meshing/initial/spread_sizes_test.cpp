@@ -7,7 +7,7 @@
 
 #include "meshing/mesh/structured_box.h"
 
-namespace weft::meshing {
+namespace weft::meshing::spread_sizes_test {
 namespace {
 
 /// The vertex at a point.
@@ -54,4 +54,4 @@ TEST(SpreadSizes, DoNotCrossAGap) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::spread_sizes_test

@@ -8,7 +8,7 @@
 extern "C" const char* __lsan_default_suppressions();  // NOLINT: the name is the sanitizer's
 extern "C" const char* __lsan_default_suppressions() { return "leak:libcgns\nleak:libhdf5\n"; }
 
-namespace weft::meshing {
+namespace weft::meshing::cgns_test {
 namespace {
 
 class Cgns : public testing::Test {
@@ -59,7 +59,7 @@ TEST_F(Cgns, EmptyPartsAreNoProblem) {
   expect_equal(read_cgns(directory / "m.cgns").mesh, c.mesh);
 }
 
-TEST_F(Cgns, ComplaintsNameTheFile) {
+TEST_F(Cgns, ErrorsNameTheFile) {
   const auto message = [&] { return message_of([&] { read_cgns(directory / "m.cgns"); }); };
   expect_contains(message(), "m.cgns: cannot read: No such file or directory");
   put_bytes(directory / "m.cgns", "what is this");
@@ -113,4 +113,4 @@ TEST_F(Cgns, FilesOfItsTools) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::cgns_test

@@ -6,7 +6,7 @@
 #include "meshing/io/gmsh/gmsh_writer.h"
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gmsh_test {
 namespace {
 
 using Encoding = WriteOptions::Encoding;
@@ -35,7 +35,7 @@ class Gmsh : public testing::Test {
     put_bytes(directory / "m.msh", text);
     return read_gmsh(directory / "m.msh");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -82,7 +82,7 @@ TEST_F(Gmsh, OtherSectionsAreSkipped) {
       read_text(file + "$Periodic\n1 2 3 $ 4\n$EndPeriodic\n$Comments\nhi\n$EndComments\n");
   EXPECT_TRUE(dropped(c, "sections $Periodic", 1));
   EXPECT_EQ(c.dropped.size(), 1u);
-  expect_contains(complaint(file + "$Periodic\n1 2 3\n"), "$Periodic: has no end");
+  expect_contains(issue(file + "$Periodic\n1 2 3\n"), "$Periodic: has no end");
 }
 
 TEST_F(Gmsh, ParametricNodesAreRead) {
@@ -101,24 +101,22 @@ TEST_F(Gmsh, PartialFieldsAreDropped) {
       (std::vector<double>{1.5, 2.5, 3}));
 }
 
-TEST_F(Gmsh, ComplaintsNameTheEntity) {
-  expect_contains(complaint(by_hand("1\n1 2 2 1 1 7 1 8\n")), "m.msh: element 1: node 8 does not exist");
-  expect_contains(complaint(by_hand("1\n1 77 2 1 1 7 1 8\n")), "element 1: element type 77 is unknown");
-  expect_contains(complaint(by_hand("1\n1 2 -2 1 1 7 1 8\n")), "element 1: a negative number of tags");
-  expect_contains(complaint(by_hand("2\n1 2 2 1 1 7 1 100\n")),
-                  "element 2: expected an integer, found '$EndEl");
-  expect_contains(complaint(by_hand("0\n1 2 2 1 1 7 1 100\n")),
-                  "$Elements: expected $EndElements, found '1'");
-  expect_contains(complaint(by_hand("900000000000\n")), "element: the file is truncated, or its count");
-  expect_contains(complaint(by_hand("0\n", "2\n1 0 0 0\n2 0 nan 0\n")), "node 2: a coordinate is not finite");
-  expect_contains(complaint(by_hand("0\n", "2\n1 0 0 0\n1 0 0 0\n")), "$Nodes: node 1 appears twice");
-  expect_contains(complaint(by_hand("0\n", "9000000000\n1 0 0 0\n")), "node: 9000000000 entities exceed");
-  expect_contains(complaint(by_hand_4("1 2 1 2\n2 1 2 1\n1 1 2 3\n", kNodes4)), "1 elements instead of 2");
-  expect_contains(complaint(by_hand_4("1 1 1 1\n3 1 2 1\n1 1 2 3\n", kNodes4)),
+TEST_F(Gmsh, ErrorsNameTheEntity) {
+  expect_contains(issue(by_hand("1\n1 2 2 1 1 7 1 8\n")), "m.msh: element 1: node 8 does not exist");
+  expect_contains(issue(by_hand("1\n1 77 2 1 1 7 1 8\n")), "element 1: element type 77 is unknown");
+  expect_contains(issue(by_hand("1\n1 2 -2 1 1 7 1 8\n")), "element 1: a negative number of tags");
+  expect_contains(issue(by_hand("2\n1 2 2 1 1 7 1 100\n")), "element 2: expected an integer, found '$EndEl");
+  expect_contains(issue(by_hand("0\n1 2 2 1 1 7 1 100\n")), "$Elements: expected $EndElements, found '1'");
+  expect_contains(issue(by_hand("900000000000\n")), "element: the file is truncated, or its count");
+  expect_contains(issue(by_hand("0\n", "2\n1 0 0 0\n2 0 nan 0\n")), "node 2: a coordinate is not finite");
+  expect_contains(issue(by_hand("0\n", "2\n1 0 0 0\n1 0 0 0\n")), "$Nodes: node 1 appears twice");
+  expect_contains(issue(by_hand("0\n", "9000000000\n1 0 0 0\n")), "node: 9000000000 entities exceed");
+  expect_contains(issue(by_hand_4("1 2 1 2\n2 1 2 1\n1 1 2 3\n", kNodes4)), "1 elements instead of 2");
+  expect_contains(issue(by_hand_4("1 1 1 1\n3 1 2 1\n1 1 2 3\n", kNodes4)),
                   "triangles in an entity of dimension 3");
-  expect_contains(complaint("$MeshFormat\n4 0 8\n"), "version 4.000000 is not read (2.2 and 4.1 are)");
-  expect_contains(complaint("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"), "$Nodes: is missing");
-  expect_contains(complaint(""), "not an MSH file");
+  expect_contains(issue("$MeshFormat\n4 0 8\n"), "version 4.000000 is not read (2.2 and 4.1 are)");
+  expect_contains(issue("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"), "$Nodes: is missing");
+  expect_contains(issue(""), "not an MSH file");
 }
 
 TEST_F(Gmsh, DamageIsRefusedOrHarmless) {
@@ -160,4 +158,4 @@ TEST_F(Gmsh, FilesOfGmsh) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gmsh_test

@@ -3,7 +3,7 @@
 #include "meshing/mesh/structured_box.h"
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::mesh_range_test {
 namespace {
 
 /// A box of two regions, with names.
@@ -137,4 +137,4 @@ TEST(MeshRange, WithForeignVolumesIsRefusedAsTheWholeFile) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::mesh_range_test

@@ -3,7 +3,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::obj_test {
 namespace {
 
 class Obj : public testing::Test {
@@ -12,7 +12,7 @@ class Obj : public testing::Test {
     put_bytes(directory / "m.obj", text);
     return read_obj(directory / "m.obj");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -54,7 +54,7 @@ TEST_F(Obj, LinesContinueBehindABackslash) {
       "4\\");
   EXPECT_EQ(c.mesh.points, (std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
   EXPECT_EQ(c.mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 1, 3}}));
-  expect_contains(complaint(std::string(kPoints) + "f 1 \\\n 2 x\n"), "line 6");
+  expect_contains(issue(std::string(kPoints) + "f 1 \\\n 2 x\n"), "line 6");
 }
 
 TEST_F(Obj, AllKindsOfFaces) {
@@ -73,16 +73,15 @@ TEST_F(Obj, AllKindsOfFaces) {
   EXPECT_TRUE(dropped(c, "uses of materials", 1));
 }
 
-TEST_F(Obj, ComplaintsNameTheLine) {
-  expect_contains(complaint(std::string(kPoints) + "f 1 2 5\n"),
-                  "m.obj: line 5: vertex index 5 is out of range");
-  expect_contains(complaint(std::string(kPoints) + "f 1 2 0\n"), "line 5: vertex index 0 is out of range");
-  expect_contains(complaint(std::string(kPoints) + "f 1 2 -5\n"), "line 5: vertex index -5 is out of range");
-  expect_contains(complaint(std::string(kPoints) + "f 1 2\n"), "line 5: has too few points");
-  expect_contains(complaint("v 0 0 inf\n"), "line 1: a coordinate is not finite");
-  expect_contains(complaint("v 0 0\n"), "line 1: expected three coordinates");
-  expect_contains(complaint("ply\n"), "line 1: begins with 'ply'");
-  expect_contains(complaint(""), "not an OBJ file");
+TEST_F(Obj, ErrorsNameTheLine) {
+  expect_contains(issue(std::string(kPoints) + "f 1 2 5\n"), "m.obj: line 5: vertex index 5 is out of range");
+  expect_contains(issue(std::string(kPoints) + "f 1 2 0\n"), "line 5: vertex index 0 is out of range");
+  expect_contains(issue(std::string(kPoints) + "f 1 2 -5\n"), "line 5: vertex index -5 is out of range");
+  expect_contains(issue(std::string(kPoints) + "f 1 2\n"), "line 5: has too few points");
+  expect_contains(issue("v 0 0 inf\n"), "line 1: a coordinate is not finite");
+  expect_contains(issue("v 0 0\n"), "line 1: expected three coordinates");
+  expect_contains(issue("ply\n"), "line 1: begins with 'ply'");
+  expect_contains(issue(""), "not an OBJ file");
 }
 
 TEST_F(Obj, DamageIsRefusedOrHarmless) {
@@ -90,7 +89,7 @@ TEST_F(Obj, DamageIsRefusedOrHarmless) {
   const std::string bytes = bytes_of(directory / "m.obj");
   damage_everywhere(directory / "m.obj", bytes, read_obj);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    complaint(bytes.substr(0, length));  // the format has no end that could be missing
+    issue(bytes.substr(0, length));  // the format has no end that could be missing
   }
 }
 
@@ -101,4 +100,4 @@ TEST_F(Obj, FilesOfOtherPrograms) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::obj_test

@@ -3,7 +3,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::off_test {
 namespace {
 
 class Off : public testing::Test {
@@ -12,7 +12,7 @@ class Off : public testing::Test {
     put_bytes(directory / "m.off", text);
     return read_off(directory / "m.off");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -55,14 +55,14 @@ TEST_F(Off, TheKeywordMayBeMissing) {
 
 TEST_F(Off, DamageIsNamed) {
   const std::string points(kPoints);
-  expect_contains(complaint("OFF\n4 1 0\n" + points + "3 0 1 4\n"), "face 1");
-  expect_contains(complaint("OFF\n4 2 0\n" + points + "3 0 1 2\n"), "face 2");
-  expect_contains(complaint("OFF\n4 1 0\n" + points + "1 0 1 2\n"), "too few points");
-  expect_contains(complaint("OFF\n4 1 0\n0 0\n"), "truncated");
-  expect_contains(complaint("OFF BINARY\n"), "binary");
-  expect_contains(complaint("4OFF\n4 1 0\n"), "not an OFF file");
-  expect_contains(complaint("OFF\n2 1 0\n0 0 nan\n0 0 1\n3 0 1 0\n"), "not finite");
+  expect_contains(issue("OFF\n4 1 0\n" + points + "3 0 1 4\n"), "face 1");
+  expect_contains(issue("OFF\n4 2 0\n" + points + "3 0 1 2\n"), "face 2");
+  expect_contains(issue("OFF\n4 1 0\n" + points + "1 0 1 2\n"), "too few points");
+  expect_contains(issue("OFF\n4 1 0\n0 0\n"), "truncated");
+  expect_contains(issue("OFF BINARY\n"), "binary");
+  expect_contains(issue("4OFF\n4 1 0\n"), "not an OFF file");
+  expect_contains(issue("OFF\n2 1 0\n0 0 nan\n0 0 1\n3 0 1 0\n"), "not finite");
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::off_test

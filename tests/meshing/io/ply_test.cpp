@@ -5,7 +5,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::ply_test {
 namespace {
 
 using Encoding = WriteOptions::Encoding;
@@ -16,7 +16,7 @@ class Ply : public testing::Test {
     put_bytes(directory / "m.ply", text);
     return read_ply(directory / "m.ply");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -81,9 +81,9 @@ TEST_F(Ply, FacesWithASecondList) {
   EXPECT_TRUE(dropped(c, "values of property texcoord", 2));
 }
 
-TEST_F(Ply, ComplaintsNameTheRow) {
+TEST_F(Ply, ErrorsNameTheRow) {
   const auto with_face = [&](const std::string& face) {
-    return complaint(ascii_file(std::string(kVertices) + kFaces, kThreePoints + face));
+    return issue(ascii_file(std::string(kVertices) + kFaces, kThreePoints + face));
   };
   EXPECT_EQ(with_face("3 0 1 2\n"), "no error");
   expect_contains(with_face("3 0 1 3\n"), "m.ply: face 1: vertex index 3 is out of range 0..2");
@@ -93,17 +93,17 @@ TEST_F(Ply, ComplaintsNameTheRow) {
   expect_contains(with_face("-3 0 1\n"), "face 1: a list's count is negative");
   expect_contains(with_face("9999999 0 1\n"), "face 1: the file is truncated, or its count");
   expect_contains(with_face("3 0 1 2\n3 0 1 2\n"), "more in the file than the header's counts say");
-  expect_contains(complaint(ascii_file(kVertices, "0 0 0\n1 nan 0\n0 1 0\n")),
+  expect_contains(issue(ascii_file(kVertices, "0 0 0\n1 nan 0\n0 1 0\n")),
                   "vertex 2: a coordinate is not finite");
-  expect_contains(complaint(ascii_file("element vertex 3\nproperty float x\n", "0\n0\n0\n")),
+  expect_contains(issue(ascii_file("element vertex 3\nproperty float x\n", "0\n0\n0\n")),
                   "no properties x, y and z");
-  expect_contains(complaint(ascii_file("element vertex 4000000000\n", "")), "vertex: has no properties");
-  expect_contains(complaint(ascii_file("element vertex 4000000000\nproperty float x\n", "")),
+  expect_contains(issue(ascii_file("element vertex 4000000000\n", "")), "vertex: has no properties");
+  expect_contains(issue(ascii_file("element vertex 4000000000\nproperty float x\n", "")),
                   "vertex: the file is truncated, or its count of 4000000000 is wrong");
-  expect_contains(complaint(ascii_file("element vertex -4\n", "")), "header: the count -4 is negative");
-  expect_contains(complaint("ply\nformat ascii 1.0\n"), "no end_header");
-  expect_contains(complaint("ply\nformat utf8 1.0\nend_header\n"), "unknown format 'utf8'");
-  expect_contains(complaint("solid"), "not a PLY file");
+  expect_contains(issue(ascii_file("element vertex -4\n", "")), "header: the count -4 is negative");
+  expect_contains(issue("ply\nformat ascii 1.0\n"), "no end_header");
+  expect_contains(issue("ply\nformat utf8 1.0\nend_header\n"), "unknown format 'utf8'");
+  expect_contains(issue("solid"), "not a PLY file");
 }
 
 TEST_F(Ply, DamageIsRefusedOrHarmless) {
@@ -125,4 +125,4 @@ TEST_F(Ply, FilesOfOtherPrograms) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::ply_test

@@ -3,7 +3,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::stl_test {
 namespace {
 
 constexpr WriteOptions kAscii = {.encoding = WriteOptions::Encoding::ascii};
@@ -41,7 +41,7 @@ class Stl : public testing::Test {
     put_bytes(directory / "m.stl", text);
     return read_stl(directory / "m.stl");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -91,12 +91,12 @@ TEST_F(Stl, MergesEqualPointsAndDropsDegenerateTriangles) {
   EXPECT_TRUE(dropped(flat, "triangles with two equal corners", 2));
 }
 
-TEST_F(Stl, ComplaintsNameTheFacet) {
-  expect_contains(complaint(two_facets("0 nan 0")), "m.stl: Facet 1: a coordinate is not finite");
-  expect_contains(complaint(two_facets("0 x 0")), "Facet 1: expected a number, found 'x'");
-  expect_contains(complaint(two_facets("0 1")), "Facet 1: expected a number, found 'endloop'");
-  expect_contains(complaint("what"), "not an STL file");
-  expect_contains(complaint(""), "not an STL file");
+TEST_F(Stl, ErrorsNameTheFacet) {
+  expect_contains(issue(two_facets("0 nan 0")), "m.stl: Facet 1: a coordinate is not finite");
+  expect_contains(issue(two_facets("0 x 0")), "Facet 1: expected a number, found 'x'");
+  expect_contains(issue(two_facets("0 1")), "Facet 1: expected a number, found 'endloop'");
+  expect_contains(issue("what"), "not an STL file");
+  expect_contains(issue(""), "not an STL file");
   MeshContents c = surface();
   c.mesh.points[0].x = 1e300;
   expect_contains(message_of([&] { write_stl(directory / "m.stl", c); }), "too large for the 32-bit reals");
@@ -114,7 +114,7 @@ TEST_F(Stl, DamageIsRefusedOrHarmless) {
   write_stl(directory / "m.stl", surface(), kAscii);
   const std::string text = bytes_of(directory / "m.stl");
   for (std::size_t length = 0; length < text.size(); ++length) {
-    complaint(text.substr(0, length));  // whole solids may remain
+    issue(text.substr(0, length));  // whole solids may remain
   }
 }
 
@@ -128,4 +128,4 @@ TEST_F(Stl, FilesOfOtherPrograms) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::stl_test

@@ -3,7 +3,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::su2_test {
 namespace {
 
 class Su2 : public testing::Test {
@@ -12,7 +12,7 @@ class Su2 : public testing::Test {
     put_bytes(directory / "m.su2", text);
     return read_su2(directory / "m.su2");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -47,23 +47,23 @@ TEST_F(Su2, PartsInAnyOrderWithComments) {
   EXPECT_TRUE(dropped(c, "entries FFD_LEVEL", 1));
 }
 
-TEST_F(Su2, ComplaintsNameTheEntity) {
+TEST_F(Su2, ErrorsNameTheEntity) {
   const std::string head = std::string("NDIME= 3\n") + kPoints;
-  expect_contains(complaint(head + "NELEM= 1\n10 0 1 2 4\n"),
+  expect_contains(issue(head + "NELEM= 1\n10 0 1 2 4\n"),
                   "m.su2: NELEM 1: vertex index 4 is out of range 0..3");
-  expect_contains(complaint(head + "NELEM= 1\n10 0 1 2 -1\n"), "NELEM 1: vertex index -1 is out of range");
-  expect_contains(complaint(head + "NELEM= 1\n5 0 1 2\n"), "NELEM 1: triangles among the volume elements");
-  expect_contains(complaint(head + "NELEM= 1\n77 0 1 2\n"), "NELEM 1: element type 77 is unknown");
-  expect_contains(complaint(head + "NELEM= 3\n10 0 1 2 3\n"), "NELEM 2: expected an integer");
-  expect_contains(complaint(head + "NELEM= 0\n10 0 1 2 3\n"), "expected KEY= VALUE, found '10 0 1 2 3'");
-  expect_contains(complaint(head + "NELEM= 999999999999\n"), "NELEM: the file is truncated, or its count");
-  expect_contains(complaint(head + "NELEM= 0\nNMARK= 1\n"), "has 0 markers instead of 1");
-  expect_contains(complaint(head), "NELEM= is missing");
-  expect_contains(complaint(head + "NELEM= 0\n"), "NMARK= is missing");
-  expect_contains(complaint("NDIME= 2\n"), "NDIME: the mesh has '2' dimensions");
-  expect_contains(complaint("NZONE= 2\n"), "several zones");
-  expect_contains(complaint("NDIME= 3\nNPOIN= 1\n0 inf 0\n"), "NPOIN 1: a coordinate is not finite");
-  expect_contains(complaint(""), "not an SU2 mesh");
+  expect_contains(issue(head + "NELEM= 1\n10 0 1 2 -1\n"), "NELEM 1: vertex index -1 is out of range");
+  expect_contains(issue(head + "NELEM= 1\n5 0 1 2\n"), "NELEM 1: triangles among the volume elements");
+  expect_contains(issue(head + "NELEM= 1\n77 0 1 2\n"), "NELEM 1: element type 77 is unknown");
+  expect_contains(issue(head + "NELEM= 3\n10 0 1 2 3\n"), "NELEM 2: expected an integer");
+  expect_contains(issue(head + "NELEM= 0\n10 0 1 2 3\n"), "expected KEY= VALUE, found '10 0 1 2 3'");
+  expect_contains(issue(head + "NELEM= 999999999999\n"), "NELEM: the file is truncated, or its count");
+  expect_contains(issue(head + "NELEM= 0\nNMARK= 1\n"), "has 0 markers instead of 1");
+  expect_contains(issue(head), "NELEM= is missing");
+  expect_contains(issue(head + "NELEM= 0\n"), "NMARK= is missing");
+  expect_contains(issue("NDIME= 2\n"), "NDIME: the mesh has '2' dimensions");
+  expect_contains(issue("NZONE= 2\n"), "several zones");
+  expect_contains(issue("NDIME= 3\nNPOIN= 1\n0 inf 0\n"), "NPOIN 1: a coordinate is not finite");
+  expect_contains(issue(""), "not an SU2 mesh");
 }
 
 TEST_F(Su2, DamageIsRefusedOrHarmless) {
@@ -83,4 +83,4 @@ TEST_F(Su2, FilesOfGmsh) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::su2_test

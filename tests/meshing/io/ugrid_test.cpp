@@ -3,7 +3,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::ugrid_test {
 namespace {
 
 const std::vector<std::string> kNames = {"m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.b8l.ugrid",
@@ -25,7 +25,7 @@ class Ugrid : public testing::Test {
     put_bytes(directory / "m.ugrid", text);
     return read_ugrid(directory / "m.ugrid");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
   TemporaryDirectory directory;
@@ -72,19 +72,17 @@ TEST_F(Ugrid, NamesComeFromTheMapbcBesideIt) {
                   "m.mapbc: boundary 2: expected");
 }
 
-TEST_F(Ugrid, ComplaintsNameTheEntity) {
+TEST_F(Ugrid, ErrorsNameTheEntity) {
   const std::string points = kPoints;
-  expect_contains(complaint("4 1 0 0 0 0 0\n" + points + "1 2 5\n1\n"),
+  expect_contains(issue("4 1 0 0 0 0 0\n" + points + "1 2 5\n1\n"),
                   "m.ugrid: triangle 1: vertex index 5 is out of range 1..4");
-  expect_contains(complaint("4 0 0 1 0 0 0\n" + points + "0 1 2 3\n"),
-                  "tet 1: vertex index 0 is out of range");
-  expect_contains(complaint("4 0 0 2 0 0 0\n" + points + "1 2 3 4\n"),
+  expect_contains(issue("4 0 0 1 0 0 0\n" + points + "0 1 2 3\n"), "tet 1: vertex index 0 is out of range");
+  expect_contains(issue("4 0 0 2 0 0 0\n" + points + "1 2 3 4\n"),
                   "tet 2: expected an integer, found the end of the file");
-  expect_contains(complaint("-4 0 0 2 0 0 0\n"), "header: a count is -4");
-  expect_contains(complaint("4 0 0 0 0 0 0\n0 0 0 0 nan 0 0 0 0 0 0 0"),
-                  "node 2: a coordinate is not finite");
-  expect_contains(complaint("4 0 0 1 0 0 0\n" + points + "1 2 3 4\n0\n1 9\n"), "more in the file");
-  expect_contains(complaint(""), "header: expected an integer, found the end of the file");
+  expect_contains(issue("-4 0 0 2 0 0 0\n"), "header: a count is -4");
+  expect_contains(issue("4 0 0 0 0 0 0\n0 0 0 0 nan 0 0 0 0 0 0 0"), "node 2: a coordinate is not finite");
+  expect_contains(issue("4 0 0 1 0 0 0\n" + points + "1 2 3 4\n0\n1 9\n"), "more in the file");
+  expect_contains(issue(""), "header: expected an integer, found the end of the file");
   expect_contains(message_of([] { read_ugrid("x.r8.ugrid"); }), "Fortran records (.r8)");
   MeshContents c = contents(false);
   expect_contains(message_of([&] { write_ugrid(directory / "m.b4.ugrid", c); }),
@@ -113,4 +111,4 @@ TEST_F(Ugrid, FilesOfAnotherProgram) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::ugrid_test

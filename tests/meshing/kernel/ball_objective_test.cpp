@@ -11,7 +11,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::ball_objective_test {
 namespace {
 
 using support::KernelRig;
@@ -192,4 +192,4 @@ INSTANTIATE_TEST_SUITE_P(, BallObjective, testing::Values(MetricMean::arithmetic
                          });
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::ball_objective_test

@@ -10,7 +10,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::neighbourhood_test {
 namespace {
 
 using support::half_ring_of;
@@ -222,4 +222,4 @@ TEST(SmallSet, HoldsWhatWasInsertedSinceItWasCleared) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::neighbourhood_test

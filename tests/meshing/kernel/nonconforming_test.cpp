@@ -9,7 +9,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::nonconforming_test {
 namespace {
 
 using support::KernelRig;
@@ -61,4 +61,4 @@ TEST(Nonconforming, ASampleOfTheEdgesIsScaledUp) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::nonconforming_test

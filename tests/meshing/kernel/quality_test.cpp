@@ -8,7 +8,7 @@
 
 #include "meshing/metric/metric.h"
 
-namespace weft::meshing {
+namespace weft::meshing::quality_test {
 namespace {
 
 LogMetric random_logarithm(std::mt19937& random, double spread) {
@@ -61,4 +61,4 @@ TEST(MetricLength, ComparesAsItsValueDoes) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::quality_test

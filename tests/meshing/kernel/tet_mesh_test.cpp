@@ -17,7 +17,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::tet_mesh_test {
 namespace {
 
 using support::expect_same_domain;
@@ -276,4 +276,4 @@ TEST(Renumber, NearIsNearInTheMetric) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::tet_mesh_test

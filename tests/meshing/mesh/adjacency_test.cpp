@@ -12,7 +12,7 @@
 #include "meshing/base/error.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::adjacency_test {
 namespace {
 
 using support::two_tets;
@@ -151,4 +151,4 @@ TEST(UniqueEdges, EqualsTheSlowAnswer) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::adjacency_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::check_mesh_test {
 namespace {
 
 using support::mesh_of;
@@ -310,4 +310,4 @@ TEST(CheckMesh, SaysTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::check_mesh_test

@@ -10,7 +10,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::face_sums_test {
 namespace {
 
 /// A jittered cube of two materials, with triangles between them, numbered at random.
@@ -158,4 +158,4 @@ TEST(FaceSums, OfPartsAddUp) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::face_sums_test

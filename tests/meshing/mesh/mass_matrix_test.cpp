@@ -8,7 +8,7 @@
 
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::mass_matrix_test {
 namespace {
 
 TEST(MassMatrix, LumpedMassesAddUpToTheVolume) {
@@ -51,4 +51,4 @@ TEST(MassMatrix, LeavesVerticesWithoutTetsAlone) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::mass_matrix_test

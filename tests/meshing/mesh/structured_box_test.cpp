@@ -10,7 +10,7 @@
 #include "meshing/base/error.h"
 #include "meshing/mesh/check_mesh.h"
 
-namespace weft::meshing {
+namespace weft::meshing::structured_box_test {
 namespace {
 
 /// How many of each tet's faces lie on the boundary: index = tet.
@@ -93,4 +93,4 @@ TEST(StructuredBox, RefusesABoxThatIsNone) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::structured_box_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::background_test {
 namespace {
 
 using support::unit_cube;
@@ -164,4 +164,4 @@ TEST(Background, OfOneTetServesAllSpace) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::background_test

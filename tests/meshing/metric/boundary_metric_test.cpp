@@ -11,7 +11,7 @@
 #include "meshing/metric/sources/wall_metric.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::boundary_metric_test {
 namespace {
 
 using support::unit_cube;
@@ -170,4 +170,4 @@ TEST(BoundaryMetrics, DoNotDependOnTheThreads) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::boundary_metric_test

@@ -13,7 +13,7 @@
 #include "meshing/metric/sources/implied_metric.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::flat_tets_test {
 namespace {
 
 /// A tet of four points that are coplanar up to rounding: positive, but of a volume that computes to nothing
@@ -82,4 +82,4 @@ TEST(FlatTets, HaveAMetricAllAround) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::flat_tets_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gradation_test {
 namespace {
 
 using support::unit_cube;
@@ -169,4 +169,4 @@ TEST(Gradation, InMixedSpaceMakesMetricsRounder) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gradation_test

@@ -11,7 +11,7 @@
 #include "meshing/metric/sources/quadratic_fit.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::hessian_test {
 namespace {
 
 using support::unit_cube;
@@ -190,4 +190,4 @@ TEST(QuadraticFit, NeedsNinePointsInGeneralPosition) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::hessian_test

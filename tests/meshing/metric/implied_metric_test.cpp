@@ -10,7 +10,7 @@
 #include "meshing/metric/measures.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::implied_metric_test {
 namespace {
 
 TEST(ImpliedMetric, MakesTheEdgesOfOneTetUnit) {
@@ -52,4 +52,4 @@ TEST(ImpliedMetric, GivesAVertexOfNoTetTheLargestSize) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::implied_metric_test

@@ -9,7 +9,7 @@
 
 #include "meshing/metric/measures.h"
 
-namespace weft::meshing {
+namespace weft::meshing::measure_lanes_test {
 namespace {
 
 /// Symmetric, its entries of the size of `scale`.
@@ -101,4 +101,4 @@ TEST(MeasureLanes, LengthsAreThoseOfSingleEdges) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::measure_lanes_test

@@ -12,7 +12,7 @@
 #include "meshing/metric/metric_field.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::measures_test {
 namespace {
 
 using support::regular_tet;
@@ -220,4 +220,4 @@ TEST(Histogram, PutsValuesIntoTheirIntervals) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::measures_test

@@ -11,7 +11,7 @@
 #include "meshing/metric/measures.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::metric_field_test {
 namespace {
 
 using support::unit_cube;
@@ -188,4 +188,4 @@ TEST(IntersectWith, IsAsFineAsBoth) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::metric_field_test

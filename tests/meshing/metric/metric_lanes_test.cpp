@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace weft::meshing {
+namespace weft::meshing::metric_lanes_test {
 namespace {
 
 /// A symmetric tensor in any axes, with these eigenvalues.
@@ -88,4 +88,4 @@ TEST(MetricLanes, WhatATensorGetsDoesNotDependOnThoseBesideIt) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::metric_lanes_test

@@ -10,7 +10,7 @@
 #include "meshing/metric/measures.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::metric_limits_test {
 namespace {
 
 using support::unit_cube;
@@ -103,4 +103,4 @@ TEST(FitToComplexity, RefusesAMeshWithoutVolumeAndContradictingLimits) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::metric_limits_test

@@ -10,7 +10,7 @@
 
 #include "meshing/base/error.h"
 
-namespace weft::meshing {
+namespace weft::meshing::metric_test {
 namespace {
 
 double max_entry(const SymTensor& a) {
@@ -267,4 +267,4 @@ TEST(Metric, TheDeterminantOfADefiniteTensorIsRightAtStrongAnisotropy) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::metric_test

@@ -17,7 +17,7 @@
 #include "meshing/metric/metric_limits.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::multiscale_test {
 namespace {
 
 using support::unit_cube;
@@ -171,4 +171,4 @@ TEST(MultiscaleCases, AgreesWithRefineOnTheDeltaWing) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::multiscale_test

@@ -19,7 +19,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::operators_test {
 namespace {
 
 using support::expect_same_domain;
@@ -854,4 +854,4 @@ INSTANTIATE_TEST_SUITE_P(, MoveVertex, testing::Values(MetricMean::arithmetic, M
                          });
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::operators_test

@@ -7,7 +7,7 @@
 #include "meshing/base/error.h"
 #include "tests/partition/communication/threads_peers.h"
 
-namespace weft::partition {
+namespace weft::partition::same_arithmetic_test {
 namespace {
 
 TEST(SameArithmetic, TheFingerprintIsTheSameEachTime) {
@@ -34,4 +34,4 @@ TEST(SameArithmetic, AllRanksRefuseWhenOneDiffers) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::same_arithmetic_test

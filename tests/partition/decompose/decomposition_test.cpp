@@ -21,7 +21,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::decomposition_test {
 namespace {
 
 using meshing::MeshData;
@@ -424,4 +424,4 @@ TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::decomposition_test

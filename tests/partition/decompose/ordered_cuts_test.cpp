@@ -11,7 +11,7 @@
 #include "partition/communication/reduce.h"
 #include "tests/partition/communication/threads_peers.h"
 
-namespace weft::partition {
+namespace weft::partition::ordered_cuts_test {
 namespace {
 
 struct Case {
@@ -155,4 +155,4 @@ TEST(Reduce, OrderedSumIsExactAndTheSameForAllRanks) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::ordered_cuts_test

@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-namespace weft::partition {
+namespace weft::partition::partitioner_test {
 namespace {
 
 using ::testing::AllOf;
@@ -82,4 +82,4 @@ TEST(Partitioner, SaysWhatIsWrongAndWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::partitioner_test

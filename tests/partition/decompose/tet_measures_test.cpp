@@ -9,7 +9,7 @@
 
 #include "meshing/mesh/tet_tables.h"
 
-namespace weft::partition {
+namespace weft::partition::tet_measures_test {
 namespace {
 
 using meshing::LogMetric;
@@ -92,4 +92,4 @@ TEST(TetMeasures, CutTensorsArePositiveAndFiniteForTetsBeyondAllMeasure) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::tet_measures_test

@@ -15,7 +15,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::thin_slabs_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -158,4 +158,4 @@ TEST(ThinSlabs, AreHalfAsManyAgainAsOfCubesAtTheFewest) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::thin_slabs_test

@@ -12,7 +12,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::distribute_errors_test {
 namespace {
 
 using meshing::InputError;
@@ -196,4 +196,4 @@ TEST(DistributeErrors, SharesMustMakeUpTheMesh) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::distribute_errors_test

@@ -20,7 +20,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::distribute_test {
 namespace {
 
 using meshing::MeshData;
@@ -465,4 +465,4 @@ TEST(Distribute, DelicateVerticesAreMarkedInAllCopies) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::distribute_test

@@ -11,7 +11,7 @@
 #include "partition/decompose/decomposition.h"
 #include "tests/partition/shift/shift_checks.h"
 
-namespace weft::partition {
+namespace weft::partition::divide_test {
 namespace {
 
 using namespace weft::support;
@@ -118,4 +118,4 @@ TEST(Apportion, GivesEachItsShareAndAtLeastOne) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::divide_test

@@ -16,7 +16,7 @@
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::own_background_test {
 namespace {
 
 using meshing::Background;
@@ -166,4 +166,4 @@ TEST(TetsMeet, WhereTheyHaveAPointInCommon) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::own_background_test

@@ -13,7 +13,7 @@
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::transfer_in_parts_test {
 namespace {
 
 using meshing::ComponentAccount;
@@ -157,4 +157,4 @@ TEST_P(TransferInParts, RefusesMeshesWithoutTets) {
 INSTANTIATE_TEST_SUITE_P(Ranks, TransferInParts, testing::ValuesIn(support::kNumbersOfRanks));
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::transfer_in_parts_test

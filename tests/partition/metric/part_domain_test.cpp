@@ -17,7 +17,7 @@
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
 
-namespace weft::partition {
+namespace weft::partition::part_domain_test {
 namespace {
 
 using meshing::HessianRecovery;
@@ -157,4 +157,4 @@ TEST(PartDomain, RefusesAnInvertedTetOnAllRanksAlike) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::part_domain_test

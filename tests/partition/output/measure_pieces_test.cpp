@@ -13,7 +13,7 @@
 #include "partition/communication/select.h"
 #include "tests/partition/output/piece_support.h"
 
-namespace weft::partition {
+namespace weft::partition::measure_pieces_test {
 namespace {
 
 using meshing::Histogram;
@@ -163,4 +163,4 @@ TEST(Select, FindsEveryPlaceOfValuesOnManyRanks) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::measure_pieces_test

@@ -17,7 +17,7 @@
 #include "tests/meshing/io/format_support.h"
 #include "tests/partition/output/piece_support.h"
 
-namespace weft::partition {
+namespace weft::partition::output_test {
 namespace {
 
 using meshing::bytes_of;
@@ -258,22 +258,22 @@ TEST(WritePieces, NothingButEmptyPiecesMakeAnEmptyMesh) {
 }
 
 /// The message with which every rank fails to write; there must be one, and only one.
-std::string common_complaint(const std::vector<std::vector<MeshPiece>>& hands, const fs::path& mesh,
-                             const fs::path& solution, int version = 0) {
+std::string common_issue(const std::vector<std::vector<MeshPiece>>& hands, const fs::path& mesh,
+                         const fs::path& solution, int version = 0) {
   std::mutex mutex;
-  std::set<std::string> complaints;
+  std::set<std::string> issues;
   run_on_ranks(static_cast<int>(hands.size()), [&](Peers& peers) {
-    std::string complaint = "none";
+    std::string issue = "none";
     try {
       write_pieces(peers, hands[peers.rank()], mesh, solution, {}, version);
     } catch (const InputError& error) {
-      complaint = error.what();
+      issue = error.what();
     }
     const std::lock_guard lock(mutex);
-    complaints.insert(complaint);
+    issues.insert(issue);
   });
-  EXPECT_EQ(complaints.size(), 1u);
-  return *complaints.begin();
+  EXPECT_EQ(issues.size(), 1u);
+  return *issues.begin();
 }
 
 /// Root may write anywhere: the thread that creates files gives its rights up for a while.
@@ -296,7 +296,7 @@ TEST(WritePieces, AnUnwritableDirectoryIsReportedByAll) {
                                           fs::perms::others_exec);
     {
       const AsOrdinaryUser ordinary;
-      expect_contains(common_complaint(deal(cut.pieces, ranks), directory / "m.meshb", directory / "m.solb"),
+      expect_contains(common_issue(deal(cut.pieces, ranks), directory / "m.meshb", directory / "m.solb"),
                       "m.meshb: cannot write: Permission denied");
     }
     fs::permissions(directory.path(), fs::perms::owner_all);
@@ -308,7 +308,7 @@ TEST(WritePieces, AMissingDirectoryOfTheSolutionLeavesNoMesh) {
   const CutMesh cut = random_cut(4);
   for (const int ranks : kRankCounts) {
     const TemporaryDirectory directory;
-    expect_contains(common_complaint(deal(cut.pieces, ranks), directory / "m.meshb", directory / "no/m.solb"),
+    expect_contains(common_issue(deal(cut.pieces, ranks), directory / "m.meshb", directory / "no/m.solb"),
                     "m.solb: cannot write: No such file or directory");
     EXPECT_EQ(directory.num_entries(), 0u);
   }
@@ -339,7 +339,7 @@ TEST(WritePieces, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
     put_bytes(directory / "m.meshb", "precious");
     {
       const FileSizeLimit limit(1000);
-      expect_contains(common_complaint(deal(cut.pieces, ranks), directory / "m.meshb", directory / "m.solb"),
+      expect_contains(common_issue(deal(cut.pieces, ranks), directory / "m.meshb", directory / "m.solb"),
                       "m.meshb: cannot write: File too large");
     }
     EXPECT_EQ(bytes_of(directory / "m.meshb"), "precious");
@@ -352,7 +352,7 @@ TEST(WritePieces, AValueThatOneRankCannotWriteStopsAll) {
   cut.pieces[1].mesh.points[0].x = 1e300;
   for (const int ranks : kRankCounts) {
     const TemporaryDirectory directory;
-    expect_contains(common_complaint(deal(cut.pieces, ranks), directory / "m.meshb", {}, 1),
+    expect_contains(common_issue(deal(cut.pieces, ranks), directory / "m.meshb", {}, 1),
                     "m.meshb: a value is too large for the 32-bit reals of GMF version 1");
     EXPECT_EQ(directory.num_entries(), 0u);
   }
@@ -360,24 +360,24 @@ TEST(WritePieces, AValueThatOneRankCannotWriteStopsAll) {
 
 TEST(WritePieces, PiecesThatDoNotFitAreReportedByAll) {
   const TemporaryDirectory directory;
-  const auto complaint = [&](const std::vector<MeshPiece>& pieces) {
-    return common_complaint(deal(pieces, 3), directory / "m.meshb", {});
+  const auto issue = [&](const std::vector<MeshPiece>& pieces) {
+    return common_issue(deal(pieces, 3), directory / "m.meshb", {});
   };
   const std::vector<MeshPiece> pieces = random_cut(4).pieces;
   std::vector<MeshPiece> damaged = pieces;
   damaged[2].ids.pop_back();
-  EXPECT_EQ(complaint(damaged), "subdomain 2: arrays differ in length");
+  EXPECT_EQ(issue(damaged), "subdomain 2: arrays differ in length");
   damaged = pieces;
   damaged.push_back(damaged[3]);
-  EXPECT_EQ(complaint(damaged), "subdomain 3: there are two pieces of it");
+  EXPECT_EQ(issue(damaged), "subdomain 3: there are two pieces of it");
   damaged = pieces;
   damaged.erase(damaged.begin());
-  expect_contains(complaint(damaged), "is not in the lowest subdomain that should hold it");
+  expect_contains(issue(damaged), "is not in the lowest subdomain that should hold it");
   EXPECT_EQ(
-      common_complaint(deal(pieces, 2), directory / "m.mesh", {}),
+      common_issue(deal(pieces, 2), directory / "m.mesh", {}),
       (directory / "m.mesh").string() + ": a text file cannot be written in parts; .meshb and .solb can");
   EXPECT_EQ(directory.num_entries(), 0u);
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::output_test

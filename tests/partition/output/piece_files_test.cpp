@@ -14,7 +14,7 @@
 #include "tests/meshing/io/format_support.h"
 #include "tests/partition/output/piece_support.h"
 
-namespace weft::partition {
+namespace weft::partition::piece_files_test {
 namespace {
 
 using meshing::bytes_of;
@@ -172,21 +172,21 @@ TEST(PiecesForParmmg, BinaryFilesHoldTheSame) {
 
 /// The message with which every rank fails; there must be one, and only one.
 template <class Write>
-std::string common_complaint(int ranks, const std::vector<MeshPiece>& pieces, const Write& write) {
+std::string common_issue(int ranks, const std::vector<MeshPiece>& pieces, const Write& write) {
   std::mutex mutex;
-  std::set<std::string> complaints;
+  std::set<std::string> issues;
   write_on(ranks, pieces, [&](Peers& peers, const auto& mine) {
-    std::string complaint = "none";
+    std::string issue = "none";
     try {
       write(peers, mine);
     } catch (const meshing::InputError& error) {
-      complaint = error.what();
+      issue = error.what();
     }
     const std::lock_guard lock(mutex);
-    complaints.insert(complaint);
+    issues.insert(issue);
   });
-  EXPECT_EQ(complaints.size(), 1u);
-  return *complaints.begin();
+  EXPECT_EQ(issues.size(), 1u);
+  return *issues.begin();
 }
 
 TEST(PieceFiles, AFailureRemovesWhatOthersHaveWritten) {
@@ -194,24 +194,24 @@ TEST(PieceFiles, AFailureRemovesWhatOthersHaveWritten) {
   for (const int ranks : kRankCounts) {
     const TemporaryDirectory directory;
     for (const std::string name : {"m_2.vtu", "m.2.solb", "n.pvtu"}) fs::create_directory(directory / name);
-    expect_contains(common_complaint(ranks, cut.pieces,
-                                     [&](Peers& peers, const auto& mine) {
-                                       write_pieces_as_vtu(peers, mine, directory / "m.pvtu");
-                                     }),
+    expect_contains(common_issue(ranks, cut.pieces,
+                                 [&](Peers& peers, const auto& mine) {
+                                   write_pieces_as_vtu(peers, mine, directory / "m.pvtu");
+                                 }),
                     "m_2.vtu: cannot write: Is a directory");
-    expect_contains(common_complaint(ranks, cut.pieces,
-                                     [&](Peers& peers, const auto& mine) {
-                                       write_pieces_as_vtu(peers, mine, directory / "n.pvtu");
-                                     }),
+    expect_contains(common_issue(ranks, cut.pieces,
+                                 [&](Peers& peers, const auto& mine) {
+                                   write_pieces_as_vtu(peers, mine, directory / "n.pvtu");
+                                 }),
                     "n.pvtu: cannot write: Is a directory");
-    expect_contains(common_complaint(ranks, cut.pieces,
-                                     [&](Peers& peers, const auto& mine) {
-                                       write_pieces_for_parmmg(peers, mine, directory / "m.meshb");
-                                     }),
+    expect_contains(common_issue(ranks, cut.pieces,
+                                 [&](Peers& peers, const auto& mine) {
+                                   write_pieces_for_parmmg(peers, mine, directory / "m.meshb");
+                                 }),
                     "m.2.solb: cannot write: Is a directory");
     EXPECT_EQ(directory.num_entries(), 3u);
   }
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::piece_files_test

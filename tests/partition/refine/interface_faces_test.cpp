@@ -12,7 +12,7 @@
 #include "meshing/operators/split_edge.h"
 #include "tests/partition/scenes.h"
 
-namespace weft::partition {
+namespace weft::partition::interface_faces_test {
 namespace {
 
 using namespace weft::support;
@@ -150,4 +150,4 @@ TEST(InterfaceFaces, AWholeMeshHasNone) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::interface_faces_test

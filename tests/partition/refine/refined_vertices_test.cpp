@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace weft::partition {
+namespace weft::partition::refined_vertices_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -101,4 +101,4 @@ TEST(RefinedVertices, HoldersAreThoseOfAllCornersHoweverDeep) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::refined_vertices_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace weft::partition {
+namespace weft::partition::colouring_test {
 namespace {
 
 using Graph = std::vector<std::vector<SubdomainId>>;
@@ -195,4 +195,4 @@ TEST(Colouring, TiesAreSettledById) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::colouring_test

@@ -16,7 +16,7 @@
 #include "tests/support/kernel.h"
 #include "tests/support/repetitions.h"
 
-namespace weft::partition {
+namespace weft::partition::shift_test {
 namespace {
 
 using namespace weft::support;
@@ -498,4 +498,4 @@ TEST(AdaptedShifts, PoorTetsAtFrozenVerticesAreRepairedWhereAskedFor) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::shift_test

@@ -9,7 +9,7 @@
 
 #include "tests/partition/scenes.h"
 
-namespace weft::partition {
+namespace weft::partition::background_store_test {
 namespace {
 
 using namespace weft::support;
@@ -207,4 +207,4 @@ TEST(BackgroundStore, PiecesOfTwoSubdomainsHaveDifferentIds) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::background_store_test

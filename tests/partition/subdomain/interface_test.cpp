@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace weft::partition {
+namespace weft::partition::interface_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -141,4 +141,4 @@ TEST(GlobalIds, DerivedNamesAreApartFromCountedOnes) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::interface_test

@@ -6,7 +6,7 @@
 #include "tests/partition/scenes.h"
 #include "tests/partition/shift/rounds.h"
 
-namespace weft::partition {
+namespace weft::partition::room_test {
 namespace {
 
 using namespace weft::support;
@@ -89,4 +89,4 @@ TEST(Room, WhatAShiftBringsFindsRoom) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::room_test

@@ -11,7 +11,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "tests/partition/output/piece_support.h"
 
-namespace weft::partition {
+namespace weft::partition::check_pieces_test {
 namespace {
 
 using testing::AllOf;
@@ -321,4 +321,4 @@ TEST(CheckPieces, FindsRandomDamage) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::check_pieces_test

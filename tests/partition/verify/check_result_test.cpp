@@ -11,7 +11,7 @@
 #include "partition/verify/check_subdomains.h"
 #include "tests/partition/output/piece_support.h"
 
-namespace weft::partition {
+namespace weft::partition::check_result_test {
 namespace {
 
 using testing::AllOf;
@@ -67,4 +67,4 @@ TEST(CheckResult, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::check_result_test

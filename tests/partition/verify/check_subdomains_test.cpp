@@ -10,7 +10,7 @@
 
 #include "tests/partition/shift/shift_checks.h"
 
-namespace weft::partition {
+namespace weft::partition::check_subdomains_test {
 namespace {
 
 using namespace weft::support;
@@ -171,7 +171,7 @@ class InterfaceSnapshots : public ::testing::Test {
   }
   Subdomain& subdomain() { return rounds_.subdomains()[1]; }
 
-  std::string complaint(const std::function<void(Subdomain&, VertexId)>& during) {
+  std::string issue(const std::function<void(Subdomain&, VertexId)>& during) {
     const InterfaceSnapshot before(subdomain());
     during(subdomain(), subdomain().interface.local(2));
     try {
@@ -188,11 +188,11 @@ class InterfaceSnapshots : public ::testing::Test {
 };
 
 TEST_F(InterfaceSnapshots, HoldThroughAnAdaptation) {
-  EXPECT_EQ(complaint([&](Subdomain&, VertexId) { rounds_.adapt(meshing::Extent::everything); }), "");
+  EXPECT_EQ(issue([&](Subdomain&, VertexId) { rounds_.adapt(meshing::Extent::everything); }), "");
 }
 
 TEST_F(InterfaceSnapshots, SeeAMoveByTheLastBit) {
-  EXPECT_THAT(complaint([](Subdomain& s, VertexId v) {
+  EXPECT_THAT(issue([](Subdomain& s, VertexId v) {
                 meshing::Point p = s.mesh->point(v);
                 p.z = std::nextafter(p.z, -2);
                 s.mesh->set_point(v, p);
@@ -201,9 +201,8 @@ TEST_F(InterfaceSnapshots, SeeAMoveByTheLastBit) {
 }
 
 TEST_F(InterfaceSnapshots, SeeAVertexThatIsGone) {
-  EXPECT_THAT(complaint([](Subdomain& s, VertexId v) { s.mesh->thaw(v); }),
-              HasSubstr("vanished or was thawed"));
+  EXPECT_THAT(issue([](Subdomain& s, VertexId v) { s.mesh->thaw(v); }), HasSubstr("vanished or was thawed"));
 }
 
 }  // namespace
-}  // namespace weft::partition
+}  // namespace weft::partition::check_subdomains_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace weft::tools {
+namespace weft::tools::arguments_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -30,4 +30,4 @@ TEST(ClosestWord, FindsAMisspeltSubcommand) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::arguments_test

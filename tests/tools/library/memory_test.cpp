@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace weft::tools {
+namespace weft::tools::memory_test {
 namespace {
 
 TEST(PredictSize, GrowsWithComplexity) {
@@ -37,4 +37,4 @@ TEST(AvailableMemory, IsKnownHere) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::memory_test

@@ -11,7 +11,7 @@
 #include "meshing/base/error.h"
 #include "meshing/mesh/structured_box.h"
 
-namespace weft::tools {
+namespace weft::tools::outputs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -84,4 +84,4 @@ TEST_F(Outputs, AFolderIsNotMadeOverAFile) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::outputs_test

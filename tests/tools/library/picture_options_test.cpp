@@ -7,7 +7,7 @@
 
 #include "weft/weft.h"
 
-namespace weft::tools {
+namespace weft::tools::picture_options_test {
 namespace {
 
 TEST(PictureOptions, SizesHaveBounds) {
@@ -54,4 +54,4 @@ TEST(PictureOptions, TheExtensionNamesTheFormat) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::picture_options_test

@@ -2,7 +2,7 @@
 
 #include "tools/library/report/run_progress_text.h"
 
-namespace weft::tools {
+namespace weft::tools::progress_test {
 namespace {
 
 using graph::adaptation::RunProgress;
@@ -45,4 +45,4 @@ TEST(ProgressText, GivesARangeAfterAShift) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::progress_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace weft::tools {
+namespace weft::tools::run_work_test {
 namespace {
 
 TEST(SharesOfARun, AscendFromStepToStep) {
@@ -43,4 +43,4 @@ TEST(SharesOfARun, OfAResultMuchSmallerThanTheInputAreOfReadingAndMeasuringToo) 
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::run_work_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace weft::tools {
+namespace weft::tools::text_test {
 namespace {
 
 TEST(Grouped, PutsCommasBetweenThousands) {
@@ -36,4 +36,4 @@ TEST(EditDistance, CountsChanges) {
 }
 
 }  // namespace
-}  // namespace weft::tools
+}  // namespace weft::tools::text_test

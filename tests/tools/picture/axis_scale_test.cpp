@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace weft::picture {
+namespace weft::picture::axis_scale_test {
 namespace {
 
 TEST(AxisScale, LinearTicksAreRoundAndLabelledDistinctly) {
@@ -52,4 +52,4 @@ TEST(AxisScale, DecadesAreNotTooMany) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::axis_scale_test

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace weft::picture {
+namespace weft::picture::camera_test {
 namespace {
 
 using meshing::Point;
@@ -99,4 +99,4 @@ TEST(Camera, OnePointIsInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::camera_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace weft::picture {
+namespace weft::picture::colour_test {
 namespace {
 
 /// CIE L*, 0 to 100: how light a colour looks.
@@ -83,4 +83,4 @@ TEST(Colour, OneValueOnlyHasAColour) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::colour_test

@@ -11,7 +11,7 @@
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
 
-namespace weft::picture {
+namespace weft::picture::colouring_test {
 namespace {
 
 using meshing::LogMetricField;
@@ -168,4 +168,4 @@ TEST_F(ColouringTest, AConstantFieldHasOneTick) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::colouring_test

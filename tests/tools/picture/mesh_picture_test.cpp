@@ -11,7 +11,7 @@
 #include "meshing/metric/metric_field.h"
 #include "tools/picture/histogram_plot.h"
 
-namespace weft::picture {
+namespace weft::picture::mesh_picture_test {
 namespace {
 
 using meshing::MeshData;
@@ -122,4 +122,4 @@ TEST(HistogramPlot, TakesMeasuresOfAllSizes) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::mesh_picture_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace weft::picture {
+namespace weft::picture::raster_test {
 namespace {
 
 using meshing::Point;
@@ -245,4 +245,4 @@ TEST(Raster, ThreadsDoNotShow) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::raster_test

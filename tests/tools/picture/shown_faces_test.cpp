@@ -10,7 +10,7 @@
 #include "meshing/base/error.h"
 #include "meshing/mesh/structured_box.h"
 
-namespace weft::picture {
+namespace weft::picture::shown_faces_test {
 namespace {
 
 using meshing::MeshData;
@@ -196,4 +196,4 @@ TEST(ShownFaces, BrokenMeshesAreRefused) {
 }
 
 }  // namespace
-}  // namespace weft::picture
+}  // namespace weft::picture::shown_faces_test

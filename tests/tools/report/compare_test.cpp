@@ -8,7 +8,7 @@
 
 #include "tests/tools/report/sample_run.h"
 
-namespace weft::report {
+namespace weft::report::compare_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -83,4 +83,4 @@ TEST(Compare, IsTheSameAsJson) {
 }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::compare_test

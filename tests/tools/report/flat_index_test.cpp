@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-namespace weft::report {
+namespace weft::report::flat_index_test {
 namespace {
 
 /// Against std::map, with `values` different values of each integer and room for `expected` keys.
@@ -38,4 +38,4 @@ TEST(FlatIndex, TakesMoreThanWasExpected) {
 }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::flat_index_test

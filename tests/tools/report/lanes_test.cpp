@@ -8,7 +8,7 @@
 
 #include "tests/support/simulated_run.h"
 
-namespace weft::report {
+namespace weft::report::lanes_test {
 namespace {
 
 using graph::dataflow::GraphDump;
@@ -80,4 +80,4 @@ TEST(Lanes, AreAsFewRowsAsHoldAllRunsWhereNothingIsKnownOfWorkers) {
 TEST(Lanes, OfNothingAreNone) { EXPECT_TRUE(lanes_of({}, {}, 0).lanes.empty()); }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::lanes_test

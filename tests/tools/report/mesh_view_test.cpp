@@ -13,7 +13,7 @@
 #include "meshing/mesh/structured_box.h"
 #include "meshing/metric/metric_field.h"
 
-namespace weft::report {
+namespace weft::report::mesh_view_test {
 namespace {
 
 using meshing::Box;
@@ -183,4 +183,4 @@ TEST(MeshView, IsWrittenWithSharedVertices) {
 }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::mesh_view_test

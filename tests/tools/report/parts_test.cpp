@@ -13,7 +13,7 @@
 #include "tools/report/memory_sampler.h"
 #include "tools/report/published.h"
 
-namespace weft::report {
+namespace weft::report::parts_test {
 namespace {
 
 std::string base64_of_text(const std::string& text) { return base64_of(text); }
@@ -116,4 +116,4 @@ TEST(Assets, AreThereByName) {
 }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::parts_test

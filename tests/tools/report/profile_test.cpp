@@ -14,7 +14,7 @@
 #include "tools/report/operations.h"
 #include "tools/report/report_page.h"
 
-namespace weft::report {
+namespace weft::report::profile_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -196,4 +196,4 @@ TEST(ReportPage, IsOfProfilesOnly) {
 }
 
 }  // namespace
-}  // namespace weft::report
+}  // namespace weft::report::profile_test

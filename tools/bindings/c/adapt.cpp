@@ -33,8 +33,8 @@ PartCall check_part_call(const PartHandles& given, const Options& options, weft_
   return call;
 }
 
-/// A complaint that travels: the status as one letter, then the text.
-std::string complaint_of(const std::exception_ptr& error) {
+/// An error as it is sent to other ranks: the status as one character, then the text.
+std::string issue_of(const std::exception_ptr& error) {
   std::string text;
   const weft_status status = status_of(error, text);
   return static_cast<char>('0' + status) + text;
@@ -60,15 +60,15 @@ PartResult adapt_agreed(MPI_Comm communicator, const PartCall& call, const Optio
 /// All ranks: what one of them cannot do, none does.
 weft_status adapt_parts(MPI_Comm communicator, const PartHandles& given, weft_result** result) {
   check_communicator(communicator);
-  std::string complaint;
+  std::string issue;
   PartCall call;
   try {
     const auto known = object_or_none<OptionsObject>(given.options, "options");
     call = check_part_call(given, known ? known->options : Options{}, result);
   } catch (...) {
-    complaint = complaint_of(std::current_exception());
+    issue = issue_of(std::current_exception());
   }
-  const Complaint first = first_complaint(communicator, complaint);
+  const RankError first = first_error(communicator, issue);
   if (first.rank >= 0) {
     set_last_error("rank " + std::to_string(first.rank) + ": " + first.text.substr(1));
     return static_cast<weft_status>(first.text[0] - '0');

@@ -28,21 +28,21 @@ PetscErrorCode check_label_names(MPI_Comm comm, DMLabel bd_label, DMLabel rg_lab
 
 /// All ranks: weft throws alike on all of them, so all return the same error.
 PetscErrorCode run(MPI_Comm comm, const PlexInput& input, const Options& options, PartResult& result) {
-  std::string complaint;
+  std::string issue;
   PetscErrorCode code = PETSC_ERR_LIB;
   PetscFunctionBegin;
   try {
     result = adapt(comm, input.part, input.metric, options);
   } catch (const InputError& error) {
-    complaint = error.what();
+    issue = error.what();
     code = PETSC_ERR_ARG_WRONG;
   } catch (const OptionError& error) {
-    complaint = error.what();
+    issue = error.what();
     code = PETSC_ERR_ARG_OUTOFRANGE;
   } catch (const std::exception& error) {
-    complaint = error.what();
+    issue = error.what();
   }
-  PetscCheck(complaint.empty(), comm, code, "weft: %s", complaint.c_str());
+  PetscCheck(issue.empty(), comm, code, "weft: %s", issue.c_str());
   PetscFunctionReturn(0);
 }
 
@@ -76,14 +76,14 @@ PetscErrorCode adapt_plex(DM dm, Vec metric, DMLabel bd_label, DMLabel rg_label,
 
 /// PETSc's stack of calls knows no C++: nothing may be thrown through it.
 PetscErrorCode adapt_metric(DM dm, Vec metric, DMLabel bd_label, DMLabel rg_label, DM* adapted) {
-  std::string complaint;
+  std::string issue;
   PetscFunctionBegin;
   try {
     PetscCall(adapt_plex(dm, metric, bd_label, rg_label, adapted));
   } catch (const std::exception& error) {
-    complaint = error.what();
+    issue = error.what();
   }
-  PetscCheck(complaint.empty(), PETSC_COMM_SELF, PETSC_ERR_LIB, "weft: %s", complaint.c_str());
+  PetscCheck(issue.empty(), PETSC_COMM_SELF, PETSC_ERR_LIB, "weft: %s", issue.c_str());
   PetscFunctionReturn(0);
 }
 

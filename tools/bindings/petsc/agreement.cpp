@@ -4,9 +4,9 @@
 
 namespace weft::petsc {
 
-PetscErrorCode agree(MPI_Comm comm, PetscErrorCode code, const std::string& complaint) {
+PetscErrorCode agree(MPI_Comm comm, PetscErrorCode code, const std::string& issue) {
   PetscFunctionBegin;
-  const Complaint first = first_complaint(comm, complaint);
+  const RankError first = first_error(comm, issue);
   PetscCheck(first.rank < 0, comm, code, "weft: rank %d: %s", first.rank, first.text.c_str());
   PetscFunctionReturn(0);
 }

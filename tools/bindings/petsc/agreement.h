@@ -7,7 +7,7 @@
 
 namespace weft::petsc {
 
-/// All ranks: fails on all of them with the complaint of the lowest rank that has one; "" is none.
-PetscErrorCode agree(MPI_Comm comm, PetscErrorCode code, const std::string& complaint);
+/// All ranks: fails on all of them with the text of the lowest rank whose `issue` is not empty.
+PetscErrorCode agree(MPI_Comm comm, PetscErrorCode code, const std::string& issue);
 
 }  // namespace weft::petsc

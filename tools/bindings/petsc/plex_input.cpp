@@ -51,14 +51,14 @@ PetscErrorCode check_plex(DM dm, const Strata& strata) {
   PetscCall(DMPlexIsInterpolatedCollective(dm, &interpolated));
   PetscCheck(interpolated == DMPLEX_INTERPOLATED_FULL, comm, PETSC_ERR_SUP,
              "weft needs the faces and edges of the mesh: call DMPlexInterpolate() (-dm_plex_interpolate)");
-  std::string complaint;
-  for (PetscInt c = strata.cells; complaint.empty() && c < strata.cells_end; ++c) {
+  std::string issue;
+  for (PetscInt c = strata.cells; issue.empty() && c < strata.cells_end; ++c) {
     DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
     PetscCall(DMPlexGetCellType(dm, c, &type));
     if (type != DM_POLYTOPE_TETRAHEDRON)
-      complaint = "cell " + std::to_string(c) + " is a " + DMPolytopeTypes[type] + ": all must be tetrahedra";
+      issue = "cell " + std::to_string(c) + " is a " + DMPolytopeTypes[type] + ": all must be tetrahedra";
   }
-  PetscCall(agree(comm, PETSC_ERR_SUP, complaint));
+  PetscCall(agree(comm, PETSC_ERR_SUP, issue));
   PetscFunctionReturn(0);
 }
 
@@ -263,12 +263,12 @@ class Reader {
     PetscCall(VecGetLocalSize(metric, &size));
     width = uniform ? 0 : isotropic ? 1 : 9;
     const PetscInt wanted = uniform ? 1 : width * (strata_.vertices_end - strata_.vertices);
-    std::string complaint;
+    std::string issue;
     if (size != wanted)
-      complaint = "the metric has " + std::to_string(size) + " values, not " + std::to_string(wanted) + ", " +
-                  std::to_string(width) + " for each of the vertices here: it must be a local vector as of " +
-                  "DMPlexMetricCreate()";
-    PetscCall(agree(comm(), PETSC_ERR_ARG_SIZ, complaint));
+      issue = "the metric has " + std::to_string(size) + " values, not " + std::to_string(wanted) + ", " +
+              std::to_string(width) + " for each of the vertices here: it must be a local vector as of " +
+              "DMPlexMetricCreate()";
+    PetscCall(agree(comm(), PETSC_ERR_ARG_SIZ, issue));
     PetscFunctionReturn(0);
   }
 
@@ -300,13 +300,13 @@ class Reader {
       const PetscReal* m = tensors.data() + 6 * (v - strata_.vertices);
       of_used.push_back({m[0], m[1], m[2], m[3], m[4], m[5]});
     }
-    std::string complaint;
+    std::string issue;
     try {
       metric_ = Metric::from_tensors(of_used);
     } catch (const std::exception& error) {
-      complaint = error.what();
+      issue = error.what();
     }
-    PetscCall(agree(comm(), PETSC_ERR_ARG_WRONG, complaint));
+    PetscCall(agree(comm(), PETSC_ERR_ARG_WRONG, issue));
     PetscFunctionReturn(0);
   }
 

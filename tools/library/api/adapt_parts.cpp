@@ -151,14 +151,14 @@ PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options
   return adapt_checked(communicator, part, nullptr, nullptr, options);
 }
 
-Complaint first_complaint(MPI_Comm communicator, const std::string& complaint) {
-  Complaint first;
+RankError first_error(MPI_Comm communicator, const std::string& error) {
+  RankError first;
   tools::on_communicator(communicator, [&](engine::Transport& transport) {
     engine::Registry registry;
     graph::adaptation::EnginePeers::register_types(registry);
     engine::Runtime runtime(transport, registry, {});
     graph::adaptation::EnginePeers peers(runtime);
-    const auto all = partition::allgather(peers, std::vector<char>(complaint.begin(), complaint.end()));
+    const auto all = partition::allgather(peers, std::vector<char>(error.begin(), error.end()));
     const auto found = std::ranges::find_if(all, [](const auto& text) { return !text.empty(); });
     if (found != all.end()) first = {static_cast<int>(found - all.begin()), {found->begin(), found->end()}};
   });

@@ -7,6 +7,7 @@
 #include "meshing/cad/load_model.h"
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/on_model.h"
+#include "meshing/metric/expectations.h"
 #include "tools/common/naming.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/resources/threads.h"
@@ -52,7 +53,8 @@ Mesh tessellate(const GeometryOptions& geometry, const TessellationOptions& opti
   const auto read = meshing::load_model(geometry.model);
   const meshing::Model model(read);
   meshing::CadTessellation wanted;
-  wanted.sagitta = options.sagitta > 0 ? options.sagitta / geometry.model_scale : 1e-3 * model.size();
+  wanted.sagitta =
+      options.sagitta > 0 ? options.sagitta / geometry.model_scale : meshing::kHausdOfDiagonal * model.size();
   wanted.angle_degrees = options.angle;
   Mesh mesh = meshing::tessellate_model(geometry.model, *read, wanted);
   for (Point& p : mesh.points) p = geometry.model_scale * p;

@@ -142,7 +142,7 @@ void add_metric(std::vector<Row>& rows) {
   rows.push_back(number(
       "aspect", "largest ratio of sizes at a vertex", [](Options & o) -> auto& { return o.metric.aspect; }));
   rows.push_back(number(
-      "hgrad", "largest growth of sizes per unit edge; up to 1: none",
+      "hgrad", "largest growth of sizes per unit edge; values <= 1: none",
       [](Options & o) -> auto& { return o.metric.hgrad; }));
   rows.push_back(choice(
       "hgrad-space", "the space in which sizes grow",

@@ -9,16 +9,16 @@
 
 namespace weft::tools {
 
-/// All ranks: call() on each; the complaint of the lowest rank that has one is thrown on all, naming it.
+/// All ranks: call() on each; the error of the lowest rank that has one is thrown on all, naming the rank.
 template <class Call>
 void agree_naming_rank(partition::Peers& peers, const Call& call) {
-  std::string complaint;
+  std::string issue;
   try {
     call();
   } catch (const meshing::InputError& error) {
-    complaint = "rank " + std::to_string(peers.rank()) + ": " + error.what();
+    issue = "rank " + std::to_string(peers.rank()) + ": " + error.what();
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, issue);
 }
 
 }  // namespace weft::tools

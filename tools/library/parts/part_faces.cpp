@@ -119,16 +119,16 @@ void check_places(Peers& peers, const std::vector<PlaceRecord>& mine) {
   for (std::size_t r = 0; r < arrived.size(); ++r)
     for (const PlaceRecord& record : arrived[r]) all.push_back({record, r});
   std::ranges::stable_sort(all, {}, [](const Here& h) { return h.record.place; });
-  std::string complaint;
-  for (std::size_t i = 1; i < all.size() && complaint.empty(); ++i) {
+  std::string issue;
+  for (std::size_t i = 1; i < all.size() && issue.empty(); ++i) {
     if (all[i].record.place != all[i - 1].record.place) continue;
     std::ostringstream out;
     out << "rank " << all[i].rank << ": tet " << all[i].record.tet << ": a face lies on one of tet "
         << all[i - 1].record.tet << " of rank " << all[i - 1].rank
         << ", but their vertices have other ids: a hole between the parts";
-    complaint = std::move(out).str();
+    issue = std::move(out).str();
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, issue);
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ void check_faces_of_parts(Peers& peers, const Mesh& mesh, const std::vector<std:
   for (std::size_t r = 0; r < arrived.size(); ++r)
     for (std::size_t i = 0; i < arrived[r].size(); ++i) all.push_back({arrived[r][i], r, i});
   std::ranges::stable_sort(all, {}, [](const Met& m) { return m.face.key; });
-  std::string complaint;
+  std::string issue;
   std::vector<std::vector<FaceRecord>> open(arrived.size());
   for (std::size_t i = 0, end = 0; i < all.size(); i = end) {
     while (end < all.size() && all[end].face.key == all[i].face.key) ++end;
@@ -153,14 +153,14 @@ void check_faces_of_parts(Peers& peers, const Mesh& mesh, const std::vector<std:
     const Finding finding = judge(met, triangles_given);
     const Met& tet = *std::ranges::max_element(met, {}, [](const Met& m) { return m.face.tet > 0; });
     if (finding == Finding::open) open[tet.rank].push_back(tet.face);
-    if (!complaint.empty()) continue;
-    if (finding == Finding::crowded) complaint = tet_name(tet) + ": has a face that two other tets have too";
+    if (!issue.empty()) continue;
+    if (finding == Finding::crowded) issue = tet_name(tet) + ": has a face that two other tets have too";
     if (finding == Finding::bare)
-      complaint = tet_name(tet) +
-                  ": has a face that no other tet and no triangle has, though triangles are given: a hole "
-                  "between the parts, or a triangle is missing";
+      issue = tet_name(tet) +
+              ": has a face that no other tet and no triangle has, though triangles are given: a hole "
+              "between the parts, or a triangle is missing";
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, issue);
   std::vector<PlaceRecord> places;
   for (const auto& of_home : partition::all_to_all(peers, open))
     for (const FaceRecord& face : of_home) places.push_back(place_of(mesh, numbers, face));

@@ -77,7 +77,7 @@ std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const M
     for (std::size_t i = 0; i < from_each[r].size(); ++i) all.push_back({from_each[r][i], r, i});
   }
   std::ranges::stable_sort(all, {}, [](const Arrived& a) { return a.record.id; });
-  std::string complaint;
+  std::string issue;
   for (std::size_t i = 0, first = 0; i < all.size(); ++i) {
     const PointRecord& record = all[i].record;
     if (i == 0 || record.id != all[first].record.id) {
@@ -85,13 +85,13 @@ std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const M
       slice.points.push_back(record.x);
       slice.point_refs.push_back(static_cast<std::int32_t>(record.ref));
       if (metric) slice.log_metrics.push_back(record.log_metric);
-    } else if (complaint.empty() && !same(record, all[first].record)) {
-      complaint = text("rank ", all[i].rank, ": vertex id ", record.id, ": is another point than on rank ",
-                       all[first].rank, ", or has another metric or reference");
+    } else if (issue.empty() && !same(record, all[first].record)) {
+      issue = text("rank ", all[i].rank, ": vertex id ", record.id, ": is another point than on rank ",
+                   all[first].rank, ", or has another metric or reference");
     }
     numbers[all[i].rank][all[i].index] = slice.points.size() - 1;
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, issue);
   const partition::Ranges ranges(peers, slice.points.size());
   slice.num_points = ranges.total();
   slice.first_point = ranges.first(peers.rank());
@@ -120,15 +120,15 @@ void order_tets(Peers& peers, const std::vector<TetRecord>& mine, MeshSlice& sli
   for (std::size_t r = 0; r < from_each.size(); ++r)
     for (const TetRecord& tet : from_each[r]) all.emplace_back(tet, r);
   std::ranges::stable_sort(all, {}, [](const auto& tet) { return tet.first.id; });
-  std::string complaint;
+  std::string issue;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (complaint.empty() && i > 0 && all[i].first.id == all[i - 1].first.id)
-      complaint = text("rank ", all[i].second, ": tet id ", all[i].first.id, ": is on rank ",
-                       all[i - 1].second, " too");
+    if (issue.empty() && i > 0 && all[i].first.id == all[i - 1].first.id)
+      issue = text("rank ", all[i].second, ": tet id ", all[i].first.id, ": is on rank ", all[i - 1].second,
+                   " too");
     slice.tets.push_back(all[i].first.vertices);
     slice.tet_refs.push_back(static_cast<std::int32_t>(all[i].first.ref));
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, issue);
 }
 
 void number_tets(Peers& peers, const Part& part, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
@@ -186,9 +186,9 @@ template <std::size_t N>
 struct EntityRecord {
   std::array<std::uint32_t, N> vertices;
   std::int32_t ref;
-  std::uint32_t marks;  ///< kRidge, kRequired
+  std::uint32_t marks;  ///< kRidgeMark, kRequiredMark
 };
-constexpr std::uint32_t kRidge = 1, kRequired = 2;
+constexpr std::uint32_t kRidgeMark = 1, kRequiredMark = 2;
 
 template <std::size_t N>
 std::vector<EntityRecord<N>> records_of(const std::vector<std::array<std::uint32_t, N>>& entities,
@@ -218,13 +218,13 @@ std::vector<std::uint32_t> gather_vertices(Peers& peers, const std::vector<std::
 void gather_triangles(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
                       Mesh& boundary) {
   auto mine = records_of(mesh.triangles, mesh.triangle_refs, numbers);
-  for (const std::uint32_t t : mesh.required_triangles) mine[t].marks |= kRequired;
+  for (const std::uint32_t t : mesh.required_triangles) mine[t].marks |= kRequiredMark;
   Entities<3> all;
   std::set<std::uint32_t> required;
   for (const auto& of_rank : partition::allgather(peers, mine))
     for (const EntityRecord<3>& record : of_rank) {
       const std::uint32_t at = all.add(record.vertices, record.ref);
-      if (record.marks & kRequired) required.insert(at);
+      if (record.marks & kRequiredMark) required.insert(at);
     }
   boundary.triangles = std::move(all.vertices);
   boundary.triangle_refs = std::move(all.refs);
@@ -233,15 +233,15 @@ void gather_triangles(Peers& peers, const Mesh& mesh, const std::vector<std::uin
 
 void gather_edges(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers, Mesh& boundary) {
   auto mine = records_of(mesh.edges, mesh.edge_refs, numbers);
-  for (const std::uint32_t e : mesh.ridges) mine[e].marks |= kRidge;
-  for (const std::uint32_t e : mesh.required_edges) mine[e].marks |= kRequired;
+  for (const std::uint32_t e : mesh.ridges) mine[e].marks |= kRidgeMark;
+  for (const std::uint32_t e : mesh.required_edges) mine[e].marks |= kRequiredMark;
   Entities<2> all;
   std::set<std::uint32_t> ridges, required;
   for (const auto& of_rank : partition::allgather(peers, mine))
     for (const EntityRecord<2>& record : of_rank) {
       const std::uint32_t at = all.add(record.vertices, record.ref);
-      if (record.marks & kRidge) ridges.insert(at);
-      if (record.marks & kRequired) required.insert(at);
+      if (record.marks & kRidgeMark) ridges.insert(at);
+      if (record.marks & kRequiredMark) required.insert(at);
     }
   boundary.edges = std::move(all.vertices);
   boundary.edge_refs = std::move(all.refs);

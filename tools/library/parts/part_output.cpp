@@ -20,7 +20,7 @@ using partition::Peers;
 
 constexpr std::uint32_t kRequired = 1, kRidge = 2, kCorner = 4;
 
-struct PointRecord {
+struct ResultPoint {
   std::uint64_t id;
   Point x;
   Tensor log_metric;
@@ -30,7 +30,7 @@ struct PointRecord {
 
 /// A tet, triangle or edge by the numbers of its points in the whole mesh.
 template <std::size_t N>
-struct EntityRecord {
+struct ResultEntity {
   std::array<std::uint64_t, N> ids;
   std::int32_t ref;
   std::uint32_t marks;
@@ -44,10 +44,10 @@ std::array<std::uint32_t, N> sorted(std::array<std::uint32_t, N> entity) {
 
 /// What one rank sends to one other.
 struct Outgoing {
-  std::vector<PointRecord> points;
-  std::vector<EntityRecord<4>> tets;
-  std::vector<EntityRecord<3>> triangles;
-  std::vector<EntityRecord<2>> edges;
+  std::vector<ResultPoint> points;
+  std::vector<ResultEntity<4>> tets;
+  std::vector<ResultEntity<3>> triangles;
+  std::vector<ResultEntity<2>> edges;
 };
 
 /// The entities of a piece that go with their tets, by their points in the piece.
@@ -161,10 +161,10 @@ class Builder {
  public:
   Builder(Part& part, std::vector<Tensor>& log_metrics) : part_(part), log_metrics_(log_metrics) {}
 
-  void add_points(std::vector<PointRecord> points) {
-    std::ranges::stable_sort(points, {}, &PointRecord::id);
+  void add_points(std::vector<ResultPoint> points) {
+    std::ranges::stable_sort(points, {}, &ResultPoint::id);
     Mesh& mesh = part_.mesh;
-    for (const PointRecord& p : points) {
+    for (const ResultPoint& p : points) {
       if (!part_.ids.empty() && part_.ids.back() == p.id) continue;
       const auto local = static_cast<std::uint32_t>(part_.ids.size());
       index_.emplace(p.id, local);
@@ -177,17 +177,17 @@ class Builder {
     }
   }
 
-  void add_tets(const std::vector<EntityRecord<4>>& tets) {
-    for (const EntityRecord<4>& tet : tets) {
+  void add_tets(const std::vector<ResultEntity<4>>& tets) {
+    for (const ResultEntity<4>& tet : tets) {
       part_.mesh.tets.push_back(local_of(tet.ids));
       part_.mesh.tet_refs.push_back(tet.ref);
     }
   }
 
-  void add_triangles(const std::vector<EntityRecord<3>>& triangles) {
+  void add_triangles(const std::vector<ResultEntity<3>>& triangles) {
     Mesh& mesh = part_.mesh;
     std::map<std::array<std::uint32_t, 3>, bool> known;
-    for (const EntityRecord<3>& triangle : triangles) {
+    for (const ResultEntity<3>& triangle : triangles) {
       const auto local = local_of(triangle.ids);
       if (!known.try_emplace(sorted(local), true).second) continue;
       if (triangle.marks & kRequired)
@@ -197,10 +197,10 @@ class Builder {
     }
   }
 
-  void add_edges(const std::vector<EntityRecord<2>>& edges) {
+  void add_edges(const std::vector<ResultEntity<2>>& edges) {
     Mesh& mesh = part_.mesh;
     std::map<std::array<std::uint32_t, 2>, bool> known;
-    for (const EntityRecord<2>& edge : edges) {
+    for (const ResultEntity<2>& edge : edges) {
       const auto local = local_of(edge.ids);
       if (!known.try_emplace(sorted(local), true).second) continue;
       const auto number = static_cast<std::uint32_t>(mesh.edges.size());

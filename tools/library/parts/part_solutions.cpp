@@ -46,10 +46,10 @@ Fields solutions_of_slices(Peers& peers, const Part& part, const std::vector<Fie
   const IdHomes homes(peers, largest_id(part.ids));
   Fields of_slice;
   for (const Values values : agreed_scalars(peers, part, solutions)) {
-    std::string complaint;
+    std::string issue;
     of_slice.fields.push_back(
-        {Field::Kind::scalar, values_of_slice(peers, homes, part.ids, values, complaint), ""});
-    partition::agree(peers, complaint.empty() ? complaint : complaint + " of a solution");
+        {Field::Kind::scalar, values_of_slice(peers, homes, part.ids, values, issue), ""});
+    partition::agree(peers, issue.empty() ? issue : issue + " of a solution");
   }
   if (!of_slice.fields.empty()) of_slice.num_points = of_slice.fields[0].values.size();
   return of_slice;

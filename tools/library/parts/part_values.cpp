@@ -14,7 +14,7 @@ struct ValueRecord {
 
 std::vector<double> values_of_slice(partition::Peers& peers, const IdHomes& homes,
                                     const std::vector<std::uint64_t>& ids, std::span<const double> values,
-                                    std::string& complaint) {
+                                    std::string& issue) {
   IdMail<ValueRecord> mail(peers, homes);
   for (std::size_t v = 0; v < values.size(); ++v) mail.add(ids[v], {ids[v], values[v]});
   std::vector<ValueRecord> all;
@@ -24,8 +24,8 @@ std::vector<double> values_of_slice(partition::Peers& peers, const IdHomes& home
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (i == 0 || all[i].id != all[i - 1].id)
       of_slice.push_back(all[i].value);
-    else if (complaint.empty() && all[i].value != all[i - 1].value)
-      complaint = "vertex id " + std::to_string(all[i].id) + ": ranks have different values";
+    else if (issue.empty() && all[i].value != all[i - 1].value)
+      issue = "vertex id " + std::to_string(all[i].id) + ": ranks have different values";
   }
   return of_slice;
 }

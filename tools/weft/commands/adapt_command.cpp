@@ -20,7 +20,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kAdaptFooter = R"(Examples:
   weft adapt wing.meshb --sol mach.solb --complexity 500000 -o fine.meshb
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb
   weft adapt wing.meshb --sol mach.solb --field flow.solb --transfer conservative -o fine.meshb
@@ -298,7 +298,7 @@ void add_simulation(CLI::App& sub, SimulatedRanks& simulation) {
 
 void add_adapt_command(CLI::App& app, Action& action, const std::vector<std::string>& arguments) {
   CLI::App* sub = app.add_subcommand("adapt", "adapt a mesh to a metric");
-  sub->footer(kFooter);
+  sub->footer(kAdaptFooter);
   auto command = std::make_shared<AdaptCommand>();
   command->files.arguments = arguments;
   add_files(*sub, *command);

@@ -24,7 +24,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kTopFooter = R"(Example:
   weft adapt wing.meshb --metric wing.solb --complexity 500000 -o fine.meshb --threads 8
 
 `weft SUBCOMMAND --help` shows the options of a subcommand.
@@ -109,7 +109,7 @@ int run_command_line(const std::vector<std::string>& arguments) {
   app.set_version_flag(
       "--version", [] { return version_details(); }, "versions of weft and its libraries");
   app.require_subcommand(1);
-  app.footer(kFooter);
+  app.footer(kTopFooter);
   add_adapt_command(app, action, arguments);
   add_stat_command(app, action);
   add_verify_command(app, action);

@@ -18,7 +18,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kConvertFooter = R"(Examples:
   weft convert fine.meshb fine.vtu --sol fine.solb --compress
   weft convert wing.msh wing.lb8.ugrid
 
@@ -103,7 +103,7 @@ void add_choices(CLI::App& sub, WriteOptions& options) {
 
 void add_convert_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("convert", "convert a mesh and its fields to another format");
-  sub->footer(kFooter);
+  sub->footer(kConvertFooter);
   auto command = std::make_shared<ConvertCommand>();
   sub->add_option("IN", command->input, "the mesh")->type_name("FILE")->required();
   sub->add_option("OUT", command->output, "the result; its extension names the format")

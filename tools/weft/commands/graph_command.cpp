@@ -12,7 +12,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kGraphFooter = R"(Examples:
   weft graph run/graph.json --collapse rounds -o rounds.svg
   weft graph run/graph.json --critical-path -o path.svg
   weft graph run/graph.json --round 2 --subdomain 17 --format graphml > part.graphml
@@ -70,7 +70,7 @@ void add_filters(CLI::App& sub, GraphCommand& command) {
 
 void add_graph_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("graph", "filter and draw the task graph of a run");
-  sub->footer(kFooter);
+  sub->footer(kGraphFooter);
   auto command = std::make_shared<GraphCommand>();
   sub->add_option("FILE", command->file, "the recorded graph")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the result; default: standard output (also -out)")

@@ -22,7 +22,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kInterpolateFooter = R"(Example:
   weft interpolate wing.meshb fine.meshb --field mach.solb -o fine-mach.solb --transfer conservative
 
 Linear interpolation is exact for linear fields. The conservative transfer is too; it also preserves the
@@ -76,7 +76,7 @@ int run_interpolate(const InterpolateCommand& command) {
 
 void add_interpolate_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("interpolate", "transfer fields from one mesh to another");
-  sub->footer(kFooter);
+  sub->footer(kInterpolateFooter);
   auto command = std::make_shared<InterpolateCommand>();
   sub->add_option("FROM", command->from, "the mesh that the fields belong to")->type_name("FILE")->required();
   sub->add_option("TO", command->to, "the mesh to transfer them to")->type_name("FILE")->required();

@@ -9,7 +9,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kLoopFooter = R"(Example:
   weft loop wing.json
 
 CONFIG is JSON; its paths are relative to its folder, where the solver runs too:
@@ -36,7 +36,7 @@ The same command continues where an earlier run stopped, even if it was killed. 
 
 void add_loop_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("loop", "alternate between a solver and adaptation to its solution");
-  sub->footer(kFooter);
+  sub->footer(kLoopFooter);
   struct Command {
     std::string config;
     Verbosity verbosity;

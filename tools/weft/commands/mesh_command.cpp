@@ -17,7 +17,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kMeshFooter = R"(Examples:
   weft mesh part.stl -o part.meshb
   weft mesh part.stl --size 0.05 --growth 1.2 -o part.meshb
   weft mesh part.stl --background old.meshb --metric sizes.solb -o part.meshb
@@ -237,7 +237,7 @@ void add_bodies(CLI::App& mesh, Action& action) {
 
 void add_mesh_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("mesh", "make an initial mesh of a surface or of a simple body");
-  sub->footer(kFooter);
+  sub->footer(kMeshFooter);
   auto command = std::make_shared<SurfaceCommand>();
   sub->add_option("SURFACE", command->input, "closed triangles in any format, or a CAD model")
       ->type_name("FILE");

@@ -19,7 +19,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kMetricFooter = R"(Examples:
   weft metric wing.meshb --sol mach.solb --complexity 50000 --hgrad 1.5 -o metric.solb
   weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
   weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
@@ -72,7 +72,7 @@ int run_metric(const MetricCommand& command) {
 void add_metric_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand(
       "metric", "make a metric from a solution, a mesh or a formula; limit, grade, scale it");
-  sub->footer(kFooter);
+  sub->footer(kMetricFooter);
   auto command = std::make_shared<MetricCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the metric, .solb or .sol (also -out)")

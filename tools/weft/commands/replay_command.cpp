@@ -12,7 +12,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kReplayFooter = R"(Examples:
   weft replay run/graph.json --ranks 64 --threads 8
   weft replay run/graph.json --ranks 512 --network 50us,1GB/s,tree:16 --balancer diffusion
   weft replay run/graph.json --ranks 16 --report on-16 --trace on-16.json
@@ -63,7 +63,7 @@ void add_machine(CLI::App& sub, ReplayOptions& options) {
 
 void add_replay_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("replay", "simulate a recorded run on other numbers of cores");
-  sub->footer(kFooter);
+  sub->footer(kReplayFooter);
   auto command = std::make_shared<ReplayCommand>();
   sub->add_option("FILE", command->file, "the recorded graph")->type_name("FILE")->required();
   sub->add_option("--report", command->options.report,

@@ -12,7 +12,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kReportFooter = R"(Examples:
   weft report run/profile.json -o run.html
   weft report before/profile.json after/profile.json
   weft report before/profile.json after/profile.json -o compared.html
@@ -47,7 +47,7 @@ int run_report(const ReportCommand& command) {
 
 void add_report_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("report", "write the page of a run, or compare two runs");
-  sub->footer(kFooter);
+  sub->footer(kReportFooter);
   auto command = std::make_shared<ReportCommand>();
   sub->add_option("A", command->a, "profile.json or report.json of a run")->type_name("FILE")->required();
   sub->add_option("B", command->b, "profile.json or report.json of another run")->type_name("FILE");

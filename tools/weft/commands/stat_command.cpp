@@ -21,7 +21,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kStatFooter = R"(Examples:
   weft stat wing.meshb --metric wing.solb --histogram
   weft stat wing.meshb --metric wing.solb --plot wing.pdf
   weft stat wing.meshb --geometry wing.step
@@ -142,7 +142,7 @@ int run_stat(const StatCommand& command) {
 void add_stat_command(CLI::App& app, Action& action) {
   CLI::App* sub =
       app.add_subcommand("stat", "measure a mesh: counts, volumes, quality and lengths in a metric");
-  sub->footer(kFooter);
+  sub->footer(kStatFooter);
   auto command = std::make_shared<StatCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   add_metric_source(*sub, command->metric);

@@ -19,7 +19,7 @@ namespace {
 
 using ByRef = std::map<std::int32_t, double>;
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kVerifyFooter = R"(Example:
   weft verify fine.meshb --against wing.meshb
 
 Checks with exact arithmetic that every tet is positively oriented, that every face is shared by two
@@ -33,7 +33,7 @@ struct VerifyCommand {
   Verbosity verbosity;
 };
 
-std::string by_ref_text(const char* what, const ByRef& by_ref) {
+std::string exact_by_ref_text(const char* what, const ByRef& by_ref) {
   std::string text;
   for (const auto& [ref, value] : by_ref)
     text += fmt::format("  {} of reference {:<10}{:>24.15g}\n", what, ref, value);
@@ -43,8 +43,8 @@ std::string by_ref_text(const char* what, const ByRef& by_ref) {
 std::string report_text(const std::string& name, const CheckReport& report) {
   std::string text = fmt::format("{}\n  components{:<26}{:>8}\n  volume{:<20}{:>24.15g}\n", name, "",
                                  report.num_components, "", report.volume);
-  if (report.volume_by_ref.size() > 1) text += by_ref_text("volume", report.volume_by_ref);
-  text += by_ref_text("area  ", report.area_by_ref);
+  if (report.volume_by_ref.size() > 1) text += exact_by_ref_text("volume", report.volume_by_ref);
+  text += exact_by_ref_text("area  ", report.area_by_ref);
   if (report.unreferenced_points > 0)
     text += fmt::format("  vertices that no tet uses: {}\n", grouped(report.unreferenced_points));
   if (report.touching_edges + report.touching_vertices > 0)
@@ -94,7 +94,7 @@ int run_verify(const VerifyCommand& command) {
 void add_verify_command(CLI::App& app, Action& action) {
   CLI::App* sub =
       app.add_subcommand("verify", "check that a mesh conforms, and compare its volumes with another mesh");
-  sub->footer(kFooter);
+  sub->footer(kVerifyFooter);
   auto command = std::make_shared<VerifyCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("--against", command->against, "another mesh of the same domain")->type_name("FILE");

@@ -19,7 +19,7 @@
 namespace weft::tools {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kViewFooter = R"(Examples:
   weft view wing.meshb -o wing.png
   weft view fine.meshb --metric fine.solb --clip y=0.5 --from -y --color-by quality -o cut.png
   weft view fine.meshb --metric fine.solb --color-by nonconforming --size 2400x1800 -o left.pdf
@@ -210,7 +210,7 @@ void add_sheet_options(CLI::App& sub, ViewCommand& command) {
 
 void add_view_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("view", "draw a picture of a mesh into a file");
-  sub->footer(kFooter);
+  sub->footer(kViewFooter);
   auto command = std::make_shared<ViewCommand>();
   sub->add_option("MESH", command->mesh, "the mesh")->type_name("FILE")->required();
   sub->add_option("-o,-x,--out", command->output, "the picture: .png, .svg or .pdf (also -out)")

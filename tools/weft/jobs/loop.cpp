@@ -196,7 +196,7 @@ class Loop {
       throw InputError(config_.file, "adapt.launcher",
                        fmt::format("cycle {}: {}{}; it said: {}", cycle,
                                    ended_well ? "wrote no mesh" : fmt::format("ended with {}", result.status),
-                                   complaint_in(log), log.string()));
+                                   issue_in(log), log.string()));
     for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
     return read_report(json, marker);
   }
@@ -232,7 +232,7 @@ class Loop {
   }
 
   /// What weft itself said in a log, if anything.
-  static std::string complaint_in(const fs::path& log) {
+  static std::string issue_in(const fs::path& log) {
     std::ifstream in(log);
     for (std::string line; std::getline(in, line);)
       if (line.starts_with("weft")) return ": " + line;

@@ -14,7 +14,7 @@
 #include "meshing/initial/self_intersections.h"
 #include "tests/meshing/initial/initial_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::resolve_surface_test {
 namespace {
 
 using support::ball;
@@ -175,4 +175,4 @@ TEST(WindingNumber, CountsTheWaysAround) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::resolve_surface_test

@@ -11,7 +11,7 @@
 #include "meshing/io/gmf/gmf.h"
 #include "meshing/mesh/structured_box.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gmf_association_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ TEST_F(GmfAssociation, WithALengthThatDoesNotFitItsWordsIsRefused) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gmf_association_test

@@ -1,4 +1,4 @@
-// Parts of GMF files: put together they are the whole, and every complaint is that of the whole reader.
+// Parts of GMF files: put together they are the whole, and every issue is that of the whole reader.
 #include "meshing/io/gmf/gmf_slice.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include "tests/meshing/io/format_support.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gmf_slice_test {
 namespace {
 
 /// A mesh with all kinds of marks and references.
@@ -156,7 +156,7 @@ TEST(GmfSlices, AFileThatChangedIsRefused) {
 
 /// What a reader throws as InputError, empty for nothing.
 template <class Read>
-std::string complaint(const Read& read) {
+std::string issue(const Read& read) {
   try {
     read();
     return {};
@@ -165,25 +165,25 @@ std::string complaint(const Read& read) {
   }
 }
 
-/// Damages every byte of a file: the parts must complain exactly when the whole does. The words are the same
+/// Damages every byte of a file: the parts must fail exactly when the whole does. The words are the same
 /// but for files with several faults, of which another may come first.
 void damage_bytes(const fs::path& path) {
   const std::string bytes = bytes_of(path);
-  std::size_t complaints = 0, alike = 0;
+  std::size_t issues = 0, alike = 0;
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     for (const int change : {1, 0x80, 0xFF}) {
       std::string damaged = bytes;
       damaged[at] = static_cast<char>(damaged[at] ^ change);
       put_bytes(path, damaged);
-      const std::string whole = complaint([&] { read_gmf_mesh(path); });
-      const std::string parts = complaint([&] { read_in_parts(path, 2); });
+      const std::string whole = issue([&] { read_gmf_mesh(path); });
+      const std::string parts = issue([&] { read_in_parts(path, 2); });
       EXPECT_EQ(whole.empty(), parts.empty()) << "byte " << at << ": " << whole << " / " << parts;
-      complaints += !whole.empty();
+      issues += !whole.empty();
       alike += !whole.empty() && whole == parts;
     }
   }
-  EXPECT_GT(complaints, bytes.size());
-  EXPECT_GT(alike, complaints * 9 / 10);
+  EXPECT_GT(issues, bytes.size());
+  EXPECT_GT(alike, issues * 9 / 10);
 }
 
 TEST_P(GmfSlice, DamageIsFoundAsInTheWhole) {
@@ -208,7 +208,7 @@ TEST_P(GmfSlice, EveryTruncationIsRefused) {
   }
 }
 
-TEST(GmfSlices, ComplaintsNumberRowsInTheWholeFile) {
+TEST(GmfSlices, ErrorsNumberRowsInTheWholeFile) {
   const TemporaryDirectory directory;
   MeshData mesh = support::unit_cube(2);
   write_gmf_mesh(directory / "m.meshb", mesh, 2);
@@ -241,4 +241,4 @@ TEST(GmfSlices, MissingAndForeignSectionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gmf_slice_test

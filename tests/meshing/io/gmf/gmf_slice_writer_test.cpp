@@ -17,7 +17,7 @@
 #include "tests/meshing/io/format_support.h"
 #include "tests/support/meshes.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gmf_slice_writer_test {
 namespace {
 
 using gmf::Keyword;
@@ -179,4 +179,4 @@ TEST(GmfPlans, RefuseWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gmf_slice_writer_test

@@ -22,7 +22,7 @@
 #include "meshing/io/mesh_file.h"
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::gmf_test {
 namespace {
 
 /// One field of each kind at four points, again exact in 32 bits.
@@ -114,9 +114,8 @@ std::string byte_swapped(const std::string& bytes) {
   }
 }
 
-/// The reader's complaint about a mesh file with these bytes.
-std::string complaint(const TemporaryDirectory& directory, const std::string& name,
-                      const std::string& bytes) {
+/// The reader's issue about a mesh file with these bytes.
+std::string issue(const TemporaryDirectory& directory, const std::string& name, const std::string& bytes) {
   put_bytes(directory / name, bytes);
   return message_of([&] { read_gmf_mesh(directory / name); });
 }
@@ -226,10 +225,10 @@ TEST(GmfText, ReadsFreeFormAndSkipsWhatItDoesNotKeep) {
   EXPECT_EQ(mesh.tet_refs, std::vector<std::int32_t>{9});
 }
 
-TEST(GmfText, ComplaintsNameTheEntity) {
+TEST(GmfText, ErrorsNameTheEntity) {
   const TemporaryDirectory directory;
   const auto about = [&](const std::string& sections) {
-    return complaint(directory, "m.mesh", "MeshVersionFormatted 2\nDimension 3\n" + sections + "\nEnd\n");
+    return issue(directory, "m.mesh", "MeshVersionFormatted 2\nDimension 3\n" + sections + "\nEnd\n");
   };
   const std::string vertices = "Vertices 2\n0 0 0 0\n1 1 1 0\n";
   expect_contains(about("Vertices 2\n0 0 0 0\n1 x 1 0"), "m.mesh: Vertices 2: expected a number, found 'x'");
@@ -248,11 +247,10 @@ TEST(GmfText, ComplaintsNameTheEntity) {
   expect_contains(about(vertices + vertices), "Vertices: appears twice");
   expect_contains(about(vertices + "Pyramids 1\n1 1 1 1 1 0"), "Pyramids: the mesh has 1 of them");
   expect_contains(about("Tetrahedra 0"), "Vertices: are missing");
-  expect_contains(complaint(directory, "m.mesh", "MeshVersionFormatted 2\nDimension 2\nEnd"),
-                  "two-dimensional");
-  expect_contains(complaint(directory, "m.mesh", "MeshVersionFormatted 9\nDimension 3\nEnd"), "version 9");
-  expect_contains(complaint(directory, "m.mesh", "MeshVersionFormatted 2\nEnd"), "Dimension: is missing");
-  expect_contains(complaint(directory, "m.mesh", "solid cube"), "not an ASCII GMF file");
+  expect_contains(issue(directory, "m.mesh", "MeshVersionFormatted 2\nDimension 2\nEnd"), "two-dimensional");
+  expect_contains(issue(directory, "m.mesh", "MeshVersionFormatted 9\nDimension 3\nEnd"), "version 9");
+  expect_contains(issue(directory, "m.mesh", "MeshVersionFormatted 2\nEnd"), "Dimension: is missing");
+  expect_contains(issue(directory, "m.mesh", "solid cube"), "not an ASCII GMF file");
 }
 
 class GmfBinary : public testing::Test {
@@ -261,7 +259,7 @@ class GmfBinary : public testing::Test {
     write_gmf_mesh(directory / "m.meshb", two_tets(), 2);
     bytes = bytes_of(directory / "m.meshb");
   }
-  std::string about(const std::string& damaged) { return complaint(directory, "m.meshb", damaged); }
+  std::string about(const std::string& damaged) { return issue(directory, "m.meshb", damaged); }
 
   /// Position of row `row` of a section of 4-byte integers, or of the Vertices in version 2.
   std::size_t row(std::int32_t code, std::size_t index, std::size_t row_size) {
@@ -281,7 +279,7 @@ class GmfBinary : public testing::Test {
   std::string bytes;
 };
 
-TEST_F(GmfBinary, ComplaintsNameTheEntity) {
+TEST_F(GmfBinary, ErrorsNameTheEntity) {
   expect_contains(about(with_value(bytes, row(8, 1, 20) + 8, 99999)),
                   "m.meshb: Tetrahedra 2: vertex index 99999 is out of range 1..5");
   expect_contains(about(with_value(bytes, row(8, 0, 20), 0)), "Tetrahedra 1: vertex index 0 is out of range");
@@ -508,4 +506,4 @@ TEST(MeshFile, ComplainsAboutExtensionsAndMissingFiles) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::gmf_test

@@ -5,7 +5,7 @@
 #include "meshing/mesh/structured_box.h"
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::pvtu_test {
 namespace {
 
 class Pvtu : public testing::Test {
@@ -82,7 +82,7 @@ TEST_F(Pvtu, FieldsThatAPieceLacksAreDropped) {
   EXPECT_TRUE(dropped(read, "fields that some pieces lack", 2));
 }
 
-TEST_F(Pvtu, ComplaintsNameThePiece) {
+TEST_F(Pvtu, ErrorsNameThePiece) {
   const auto message = [&] { return message_of([&] { read_pvtu(directory / "m.pvtu"); }); };
   write_pvtu(directory / "m.pvtu", box, {});
   fs::remove(directory / "m_1.vtu");
@@ -95,4 +95,4 @@ TEST_F(Pvtu, ComplaintsNameThePiece) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::pvtu_test

@@ -14,7 +14,7 @@
 
 #include "tests/meshing/io/format_support.h"
 
-namespace weft::meshing {
+namespace weft::meshing::vtu_test {
 namespace {
 
 /// One DataArray: its attributes and its bytes.
@@ -81,7 +81,7 @@ class Vtu : public testing::Test {
     put_bytes(directory / "m.vtu", text);
     return read_vtu(directory / "m.vtu");
   }
-  std::string complaint(const std::string& text) const {
+  std::string issue(const std::string& text) const {
     return message_of([&] { read_text(text); });
   }
 
@@ -180,25 +180,23 @@ TEST_F(Vtu, OtherCellsAreCounted) {
   EXPECT_EQ(c.foreign_volumes, 2u);
 }
 
-TEST_F(Vtu, ComplaintsNameTheEntity) {
-  EXPECT_EQ(complaint(by_hand("0 1 2 3", "4", "10")), "no error");
-  expect_contains(complaint(by_hand("0 1 2 4", "4", "10")),
-                  "m.vtu: cell 0: point index 4 is out of range 0..3");
-  expect_contains(complaint(by_hand("0 1 2 -1", "4", "10")), "cell 0: point index -1 is out of range");
-  expect_contains(complaint(by_hand("0 1 2 3", "3", "10")), "cell 0: has 3 points instead of 4");
-  expect_contains(complaint(by_hand("0 1 2 3", "5", "10")), "cell 0: its offset 5 is out of range");
-  expect_contains(complaint(by_hand("0 1 2 3", "-1", "10")), "cell 0: its offset -1 is out of range");
-  expect_contains(complaint(by_hand("0 1 2 3 0", "4", "10")), "connectivity has more values");
-  expect_contains(complaint(by_hand("0 1 2 x", "4", "10")),
-                  "array connectivity, value 4: expected an integer");
-  expect_contains(complaint(by_hand("0 1 2 3", "4 5", "10")), "array offsets: has 2 values instead of 1");
-  expect_contains(complaint(by_hand("0 1 2 3", "4", "10", "0 0 0 1 0 nan 0 1 0 0 0 1")),
+TEST_F(Vtu, ErrorsNameTheEntity) {
+  EXPECT_EQ(issue(by_hand("0 1 2 3", "4", "10")), "no error");
+  expect_contains(issue(by_hand("0 1 2 4", "4", "10")), "m.vtu: cell 0: point index 4 is out of range 0..3");
+  expect_contains(issue(by_hand("0 1 2 -1", "4", "10")), "cell 0: point index -1 is out of range");
+  expect_contains(issue(by_hand("0 1 2 3", "3", "10")), "cell 0: has 3 points instead of 4");
+  expect_contains(issue(by_hand("0 1 2 3", "5", "10")), "cell 0: its offset 5 is out of range");
+  expect_contains(issue(by_hand("0 1 2 3", "-1", "10")), "cell 0: its offset -1 is out of range");
+  expect_contains(issue(by_hand("0 1 2 3 0", "4", "10")), "connectivity has more values");
+  expect_contains(issue(by_hand("0 1 2 x", "4", "10")), "array connectivity, value 4: expected an integer");
+  expect_contains(issue(by_hand("0 1 2 3", "4 5", "10")), "array offsets: has 2 values instead of 1");
+  expect_contains(issue(by_hand("0 1 2 3", "4", "10", "0 0 0 1 0 nan 0 1 0 0 0 1")),
                   "point 1: a coordinate is not finite");
-  expect_contains(complaint(by_hand("", "", "", "0 0 0", 999999999)),
+  expect_contains(issue(by_hand("", "", "", "0 0 0", 999999999)),
                   "a DataArray, value: the file is truncated, or its count of 12");
-  expect_contains(complaint("<VTKFile type=\"PolyData\"/>"), "not a VTKFile of type UnstructuredGrid");
-  expect_contains(complaint("<VTKFile type"), "not XML, or truncated");
-  expect_contains(complaint(""), "not XML, or truncated");
+  expect_contains(issue("<VTKFile type=\"PolyData\"/>"), "not a VTKFile of type UnstructuredGrid");
+  expect_contains(issue("<VTKFile type"), "not XML, or truncated");
+  expect_contains(issue(""), "not XML, or truncated");
 }
 
 TEST_F(Vtu, DamageIsRefusedOrHarmless) {
@@ -221,7 +219,7 @@ TEST_F(Vtu, DamagedBase64IsRefusedOrHarmless) {
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(damaged[i] ^ 5);
-      complaint(damaged);
+      issue(damaged);
     }
   }
 }
@@ -246,4 +244,4 @@ TEST_F(Vtu, FilesOfVtkAndMeshio) {
 }
 
 }  // namespace
-}  // namespace weft::meshing
+}  // namespace weft::meshing::vtu_test

@@ -129,10 +129,10 @@ py::object run_adapt_prepared(int comm, PreparedPart& prepared, const py::object
   return watched(prepared.options, progress, cancel, [&] { return adapt_part(communicator, prepared); });
 }
 
-std::pair<int, std::string> run_first_complaint(int comm, const std::string& complaint) {
+std::pair<int, std::string> run_first_error(int comm, const std::string& issue) {
   const MPI_Comm communicator = communicator_of(comm);
   const py::gil_scoped_release released;
-  Complaint first = first_complaint(communicator, complaint);
+  RankError first = first_error(communicator, issue);
   return {first.rank, std::move(first.text)};
 }
 
@@ -355,7 +355,7 @@ void add_runs(py::module_& module) {
   module.def("adapt", &run_adapt);
   module.def("prepare_part", &prepare_part);
   module.def("adapt_prepared", &run_adapt_prepared);
-  module.def("first_complaint", &run_first_complaint);
+  module.def("first_error", &run_first_error);
   module.def("adapt_files", &run_adapt_files);
   module.def("fill", &run_fill);
 }

@@ -130,7 +130,7 @@ def _handle(comm: Any) -> int:
     raise UsageError(f"comm: is a {type(comm).__name__}, not a communicator of mpi4py")
 
 
-def _raise_complaint(rank: int, text: str, cause: Optional[BaseException]) -> None:
+def _raise_issue(rank: int, text: str, cause: Optional[BaseException]) -> None:
     kind, _, said = text.partition("\n")
     error = getattr(_errors, kind, Error)
     raise error(f"rank {rank}: {said}") from cause
@@ -151,7 +151,7 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
                  cancel: Optional[Cancel], options: Dict[str, Any]) -> PartResult:
     """`part`, `background`: mesh, ids of its points, ids of its tets."""
     handle = _handle(comm)
-    complaint, cause, prepared = "", None, None
+    issue, cause, prepared = "", None, None
     try:
         mesh, ids, tet_ids = part
         other, *of_other = background
@@ -161,10 +161,10 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
                                       *of_other, options, fields, solutions, order)
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
-        complaint, cause = f"{kind}\n{error}", error
-    rank, text = _weft.first_complaint(handle, complaint)
+        issue, cause = f"{kind}\n{error}", error
+    rank, text = _weft.first_error(handle, issue)
     if rank >= 0:
-        _raise_complaint(rank, text, cause)
+        _raise_issue(rank, text, cause)
     return _weft.adapt_prepared(handle, prepared, progress, cancel)
 
 

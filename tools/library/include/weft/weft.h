@@ -104,8 +104,8 @@ class WEFT_API Metric {
 
 /// The boundary.
 struct GeometryOptions {
-  double ridge_angle = 45;  ///< degrees; boundary edges sharper than this are kept
-  double hausd = 0;         ///< largest distance to the surface; 0: 0.1 % of the bounding box diagonal
+  double ridge_angle = meshing::kRidgeAngle;  ///< degrees; boundary edges sharper than this are kept
+  double hausd = 0;  ///< largest distance to the surface; 0: 0.1 % of the bounding box diagonal
   /// A CAD model that the boundary lies on: .step, .stp, .iges, .igs, .brep, .egads. Empty: the surface is
   /// reconstructed from the input's triangles. "carried": the model that the mesh file carries (ByteFlow).
   std::string model;
@@ -439,13 +439,13 @@ WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Part& b
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Options& options);
 
 /// For programs that check data of their own before a call that all ranks make together. All ranks of the
-/// communicator call it: the complaint of the lowest rank whose complaint is not empty, on all ranks, and
-/// that rank (-1: none complains).
-struct Complaint {
+/// communicator call it; returns on all ranks the error text of the lowest rank whose `error` is not empty,
+/// and that rank (-1: all are empty).
+struct RankError {
   int rank = -1;
   std::string text;
 };
-WEFT_API Complaint first_complaint(MPI_Comm communicator, const std::string& complaint);
+WEFT_API RankError first_error(MPI_Comm communicator, const std::string& error);
 
 // ---------------------------------------------------------------------------------------------------------------
 // From files to files
