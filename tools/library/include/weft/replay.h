@@ -12,20 +12,20 @@ namespace weft {
 
 struct ReplayOptions {
   int ranks = 1;
-  int threads = 1;                     ///< a rank; a task takes one
+  int threads = 1;  ///< a rank; a task takes one
   /// LATENCY,BANDWIDTH[,TOPOLOGY]: flat; tree:N, fat-tree:N for N ranks a switch; dragonfly:N for N ranks a
   /// router. fat-tree and dragonfly are simulated by SimGrid, where weft was built with it.
   std::string network = "2us,10GB/s";
-  std::string balancer = "stealing";   ///< none, stealing, diffusion
-  double slowdown = 1;                 ///< of every task: cores that are all busy are slower
-  bool processor_times = false;        ///< tasks take their processor time: the machine had other work, too
-  int copies = 1;                      ///< so many times the recorded mesh, for weak scaling
-  int split = 1;                       ///< so many times the subdomains of the mesh, each so much smaller
-  double grow = 1;                     ///< so many times the tets in each subdomain
-  std::uint64_t subdomain_bytes = 0;   ///< of one that moves; 0: by report.json beside the graph, else 1 MiB
-  std::string report;                  ///< folder for replay.json, graph.json, profile.json; empty: none
-  std::string account;                 ///< file for replay.json alone; empty: none
-  std::string trace;                   ///< file for a timeline; empty: none
+  std::string balancer = "stealing";  ///< none, stealing, diffusion
+  double slowdown = 1;                ///< of every task: cores that are all busy are slower
+  bool processor_times = false;       ///< tasks take their processor time: the machine had other work, too
+  int copies = 1;                     ///< so many times the recorded mesh, for weak scaling
+  int split = 1;                      ///< so many times the subdomains of the mesh, each so much smaller
+  double grow = 1;                    ///< so many times the tets in each subdomain
+  std::uint64_t subdomain_bytes = 0;  ///< of one that moves; 0: by report.json beside the graph, else 1 MiB
+  std::string report;                 ///< folder for replay.json, graph.json, profile.json; empty: none
+  std::string account;                ///< file for replay.json alone; empty: none
+  std::string trace;                  ///< file for a timeline; empty: none
 };
 
 /// Times are seconds of the adaptation's loop: reading, decomposition and writing are no tasks.
