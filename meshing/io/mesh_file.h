@@ -25,8 +25,8 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// .vtu of one piece that is raw or ASCII, binary .msh 4.1 with nodes tagged in order. Nothing for any other, which is read
-/// whole.
+/// .vtu of one piece that is raw or ASCII, binary .msh 4.1 with nodes tagged in order. Nothing for any other,
+/// which is read whole.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,

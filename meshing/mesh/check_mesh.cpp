@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "meshing/mesh/check_steps.h"
-#include "meshing/mesh/face_check.h"
 #include "meshing/mesh/problems.h"
 
 namespace weft::meshing {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "meshing/mesh/face_check.h"
+#include "meshing/mesh/check_steps.h"
 
 namespace weft::meshing {
 

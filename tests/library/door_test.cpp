@@ -138,6 +138,25 @@ TEST(Door, RefusesOptionsNamingThem) {
   EXPECT_EQ(wrong([](Options&) {}), "");
 }
 
+TEST(Door, CutsSlabsAlongTheBoundary) {
+  const Mesh start = box_of(3);
+  Options options;
+  options.metric.function = "uniform:0.3";
+  set_option(options, "partitioner", "pqr:3x1x1:harmonic=1,2");
+  set_option(options, "layers", "3");
+  EXPECT_EQ(options.distributed.layers, 3);
+  const Result fine = adapt(start, options);
+  ASSERT_TRUE(fine.distributed);
+  EXPECT_EQ(fine.distributed->subdomains, 3u);
+  EXPECT_EQ(fine.distributed->layers, 3);
+  EXPECT_TRUE(verify(fine.mesh).ok());
+  set_option(options, "layers", "auto");
+  EXPECT_EQ(options.distributed.layers, std::nullopt);
+  set_option(options, "partitioner", "pqr:3x1x1:wall=9");
+  EXPECT_THAT(error_of<InputError>([&] { adapt(start, options); }),
+              ::testing::HasSubstr("no triangle has the reference 9"));
+}
+
 TEST(Door, RefusesABackgroundWhereThereIsNoPlaceForOne) {
   const Mesh start = box_of(2), background = box_of(3);
   const Metric metric = sizes(background, 0.4);

@@ -20,7 +20,8 @@ namespace weft::meshing {
 MeshContents read_vtu(const std::filesystem::path& path);
 
 /// The size of a file with one piece whose arrays are text, or appended, raw and not compressed, as weft and
-/// ParaView write them by default; nothing of another, of which ranges cannot be read. Reads the types of all cells.
+/// ParaView write them by default; nothing of another, of which ranges cannot be read. Reads the types of all
+/// cells.
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range);
 

@@ -103,6 +103,7 @@ TEST(MeshRange, OfVtuAsTextIsFoundByPassingOverRows) {
   ascii.encoding = WriteOptions::Encoding::ascii;
   MeshContents box = named_box();
   box.mesh.point_refs[7] = 3;
+  box.mesh.ridges.clear();  // which the format does not keep
   write_mesh_contents(path, box, ascii);
   const MeshContents whole = read_mesh_contents(path);
   expect_equal(whole.mesh, box.mesh);
@@ -110,7 +111,7 @@ TEST(MeshRange, OfVtuAsTextIsFoundByPassingOverRows) {
   std::string bytes = bytes_of(path);
   bytes.replace(bytes.find("<?xml"), 5, "<!-- <DataArray format=\"ascii\"> --><?xml");
   put_bytes(path, bytes);
-  EXPECT_THROW(read_mesh_contents(path), InputError) << "a declaration that is not first";
+  expect_equal(read_in_parts(path, 3).mesh, whole.mesh);  // what looks like an array in a comment is none
 }
 
 TEST(MeshRange, IsNotReadOfTextOrOlderVersionsOfMsh) {

@@ -214,7 +214,8 @@ TEST_P(WritePiecesAs, NothingButEmptyPiecesMakeAnEmptyMesh) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, WritePiecesAs,
-                         testing::Values("m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.vtu", "m.msh", "m.su2"));
+                         testing::Values("m.lb8.ugrid", "m.b8.ugrid", "m.lb8l.ugrid", "m.vtu", "m.msh",
+                                         "m.su2"));
 
 TEST(WritePieces, ACarriedModelIsInTheFileForAnyRanks) {
   const CutMesh cut = random_cut(3);
