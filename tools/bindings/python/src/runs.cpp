@@ -1,6 +1,9 @@
 // Adaptation: of one mesh, of files, of a mesh in parts; initial meshes; and what runs tell of themselves.
+#include <malloc.h>
 #include <pybind11/stl.h>
 
+#include <atomic>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -20,6 +23,36 @@ namespace {
   throw py::error_already_set();
 }
 
+/// While one lives, freed arrays go back to the system at once, as in the command (its main.cpp says why).
+/// glibc's thresholds cannot be read: afterwards they are the largest that it comes to by itself in a process
+/// that has freed large arrays, so that NumPy keeps its own. Whoever sets them in the environment is left
+/// alone.
+class FreedArraysGoBack {
+ public:
+  FreedArraysGoBack() {
+    if (running()++ == 0) set(1 << 20, 1 << 22);
+  }
+  ~FreedArraysGoBack() {
+    if (--running() == 0) set(32 << 20, 64 << 20);
+  }
+  FreedArraysGoBack(const FreedArraysGoBack&) = delete;
+  FreedArraysGoBack& operator=(const FreedArraysGoBack&) = delete;
+
+ private:
+  /// Runs in all threads.
+  static std::atomic<int>& running() {
+    static std::atomic<int> count = 0;
+    return count;
+  }
+  static void set([[maybe_unused]] int map, [[maybe_unused]] int trim) {
+#ifdef __GLIBC__
+    if (std::getenv("MALLOC_MMAP_THRESHOLD_") || std::getenv("MALLOC_TRIM_THRESHOLD_")) return;
+    mallopt(M_MMAP_THRESHOLD, map);
+    mallopt(M_TRIM_THRESHOLD, trim);
+#endif
+  }
+};
+
 /// Runs call() without Python's lock, under watch, and wraps what it returns.
 template <class Call>
 py::object watched(Options& options, const py::object& progress, const std::shared_ptr<Cancel>& cancel,
@@ -27,6 +60,7 @@ py::object watched(Options& options, const py::object& progress, const std::shar
   const Watch watch(progress, cancel, options);
   auto result = [&] {
     const py::gil_scoped_release released;
+    const FreedArraysGoBack thresholds;
     return std::make_shared<decltype(call())>(call());
   }();
   py::object wrapped = py::cast(std::move(result));
