@@ -164,7 +164,7 @@ void check_holders(std::span<const VertexCopy> copies, std::span<const NamedHold
                  ", which has it too");
 }
 
-void check_vertices(Peers& peers, std::span<const MeshPiece> mine, Problems& problems) {
+void check_vertices_of_pieces(Peers& peers, std::span<const MeshPiece> mine, Problems& problems) {
   Rendezvous<1, VertexCopy> copy_mail(peers.ranks());
   Rendezvous<1, NamedHolder> holder_mail(peers.ranks());
   for (const MeshPiece& piece : mine) {
@@ -271,7 +271,7 @@ PiecesReport check_pieces(Peers& peers, std::span<const MeshPiece> mine,
   if (!report.ok()) return report;
   check_all_faces(peers, mine, problems);
   check_twin_tets(peers, mine, problems);
-  check_vertices(peers, mine, problems);
+  check_vertices_of_pieces(peers, mine, problems);
   sum_sizes(peers, mine, report);
   if (expected && peers.rank() == 0) compare_totals(report, *expected, problems);
   gather_problems(peers, std::move(problems), name_ranks, report);
