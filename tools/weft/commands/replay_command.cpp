@@ -25,6 +25,8 @@ and writing are not in the graph.
 --split N one of the same mesh in N times the subdomains; --grow X makes each X times as large.
 Sizes and times are drawn from the recorded ones: what a step takes goes with the power of the
 predicted tets that fits it.
+--network: flat (default), tree:N (N ranks a switch), or with contention, by SimGrid, fat-tree:N and
+dragonfly:N (N ranks a router).
 --processor-times is for a recording with one thread a rank on a machine that had other work, too.)";
 
 struct ReplayCommand {
@@ -47,8 +49,7 @@ void add_machine(CLI::App& sub, ReplayOptions& options) {
   sub.add_option("--ranks", options.ranks, "ranks (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--threads", options.threads, "threads a rank (default 1)")->type_name("N")->group(kGroup);
   sub.add_option("--network", options.network,
-                 "latency, bandwidth, topology: flat, tree:N (N ranks a switch), or by SimGrid fat-tree:N, "
-                 "dragonfly:N (N ranks a router); 2us,10GB/s")
+                 "latency, bandwidth and topology, see below; default 2us,10GB/s")
       ->type_name("L,B[,T]")
       ->group(kGroup);
   sub.add_option("--balancer", options.balancer, "none, stealing (default) or diffusion")
