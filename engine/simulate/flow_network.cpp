@@ -22,8 +22,11 @@ std::vector<fs::path> places() {
   fs::path own;
   if (dladdr(reinterpret_cast<void*>(&places), &info) != 0 && info.dli_fname)
     own = fs::weakly_canonical(info.dli_fname, ignored).parent_path();
-  return {own / kPartName, own / "weft" / kPartName, own / "../lib" / kPartName,
+  return {own / kPartName,
+          own / "weft" / kPartName,
+          own / "../lib" / kPartName,
           own / "../lib/weft" / kPartName,
+          own / "../../weft" / kPartName,
 #ifdef WEFT_SIMGRID_BUILD_FOLDER
           fs::path(WEFT_SIMGRID_BUILD_FOLDER) / kPartName
 #endif

@@ -24,6 +24,12 @@ void glue_all(TetMesh& mesh) {
   }
 }
 
+/// What nobody reads of a dead slot packs to nothing where it is what the slot before has.
+template <class... Array>
+void repeat_before(std::uint32_t slot, Array&... arrays) {
+  ((arrays[slot] = arrays[slot - 1]), ...);
+}
+
 void copy_tets(const TetMesh& mesh, TetMeshArrays& a) {
   const std::uint32_t n = mesh.tet_slots();
   a.tets.resize(n);
@@ -33,18 +39,14 @@ void copy_tets(const TetMesh& mesh, TetMeshArrays& a) {
   a.tet_marks.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const TetId t(i);
-    for (int f = 0; f < 4; ++f) a.tets[i][f] = mesh.vertex(t, f).value;
-    a.tet_marks[i] = mesh.marks(t);
-    const std::uint32_t from = mesh.alive(t) || i == 0 ? i : i - 1;
-    if (from == i) {
-      for (int f = 0; f < 4; ++f) a.patches[i][f] = mesh.patch(t, f).value;
-      a.tet_refs[i] = mesh.ref(t);
-      a.qualities[i] = mesh.quality(t);
-    } else {
-      a.patches[i] = a.patches[from];
-      a.tet_refs[i] = a.tet_refs[from];
-      a.qualities[i] = a.qualities[from];
+    for (int f = 0; f < 4; ++f) {
+      a.tets[i][f] = mesh.vertex(t, f).value;
+      a.patches[i][f] = mesh.patch(t, f).value;
     }
+    a.tet_refs[i] = mesh.ref(t);
+    a.qualities[i] = mesh.quality(t);
+    a.tet_marks[i] = mesh.marks(t);
+    if (i > 0 && !mesh.alive(t)) repeat_before(i, a.patches, a.tet_refs, a.qualities);
   }
 }
 
@@ -53,9 +55,9 @@ void copy_vertices(const TetMesh& mesh, TetMeshArrays& a) {
   a.points.reserve(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const VertexId v(i);
-    const bool dead = !mesh.alive(v) && i > 0;
-    a.points.push_back(dead ? a.points[i - 1] : mesh.point(v));
-    a.log_metrics.push_back(dead ? a.log_metrics[i - 1] : mesh.log_metric(v));
+    a.points.push_back(mesh.point(v));
+    a.log_metrics.push_back(mesh.log_metric(v));
+    if (i > 0 && !mesh.alive(v)) repeat_before(i, a.points, a.log_metrics);
     a.labels.push_back(mesh.label(v));
     a.vertex_refs.push_back(mesh.ref(v));
     a.vertex_tets.push_back(mesh.tet_of(v).value);

@@ -12,12 +12,12 @@ set_target_properties(weft PROPERTIES INSTALL_RPATH "$ORIGIN/${WEFT_BIN_TO_LIB}"
 install(TARGETS weft_library EXPORT weftTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# Loaded by name, so not among the libraries that programs link.
 if(WEFT_HAS_CAD)
-  # Loaded by name, so not among the libraries that programs link.
   install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
 if(WEFT_HAS_SIMGRID)
-  install(TARGETS weft_simgrid LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+  install(TARGETS weft_simgrid LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
 install(TARGETS weft RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/library/include/weft ${PROJECT_SOURCE_DIR}/meshing/include/weft

@@ -19,4 +19,4 @@ ExternalProject_Add(weft_v4
   BUILD_ALWAYS TRUE
   USES_TERMINAL_BUILD TRUE)
 install(DIRECTORY ${WEFT_V4_FOLDER} DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps COMPONENT library USE_SOURCE_PERMISSIONS
-  PATTERN libweft_cad.so EXCLUDE)  # it serves both
+  PATTERN libweft_cad.so EXCLUDE PATTERN libweft_simgrid.so EXCLUDE)  # they serve both

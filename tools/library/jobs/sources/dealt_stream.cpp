@@ -189,19 +189,19 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file) {
   DealtArrays arrays;
   Dealer dealer(peers, arrays);
   meshing::MeshContents rest;
-  std::string complaint;
+  std::string problem;
   if (peers.rank() == 0) {
     try {
       rest = meshing::stream_mesh(file, dealer);
     } catch (const std::exception& error) {
-      complaint = error.what();
+      problem = error.what();
     }
     dealer.end();
   } else {
     while (pass_block(peers, {}, {}, arrays)) {
     }
   }
-  partition::agree(peers, complaint);
+  partition::agree(peers, problem);
 
   partition::MeshSlice& slice = share.slice;
   const Told told =
