@@ -42,7 +42,7 @@ run_asan() {
 run_tsan() {
   build_tbb_for_tsan
   CMAKE_PREFIX_PATH=$root/build-tsan-tbb fixed_layout scripts/build.sh tsan
-  TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1 \
+  TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$root/scripts/known_races.txt \
     fixed_layout ctest --test-dir build-tsan --output-on-failure --parallel "$(nproc)" \
     --exclude-regex '^mpi\.'  # MPI is not built for it
 }

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/resolve_surface.h"
 #include "meshing/mesh/polygon.h"
 
@@ -42,13 +43,15 @@ class SurfaceRepair {
     std::iota(source_.begin(), source_.end(), 0u);
   }
 
-  std::vector<MeshMend> run(std::string* left) {
+  std::vector<MeshMend> run(std::string* left, const std::atomic<bool>* interrupt) {
     merge_same();
     constexpr int kMostRounds = 4;
-    for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round)
+    for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round) {
+      check_interrupt(interrupt);
       if (merge_across_seams() + split_at_junctions() == 0) break;
+    }
     fill_holes();
-    std::string why = resolve_surface(m_, source_, mends_);
+    std::string why = resolve_surface(m_, source_, mends_, interrupt);
     if (left) *left = std::move(why);
     return std::move(mends_);
   }
@@ -283,8 +286,9 @@ class SurfaceRepair {
 
 }  // namespace
 
-std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left) {
-  return SurfaceRepair(surface).run(left);
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left,
+                                     const std::atomic<bool>* interrupt) {
+  return SurfaceRepair(surface).run(left, interrupt);
 }
 
 }  // namespace weft::meshing

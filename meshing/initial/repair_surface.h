@@ -1,6 +1,7 @@
 // Mends of surfaces that bound no volume because they are open by a little.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace weft::meshing {
 /// against the surface, are filled with triangles of the least area. Triangles that are repeated or collapsed
 /// are removed. What then is still open, or crosses itself, is resolved by winding numbers
 /// (resolve_surface()), if it bounds volumes at all; else it stays so.
-/// `left` says why, then.
-std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left = nullptr);
+/// `left` says why, then. Throws Interrupted once the flag, if any, is set; the surface may be half mended.
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left = nullptr,
+                                     const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

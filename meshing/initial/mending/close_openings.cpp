@@ -17,8 +17,9 @@ namespace {
 
 class Closing {
  public:
-  Closing(const std::vector<Point>& points, const LooseTriangles& triangles)
-      : points_(points), triangles_(triangles) {}
+  Closing(const std::vector<Point>& points, const LooseTriangles& triangles,
+          const std::atomic<bool>* interrupt)
+      : points_(points), triangles_(triangles), interrupt_(interrupt) {}
 
   ClosedOpenings run() {
     make_grid();
@@ -45,7 +46,7 @@ class Closing {
       }
       r_.facets.push_back(t);
     }
-    r_.grid = delaunay_in_box(used);
+    r_.grid = delaunay_in_box(used, interrupt_);
     remove_slivers(r_);
     list_input_edges(r_);
     recover_edges(r_);
@@ -222,6 +223,7 @@ class Closing {
 
   const std::vector<Point>& points_;
   const LooseTriangles& triangles_;
+  const std::atomic<bool>* interrupt_;
   Recovery r_;
   TetGrid& grid_ = r_.grid;
   std::vector<std::uint32_t> given_;  ///< of each point of the grid that is no Steiner point: the given one
@@ -234,8 +236,9 @@ class Closing {
 
 }  // namespace
 
-ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles) {
-  return Closing(points, triangles).run();
+ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles,
+                              const std::atomic<bool>* interrupt) {
+  return Closing(points, triangles, interrupt).run();
 }
 
 }  // namespace weft::meshing

@@ -1,6 +1,7 @@
 // Openings of a surface closed where its winding number says that the volume ends.
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "meshing/initial/clean_triangles.h"
@@ -16,7 +17,9 @@ struct ClosedOpenings {
 
 /// `triangles` must not cross, and look outwards. Tets are made of all their points, with the triangles as
 /// faces; those behind a triangle are inside, those in front of it outside, and the winding number decides on
-/// the others. Faces between inside and outside are the result. Throws InputError where tets cannot be made.
-ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles);
+/// the others. Faces between inside and outside are the result. Throws InputError where tets cannot be made,
+/// Interrupted once the flag, if any, is set.
+ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles,
+                              const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

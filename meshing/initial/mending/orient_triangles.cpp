@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/winding_number.h"
 
 namespace weft::meshing {
@@ -18,8 +19,8 @@ constexpr double kNearlyAll = 0.99;
 
 class Orienting {
  public:
-  Orienting(const std::vector<Point>& points, LooseTriangles& triangles)
-      : points_(points), triangles_(triangles), turned_(triangles.size()) {}
+  Orienting(const std::vector<Point>& points, LooseTriangles& triangles, const std::atomic<bool>* interrupt)
+      : points_(points), triangles_(triangles), turned_(triangles.size()), interrupt_(interrupt) {}
 
   std::vector<bool> run(std::span<const std::array<std::uint32_t, 2>> crossings) {
     list_neighbours();
@@ -185,6 +186,7 @@ class Orienting {
   }
 
   bool is_within_others(std::uint32_t s, const Group& group) const {
+    check_interrupt(interrupt_);
     std::vector<std::uint32_t> others;
     for (const std::uint32_t o : group.sheets)
       if (o != s && sheets_[o].closed) others.push_back(o);
@@ -203,6 +205,7 @@ class Orienting {
   void turn_enclosed() {
     std::vector<int> depth(groups_.size(), 0);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
+      check_interrupt(interrupt_);
       const Part part = part_of(groups_[g].sheets);
       const WindingNumber winding(points_, part.triangles, part.counts);
       for (std::size_t other = 0; other < groups_.size(); ++other) {
@@ -221,6 +224,7 @@ class Orienting {
   const std::vector<Point>& points_;
   LooseTriangles& triangles_;
   std::vector<bool> turned_;
+  const std::atomic<bool>* interrupt_;
   std::vector<std::vector<std::uint32_t>> neighbours_;
   std::vector<std::uint32_t> sheet_of_;
   std::vector<Sheet> sheets_;
@@ -230,8 +234,9 @@ class Orienting {
 }  // namespace
 
 std::vector<bool> orient_triangles(const std::vector<Point>& points, LooseTriangles& triangles,
-                                   std::span<const std::array<std::uint32_t, 2>> crossings) {
-  return Orienting(points, triangles).run(crossings);
+                                   std::span<const std::array<std::uint32_t, 2>> crossings,
+                                   const std::atomic<bool>* interrupt) {
+  return Orienting(points, triangles, interrupt).run(crossings);
 }
 
 }  // namespace weft::meshing

@@ -13,6 +13,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/initial/clean_triangles.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/close_openings.h"
 #include "meshing/initial/mending/orient_triangles.h"
 #include "meshing/initial/mending/split_crossings.h"
@@ -35,8 +36,14 @@ constexpr double kMostClosing = 1.0 / 3, kMostLost = 0.25;
 
 class Resolution {
  public:
-  Resolution(MeshData& surface, std::vector<std::uint32_t>& source, std::vector<MeshMend>& mends)
-      : surface_(surface), source_(source), mends_(mends), points_(surface.points), edges_(surface.edges) {
+  Resolution(MeshData& surface, std::vector<std::uint32_t>& source, std::vector<MeshMend>& mends,
+             const std::atomic<bool>* interrupt)
+      : surface_(surface),
+        source_(source),
+        mends_(mends),
+        points_(surface.points),
+        edges_(surface.edges),
+        interrupt_(interrupt) {
     Box box;
     for (const Triangle& t : surface.triangles)
       for (const std::uint32_t v : t) box.include(surface.points[v]);
@@ -69,6 +76,7 @@ class Resolution {
   // --- Steps
 
   void clean() {
+    check_interrupt(interrupt_);
     TriangleCleaning cleaning(points_, loose_, tolerance_);
     cleaning.merge_points();
     cleaning.drop_collapsed();
@@ -83,7 +91,7 @@ class Resolution {
   std::vector<Pair> crossings() const { return self_intersections(points_, loose_.corners, kMostPairs + 1); }
 
   void turn(const std::vector<Pair>& pairs) {
-    const std::vector<bool> turned = orient_triangles(points_, loose_, pairs);
+    const std::vector<bool> turned = orient_triangles(points_, loose_, pairs, interrupt_);
     MeshMend mend{"triangles turned to agree with those beside them", "triangle", 0, {}, 0, ""};
     for (std::size_t t = 0; t < turned.size(); ++t)
       if (turned[t]) mend.add(source_[loose_.source[t]]);
@@ -164,7 +172,7 @@ class Resolution {
   }
 
   void split(const std::vector<Pair>& pairs) {
-    SplitTriangles pieces = split_crossings(points_, loose_.corners, pairs);
+    SplitTriangles pieces = split_crossings(points_, loose_.corners, pairs, interrupt_);
     LooseTriangles result;
     for (std::size_t i = 0; i < pieces.triangles.size(); ++i) {
       const std::uint32_t parent = pieces.parent[i];
@@ -214,6 +222,7 @@ class Resolution {
     const WindingNumber winding(points_, loose_.corners, loose_.sheets);
     std::vector<double> values(loose_.size());
     tbb::parallel_for(0u, static_cast<std::uint32_t>(loose_.size()), [&](std::uint32_t t) {
+      check_interrupt(interrupt_);
       const auto& [a, b, c] = loose_.corners[t];
       values[t] = winding.at((1.0 / 3) * (points_[a] + points_[b] + points_[c]), t);
     });
@@ -247,7 +256,7 @@ class Resolution {
   bool close() {
     ClosedOpenings closed;
     try {
-      closed = close_openings(points_, loose_);
+      closed = close_openings(points_, loose_, interrupt_);
     } catch (const InputError& error) {
       left_ = fmt::format("no tets between the borders of its openings: {}", error.what());
       return false;
@@ -358,13 +367,14 @@ class Resolution {
   std::vector<std::array<Point, 3>> lost_;
   std::vector<std::uint32_t> lost_source_;
   std::vector<MeshMend> fresh_mends_;
+  const std::atomic<bool>* interrupt_;
 };
 
 }  // namespace
 
 std::string resolve_surface(MeshData& surface, std::vector<std::uint32_t>& source,
-                            std::vector<MeshMend>& mends) {
-  return surface.triangles.empty() ? std::string() : Resolution(surface, source, mends).run();
+                            std::vector<MeshMend>& mends, const std::atomic<bool>* interrupt) {
+  return surface.triangles.empty() ? std::string() : Resolution(surface, source, mends, interrupt).run();
 }
 
 }  // namespace weft::meshing

@@ -1,6 +1,7 @@
 // Mends of surfaces that cross themselves or are open: what bounds the volumes that they go around.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,8 @@ namespace weft::meshing {
 /// more than a quarter of the surface bounds nothing: it is an open sheet. Needles that cuts make are
 /// avoided: new vertices that are nearer to others than a tenth of the triangles' edges there and 0.1 % of
 /// the diagonal become one with them. `source` names each triangle. Returns why the surface was left as it
-/// is; empty where it was mended, or needs no mending.
+/// is; empty where it was mended, or needs no mending. Throws Interrupted once the flag, if any, is set.
 std::string resolve_surface(MeshData& surface, std::vector<std::uint32_t>& source,
-                            std::vector<MeshMend>& mends);
+                            std::vector<MeshMend>& mends, const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

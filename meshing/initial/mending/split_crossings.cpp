@@ -6,6 +6,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/exact_plane.h"
 #include "meshing/mesh/predicates.h"
 
@@ -85,10 +86,17 @@ class Splitting {
   Splitting(std::span<const Point> points, std::span<const Triangle> triangles)
       : points_(points), triangles_(triangles), exact_(points) {}
 
-  SplitTriangles run(std::span<const std::array<std::uint32_t, 2>> pairs) {
-    for (const auto& [s, t] : pairs) meet(s, t);
+  SplitTriangles run(std::span<const std::array<std::uint32_t, 2>> pairs,
+                     const std::atomic<bool>* interrupt) {
+    for (const auto& [s, t] : pairs) {
+      check_interrupt(interrupt);
+      meet(s, t);
+    }
     SplitTriangles result;
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) add_pieces(t, result);
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      check_interrupt(interrupt);
+      add_pieces(t, result);
+    }
     result.points = std::move(exact_.rounded);
     return result;
   }
@@ -302,8 +310,9 @@ class Splitting {
 }  // namespace
 
 SplitTriangles split_crossings(std::span<const Point> points, std::span<const Triangle> triangles,
-                               std::span<const std::array<std::uint32_t, 2>> pairs) {
-  return Splitting(points, triangles).run(pairs);
+                               std::span<const std::array<std::uint32_t, 2>> pairs,
+                               const std::atomic<bool>* interrupt) {
+  return Splitting(points, triangles).run(pairs, interrupt);
 }
 
 }  // namespace weft::meshing

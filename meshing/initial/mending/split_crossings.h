@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,9 +20,10 @@ struct SplitTriangles {
 /// Cuts the triangles of each pair (from self_intersections()) along what they have in common. All is exact
 /// but the coordinates of new points, which are rounded last: pieces can cross anew by that little. Triangles
 /// beside a cut edge are cut with it. None may be degenerate, no two points equal. The order of the result
-/// depends on nothing but the input.
+/// depends on nothing but the input. Throws Interrupted once the flag, if any, is set.
 SplitTriangles split_crossings(std::span<const Point> points,
                                std::span<const std::array<std::uint32_t, 3>> triangles,
-                               std::span<const std::array<std::uint32_t, 2>> pairs);
+                               std::span<const std::array<std::uint32_t, 2>> pairs,
+                               const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

@@ -55,7 +55,7 @@ class Filling {
   meshing::ClosedSurface close_mended() {
     Mesh mended = surface_;
     std::string left;
-    result_.mends = tools::mends_of(meshing::repair_surface(mended, &left));
+    result_.mends = tools::mends_of(meshing::repair_surface(mended, &left, &monitor_.flag()));
     for (const Mend& m : result_.mends)
       if (m.unit == "distance") result_.deviation = std::max(result_.deviation, m.amount);
     try {

@@ -59,9 +59,10 @@ void Monitor::cancel(EndReason reason) {
 }
 
 /// To leave the kernel, put pieces together, measure and write: about twice what a machine of the present
-/// takes that has nothing else to do. mpirun takes about a second from the ranks' ends to its own.
+/// takes that has nothing else to do. Open MPI's mpirun waits for a second once or twice, by the order in
+/// which the ranks end, when their exit code is not 0 (odls_base_sigkill_timeout).
 double Monitor::seconds_to_finish() const {
-  constexpr double kOfTet = 2e-6, kAlways = 0.3, kOfLauncher = 0.7;
+  constexpr double kOfTet = 2e-6, kAlways = 0.3, kOfLauncher = 2;
   return kAlways + (sharers_ > 1 ? kOfLauncher : 0) + kOfTet * static_cast<double>(tets_) / sharers_;
 }
 

@@ -8,6 +8,7 @@
 #include "meshing/base/error.h"
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/closed_surface.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/split_crossings.h"
 #include "meshing/initial/mending/winding_number.h"
 #include "meshing/initial/repair_surface.h"
@@ -160,6 +161,12 @@ TEST(SplitCrossings, LeavesNoneInRandomHeaps) {
     }
     EXPECT_TRUE(pairs.empty()) << "trial " << trial;
   }
+}
+
+TEST(RepairSurface, EndsWhereItIsInterrupted) {
+  MeshData crossing = together(kBox, box_surface({.5, .5, .5}, {2, 2, 2}, 4));
+  const std::atomic<bool> interrupt{true};
+  EXPECT_THROW(repair_surface(crossing, nullptr, &interrupt), Interrupted);
 }
 
 TEST(WindingNumber, CountsTheWaysAround) {
