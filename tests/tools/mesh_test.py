@@ -32,6 +32,10 @@ class Mesh(CommandTest):
         self.verified("cube.obj", says=["12 triangles", "1 region", "dihedral"])
         self.verified("cube.obj", "--remesh-surface", "--size", "0.3")
 
+    def test_box_by_one_number_or_three(self):
+        for cells, tets in (([3], 162), ([1, 2, 3], 36)):
+            self.assertIn(f"{tets} tets", self.weft("mesh", "box", "-o", "box.meshb", "--cells", *cells).stdout)
+
     def test_every_surface_format(self):
         self.write("cube.obj", cube_obj())
         for name in ("cube.stl", "cube.ply", "cube.meshb", "cube.msh"):

@@ -101,6 +101,7 @@ class Usage(CommandTest):
     def test_a_box_without_volume(self):
         self.assert_fails("mesh", "box", "-o", "b.meshb", "--max", 1, 0, 1, says="--max", code=64)
         self.assert_fails("mesh", "box", "-o", "b.meshb", "--cells", 0, 1, 1, says="--cells", code=64)
+        self.assert_fails("mesh", "box", "-o", "b.meshb", "--cells", 2, 2, says="one number or three", code=64)
 
 
 if __name__ == "__main__":

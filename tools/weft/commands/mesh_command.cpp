@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
@@ -33,14 +34,15 @@ closes gaps and openings, and makes of surfaces that cross the boundary of the u
 they go around any.)";
 
 constexpr const char* kBoxFooter = R"(Example:
-  weft mesh box -o cube.meshb --cells 8 8 8
+  weft mesh box -o cube.meshb --cells 8
+  weft mesh box -o channel.meshb --cells 40 10 10 --max 4 1 1
 
 References of the triangles: 1 x-min, 2 x-max, 3 y-min, 4 y-max, 5 z-min, 6 z-max. The 12 edges of the
 box are ridges, its 8 vertices corners.)";
 
 struct BoxCommand {
   std::string output;
-  std::array<std::uint32_t, 3> cells = {8, 8, 8};
+  std::vector<std::uint32_t> cells = {8};  ///< in each direction, or one number for all
   std::array<double, 3> min = {0, 0, 0}, max = {1, 1, 1};
   Verbosity verbosity;
 };
@@ -50,8 +52,10 @@ int run_box(const BoxCommand& command) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(command.min[axis] < command.max[axis]))
       throw CLI::ValidationError("--max", "must be above --min in every direction");
+  const std::vector<std::uint32_t>& n = command.cells;
+  if (n.size() == 2) throw CLI::ValidationError("--cells", "takes one number or three");
   check_writable(command.output);
-  const Mesh mesh = box({command.cells, point(command.min), point(command.max)});
+  const Mesh mesh = box({{n.front(), n[n.size() / 2], n.back()}, point(command.min), point(command.max)});
   write_mesh(command.output, mesh);
   command.verbosity.print("{}: {} vertices, {} tets\n", command.output,
                           grouped(std::uint64_t{mesh.points.size()}),
@@ -148,8 +152,10 @@ void add_box(CLI::App& mesh, Action& action) {
       ->type_name("FILE")
       ->check(volume_output_name())
       ->required();
-  box->add_option("--cells", command->cells, "cells in x, y and z, of 6 tets each; default 8 8 8")
-      ->type_name("NX NY NZ")
+  box->add_option("--cells", command->cells,
+                  "cells in x, y and z, of 6 tets each, or one number for all; default 8")
+      ->type_name("NX [NY NZ]")
+      ->expected(1, 3)
       ->check(CLI::Range(1, 100000).description(""));
   box->add_option("--min", command->min, "lower corner; default 0 0 0")
       ->type_name("X Y Z")
