@@ -11,6 +11,7 @@
 // Bytes are those of the machine: all ranks of a run are alike.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -144,8 +145,9 @@ class Packer {
   void pack(const std::string& value) { pack(const_cast<std::string&>(value)); }
   template <PlainData T>
   void pack(std::vector<T>& values) {
-    count(values.size());
     const std::size_t bytes = values.size() * sizeof(T);
+    if (bytes < kSegmentBytes) room_for(sizeof(std::uint64_t) + bytes);
+    count(values.size());
     if (bytes < kSegmentBytes) {
       raw(values.data(), bytes);
     } else if (consume_) {
@@ -212,11 +214,18 @@ class Packer {
     if (size > 0) std::memcpy(copy.data(), data, size);
     return copy;
   }
+  /// With some more, so that the arguments of most messages are in one allocation.
+  void room_for(std::size_t size) {
+    constexpr std::size_t kMore = 96;
+    const std::size_t wanted = payload_.bytes.size() + size, room = payload_.bytes.capacity();
+    if (wanted > room) payload_.bytes.reserve(std::max(2 * room, wanted + kMore));
+  }
   void count(std::size_t n) {
     const std::uint64_t value = n;
     raw(&value, sizeof value);
   }
   void raw(const void* data, std::size_t size) {
+    room_for(size);
     const auto* first = static_cast<const std::byte*>(data);
     payload_.bytes.insert(payload_.bytes.end(), first, first + size);
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/objects/event.h"
+#include "engine/objects/experience.h"
 #include "engine/objects/message.h"
 #include "engine/objects/registry.h"
 #include "engine/trace/trace.h"
@@ -47,6 +48,7 @@ struct Cell {
   bool waits = false;    ///< for an event, or for the messages before those held
   std::size_t held = 0;  ///< messages that came before their turn
   double queued_seconds = 0;
+  Experiences costs;
   std::uint32_t runs = 0;    ///< while running: hash of the method's name
   TimePoint runs_since = 0;  ///< while running
   std::uint32_t lane = 0;    ///< while running: the worker's, by Trace::lanes()

@@ -38,6 +38,8 @@ struct Envelope {
 };
 static_assert(PlainData<Envelope>);
 
+struct MethodInfo;
+
 /// A message at its object.
 struct Task {
   Envelope envelope;
@@ -46,8 +48,9 @@ struct Task {
       arrivals;  ///< of an event that fires, in the order of its dependencies
 
   // Of the rank where it waits; they do not travel.
-  double predicted = 0;  ///< seconds, by the cost model
-  Rank from;             ///< the rank that must be told when it is consumed, if any (exchange.h)
+  const MethodInfo* info = nullptr;  ///< of its method; null if there is none of this name here
+  double predicted = 0;              ///< seconds, by the cost model
+  Rank from;                         ///< the rank that must be told when it is consumed, if any (exchange.h)
   std::size_t wire_bytes = 0;
 
   template <class Archive>

@@ -135,26 +135,34 @@ double on(const CostModel::Curve& curve, double log_expected) {
   return curve.intercept + curve.slope * log_expected;
 }
 
+Experience& experience_of(std::uint32_t method, Experiences& object) {
+  for (Experience& own : object)
+    if (own.method == method) return own;
+  return object.emplace_back(Experience{.method = method});
+}
+
 }  // namespace
 
 CostModel::CostModel(std::size_t methods) : methods_(methods) {}
 
-double CostModel::predict(std::uint32_t method, ObjectId object, double expected) const {
+double CostModel::predict(std::uint32_t method, const Experiences& object, double expected) const {
   const Method& all = methods_.at(method);
-  const Experience* own = experience(method, object);
+  const auto own =
+      std::find_if(object.begin(), object.end(), [&](const Experience& e) { return e.method == method; });
+  const bool known = own != object.end();
   if (!(expected > 0)) {  // NaN too
-    if (own != nullptr) return own->mean_seconds;
+    if (known) return own->mean_seconds;
     return all.measured > 0 ? all.mean_seconds : kUnknown;
   }
-  const double log_seconds = on(all.curve, log_of(expected)) + (own != nullptr ? own->log_bias : 0);
+  const double log_seconds = on(all.curve, log_of(expected)) + (known ? own->log_bias : 0);
   return std::clamp(std::exp(log_seconds), kLeast, kMost);
 }
 
-void CostModel::measured(std::uint32_t method, ObjectId object, double expected, double seconds) {
+void CostModel::measured(std::uint32_t method, Experiences& object, double expected, double seconds) {
   Method& all = methods_.at(method);
   if (!(seconds >= 0) || !std::isfinite(seconds)) return;
   seconds = std::clamp(seconds, kLeast, kMost);
-  Experience& own = experience(method, object);
+  Experience& own = experience_of(method, object);
   all.mean_seconds = updated(all.mean_seconds, seconds, ++all.measured, kMethodMemory);
   own.mean_seconds = updated(own.mean_seconds, seconds, ++own.measured, kObjectMemory);
   if (!(expected > 0)) return;
@@ -165,8 +173,6 @@ void CostModel::measured(std::uint32_t method, ObjectId object, double expected,
       std::clamp(sample.log_seconds - on(all.curve, sample.log_expected), -kMaxBias, kMaxBias);
   own.log_bias += kObjectMemory * (bias - own.log_bias);
 }
-
-void CostModel::forget(ObjectId object) { objects_.erase(object); }
 
 void CostModel::add_sample(Method& method, Sample sample) {
   if (method.latest.size() < kWindow) {
@@ -179,23 +185,6 @@ void CostModel::add_sample(Method& method, Sample sample) {
   for (const Sample& s : method.latest) x.push_back(s.log_expected), y.push_back(s.log_seconds);
   method.curve = fit(x, y);
   method.fitted = true;
-}
-
-const CostModel::Experience* CostModel::experience(std::uint32_t method, ObjectId object) const {
-  const auto known = objects_.find(object);
-  if (known == objects_.end()) return nullptr;
-  for (const Experience& own : known->second) {
-    if (own.method == method) return &own;
-  }
-  return nullptr;
-}
-
-CostModel::Experience& CostModel::experience(std::uint32_t method, ObjectId object) {
-  std::vector<Experience>& known = objects_[object];
-  for (Experience& own : known) {
-    if (own.method == method) return own;
-  }
-  return known.emplace_back(Experience{.method = method});
 }
 
 }  // namespace weft::engine

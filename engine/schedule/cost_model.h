@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
-#include "engine/base/rank.h"
+#include "engine/objects/experience.h"
 
 namespace weft::engine {
 
@@ -22,14 +21,11 @@ class CostModel {
   /// Seconds that `method` is likely to take on `object`: finite, > 0, and no less for a larger expectation.
   /// `expected` is what the application says, in seconds; 0: it says nothing, and the mean of what was
   /// measured counts (of this object, else of the method, else 1e-4 s). Negative numbers and NaN count as 0.
-  double predict(std::uint32_t method, ObjectId object, double expected) const;
+  double predict(std::uint32_t method, const Experiences& object, double expected) const;
 
   /// `method` took `seconds` on `object`, where the application had expected `expected`. Ignored when
   /// `seconds` is negative or not finite.
-  void measured(std::uint32_t method, ObjectId object, double expected, double seconds);
-
-  /// The object left this rank, or is no more.
-  void forget(ObjectId object);
+  void measured(std::uint32_t method, Experiences& object, double expected, double seconds);
 
   /// log(seconds) = intercept + slope * log(expected)
   struct Curve {
@@ -53,21 +49,9 @@ class CostModel {
     std::uint64_t samples = 0;   // with an expectation
     std::vector<Sample> latest;  // of these, the last kWindow, as a ring
   };
-  /// What one method took on one object.
-  struct Experience {
-    std::uint32_t method;
-    std::uint32_t measured = 0;
-    double mean_seconds = 0;
-    double log_bias = 0;  // log(seconds) less the curve, smoothed
-  };
-
-  const Experience* experience(std::uint32_t method, ObjectId object) const;
-  Experience& experience(std::uint32_t method, ObjectId object);
   static void add_sample(Method& method, Sample sample);
 
   std::vector<Method> methods_;
-  // An object meets few methods, so a list of them is faster than a table by both, and forget() is one step.
-  std::unordered_map<ObjectId, std::vector<Experience>> objects_;
 };
 
 }  // namespace weft::engine

@@ -209,9 +209,9 @@ void Scheduler::fire(Cell& cell, FiredEvent event) {
 }
 
 void Scheduler::push(Cell& cell, Task task) {
-  const MethodInfo* method = registry_.find_method(task.envelope.method);
+  const MethodInfo* method = task.info = registry_.find_method(task.envelope.method);
   const bool runs = task.envelope.request == Request::invoke || task.envelope.request == Request::fire;
-  task.predicted = method && runs ? costs_.predict(method->index, cell.id, task.envelope.expected) : 0;
+  task.predicted = method && runs ? costs_.predict(method->index, cell.costs, task.envelope.expected) : 0;
   cell.queued_seconds += task.predicted;
   queued_seconds_ += task.predicted;
   ++queued_messages_;
@@ -330,7 +330,6 @@ std::unique_ptr<Cell> Scheduler::take_out(ObjectId id) {
   if (cell == nullptr || cell->state == Cell::State::running || !cell->leaves_for.valid()) return nullptr;
   if (cell->state == Cell::State::ready) ready_.erase(std::find(ready_.begin(), ready_.end(), cell));
   dequeued(cell->queued_seconds, cell->mailbox.size());
-  costs_.forget(id);
   for (Task& task : cell->mailbox) consume(task);
   directory_.learn(id, {cell->leaves_for, cell->age + 1});
   ++sent_;
@@ -536,12 +535,11 @@ void Scheduler::handle_ready(Lane& lane, bool& busy) {
   if (busy_ == 0 || ready_.empty()) wake_();  // the run may be over, or this rank ask for work
 }
 
-/// Runs `step` of a handler; whatever it throws fails the run.
-bool Scheduler::guard(const Cell& cell, const Task& task, const std::function<void()>& step) {
+/// By the exception that is being handled.
+void Scheduler::handler_failed(const Cell& cell, const Task& task) {
   std::string what;
   try {
-    step();
-    return true;
+    throw;
   } catch (const UnpackError& error) {
     what = text("the message cannot be read: ", error.what());
   } catch (const std::exception& error) {
@@ -551,7 +549,6 @@ bool Scheduler::guard(const Cell& cell, const Task& task, const std::function<vo
   }
   const Lock lock(mutex_);
   fail(text(describe(cell, task), ": ", what));
-  return false;
 }
 
 bool Scheduler::unpack_object(Cell& cell, const Task& task) {
@@ -575,7 +572,7 @@ void Scheduler::handle(Cell& cell, Task& task) {
     } else if (task.envelope.request == Request::migrate) {
       leave(cell, task.envelope.round);
     } else {
-      const MethodInfo* method = registry_.find_method(task.envelope.method);
+      const MethodInfo* method = task.info;
       if (method == nullptr || method->type != cell.type->id) {
         throw std::runtime_error("the object has no such handler (do all ranks run the same program?)");
       }
@@ -596,7 +593,7 @@ void Scheduler::leave(Cell& cell, std::uint64_t to) {
 /// Records the handler that has run; returns the object if it was its last.
 std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint begin, TimePoint end,
                                         Lane& lane) {
-  const MethodInfo* method = registry_.find_method(task.envelope.method);
+  const MethodInfo* method = task.info;
   const std::uint32_t name = method ? method->index : Span::kNoName;
   lane.span({begin, end, cell.id, name, Activity::compute, task.envelope.id});
   if (cell.type == nullptr) {
@@ -605,7 +602,8 @@ std::unique_ptr<Cell> Scheduler::finish(Cell& cell, const Task& task, TimePoint 
     return nullptr;
   }
   ++handled_;
-  if (method) costs_.measured(name, cell.id, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
+  if (method)
+    costs_.measured(name, cell.costs, task.envelope.expected, static_cast<double>(end - begin) * 1e-9);
   if (cell.destroyed) return destroy(cell);
   rest(cell);
   if (options_.report_finished) {
@@ -635,7 +633,6 @@ std::unique_ptr<Cell> Scheduler::destroy(Cell& cell) {
   }
   if (cell.waits) --waiting_;
   dequeued(cell.queued_seconds, cell.mailbox.size());
-  costs_.forget(cell.id);
   directory_.destroyed(cell.id);
   if (home_of(cell.id) != options_.rank) tell_location(home_of(cell.id), cell.id, {Rank(), cell.age});
   return std::move(cells_.extract(cell.id).mapped());

@@ -177,7 +177,18 @@ class Scheduler {
   void handle_ready(Lane& lane, bool& busy);
   void worker_failed(const char* what) noexcept;
   void quit() noexcept;
-  bool guard(const Cell& cell, const Task& task, const std::function<void()>& step);
+  /// Runs `step` of a handler; whatever it throws fails the run.
+  template <class Step>
+  bool guard(const Cell& cell, const Task& task, const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (...) {
+      handler_failed(cell, task);
+      return false;
+    }
+  }
+  void handler_failed(const Cell& cell, const Task& task);
   bool unpack_object(Cell& cell, const Task& task);
   void handle(Cell& cell, Task& task);
   void leave(Cell& cell, std::uint64_t to);
