@@ -94,7 +94,7 @@ LIBRARIES = {
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
-    "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_xml.", "tools/report/encode/gzip."]),
+    "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_bytes.", "tools/report/encode/gzip."]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
     "PETSc": (re.compile(r"petsc"), ["tools/bindings/petsc/", "tests/bindings/petsc/"]),

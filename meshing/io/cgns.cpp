@@ -16,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -120,6 +121,15 @@ class ZoneReader {
     read_mesh();
     contents().complete();
     return std::move(contents());
+  }
+
+  /// The fields at the points of the range.
+  SolutionData fields(const MeshRange& range) {
+    read_size();
+    range_ = range;
+    read_solutions();
+    contents().fields.num_points = range.num_points;
+    return std::move(contents().fields);
   }
 
   /// Nothing where tets may be among elements of other types.
@@ -388,11 +398,13 @@ class ZoneReader {
     for (int f = 1; f <= count && num_points_ > 0; ++f) {
       CGNS_ENUMT(DataType_t) type{};
       library_.check(cg_field_info(library_.file(), kBase, zone_, s, f, &type, name.data()), entity);
-      std::vector<double> values(num_points_);
-      const cgsize_t first = 1, last = static_cast<cgsize_t>(num_points_);
-      library_.check(cg_field_read(library_.file(), kBase, zone_, s, name.data(), CGNS_ENUMV(RealDouble),
-                                   &first, &last, values.data()),
-                     entity + ", field " + name.data());
+      std::vector<double> values(range_.num_points);
+      const auto first = static_cast<cgsize_t>(range_.first_point + 1),
+                 last = static_cast<cgsize_t>(range_.first_point + range_.num_points);
+      if (!values.empty())
+        library_.check(cg_field_read(library_.file(), kBase, zone_, s, name.data(), CGNS_ENUMV(RealDouble),
+                                     &first, &last, values.data()),
+                       entity + ", field " + name.data());
       scalars.push_back({Field::Kind::scalar, std::move(values), name.data()});
     }
     join_components(scalars);
@@ -429,10 +441,11 @@ class ZoneReader {
   void join(const std::vector<Field>& scalars, std::size_t begin, const std::array<const char*, N>& ends,
             Field::Kind kind) {
     const std::string& first = scalars[begin].name;
-    Field field{kind, std::vector<double>(num_points_ * N),
+    Field field{kind, std::vector<double>(range_.num_points * N),
                 first.substr(0, first.size() - std::string_view(ends[0]).size())};
     for (std::size_t c = 0; c < N; ++c) {
-      for (std::size_t i = 0; i < num_points_; ++i) field.values[i * N + c] = scalars[begin + c].values[i];
+      for (std::size_t i = 0; i < range_.num_points; ++i)
+        field.values[i * N + c] = scalars[begin + c].values[i];
     }
     contents().fields.fields.push_back(std::move(field));
   }
@@ -663,7 +676,51 @@ MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange&
   RefNames names;
   MeshContents contents = ZoneReader(open.library, 1, open.size, names).read(range);
   contents.names = std::move(names);
+  contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
   return contents;
+}
+
+std::optional<std::vector<PieceSize>> cgns_piece_sizes(const std::filesystem::path& path) {
+  const OpenFile open(path);
+  RefNames names;
+  std::vector<PieceSize> sizes;
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    const std::optional<MeshSize> size = ZoneReader(open.library, zone, open.size, names).size();
+    if (!size) return std::nullopt;
+    sizes.push_back({*size});
+  }
+  return sizes;
+}
+
+PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges) {
+  const OpenFile open(path);
+  PieceRanges result;
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
+    MeshContents read = ZoneReader(open.library, zone, open.size, result.names).read(range.rows);
+    if (zone == 1) read.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
+    MeshPiece& piece = result.pieces.emplace_back();
+    if (range.others) {
+      piece.contents = std::move(read);
+    } else {
+      piece.contents.mesh.points = std::move(read.mesh.points);
+      piece.contents.mesh.tets = std::move(read.mesh.tets);
+      piece.contents.mesh.tet_refs = std::move(read.mesh.tet_refs);
+      piece.contents.complete();
+    }
+  }
+  return result;
+}
+
+std::vector<SolutionData> read_cgns_piece_fields(const std::filesystem::path& path,
+                                                 std::span<const PieceRange> ranges) {
+  const OpenFile open(path);
+  RefNames names;
+  std::vector<SolutionData> result;
+  for (int zone = 1; zone <= open.zones; ++zone)
+    result.push_back(ZoneReader(open.library, zone, open.size, names)
+                         .fields(ranges[static_cast<std::size_t>(zone - 1)].rows));
+  return result;
 }
 
 void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {

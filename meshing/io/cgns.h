@@ -3,7 +3,10 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 
 namespace weft::meshing {
@@ -21,6 +24,13 @@ std::optional<MeshSize> cgns_size(const std::filesystem::path& path);
 /// The points and tets of `range`, all triangles, edges and names, as read_cgns() reads them, but no fields;
 /// indices are those of the whole mesh. Of a file that cgns_size() has sized; reads no more of it.
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range);
+
+// Parts of the zones (see mesh_file.h). Names and their references are those of the whole file on every
+// reader, who reads all elements that are no tets for them.
+std::optional<std::vector<PieceSize>> cgns_piece_sizes(const std::filesystem::path& path);
+PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges);
+std::vector<SolutionData> read_cgns_piece_fields(const std::filesystem::path& path,
+                                                 std::span<const PieceRange> ranges);
 
 /// Writes one zone, whole or not at all: a section for each reference, and for triangles a boundary condition
 /// of the same name; names are cut to CGNS's 32 characters.

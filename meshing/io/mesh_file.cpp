@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,6 +54,11 @@ struct Format {
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
+  // Where the mesh may be in pieces: the files that have them, how large these pieces are, and parts of them.
+  std::vector<fs::path> (*sources)(const fs::path&) = nullptr;
+  std::optional<std::vector<PieceSize>> (*piece_sizes)(const fs::path&) = nullptr;
+  PieceRanges (*read_piece_ranges)(const fs::path&, std::span<const PieceRange>) = nullptr;
+  std::vector<SolutionData> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
@@ -103,20 +109,75 @@ constexpr unsigned kGmf =
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 bool always(const fs::path&) { return true; }
 constexpr std::array kFormats = {
-    Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
-    Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
-    Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
-           write_gmsh, gmsh_size, read_gmsh_range, gmsh_has_no_ranges, stream_gmsh, always, begin_gmsh_parts,
-           open_gmsh_part},
-    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range,
-           is_ascii_ugrid, stream_ugrid, is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
-    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2, nullptr, nullptr, always, stream_su2,
-           nullptr, nullptr, nullptr, su2_heads, su2_rows},
-    Format{".vtu", kVtu, read_vtu, write_vtu, vtu_size, read_vtu_range, nullptr, nullptr, always,
-           begin_vtu_parts, open_vtu_part},
-    Format{".pvtu", kVtu, read_pvtu, write_pvtu},
-    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns,
-           cgns_size, read_cgns_range},
+    Format{.extension = ".meshb",
+           .keeps = kGmf,
+           .read = read_gmf,
+           .write = write_gmf,
+           .size = gmf_size,
+           .read_range = read_gmf_range,
+           .is_streamed = gmf::is_text,
+           .stream = stream_gmf},
+    Format{.extension = ".mesh",
+           .keeps = kGmf,
+           .read = read_gmf,
+           .write = write_gmf,
+           .size = gmf_size,
+           .read_range = read_gmf_range,
+           .is_streamed = gmf::is_text,
+           .stream = stream_gmf},
+    Format{.extension = ".msh",
+           .keeps = kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields,
+           .read = read_gmsh,
+           .write = write_gmsh,
+           .size = gmsh_size,
+           .read_range = read_gmsh_range,
+           .is_streamed = gmsh_has_no_ranges,
+           .stream = stream_gmsh,
+           .in_parts = always,
+           .begin_parts = begin_gmsh_parts,
+           .open_part = open_gmsh_part},
+    Format{.extension = ".ugrid",
+           .keeps = kTets | kTetRefs | kTriangleRefs,
+           .read = read_ugrid,
+           .write = write_ugrid,
+           .size = ugrid_size,
+           .read_range = read_ugrid_range,
+           .is_streamed = is_ascii_ugrid,
+           .stream = stream_ugrid,
+           .in_parts = is_ugrid_for_parts,
+           .begin_parts = begin_ugrid_parts,
+           .open_part = open_ugrid_part},
+    Format{.extension = ".su2",
+           .keeps = kTets | kTriangleRefs | kNames,
+           .read = read_su2,
+           .write = write_su2,
+           .is_streamed = always,
+           .stream = stream_su2,
+           .text_heads = su2_heads,
+           .text_rows = su2_rows},
+    Format{.extension = ".vtu",
+           .keeps = kVtu,
+           .read = read_vtu,
+           .write = write_vtu,
+           .size = vtu_size,
+           .read_range = read_vtu_range,
+           .piece_sizes = vtu_piece_sizes,
+           .read_piece_ranges = read_vtu_piece_ranges,
+           .read_piece_fields = read_vtu_piece_fields,
+           .in_parts = always,
+           .begin_parts = begin_vtu_parts,
+           .open_part = open_vtu_part},
+    Format{
+        .extension = ".pvtu", .keeps = kVtu, .read = read_pvtu, .write = write_pvtu, .sources = pvtu_sources},
+    Format{.extension = ".cgns",
+           .keeps = kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields,
+           .read = read_cgns,
+           .write = write_cgns,
+           .size = cgns_size,
+           .read_range = read_cgns_range,
+           .piece_sizes = cgns_piece_sizes,
+           .read_piece_ranges = read_cgns_piece_ranges,
+           .read_piece_fields = read_cgns_piece_fields},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".off", 0, read_off, write_off},
@@ -159,6 +220,12 @@ bool is_gmf_solution(const fs::path& path) {
   return path.extension() == ".solb" || path.extension() == ".sol";
 }
 
+/// What has pieces and is none of these formats is one of the files that a .pvtu names, however it is called.
+const Format& format_of_source(const fs::path& source) {
+  const Format* format = find_format(source);
+  return format && format->piece_sizes ? *format : *std::ranges::find(kFormats, ".vtu", &Format::extension);
+}
+
 std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs) {
   return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](std::int32_t ref) { return ref != 0; }));
 }
@@ -191,6 +258,28 @@ MeshContents read_mesh_range(const fs::path& path, const MeshRange& range) {
   MeshContents contents = format_of(path).read_range(path, range);
   refuse_foreign_volumes(contents, path);
   return contents;
+}
+
+bool can_be_in_pieces(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.sources || format.piece_sizes;
+}
+
+std::vector<fs::path> piece_sources(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.sources ? format.sources(path) : std::vector<fs::path>{path};
+}
+
+std::optional<std::vector<PieceSize>> piece_sizes(const fs::path& source) {
+  return format_of_source(source).piece_sizes(source);
+}
+
+PieceRanges read_piece_ranges(const fs::path& source, std::span<const PieceRange> ranges) {
+  return format_of_source(source).read_piece_ranges(source, ranges);
+}
+
+std::vector<SolutionData> read_piece_fields(const fs::path& source, std::span<const PieceRange> ranges) {
+  return format_of_source(source).read_piece_fields(source, ranges);
 }
 
 bool can_be_streamed(const fs::path& path) {

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/part_writer.h"
@@ -25,14 +27,28 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// .vtu of one piece that is raw or ASCII, binary .msh 4.1 with nodes tagged in order. Nothing for any other,
-/// which is read whole.
+/// .vtu of one piece, binary .msh 4.1 with nodes tagged in order. Nothing for any other.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,
 /// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as
 /// far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range);
+
+/// Whether the mesh of such a file may be in several pieces, of which points must be joined (merge_pieces()):
+/// .pvtu, .vtu and .cgns.
+bool can_be_in_pieces(const std::filesystem::path& path);
+/// The files that have the pieces, in this order: those that a .pvtu names, else the file itself.
+std::vector<std::filesystem::path> piece_sources(const std::filesystem::path& path);
+/// The pieces of one of these; nothing where it can only be read whole: CGNS with sections of mixed elements.
+/// Reads the types of all cells of a .vtu.
+std::optional<std::vector<PieceSize>> piece_sizes(const std::filesystem::path& source);
+/// Parts of the pieces: one range for each of them.
+PieceRanges read_piece_ranges(const std::filesystem::path& source, std::span<const PieceRange> ranges);
+/// Fields at the points of the ranges, of each piece; those that this reader cannot keep, as only the values
+/// show, have no values.
+std::vector<SolutionData> read_piece_fields(const std::filesystem::path& source,
+                                            std::span<const PieceRange> ranges);
 
 /// Whether one reader can pass the points and tets of such a file on while it reads, and holds none: GMF as
 /// text, .msh of which no ranges can be read, .su2, ASCII UGRID.
