@@ -1,4 +1,6 @@
-// CGNS as a tree of nodes: the library knows how they lie in HDF5, here is what they mean for a mesh.
+// CGNS as a tree of nodes: the library knows how they lie in HDF5, here is what they mean for a mesh. Arrays
+// are written past it: it makes them, HDF5 says where their values are in the file, and any number of writers
+// put these there.
 #include "meshing/io/cgns.h"
 
 #include <cgns_io.h>
@@ -13,6 +15,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -25,6 +28,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/files/child_process.h"
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/merge_pieces.h"
 
@@ -37,6 +41,7 @@ using Name = std::array<char, kNameLength + 1>;
 constexpr std::string_view kTetPrefix = "tets_", kEdgePrefix = "edges_";
 constexpr std::array<const char*, 3> kCoordinates = {"CoordinateX", "CoordinateY", "CoordinateZ"};
 constexpr std::array<const char*, 3> kVectorEnds = {"X", "Y", "Z"};
+constexpr const char *kBaseName = "Base", *kZoneName = "Zone", *kSolutionName = "Solution";
 constexpr std::array<const char*, 6> kTensorEnds = {"XX", "XY", "YY", "XZ", "YZ", "ZZ"};
 
 /// The library has one state for all threads.
@@ -94,16 +99,17 @@ struct SectionHead {
   std::uint64_t count = 0;
 };
 
+/// References for names, the same in all zones.
+struct ZoneRefs {
+  explicit ZoneRefs(RefNames& names) : triangles(2, names), tets(3, names), edges(1, names) {}
+  RefNumbering triangles, tets, edges;
+};
+
 class ZoneReader {
  public:
   /// `most` bounds every count: each thing counted takes a byte of the file at least.
-  ZoneReader(const Library& library, int zone, std::uint64_t most, RefNames& names)
-      : library_(library),
-        zone_(zone),
-        most_(most),
-        triangle_refs_(2, names),
-        tet_refs_(3, names),
-        edge_refs_(1, names) {}
+  ZoneReader(const Library& library, int zone, std::uint64_t most, ZoneRefs& refs)
+      : library_(library), zone_(zone), most_(most), refs_(refs) {}
 
   MeshPiece read() {
     read_size();
@@ -124,21 +130,21 @@ class ZoneReader {
   }
 
   /// The fields at the points of the range.
-  SolutionData fields(const MeshRange& range) {
+  MeshContents fields(const MeshRange& range) {
     read_size();
     range_ = range;
     read_solutions();
     contents().fields.num_points = range.num_points;
-    return std::move(contents().fields);
+    return std::move(contents());
   }
 
-  /// Nothing where tets may be among elements of other types.
-  std::optional<MeshSize> size() {
+  /// Of the whole only where tets may be among elements of other types.
+  PieceSize size() {
     read_size();
-    MeshSize size{num_points_, 0};
+    PieceSize size{{num_points_, 0}};
     for (int s = 1; s <= num_sections(); ++s) {
       const SectionHead head = section_head(s);
-      if (head.type == CGNS_ENUMV(MIXED)) return std::nullopt;
+      size.whole_only = size.whole_only || head.type == CGNS_ENUMV(MIXED);
       if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
     }
     return size;
@@ -234,7 +240,7 @@ class ZoneReader {
 
   /// Those of the range; the section's name gets its reference whether there are any or none.
   void read_tets(int s, cgsize_t start, std::uint64_t count) {
-    const std::int32_t ref = tet_refs_.ref(without(kTetPrefix, section_name_));
+    const std::int32_t ref = refs_.tets.ref(without(kTetPrefix, section_name_));
     const std::uint64_t before = tets_passed_;
     tets_passed_ += count;
     const std::uint64_t first = std::max(before, range_.first_tet),
@@ -305,7 +311,7 @@ class ZoneReader {
     switch (type) {
       case CGNS_ENUMV(TETRA_4):
         mesh().tets.push_back(nodes_of<4>(data));
-        mesh().tet_refs.push_back(tet_refs_.ref(without(kTetPrefix, section_name_)));
+        mesh().tet_refs.push_back(refs_.tets.ref(without(kTetPrefix, section_name_)));
         break;
       case CGNS_ENUMV(TRI_3):
         mesh().triangles.push_back(nodes_of<3>(data));
@@ -314,7 +320,7 @@ class ZoneReader {
         break;
       case CGNS_ENUMV(BAR_2):
         mesh().edges.push_back(nodes_of<2>(data));
-        mesh().edge_refs.push_back(edge_refs_.ref(without(kEdgePrefix, section_name_)));
+        mesh().edge_refs.push_back(refs_.edges.ref(without(kEdgePrefix, section_name_)));
         break;
       default:
         drop_element(type);
@@ -341,7 +347,7 @@ class ZoneReader {
     library_.check(cg_nbocos(library_.file(), kBase, zone_, &count), zone_name_);
     for (int b = 1; b <= count; ++b) read_boundary(b);
     for (const std::uint32_t name : triangle_names_)
-      mesh().triangle_refs.push_back(triangle_refs_.ref(names_[name]));
+      mesh().triangle_refs.push_back(refs_.triangles.ref(names_[name]));
   }
 
   void read_boundary(int b) {
@@ -460,7 +466,7 @@ class ZoneReader {
   MeshRange range_;
   std::uint64_t tets_passed_ = 0;  ///< in the sections read
   MeshPiece piece_;
-  RefNumbering triangle_refs_, tet_refs_, edge_refs_;
+  ZoneRefs& refs_;
   std::string zone_name_, section_, section_name_;
   std::int64_t element_ = 0;
   std::vector<Numbered> triangles_;
@@ -489,54 +495,73 @@ class NodeNames {
   std::set<std::string> taken_;
 };
 
-class Writer {
+/// What the components of fields are called, all in order.
+std::vector<std::string> component_names(const SolutionData& fields) {
+  NodeNames unique_names;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < fields.fields.size(); ++i) {
+    const std::string name = field_name(fields, i), shortened = name.substr(0, kNameLength - 2);
+    switch (fields.fields[i].kind) {
+      case Field::Kind::scalar:
+        names.push_back(unique_names.unique(name));
+        break;
+      case Field::Kind::vector:
+        for (const char* end : kVectorEnds) names.push_back(unique_names.unique(shortened + end));
+        break;
+      case Field::Kind::tensor:
+        for (const char* end : kTensorEnds) names.push_back(unique_names.unique(shortened + end));
+        break;
+    }
+  }
+  return names;
+}
+
+/// One zone of a mesh without its rows: of every array one value is written, which gives all of it a place.
+class ZoneLayout {
  public:
-  Writer(const Library& library, const MeshView& contents)
-      : library_(library), mesh_(contents.mesh), fields_(contents.fields), names_(contents.names) {}
+  ZoneLayout(const Library& library, const WholeMesh& whole) : library_(library), whole_(whole) {}
 
   void write() {
     write_zone();
-    write_sections(CGNS_ENUMV(TETRA_4), mesh_.tets, mesh_.tet_refs, 3, std::string(kTetPrefix));
-    write_sections(CGNS_ENUMV(TRI_3), mesh_.triangles, mesh_.triangle_refs, 2, "");
-    write_sections(CGNS_ENUMV(BAR_2), mesh_.edges, mesh_.edge_refs, 1, std::string(kEdgePrefix));
+    write_sections(CGNS_ENUMV(TETRA_4), whole_.tets, 3, std::string(kTetPrefix));
+    write_sections(CGNS_ENUMV(TRI_3), whole_.triangles, 2, "");
+    write_sections(CGNS_ENUMV(BAR_2), whole_.edges, 1, std::string(kEdgePrefix));
     write_fields();
   }
 
  private:
   void write_zone() {
     const auto most = static_cast<std::size_t>(std::numeric_limits<cgsize_t>::max());
-    if (mesh_.points.size() > most || 4 * (mesh_.tets.size() + mesh_.triangles.size()) > most) {
+    if (whole_.points > most || 4 * (whole_.num_tets() + whole_.num_triangles()) > most) {
       library_.fail("", "the mesh is too large for the integers of this CGNS library");
     }
     int base = 0, index = 0;
-    library_.check(cg_base_write(library_.file(), "Base", 3, 3, &base), "base");
-    const std::array<cgsize_t, 3> size = {static_cast<cgsize_t>(mesh_.points.size()),
-                                          static_cast<cgsize_t>(mesh_.tets.size()), 0};
+    library_.check(cg_base_write(library_.file(), kBaseName, 3, 3, &base), "base");
+    const std::array<cgsize_t, 3> size = {static_cast<cgsize_t>(whole_.points),
+                                          static_cast<cgsize_t>(whole_.num_tets()), 0};
     library_.check(
-        cg_zone_write(library_.file(), base, "Zone", size.data(), CGNS_ENUMV(Unstructured), &zone_), "zone");
-    std::vector<double> values(mesh_.points.size());
-    for (int c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = mesh_.points[i][c];
-      library_.check(cg_coord_write(library_.file(), base, zone_, CGNS_ENUMV(RealDouble),
-                                    kCoordinates[static_cast<std::size_t>(c)], values.data(), &index),
+        cg_zone_write(library_.file(), base, kZoneName, size.data(), CGNS_ENUMV(Unstructured), &zone_),
+        "zone");
+    const double value = 0;
+    for (const char* name : kCoordinates)
+      library_.check(cg_coord_partial_write(library_.file(), base, zone_, CGNS_ENUMV(RealDouble), name, &kOne,
+                                            &kOne, &value, &index),
                      "coordinates");
-    }
   }
 
-  template <class Elements>
-  void write_sections(CGNS_ENUMT(ElementType_t) type, const Elements& elements,
-                      const std::vector<std::int32_t>& refs, int dimension, const std::string& prefix) {
-    for (const auto& [ref, indices] : indices_by_ref(refs)) {
-      std::vector<cgsize_t> nodes;
-      for (const std::uint32_t i : indices) {
-        for (const std::uint32_t v : elements[i]) nodes.push_back(static_cast<cgsize_t>(v + 1));
-      }
-      const std::string name = section_names_.unique(prefix + names_.name(dimension, ref));
-      const cgsize_t first = next_element_, last = first + static_cast<cgsize_t>(indices.size()) - 1;
+  void write_sections(CGNS_ENUMT(ElementType_t) type, const RefCounts& counts, int dimension,
+                      const std::string& prefix) {
+    const std::array<cgsize_t, 4> nodes = {1, 1, 1, 1};
+    for (const auto& [ref, count] : counts) {
+      const std::string name = section_names_.unique(prefix + whole_.names.name(dimension, ref));
+      const cgsize_t first = next_element_, last = first + static_cast<cgsize_t>(count) - 1;
       int section = 0;
-      library_.check(cg_section_write(library_.file(), kBase, zone_, name.c_str(), type, first, last, 0,
-                                      nodes.data(), &section),
+      library_.check(cg_section_partial_write(library_.file(), kBase, zone_, name.c_str(), type, first, last,
+                                              0, &section),
                      "section " + name);
+      library_.check(
+          cg_elements_partial_write(library_.file(), kBase, zone_, section, first, first, nodes.data()),
+          "section " + name);
       if (dimension == 2) write_boundary(name, first, last);
       next_element_ = last + 1;
     }
@@ -554,48 +579,164 @@ class Writer {
   }
 
   void write_fields() {
-    if (fields_.fields.empty()) return;
-    library_.check(cg_sol_write(library_.file(), kBase, zone_, "Solution", CGNS_ENUMV(Vertex), &solution_),
+    if (whole_.fields.fields.empty()) return;
+    int solution = 0, index = 0;
+    const double value = 0;
+    library_.check(cg_sol_write(library_.file(), kBase, zone_, kSolutionName, CGNS_ENUMV(Vertex), &solution),
                    "solution");
-    for (std::size_t i = 0; i < fields_.fields.size(); ++i) {
-      const Field& field = fields_.fields[i];
-      const std::string name = field_name(fields_, i);
-      switch (field.kind) {
-        case Field::Kind::scalar:
-          write_component(name, field, 0, 1);
-          break;
-        case Field::Kind::vector:
-          for (std::size_t c = 0; c < 3; ++c) write_component(shortened(name) + kVectorEnds[c], field, c, 3);
-          break;
-        case Field::Kind::tensor:
-          for (std::size_t c = 0; c < 6; ++c) write_component(shortened(name) + kTensorEnds[c], field, c, 6);
-          break;
-      }
+    for (const std::string& name : component_names(whole_.fields))
+      library_.check(cg_field_partial_write(library_.file(), kBase, zone_, solution, CGNS_ENUMV(RealDouble),
+                                            name.c_str(), &kOne, &kOne, &value, &index),
+                     "field " + name);
+  }
+
+  static constexpr cgsize_t kOne = 1;
+
+  const Library& library_;
+  const WholeMesh& whole_;
+  int zone_ = 0;
+  NodeNames section_names_;
+  cgsize_t next_element_ = 1;
+};
+
+/// The nodes of the arrays that ZoneLayout writes: coordinates, sections of tets, triangles and edges, and
+/// the components of fields.
+std::vector<std::string> array_nodes(const WholeMesh& whole) {
+  const std::string zone = std::string("/") + kBaseName + "/" + kZoneName + "/", values = "/ data";
+  std::vector<std::string> nodes;
+  for (const char* name : kCoordinates) nodes.push_back(zone + "GridCoordinates/" + name + values);
+  NodeNames section_names;
+  const auto add = [&](const RefCounts& counts, int dimension, const std::string& prefix) {
+    for (const auto& [ref, count] : counts)
+      nodes.push_back(zone + section_names.unique(prefix + whole.names.name(dimension, ref)) +
+                      "/ElementConnectivity" + values);
+  };
+  add(whole.tets, 3, std::string(kTetPrefix));
+  add(whole.triangles, 2, "");
+  add(whole.edges, 1, std::string(kEdgePrefix));
+  for (const std::string& name : component_names(whole.fields))
+    nodes.push_back(zone + kSolutionName + "/" + name + values);
+  return nodes;
+}
+
+/// Where the values of these arrays are in a file. HDF5 is quiet about what it does not find.
+PartPlaces places_of(const std::filesystem::path& file, const std::string& name,
+                     const std::vector<std::string>& nodes) {
+  PartPlaces places;
+  H5E_BEGIN_TRY {
+    const hid_t opened = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    for (const std::string& node : nodes) {
+      const hid_t array = H5Dopen2(opened, node.c_str(), H5P_DEFAULT);
+      const haddr_t place = array >= 0 ? H5Dget_offset(array) : HADDR_UNDEF;
+      if (array >= 0) H5Dclose(array);
+      if (place == HADDR_UNDEF) break;
+      places.push_back(place);
+    }
+    if (opened >= 0) H5Fclose(opened);
+  }
+  H5E_END_TRY
+  if (places.size() < nodes.size())
+    throw InputError(name, "", "cannot write: HDF5 has no place for " + nodes[places.size()]);
+  return places;
+}
+
+/// Puts rows where the layout has their places.
+class CgnsPartWriter final : public PartWriter {
+ public:
+  CgnsPartWriter(const std::filesystem::path& file, const std::filesystem::path& name, const WholeMesh& whole,
+                 const PartPlaces& places)
+      : file_(file, name.string()), whole_(whole), places_(places) {}
+
+  void write(const MeshPart& part) override {
+    for (int c = 0; c < 3; ++c)
+      write_column(static_cast<std::size_t>(c), part.first_point, part.points.size(),
+                   [&](std::size_t i) { return part.points[i][c]; });
+    std::size_t array = kCoordinates.size();
+    write_sections(part.tets, whole_.tets, array);
+    write_sections(part.triangles, whole_.triangles, array);
+    write_sections(part.edges, whole_.edges, array);
+    for (const Field& field : part.fields.fields) {
+      const auto length = static_cast<std::size_t>(components(field.kind));
+      for (std::size_t c = 0; c < length; ++c)
+        write_column(array++, part.first_point, field.values.size() / length,
+                     [&](std::size_t i) { return field.values[i * length + c]; });
+    }
+  }
+  void finish() override { file_.finish(); }
+
+ private:
+  template <class Value>
+  void write_column(std::size_t array, std::uint64_t first, std::size_t count, const Value& value) {
+    if (count == 0) return;
+    file_.seek(places_.at(array) + first * sizeof(double));
+    for (std::size_t i = 0; i < count; ++i) file_.write_value(double{value(i)});
+  }
+
+  template <std::size_t N>
+  void write_sections(const ElementRows<N>& rows, const RefCounts& counts, std::size_t& array) {
+    const auto by_ref = rows_by_ref(rows);
+    for (const auto& [ref, count] : counts) {
+      const std::uint64_t place = places_.at(array++);
+      const auto of_ref = by_ref.find(ref);
+      if (of_ref == by_ref.end()) continue;
+      file_.seek(place + N * of_ref->second.first * sizeof(cgsize_t));
+      for (const std::uint32_t i : of_ref->second.indices)
+        for (const std::uint64_t v : rows.elements[i]) file_.write_value(static_cast<cgsize_t>(v + 1));
     }
   }
 
-  /// Leaves room for the ends of components.
-  static std::string shortened(const std::string& name) { return name.substr(0, kNameLength - 2); }
+  FilePart file_;
+  const WholeMesh& whole_;
+  PartPlaces places_;
+};
 
-  void write_component(const std::string& wanted, const Field& field, std::size_t component,
-                       std::size_t length) {
-    const std::string name = field_names_.unique(wanted);
-    std::vector<double> values(mesh_.points.size());
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = field.values[i * length + component];
-    int index = 0;
-    library_.check(cg_field_write(library_.file(), kBase, zone_, solution_, CGNS_ENUMV(RealDouble),
-                                  name.c_str(), values.data(), &index),
-                   "field " + name);
+/// A block of the elements of a mesh in memory.
+template <std::size_t N>
+class ElementBlock {
+ public:
+  ElementBlock(const std::vector<std::array<std::uint32_t, N>>& elements,
+               const std::vector<std::int32_t>& refs)
+      : elements_(elements), refs_(refs) {
+    for (const std::int32_t ref : refs) passed_.try_emplace(ref, 0);
+  }
+  /// The next rows; of the block before none are needed any more.
+  ElementRows<N> next(std::size_t most) {
+    for (const auto& [ref, count] : count_refs(refs_of(begin_, end_))) passed_[ref] += count;
+    begin_ = end_;
+    end_ = std::min(elements_.size(), begin_ + most);
+    rows_.resize(end_ - begin_);
+    for (std::size_t i = begin_; i < end_; ++i)
+      std::copy(elements_[i].begin(), elements_[i].end(), rows_[i - begin_].begin());
+    return {rows_, refs_of(begin_, end_), begin_, passed_};
   }
 
-  const Library& library_;
-  const MeshData& mesh_;
-  const SolutionData& fields_;
-  const RefNames& names_;
-  int zone_ = 0, solution_ = 0;
-  NodeNames section_names_, field_names_;
-  cgsize_t next_element_ = 1;
+ private:
+  std::span<const std::int32_t> refs_of(std::size_t begin, std::size_t end) const {
+    return std::span(refs_).subspan(begin, end - begin);
+  }
+
+  const std::vector<std::array<std::uint32_t, N>>& elements_;
+  const std::vector<std::int32_t>& refs_;
+  std::size_t begin_ = 0, end_ = 0;
+  std::vector<std::array<std::uint64_t, N>> rows_;
+  RefCounts passed_;
 };
+
+/// Everything by one writer, elements in blocks.
+void write_as_parts(const MeshView& contents, PartWriter& out) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 16;
+  const MeshData& mesh = contents.mesh;
+  const SolutionData none;
+  ElementBlock<4> tets(mesh.tets, mesh.tet_refs);
+  ElementBlock<3> triangles(mesh.triangles, mesh.triangle_refs);
+  ElementBlock<2> edges(mesh.edges, mesh.edge_refs);
+  out.write({0, mesh.points, mesh.point_refs, tets.next(kAtOnce), triangles.next(kAtOnce),
+             edges.next(kAtOnce), contents.fields});
+  const std::size_t most = std::max({mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()});
+  for (std::size_t begin = kAtOnce; begin < most; begin += kAtOnce)
+    out.write({0, {}, {}, tets.next(kAtOnce), triangles.next(kAtOnce), edges.next(kAtOnce), none});
+  out.finish();
+}
 
 /// The library does not look whether its bytes reached the disk.
 void sync_file(const std::filesystem::path& path, const Library& library) {
@@ -656,9 +797,10 @@ struct OpenFile {
 MeshContents read_cgns(const std::filesystem::path& path) {
   const OpenFile open(path);
   RefNames names;
+  ZoneRefs refs(names);
   std::vector<MeshPiece> pieces;
   for (int zone = 1; zone <= open.zones; ++zone)
-    pieces.push_back(ZoneReader(open.library, zone, open.size, names).read());
+    pieces.push_back(ZoneReader(open.library, zone, open.size, refs).read());
   MeshContents contents = merge_pieces(std::move(pieces));
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
@@ -668,26 +810,29 @@ MeshContents read_cgns(const std::filesystem::path& path) {
 std::optional<MeshSize> cgns_size(const std::filesystem::path& path) {
   const OpenFile open(path);
   RefNames names;
-  return open.zones == 1 ? ZoneReader(open.library, 1, open.size, names).size() : std::nullopt;
+  ZoneRefs refs(names);
+  if (open.zones > 1) return std::nullopt;
+  const PieceSize size = ZoneReader(open.library, 1, open.size, refs).size();
+  return size.whole_only ? std::nullopt : std::optional<MeshSize>(size);
 }
 
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range) {
   const OpenFile open(path);
   RefNames names;
-  MeshContents contents = ZoneReader(open.library, 1, open.size, names).read(range);
+  ZoneRefs refs(names);
+  MeshContents contents = ZoneReader(open.library, 1, open.size, refs).read(range);
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
   return contents;
 }
 
-std::optional<std::vector<PieceSize>> cgns_piece_sizes(const std::filesystem::path& path) {
+std::vector<PieceSize> cgns_piece_sizes(const std::filesystem::path& path) {
   const OpenFile open(path);
   RefNames names;
+  ZoneRefs refs(names);
   std::vector<PieceSize> sizes;
   for (int zone = 1; zone <= open.zones; ++zone) {
-    const std::optional<MeshSize> size = ZoneReader(open.library, zone, open.size, names).size();
-    if (!size) return std::nullopt;
-    sizes.push_back({*size});
+    sizes.push_back(ZoneReader(open.library, zone, open.size, refs).size());
   }
   return sizes;
 }
@@ -695,9 +840,10 @@ std::optional<std::vector<PieceSize>> cgns_piece_sizes(const std::filesystem::pa
 PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges) {
   const OpenFile open(path);
   PieceRanges result;
+  ZoneRefs refs(result.names);
   for (int zone = 1; zone <= open.zones; ++zone) {
     const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
-    MeshContents read = ZoneReader(open.library, zone, open.size, result.names).read(range.rows);
+    MeshContents read = ZoneReader(open.library, zone, open.size, refs).read(range.rows);
     if (zone == 1) read.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
     MeshPiece& piece = result.pieces.emplace_back();
     if (range.others) {
@@ -712,34 +858,51 @@ PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<
   return result;
 }
 
-std::vector<SolutionData> read_cgns_piece_fields(const std::filesystem::path& path,
+std::vector<MeshContents> read_cgns_piece_fields(const std::filesystem::path& path,
                                                  std::span<const PieceRange> ranges) {
   const OpenFile open(path);
   RefNames names;
-  std::vector<SolutionData> result;
-  for (int zone = 1; zone <= open.zones; ++zone)
-    result.push_back(ZoneReader(open.library, zone, open.size, names)
-                         .fields(ranges[static_cast<std::size_t>(zone - 1)].rows));
+  ZoneRefs refs(names);
+  std::vector<MeshContents> result;
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
+    result.push_back(ZoneReader(open.library, zone, open.size, refs).fields(range.rows));
+    if (!range.others) result.back().dropped.clear();
+  }
   return result;
 }
 
-void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
-  check_lengths(contents.mesh, contents.fields);
-  AtomicFile file(path);
+PartPlaces begin_cgns_parts(const std::filesystem::path& file, const std::filesystem::path& name,
+                            const WholeMesh& whole) {
   // A full disk keeps HDF5 from closing the file, and a later file would meet what is left of it: it is left
   // in another process. Its end closes the file, too.
   const std::lock_guard lock(library_mutex());
   const auto issue = issue_of_child(
       [&]() -> std::string {
-        Library library(file.temporary(), CG_MODE_WRITE, path.string());
-        Writer(library, contents).write();
+        Library library(file, CG_MODE_WRITE, name.string());
+        ZoneLayout(library, whole).write();
         library.close();
-        sync_file(file.temporary(), library);
+        sync_file(file, library);
         return "";
       },
       0);
-  if (!issue) throw InputError(path.string(), "", "cannot write: the CGNS library did not get to its end");
+  if (!issue) throw InputError(name.string(), "", "cannot write: the CGNS library did not get to its end");
   if (!issue->empty()) throw InputError("", "", *issue);
+  return places_of(file, name.string(), array_nodes(whole));
+}
+
+std::unique_ptr<PartWriter> open_cgns_part(const std::filesystem::path& file,
+                                           const std::filesystem::path& name, const WholeMesh& whole,
+                                           const PartPlaces& places) {
+  return std::make_unique<CgnsPartWriter>(file, name, whole, places);
+}
+
+void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
+  check_lengths(contents.mesh, contents.fields);
+  AtomicFile file(path);
+  const WholeMesh whole = describe(contents);
+  const PartPlaces places = begin_cgns_parts(file.temporary(), path, whole);
+  write_as_parts(contents, *open_cgns_part(file.temporary(), path, whole, places));
   file.commit();
 }
 

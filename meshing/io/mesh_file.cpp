@@ -56,9 +56,9 @@ struct Format {
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
   // Where the mesh may be in pieces: the files that have them, how large these pieces are, and parts of them.
   std::vector<fs::path> (*sources)(const fs::path&) = nullptr;
-  std::optional<std::vector<PieceSize>> (*piece_sizes)(const fs::path&) = nullptr;
+  std::vector<PieceSize> (*piece_sizes)(const fs::path&) = nullptr;
   PieceRanges (*read_piece_ranges)(const fs::path&, std::span<const PieceRange>) = nullptr;
-  std::vector<SolutionData> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
+  std::vector<MeshContents> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
@@ -69,7 +69,7 @@ struct Format {
                                            const PartPlaces&) = nullptr;
   // Where many can write one file of text: what stands before the rows of its sections, and the rows.
   std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
-  std::string (*text_rows)(const WholeMesh&, const MeshPart&, std::size_t section) = nullptr;
+  std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
 
 MeshContents read_gmf(const fs::path& path) {
@@ -154,7 +154,7 @@ constexpr std::array kFormats = {
            .is_streamed = always,
            .stream = stream_su2,
            .text_heads = su2_heads,
-           .text_rows = su2_rows},
+           .open_text_part = open_su2_part},
     Format{.extension = ".vtu",
            .keeps = kVtu,
            .read = read_vtu,
@@ -177,7 +177,10 @@ constexpr std::array kFormats = {
            .read_range = read_cgns_range,
            .piece_sizes = cgns_piece_sizes,
            .read_piece_ranges = read_cgns_piece_ranges,
-           .read_piece_fields = read_cgns_piece_fields},
+           .read_piece_fields = read_cgns_piece_fields,
+           .in_parts = always,
+           .begin_parts = begin_cgns_parts,
+           .open_part = open_cgns_part},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".off", 0, read_off, write_off},
@@ -238,14 +241,14 @@ std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
   }));
 }
 
-void refuse_foreign_volumes(const MeshContents& contents, const fs::path& path) {
-  if (contents.foreign_volumes == 0) return;
+}  // namespace
+
+void refuse_foreign_volumes(std::uint64_t count, const fs::path& path) {
+  if (count == 0) return;
   throw InputError(path.string(), "",
-                   "has " + std::to_string(contents.foreign_volumes) +
+                   "has " + std::to_string(count) +
                        " volume elements other than linear tetrahedra, which weft does not adapt");
 }
-
-}  // namespace
 
 MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
 
@@ -254,9 +257,9 @@ std::optional<MeshSize> size_for_ranges(const fs::path& path) {
   return format.size ? format.size(path) : std::nullopt;
 }
 
-MeshContents read_mesh_range(const fs::path& path, const MeshRange& range) {
+MeshContents read_mesh_range(const fs::path& path, const MeshRange& range, OtherVolumes others) {
   MeshContents contents = format_of(path).read_range(path, range);
-  refuse_foreign_volumes(contents, path);
+  if (others == OtherVolumes::refused) refuse_foreign_volumes(contents.foreign_volumes, path);
   return contents;
 }
 
@@ -270,7 +273,7 @@ std::vector<fs::path> piece_sources(const fs::path& path) {
   return format.sources ? format.sources(path) : std::vector<fs::path>{path};
 }
 
-std::optional<std::vector<PieceSize>> piece_sizes(const fs::path& source) {
+std::vector<PieceSize> piece_sizes(const fs::path& source) {
   return format_of_source(source).piece_sizes(source);
 }
 
@@ -278,7 +281,7 @@ PieceRanges read_piece_ranges(const fs::path& source, std::span<const PieceRange
   return format_of_source(source).read_piece_ranges(source, ranges);
 }
 
-std::vector<SolutionData> read_piece_fields(const fs::path& source, std::span<const PieceRange> ranges) {
+std::vector<MeshContents> read_piece_fields(const fs::path& source, std::span<const PieceRange> ranges) {
   return format_of_source(source).read_piece_fields(source, ranges);
 }
 
@@ -287,15 +290,15 @@ bool can_be_streamed(const fs::path& path) {
   return format.is_streamed && format.is_streamed(path);
 }
 
-MeshContents stream_mesh(const fs::path& path, MeshStream& stream) {
+MeshContents stream_mesh(const fs::path& path, MeshStream& stream, OtherVolumes others) {
   MeshContents contents = format_of(path).stream(path, stream);
-  refuse_foreign_volumes(contents, path);
+  if (others == OtherVolumes::refused) refuse_foreign_volumes(contents.foreign_volumes, path);
   return contents;
 }
 
 MeshData read_mesh(const fs::path& path, RefNames* names) {
   MeshContents contents = read_mesh_contents(path);
-  refuse_foreign_volumes(contents, path);
+  refuse_foreign_volumes(contents.foreign_volumes, path);
   if (names) *names = std::move(contents.names);
   return std::move(contents.mesh);
 }
@@ -351,9 +354,8 @@ std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole
   return format_of(name).text_heads(whole);
 }
 
-std::string text_rows(const fs::path& name, const WholeMesh& whole, const MeshPart& part,
-                      std::size_t section) {
-  return format_of(name).text_rows(whole, part, section);
+std::unique_ptr<TextPart> open_text_part(const fs::path& name, const WholeMesh& whole, const MeshPart& part) {
+  return format_of(name).open_text_part(whole, part);
 }
 
 std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {

@@ -95,13 +95,13 @@ class PieceReader {
     return size;
   }
 
-  /// At the points of the range. A field that has no place here, as some of its values show, has no values.
-  SolutionData fields() {
-    SolutionData& fields = result_.contents.fields;
+  /// Only the fields, at the points of the range. A field that has no place here, as some of its values show,
+  /// has no values.
+  MeshContents fields() {
     for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
       if (role_of(array) == Role::field) read_field(array);
-    fields.num_points = range_->rows.num_points;
-    return std::move(fields);
+    result_.contents.fields.num_points = range_->rows.num_points;
+    return std::move(result_.contents);
   }
 
  private:
@@ -329,7 +329,8 @@ class PieceReader {
     const std::string name = array.attribute("Name").value();
     const int length = array.attribute("NumberOfComponents").as_int(1);
     if (length != 1 && length != 3 && length != 6 && length != 9) {
-      return contents.drop("fields of " + std::to_string(length) + " components");
+      if (others_) contents.drop("fields of " + std::to_string(length) + " components");
+      return;
     }
     const auto n = static_cast<std::uint64_t>(length);
     std::vector<double> values = document_.reals(array, n * num_points_, point_rows(n));
@@ -637,7 +638,7 @@ MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& 
   return contents;
 }
 
-std::optional<std::vector<PieceSize>> vtu_piece_sizes(const std::filesystem::path& path) {
+std::vector<PieceSize> vtu_piece_sizes(const std::filesystem::path& path) {
   const VtkDocument document(path, "UnstructuredGrid");
   std::vector<PieceSize> sizes;
   for (const pugi::xml_node piece : pieces_of(document)) sizes.push_back(PieceReader(document, piece).size());
@@ -654,11 +655,11 @@ PieceRanges read_vtu_piece_ranges(const std::filesystem::path& path, std::span<c
   return result;
 }
 
-std::vector<SolutionData> read_vtu_piece_fields(const std::filesystem::path& path,
+std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& path,
                                                 std::span<const PieceRange> ranges) {
   const VtkDocument document(path, "UnstructuredGrid");
   const std::vector<pugi::xml_node> pieces = pieces_of(document);
-  std::vector<SolutionData> result;
+  std::vector<MeshContents> result;
   for (std::size_t p = 0; p < ranges.size(); ++p)
     result.push_back(PieceReader(document, pieces.at(p), ranges[p]).fields());
   return result;

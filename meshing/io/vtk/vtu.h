@@ -30,9 +30,9 @@ MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
 
 // Parts of the pieces, of which there may be many (see mesh_file.h).
-std::optional<std::vector<PieceSize>> vtu_piece_sizes(const std::filesystem::path& path);
+std::vector<PieceSize> vtu_piece_sizes(const std::filesystem::path& path);
 PieceRanges read_vtu_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges);
-std::vector<SolutionData> read_vtu_piece_fields(const std::filesystem::path& path,
+std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& path,
                                                 std::span<const PieceRange> ranges);
 
 // The same file, but for being neither compressed nor ASCII, by several writers: one lays it out and writes

@@ -128,8 +128,8 @@ TEST(MeshRange, OfVtuIsReadHoweverItIsEncoded) {
     for (const std::uint64_t parts : {1u, 3u, 50u}) expect_equal(read_in_parts(file, parts).mesh, whole.mesh);
     const std::uint64_t n = whole.mesh.points.size(), half = n / 2;
     const PieceRange ranges[] = {{{0, half, 0, 0}}, {{half, n - half, 0, 0}}};
-    const SolutionData low = read_piece_fields(file, {&ranges[0], 1})[0],
-                       high = read_piece_fields(file, {&ranges[1], 1})[0];
+    const SolutionData low = read_piece_fields(file, {&ranges[0], 1})[0].fields,
+                       high = read_piece_fields(file, {&ranges[1], 1})[0].fields;
     ASSERT_EQ(low.fields.size(), whole.fields.fields.size());
     for (std::size_t f = 0; f < low.fields.size(); ++f) {
       std::vector<double> together = low.fields[f].values;
