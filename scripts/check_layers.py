@@ -93,7 +93,7 @@ LIBRARIES = {
              "tests/bindings/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
-    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns."]),
+    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns.", "meshing/io/cgns_"]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_bytes.", "tools/report/encode/gzip."]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),
