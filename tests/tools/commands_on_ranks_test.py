@@ -1,6 +1,7 @@
 """The subcommands beside adapt under mpirun: the figures and bytes of one process, told once."""
 
 import json
+import re
 import shutil
 import unittest
 
@@ -129,6 +130,40 @@ class OtherCommands(Subdomains):
         self.assertNotIn("o_3.vtu", self.files())
         words = ("stat", "ids.pvtu", "--metric", "ids.pvtu")
         self.assertEqual(self.command_on(3, *words).stdout, self.command_on(0, *words).stdout)
+
+    def test_odd_pieces_are_read_as_by_one_process(self):
+        """Ghost cells, fields that a piece lacks or that are no symmetric tensors, and several pieces in one file."""
+        self.pieces()
+        texts = [(self.folder / f"places_{i}.vtu").read_text() for i in range(3)]
+
+        def count(text, what):
+            return int(re.search(f'NumberOf{what}="(\\d+)"', text)[1])
+
+        def with_tensors(text, last):
+            rows = ["1 0 0 0 1 0 0 0 1\n"] * (count(text, "Points") - 1) + [last]
+            array = '<DataArray type="Float64" Name="{}" NumberOfComponents="9" format="ascii">' + "".join(rows) + "</DataArray>\n"
+            return text.replace("</PointData>", array.format("full") + array.format("even").replace(last, rows[0]) + "</PointData>")
+
+        texts = [with_tensors(text, "1 2 0 0 1 0 0 0 1\n" if i == 1 else "1 2 0 2 1 0 0 0 1\n") for i, text in enumerate(texts)]
+        ghosts = '<DataArray type="UInt8" Name="vtkGhostType" format="ascii">1 2' + " 0" * (count(texts[1], "Cells") - 2) + "</DataArray>"
+        texts[1] = texts[1].replace('<CellData Scalars="ref">', '<CellData Scalars="ref">' + ghosts)
+        texts[2] = texts[2].replace("</PointData>", '<DataArray type="Float32" Name="pair" NumberOfComponents="2" format="ascii">' +
+                                    "0 0 " * count(texts[2], "Points") + "</DataArray></PointData>")
+        for i, text in enumerate(texts):
+            self.write(f"places_{i}.vtu", text)
+        pieces = "".join(text[text.index("<Piece "):text.index("</Piece>") + 8] for text in texts)
+        self.write("many.vtu", texts[0][:texts[0].index("<Piece ")] + pieces + texts[0][texts[0].index("</Piece>") + 8:])
+        told = []
+        for source in ("places.pvtu", "many.vtu"):
+            for ranks in (0, 1, 2, 4):
+                told.append(self.command_on(ranks, "convert", source, f"o{ranks}.vtu").stdout.replace(f"o{ranks}", "o"))
+            self.assertEqual(*self.bytes_of("o0.vtu", "o1.vtu"))
+            self.assertEqual(*self.bytes_of("o2.vtu", "o4.vtu"))
+            self.assertEqual(*self.bytes_of("o1.vtu", "o2.vtu"))
+        self.assertEqual(told, told[:1] * 8)
+        for words in ("1 fields of 2 components", "1 fields of tensors that are not symmetric", "2 fields that some pieces lack"):
+            self.assertIn(f"dropped: {words}", told[0])
+        self.assertIn(b'Name="even"', self.bytes_of("o4.vtu")[0])
 
     def test_cgns_is_written_by_all(self):
         self.pieces()

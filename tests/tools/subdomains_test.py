@@ -219,6 +219,11 @@ class Results(Subdomains):
         done = self.run_on(2, "box.vtu", "--metric", "box.vtu", *words, "-o", "vtu.meshb")
         self.assert_in_shares(False, done)
         self.assertEqual(*self.bytes_of("gmf.meshb", "vtu.meshb"))
+        self.weft("convert", "box.meshb", "box.pvtu", "--sol", "m.solb", "--pieces", 4, "--compress")
+        for ranks in (0, 3):
+            done = self.run_on(ranks, "box.pvtu", "--metric", "box.pvtu", *words, "-o", "pvtu.meshb")
+            self.assert_in_shares(False, done)
+            self.assertEqual(*self.bytes_of("gmf.meshb", "pvtu.meshb"))
         self.weft("convert", "box.meshb", "box.msh", "--sol", "m.solb")
         done = self.run_on(2, "box.vtu", "--metric", "box.msh", *words, "-o", "msh.meshb")
         self.assertIn("rank 0 has read all of box.msh: fields", done.stdout + done.stderr)

@@ -58,13 +58,33 @@ std::vector<std::string> joined_lines(Peers& peers, const std::vector<std::strin
   return lines;
 }
 
+/// What of a piece has no place here.
+struct PieceDrop {
+  std::uint64_t piece;
+  Dropped dropped;
+};
+
+void append(std::uint64_t piece, const std::vector<Dropped>& dropped, std::vector<PieceDrop>& all) {
+  for (const Dropped& d : dropped) all.push_back({piece, d});
+}
+
 /// All ranks: what they have dropped, on all.
-std::vector<Dropped> joined_dropped(Peers& peers, const std::vector<Dropped>& mine) {
+std::vector<PieceDrop> joined_drops(Peers& peers, const std::vector<PieceDrop>& mine) {
   std::vector<std::string> lines;
-  for (const Dropped& d : mine) lines.insert(lines.end(), {d.what, std::to_string(d.count)});
+  for (const PieceDrop& d : mine)
+    lines.insert(lines.end(), {std::to_string(d.piece), d.dropped.what, std::to_string(d.dropped.count)});
   lines = joined_lines(peers, lines);
+  std::vector<PieceDrop> all;
+  for (std::size_t i = 0; i + 2 < lines.size(); i += 3)
+    all.push_back({std::stoull(lines[i]), {lines[i + 1], std::stoull(lines[i + 2])}});
+  return all;
+}
+
+/// In the order of the pieces, each thing once.
+std::vector<Dropped> summed(std::vector<PieceDrop> drops) {
+  std::ranges::stable_sort(drops, {}, &PieceDrop::piece);
   meshing::MeshContents sum;
-  for (std::size_t i = 0; i + 1 < lines.size(); i += 2) sum.drop(lines[i], std::stoull(lines[i + 1]));
+  for (const PieceDrop& d : drops) sum.drop(d.dropped.what, d.dropped.count);
   return sum.dropped;
 }
 
@@ -93,11 +113,11 @@ struct RowsRead {
   Rows<2> edges;
   Rows<1> corners;
   std::vector<std::int32_t> tet_refs, triangle_refs, edge_refs;
-  std::vector<Dropped> dropped;
+  std::vector<PieceDrop> drops;
   std::uint64_t foreign_volumes = 0;
   meshing::RefNames names;
 
-  void add(const meshing::MeshContents& piece, std::uint64_t first_copy) {
+  void add(const meshing::MeshContents& piece, std::uint64_t number, std::uint64_t first_copy) {
     append(piece.mesh.tets, first_copy, tets);
     append(piece.mesh.triangles, first_copy, triangles);
     append(piece.mesh.edges, first_copy, edges);
@@ -105,7 +125,7 @@ struct RowsRead {
     append(piece.mesh.tet_refs, tet_refs);
     append(piece.mesh.triangle_refs, triangle_refs);
     append(piece.mesh.edge_refs, edge_refs);
-    append(piece.dropped, dropped);
+    append(number, piece.dropped, drops);
     foreign_volumes += piece.foreign_volumes;
   }
 };
@@ -188,7 +208,7 @@ class CommonFields {
       if (head.fits) {
         match(head);
       } else {
-        account_.drop("fields of tensors that are not symmetric");
+        drops_.push_back({head.piece, {"fields of tensors that are not symmetric", 1}});
       }
     }
     for (Known& known : known_) {
@@ -197,14 +217,14 @@ class CommonFields {
         known.place = kinds_.fields.size();
         kinds_.fields.push_back({known.head.kind, {}, known.head.name});
       } else {
-        account_.drop("fields that some pieces lack");
+        drops_.push_back({num_pieces, {"fields that some pieces lack", 1}});
       }
     }
   }
 
   /// Kinds and names.
   const SolutionData& kinds() const { return kinds_; }
-  const std::vector<Dropped>& dropped() const { return account_.dropped; }
+  const std::vector<PieceDrop>& drops() const { return drops_; }
   /// Which of a piece's fields is field `f`.
   std::size_t index_in(std::uint64_t piece, std::size_t f) const {
     const auto found = std::ranges::find_if(matches_, [&](const Match& m) {
@@ -240,7 +260,7 @@ class CommonFields {
   std::vector<Known> known_;
   std::vector<Match> matches_;
   SolutionData kinds_;
-  meshing::MeshContents account_;
+  std::vector<PieceDrop> drops_;
 };
 
 }  // namespace
@@ -309,7 +329,7 @@ MeshShare PieceShares::mesh(Peers& peers, meshing::OtherVolumes others) const {
                    meshing::PieceRanges read = meshing::read_piece_ranges(source, of_source);
                    rows.names = std::move(read.names);
                    for (std::size_t i = 0; i < read.pieces.size(); ++i) {
-                     rows.add(read.pieces[i].contents, pieces_[first + i].first_point);
+                     rows.add(read.pieces[i].contents, first + i, pieces_[first + i].first_point);
                      read.pieces[i] = {};
                    }
                  });
@@ -333,7 +353,7 @@ MeshShare PieceShares::mesh(Peers& peers, meshing::OtherVolumes others) const {
   slice.tet_refs = std::move(rows.tet_refs);
   slice.boundary = joined_boundary(peers, rows, numbers);
   share.names = std::move(rows.names);
-  share.dropped = joined_dropped(peers, rows.dropped);
+  share.dropped = summed(joined_drops(peers, rows.drops));
   return share;
 }
 
@@ -342,14 +362,14 @@ FieldsShare PieceShares::fields(Peers& peers) const {
                              share_of(pieces_.size(), peers.rank(), peers.ranks()));
   std::vector<std::pair<std::uint64_t, SolutionData>> read_here;
   std::vector<FieldHead> heads;
-  std::vector<Dropped> dropped;
+  std::vector<PieceDrop> drops;
   partition::agree_on(peers, [&] {
     read_sources(wanted, false, [&](const auto& source, auto of_source, std::size_t first) {
       std::vector<meshing::MeshContents> read = meshing::read_piece_fields(source, of_source);
       for (std::size_t i = 0; i < read.size(); ++i) {
         if (meshing::is_empty(of_source[i])) continue;
         SolutionData& fields = read[i].fields;
-        append(read[i].dropped, dropped);
+        append(first + i, read[i].dropped, drops);
         for (std::size_t f = 0; f < fields.fields.size(); ++f) {
           const Field& field = fields.fields[f];
           const bool fits = of_source[i].rows.num_points == 0 || !field.values.empty();
@@ -360,8 +380,8 @@ FieldsShare PieceShares::fields(Peers& peers) const {
     });
   });
   const CommonFields common(joined_heads(peers, heads), pieces_.size());
-  dropped = joined_dropped(peers, dropped);
-  append(common.dropped(), dropped);
+  drops = joined_drops(peers, drops);
+  append(common.drops(), drops);
 
   const JoinedPoints joined_points = read_points(peers).joined;
   const Share my_points = share_of(joined_points.total(), peers.rank(), peers.ranks());
@@ -376,7 +396,7 @@ FieldsShare PieceShares::fields(Peers& peers) const {
                                      return joined_points.deal(peers, column, JoinedPoints::Copy::last,
                                                                points);
                                    }),
-          joined_points.total(), std::move(dropped)};
+          joined_points.total(), summed(std::move(drops))};
 }
 
 PieceShares::Copies PieceShares::read_points(Peers& peers) const {
