@@ -2,27 +2,21 @@
 #include "meshing/io/cgns.h"
 
 #include <cgns_io.h>
-#include <cgnslib.h>
-#include <fcntl.h>
-#include <hdf5.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "meshing/base/error.h"
-#include "meshing/io/files/atomic_file.h"
+#include "meshing/io/cgns_library.h"
 #include "meshing/io/files/child_process.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/merge_pieces.h"
@@ -30,60 +24,7 @@
 namespace weft::meshing {
 namespace {
 
-constexpr std::size_t kNameLength = 32;
-using Name = std::array<char, kNameLength + 1>;
-
-constexpr std::string_view kTetPrefix = "tets_", kEdgePrefix = "edges_";
-constexpr std::array<const char*, 3> kCoordinates = {"CoordinateX", "CoordinateY", "CoordinateZ"};
-constexpr std::array<const char*, 3> kVectorEnds = {"X", "Y", "Z"};
-constexpr std::array<const char*, 6> kTensorEnds = {"XX", "XY", "YY", "XZ", "YZ", "ZZ"};
-
-/// The library has one state for all threads.
-std::mutex& library_mutex() {
-  // What a damaged file leaves behind would make HDF5 complain on stderr at the end of the program.
-  static const bool quiet = H5dont_atexit() >= 0;
-  static_cast<void>(quiet);
-  static std::mutex mutex;
-  return mutex;
-}
-
-/// An open file; closed when it goes. Who has one holds the library's mutex.
-class Library {
- public:
-  /// `shown` is what messages call the file.
-  Library(const std::filesystem::path& path, int mode, std::string shown) : name_(std::move(shown)) {
-    cg_set_file_type(CG_FILE_HDF5);
-    if (cg_open(path.c_str(), mode, &file_) != CG_OK) fail("", cg_get_error());
-    open_ = true;
-  }
-  ~Library() {
-    if (open_) cg_close(file_);
-  }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-
-  int file() const { return file_; }
-  void check(int status, const std::string& entity) const {
-    if (status != CG_OK) fail(entity, cg_get_error());
-  }
-  [[noreturn]] void fail(const std::string& entity, const std::string& reason) const {
-    throw InputError(name_, entity, reason);
-  }
-  void close() {
-    open_ = false;
-    check(cg_close(file_), "");
-  }
-
- private:
-  std::string name_;
-  int file_ = 0;
-  bool open_ = false;
-};
-
-constexpr int kBase = 1;
-
-// ---------------------------------------------------------------------------------------------------------
-// Reading
+using namespace cgns;
 
 /// One section of elements: its type and range.
 struct SectionHead {
@@ -93,16 +34,17 @@ struct SectionHead {
   std::uint64_t count = 0;
 };
 
+/// References for names, the same in all zones.
+struct ZoneRefs {
+  explicit ZoneRefs(RefNames& names) : triangles(2, names), tets(3, names), edges(1, names) {}
+  RefNumbering triangles, tets, edges;
+};
+
 class ZoneReader {
  public:
   /// `most` bounds every count: each thing counted takes a byte of the file at least.
-  ZoneReader(const Library& library, int zone, std::uint64_t most, RefNames& names)
-      : library_(library),
-        zone_(zone),
-        most_(most),
-        triangle_refs_(2, names),
-        tet_refs_(3, names),
-        edge_refs_(1, names) {}
+  ZoneReader(const Library& library, int zone, std::uint64_t most, ZoneRefs& refs)
+      : library_(library), zone_(zone), most_(most), refs_(refs) {}
 
   MeshPiece read() {
     read_size();
@@ -122,13 +64,22 @@ class ZoneReader {
     return std::move(contents());
   }
 
-  /// Nothing where tets may be among elements of other types.
-  std::optional<MeshSize> size() {
+  /// The fields at the points of the range.
+  MeshContents fields(const MeshRange& range) {
     read_size();
-    MeshSize size{num_points_, 0};
+    range_ = range;
+    read_solutions();
+    contents().fields.num_points = range.num_points;
+    return std::move(contents());
+  }
+
+  /// Of the whole only where tets may be among elements of other types.
+  PieceSize size() {
+    read_size();
+    PieceSize size{{num_points_, 0}};
     for (int s = 1; s <= num_sections(); ++s) {
       const SectionHead head = section_head(s);
-      if (head.type == CGNS_ENUMV(MIXED)) return std::nullopt;
+      size.whole_only = size.whole_only || head.type == CGNS_ENUMV(MIXED);
       if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
     }
     return size;
@@ -224,7 +175,7 @@ class ZoneReader {
 
   /// Those of the range; the section's name gets its reference whether there are any or none.
   void read_tets(int s, cgsize_t start, std::uint64_t count) {
-    const std::int32_t ref = tet_refs_.ref(without(kTetPrefix, section_name_));
+    const std::int32_t ref = refs_.tets.ref(without(kTetPrefix, section_name_));
     const std::uint64_t before = tets_passed_;
     tets_passed_ += count;
     const std::uint64_t first = std::max(before, range_.first_tet),
@@ -295,7 +246,7 @@ class ZoneReader {
     switch (type) {
       case CGNS_ENUMV(TETRA_4):
         mesh().tets.push_back(nodes_of<4>(data));
-        mesh().tet_refs.push_back(tet_refs_.ref(without(kTetPrefix, section_name_)));
+        mesh().tet_refs.push_back(refs_.tets.ref(without(kTetPrefix, section_name_)));
         break;
       case CGNS_ENUMV(TRI_3):
         mesh().triangles.push_back(nodes_of<3>(data));
@@ -304,7 +255,7 @@ class ZoneReader {
         break;
       case CGNS_ENUMV(BAR_2):
         mesh().edges.push_back(nodes_of<2>(data));
-        mesh().edge_refs.push_back(edge_refs_.ref(without(kEdgePrefix, section_name_)));
+        mesh().edge_refs.push_back(refs_.edges.ref(without(kEdgePrefix, section_name_)));
         break;
       default:
         drop_element(type);
@@ -331,7 +282,7 @@ class ZoneReader {
     library_.check(cg_nbocos(library_.file(), kBase, zone_, &count), zone_name_);
     for (int b = 1; b <= count; ++b) read_boundary(b);
     for (const std::uint32_t name : triangle_names_)
-      mesh().triangle_refs.push_back(triangle_refs_.ref(names_[name]));
+      mesh().triangle_refs.push_back(refs_.triangles.ref(names_[name]));
   }
 
   void read_boundary(int b) {
@@ -388,11 +339,13 @@ class ZoneReader {
     for (int f = 1; f <= count && num_points_ > 0; ++f) {
       CGNS_ENUMT(DataType_t) type{};
       library_.check(cg_field_info(library_.file(), kBase, zone_, s, f, &type, name.data()), entity);
-      std::vector<double> values(num_points_);
-      const cgsize_t first = 1, last = static_cast<cgsize_t>(num_points_);
-      library_.check(cg_field_read(library_.file(), kBase, zone_, s, name.data(), CGNS_ENUMV(RealDouble),
-                                   &first, &last, values.data()),
-                     entity + ", field " + name.data());
+      std::vector<double> values(range_.num_points);
+      const auto first = static_cast<cgsize_t>(range_.first_point + 1),
+                 last = static_cast<cgsize_t>(range_.first_point + range_.num_points);
+      if (!values.empty())
+        library_.check(cg_field_read(library_.file(), kBase, zone_, s, name.data(), CGNS_ENUMV(RealDouble),
+                                     &first, &last, values.data()),
+                       entity + ", field " + name.data());
       scalars.push_back({Field::Kind::scalar, std::move(values), name.data()});
     }
     join_components(scalars);
@@ -429,10 +382,11 @@ class ZoneReader {
   void join(const std::vector<Field>& scalars, std::size_t begin, const std::array<const char*, N>& ends,
             Field::Kind kind) {
     const std::string& first = scalars[begin].name;
-    Field field{kind, std::vector<double>(num_points_ * N),
+    Field field{kind, std::vector<double>(range_.num_points * N),
                 first.substr(0, first.size() - std::string_view(ends[0]).size())};
     for (std::size_t c = 0; c < N; ++c) {
-      for (std::size_t i = 0; i < num_points_; ++i) field.values[i * N + c] = scalars[begin + c].values[i];
+      for (std::size_t i = 0; i < range_.num_points; ++i)
+        field.values[i * N + c] = scalars[begin + c].values[i];
     }
     contents().fields.fields.push_back(std::move(field));
   }
@@ -447,150 +401,13 @@ class ZoneReader {
   MeshRange range_;
   std::uint64_t tets_passed_ = 0;  ///< in the sections read
   MeshPiece piece_;
-  RefNumbering triangle_refs_, tet_refs_, edge_refs_;
+  ZoneRefs& refs_;
   std::string zone_name_, section_, section_name_;
   std::int64_t element_ = 0;
   std::vector<Numbered> triangles_;
   std::vector<std::string> names_;
   std::vector<std::uint32_t> triangle_names_;  ///< index into names_
 };
-
-// ---------------------------------------------------------------------------------------------------------
-// Writing
-
-/// Names of siblings, which CGNS wants different, without slashes, and of 32 characters at most.
-class NodeNames {
- public:
-  std::string unique(std::string name) {
-    std::ranges::replace(name, '/', '_');
-    name.resize(std::min(name.size(), kNameLength));
-    for (int i = 2; !taken_.insert(name).second; ++i) {
-      const std::string end = "_" + std::to_string(i);
-      name.resize(std::min(name.size(), kNameLength - end.size()));
-      name += end;
-    }
-    return name;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
-
-class Writer {
- public:
-  Writer(const Library& library, const MeshView& contents)
-      : library_(library), mesh_(contents.mesh), fields_(contents.fields), names_(contents.names) {}
-
-  void write() {
-    write_zone();
-    write_sections(CGNS_ENUMV(TETRA_4), mesh_.tets, mesh_.tet_refs, 3, std::string(kTetPrefix));
-    write_sections(CGNS_ENUMV(TRI_3), mesh_.triangles, mesh_.triangle_refs, 2, "");
-    write_sections(CGNS_ENUMV(BAR_2), mesh_.edges, mesh_.edge_refs, 1, std::string(kEdgePrefix));
-    write_fields();
-  }
-
- private:
-  void write_zone() {
-    const auto most = static_cast<std::size_t>(std::numeric_limits<cgsize_t>::max());
-    if (mesh_.points.size() > most || 4 * (mesh_.tets.size() + mesh_.triangles.size()) > most) {
-      library_.fail("", "the mesh is too large for the integers of this CGNS library");
-    }
-    int base = 0, index = 0;
-    library_.check(cg_base_write(library_.file(), "Base", 3, 3, &base), "base");
-    const std::array<cgsize_t, 3> size = {static_cast<cgsize_t>(mesh_.points.size()),
-                                          static_cast<cgsize_t>(mesh_.tets.size()), 0};
-    library_.check(
-        cg_zone_write(library_.file(), base, "Zone", size.data(), CGNS_ENUMV(Unstructured), &zone_), "zone");
-    std::vector<double> values(mesh_.points.size());
-    for (int c = 0; c < 3; ++c) {
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = mesh_.points[i][c];
-      library_.check(cg_coord_write(library_.file(), base, zone_, CGNS_ENUMV(RealDouble),
-                                    kCoordinates[static_cast<std::size_t>(c)], values.data(), &index),
-                     "coordinates");
-    }
-  }
-
-  template <class Elements>
-  void write_sections(CGNS_ENUMT(ElementType_t) type, const Elements& elements,
-                      const std::vector<std::int32_t>& refs, int dimension, const std::string& prefix) {
-    for (const auto& [ref, indices] : indices_by_ref(refs)) {
-      std::vector<cgsize_t> nodes;
-      for (const std::uint32_t i : indices) {
-        for (const std::uint32_t v : elements[i]) nodes.push_back(static_cast<cgsize_t>(v + 1));
-      }
-      const std::string name = section_names_.unique(prefix + names_.name(dimension, ref));
-      const cgsize_t first = next_element_, last = first + static_cast<cgsize_t>(indices.size()) - 1;
-      int section = 0;
-      library_.check(cg_section_write(library_.file(), kBase, zone_, name.c_str(), type, first, last, 0,
-                                      nodes.data(), &section),
-                     "section " + name);
-      if (dimension == 2) write_boundary(name, first, last);
-      next_element_ = last + 1;
-    }
-  }
-
-  void write_boundary(const std::string& name, cgsize_t first, cgsize_t last) {
-    const std::array<cgsize_t, 2> range = {first, last};
-    int boundary = 0;
-    library_.check(cg_boco_write(library_.file(), kBase, zone_, name.c_str(), CGNS_ENUMV(BCTypeUserDefined),
-                                 CGNS_ENUMV(PointRange), 2, range.data(), &boundary),
-                   "boundary condition " + name);
-    library_.check(
-        cg_boco_gridlocation_write(library_.file(), kBase, zone_, boundary, CGNS_ENUMV(FaceCenter)),
-        "boundary condition " + name);
-  }
-
-  void write_fields() {
-    if (fields_.fields.empty()) return;
-    library_.check(cg_sol_write(library_.file(), kBase, zone_, "Solution", CGNS_ENUMV(Vertex), &solution_),
-                   "solution");
-    for (std::size_t i = 0; i < fields_.fields.size(); ++i) {
-      const Field& field = fields_.fields[i];
-      const std::string name = field_name(fields_, i);
-      switch (field.kind) {
-        case Field::Kind::scalar:
-          write_component(name, field, 0, 1);
-          break;
-        case Field::Kind::vector:
-          for (std::size_t c = 0; c < 3; ++c) write_component(shortened(name) + kVectorEnds[c], field, c, 3);
-          break;
-        case Field::Kind::tensor:
-          for (std::size_t c = 0; c < 6; ++c) write_component(shortened(name) + kTensorEnds[c], field, c, 6);
-          break;
-      }
-    }
-  }
-
-  /// Leaves room for the ends of components.
-  static std::string shortened(const std::string& name) { return name.substr(0, kNameLength - 2); }
-
-  void write_component(const std::string& wanted, const Field& field, std::size_t component,
-                       std::size_t length) {
-    const std::string name = field_names_.unique(wanted);
-    std::vector<double> values(mesh_.points.size());
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = field.values[i * length + component];
-    int index = 0;
-    library_.check(cg_field_write(library_.file(), kBase, zone_, solution_, CGNS_ENUMV(RealDouble),
-                                  name.c_str(), values.data(), &index),
-                   "field " + name);
-  }
-
-  const Library& library_;
-  const MeshData& mesh_;
-  const SolutionData& fields_;
-  const RefNames& names_;
-  int zone_ = 0, solution_ = 0;
-  NodeNames section_names_, field_names_;
-  cgsize_t next_element_ = 1;
-};
-
-/// The library does not look whether its bytes reached the disk.
-void sync_file(const std::filesystem::path& path, const Library& library) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!synced) library.fail("", "cannot write: the data did not reach the disk");
-}
 
 /// Opens the file in another process first: HDF5 1.10 itself can crash on damaged structure (it frees link
 /// tables that it has not filled), and keeps open what it could not read. The other process begins with the
@@ -643,9 +460,10 @@ struct OpenFile {
 MeshContents read_cgns(const std::filesystem::path& path) {
   const OpenFile open(path);
   RefNames names;
+  ZoneRefs refs(names);
   std::vector<MeshPiece> pieces;
   for (int zone = 1; zone <= open.zones; ++zone)
-    pieces.push_back(ZoneReader(open.library, zone, open.size, names).read());
+    pieces.push_back(ZoneReader(open.library, zone, open.size, refs).read());
   MeshContents contents = merge_pieces(std::move(pieces));
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
@@ -655,35 +473,66 @@ MeshContents read_cgns(const std::filesystem::path& path) {
 std::optional<MeshSize> cgns_size(const std::filesystem::path& path) {
   const OpenFile open(path);
   RefNames names;
-  return open.zones == 1 ? ZoneReader(open.library, 1, open.size, names).size() : std::nullopt;
+  ZoneRefs refs(names);
+  if (open.zones > 1) return std::nullopt;
+  const PieceSize size = ZoneReader(open.library, 1, open.size, refs).size();
+  return size.whole_only ? std::nullopt : std::optional<MeshSize>(size);
 }
 
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range) {
   const OpenFile open(path);
   RefNames names;
-  MeshContents contents = ZoneReader(open.library, 1, open.size, names).read(range);
+  ZoneRefs refs(names);
+  MeshContents contents = ZoneReader(open.library, 1, open.size, refs).read(range);
   contents.names = std::move(names);
+  contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
   return contents;
 }
 
-void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
-  check_lengths(contents.mesh, contents.fields);
-  AtomicFile file(path);
-  // A full disk keeps HDF5 from closing the file, and a later file would meet what is left of it: it is left
-  // in another process. Its end closes the file, too.
-  const std::lock_guard lock(library_mutex());
-  const auto issue = issue_of_child(
-      [&]() -> std::string {
-        Library library(file.temporary(), CG_MODE_WRITE, path.string());
-        Writer(library, contents).write();
-        library.close();
-        sync_file(file.temporary(), library);
-        return "";
-      },
-      0);
-  if (!issue) throw InputError(path.string(), "", "cannot write: the CGNS library did not get to its end");
-  if (!issue->empty()) throw InputError("", "", *issue);
-  file.commit();
+std::vector<PieceSize> cgns_piece_sizes(const std::filesystem::path& path) {
+  const OpenFile open(path);
+  RefNames names;
+  ZoneRefs refs(names);
+  std::vector<PieceSize> sizes;
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    sizes.push_back(ZoneReader(open.library, zone, open.size, refs).size());
+  }
+  return sizes;
+}
+
+PieceRanges read_cgns_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges) {
+  const OpenFile open(path);
+  PieceRanges result;
+  ZoneRefs refs(result.names);
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
+    MeshContents read = ZoneReader(open.library, zone, open.size, refs).read(range.rows);
+    if (zone == 1) read.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
+    MeshPiece& piece = result.pieces.emplace_back();
+    if (range.others) {
+      piece.contents = std::move(read);
+    } else {
+      piece.contents.mesh.points = std::move(read.mesh.points);
+      piece.contents.mesh.tets = std::move(read.mesh.tets);
+      piece.contents.mesh.tet_refs = std::move(read.mesh.tet_refs);
+      piece.contents.complete();
+    }
+  }
+  return result;
+}
+
+std::vector<MeshContents> read_cgns_piece_fields(const std::filesystem::path& path,
+                                                 std::span<const PieceRange> ranges) {
+  const OpenFile open(path);
+  RefNames names;
+  ZoneRefs refs(names);
+  std::vector<MeshContents> result;
+  for (int zone = 1; zone <= open.zones; ++zone) {
+    const PieceRange& range = ranges[static_cast<std::size_t>(zone - 1)];
+    result.push_back(ZoneReader(open.library, zone, open.size, refs).fields(range.rows));
+    if (!range.others) result.back().dropped.clear();
+  }
+  return result;
 }
 
 }  // namespace weft::meshing

@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,6 +54,11 @@ struct Format {
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
+  // Where the mesh may be in pieces: the files that have them, how large these pieces are, and parts of them.
+  std::vector<fs::path> (*sources)(const fs::path&) = nullptr;
+  std::vector<PieceSize> (*piece_sizes)(const fs::path&) = nullptr;
+  PieceRanges (*read_piece_ranges)(const fs::path&, std::span<const PieceRange>) = nullptr;
+  std::vector<MeshContents> (*read_piece_fields)(const fs::path&, std::span<const PieceRange>) = nullptr;
   // Where one reader can pass on what it reads: whether of this file, and how.
   bool (*is_streamed)(const fs::path&) = nullptr;
   MeshContents (*stream)(const fs::path&, MeshStream&) = nullptr;
@@ -63,7 +69,7 @@ struct Format {
                                            const PartPlaces&) = nullptr;
   // Where many can write one file of text: what stands before the rows of its sections, and the rows.
   std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
-  std::string (*text_rows)(const WholeMesh&, const MeshPart&, std::size_t section) = nullptr;
+  std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
 
 MeshContents read_gmf(const fs::path& path) {
@@ -103,20 +109,78 @@ constexpr unsigned kGmf =
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 bool always(const fs::path&) { return true; }
 constexpr std::array kFormats = {
-    Format{".meshb", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
-    Format{".mesh", kGmf, read_gmf, write_gmf, gmf_size, read_gmf_range, gmf::is_text, stream_gmf},
-    Format{".msh", kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields, read_gmsh,
-           write_gmsh, gmsh_size, read_gmsh_range, gmsh_has_no_ranges, stream_gmsh, always, begin_gmsh_parts,
-           open_gmsh_part},
-    Format{".ugrid", kTets | kTetRefs | kTriangleRefs, read_ugrid, write_ugrid, ugrid_size, read_ugrid_range,
-           is_ascii_ugrid, stream_ugrid, is_ugrid_for_parts, begin_ugrid_parts, open_ugrid_part},
-    Format{".su2", kTets | kTriangleRefs | kNames, read_su2, write_su2, nullptr, nullptr, always, stream_su2,
-           nullptr, nullptr, nullptr, su2_heads, su2_rows},
-    Format{".vtu", kVtu, read_vtu, write_vtu, vtu_size, read_vtu_range, nullptr, nullptr, always,
-           begin_vtu_parts, open_vtu_part},
-    Format{".pvtu", kVtu, read_pvtu, write_pvtu},
-    Format{".cgns", kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields, read_cgns, write_cgns,
-           cgns_size, read_cgns_range},
+    Format{.extension = ".meshb",
+           .keeps = kGmf,
+           .read = read_gmf,
+           .write = write_gmf,
+           .size = gmf_size,
+           .read_range = read_gmf_range,
+           .is_streamed = gmf::is_text,
+           .stream = stream_gmf},
+    Format{.extension = ".mesh",
+           .keeps = kGmf,
+           .read = read_gmf,
+           .write = write_gmf,
+           .size = gmf_size,
+           .read_range = read_gmf_range,
+           .is_streamed = gmf::is_text,
+           .stream = stream_gmf},
+    Format{.extension = ".msh",
+           .keeps = kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields,
+           .read = read_gmsh,
+           .write = write_gmsh,
+           .size = gmsh_size,
+           .read_range = read_gmsh_range,
+           .is_streamed = gmsh_has_no_ranges,
+           .stream = stream_gmsh,
+           .in_parts = always,
+           .begin_parts = begin_gmsh_parts,
+           .open_part = open_gmsh_part},
+    Format{.extension = ".ugrid",
+           .keeps = kTets | kTetRefs | kTriangleRefs,
+           .read = read_ugrid,
+           .write = write_ugrid,
+           .size = ugrid_size,
+           .read_range = read_ugrid_range,
+           .is_streamed = is_ascii_ugrid,
+           .stream = stream_ugrid,
+           .in_parts = is_ugrid_for_parts,
+           .begin_parts = begin_ugrid_parts,
+           .open_part = open_ugrid_part},
+    Format{.extension = ".su2",
+           .keeps = kTets | kTriangleRefs | kNames,
+           .read = read_su2,
+           .write = write_su2,
+           .is_streamed = always,
+           .stream = stream_su2,
+           .text_heads = su2_heads,
+           .open_text_part = open_su2_part},
+    Format{.extension = ".vtu",
+           .keeps = kVtu,
+           .read = read_vtu,
+           .write = write_vtu,
+           .size = vtu_size,
+           .read_range = read_vtu_range,
+           .piece_sizes = vtu_piece_sizes,
+           .read_piece_ranges = read_vtu_piece_ranges,
+           .read_piece_fields = read_vtu_piece_fields,
+           .in_parts = always,
+           .begin_parts = begin_vtu_parts,
+           .open_part = open_vtu_part},
+    Format{
+        .extension = ".pvtu", .keeps = kVtu, .read = read_pvtu, .write = write_pvtu, .sources = pvtu_sources},
+    Format{.extension = ".cgns",
+           .keeps = kTets | kEdges | kTetRefs | kTriangleRefs | kNames | kFields,
+           .read = read_cgns,
+           .write = write_cgns,
+           .size = cgns_size,
+           .read_range = read_cgns_range,
+           .piece_sizes = cgns_piece_sizes,
+           .read_piece_ranges = read_cgns_piece_ranges,
+           .read_piece_fields = read_cgns_piece_fields,
+           .in_parts = always,
+           .begin_parts = begin_cgns_parts,
+           .open_part = open_cgns_part},
     Format{".stl", kTriangleRefs, read_stl, write_stl},
     Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
     Format{".off", 0, read_off, write_off},
@@ -159,6 +223,12 @@ bool is_gmf_solution(const fs::path& path) {
   return path.extension() == ".solb" || path.extension() == ".sol";
 }
 
+/// What has pieces and is none of these formats is one of the files that a .pvtu names, however it is called.
+const Format& format_of_source(const fs::path& source) {
+  const Format* format = find_format(source);
+  return format && format->piece_sizes ? *format : *std::ranges::find(kFormats, ".vtu", &Format::extension);
+}
+
 std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs) {
   return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](std::int32_t ref) { return ref != 0; }));
 }
@@ -171,14 +241,14 @@ std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
   }));
 }
 
-void refuse_foreign_volumes(const MeshContents& contents, const fs::path& path) {
-  if (contents.foreign_volumes == 0) return;
+}  // namespace
+
+void refuse_foreign_volumes(std::uint64_t count, const fs::path& path) {
+  if (count == 0) return;
   throw InputError(path.string(), "",
-                   "has " + std::to_string(contents.foreign_volumes) +
+                   "has " + std::to_string(count) +
                        " volume elements other than linear tetrahedra, which weft does not adapt");
 }
-
-}  // namespace
 
 MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
 
@@ -187,10 +257,32 @@ std::optional<MeshSize> size_for_ranges(const fs::path& path) {
   return format.size ? format.size(path) : std::nullopt;
 }
 
-MeshContents read_mesh_range(const fs::path& path, const MeshRange& range) {
+MeshContents read_mesh_range(const fs::path& path, const MeshRange& range, OtherVolumes others) {
   MeshContents contents = format_of(path).read_range(path, range);
-  refuse_foreign_volumes(contents, path);
+  if (others == OtherVolumes::refused) refuse_foreign_volumes(contents.foreign_volumes, path);
   return contents;
+}
+
+bool can_be_in_pieces(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.sources || format.piece_sizes;
+}
+
+std::vector<fs::path> piece_sources(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.sources ? format.sources(path) : std::vector<fs::path>{path};
+}
+
+std::vector<PieceSize> piece_sizes(const fs::path& source) {
+  return format_of_source(source).piece_sizes(source);
+}
+
+PieceRanges read_piece_ranges(const fs::path& source, std::span<const PieceRange> ranges) {
+  return format_of_source(source).read_piece_ranges(source, ranges);
+}
+
+std::vector<MeshContents> read_piece_fields(const fs::path& source, std::span<const PieceRange> ranges) {
+  return format_of_source(source).read_piece_fields(source, ranges);
 }
 
 bool can_be_streamed(const fs::path& path) {
@@ -198,15 +290,15 @@ bool can_be_streamed(const fs::path& path) {
   return format.is_streamed && format.is_streamed(path);
 }
 
-MeshContents stream_mesh(const fs::path& path, MeshStream& stream) {
+MeshContents stream_mesh(const fs::path& path, MeshStream& stream, OtherVolumes others) {
   MeshContents contents = format_of(path).stream(path, stream);
-  refuse_foreign_volumes(contents, path);
+  if (others == OtherVolumes::refused) refuse_foreign_volumes(contents.foreign_volumes, path);
   return contents;
 }
 
 MeshData read_mesh(const fs::path& path, RefNames* names) {
   MeshContents contents = read_mesh_contents(path);
-  refuse_foreign_volumes(contents, path);
+  refuse_foreign_volumes(contents.foreign_volumes, path);
   if (names) *names = std::move(contents.names);
   return std::move(contents.mesh);
 }
@@ -262,9 +354,8 @@ std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole
   return format_of(name).text_heads(whole);
 }
 
-std::string text_rows(const fs::path& name, const WholeMesh& whole, const MeshPart& part,
-                      std::size_t section) {
-  return format_of(name).text_rows(whole, part, section);
+std::unique_ptr<TextPart> open_text_part(const fs::path& name, const WholeMesh& whole, const MeshPart& part) {
+  return format_of(name).open_text_part(whole, part);
 }
 
 std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {

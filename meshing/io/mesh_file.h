@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/part_writer.h"
@@ -24,21 +26,43 @@ MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr)
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 
+/// What is done with a mesh that has volume elements other than linear tetrahedra.
+enum class OtherVolumes { refused, dropped };
+
 /// How many points and tets a file has of which ranges can be read: GMF, binary UGRID, CGNS of one zone,
-/// .vtu of one piece that is raw or ASCII, binary .msh 4.1 with nodes tagged in order. Nothing for any other,
-/// which is read whole.
+/// .vtu of one piece, binary .msh 4.1 with nodes tagged in order. Nothing for any other.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
 /// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,
 /// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as
 /// far as it reads it.
-MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range);
+MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range,
+                             OtherVolumes others = OtherVolumes::refused);
+
+/// Whether the mesh of such a file may be in several pieces, of which points must be joined (merge_pieces()):
+/// .pvtu, .vtu and .cgns.
+bool can_be_in_pieces(const std::filesystem::path& path);
+/// The files that have the pieces, in this order: those that a .pvtu names, else the file itself.
+std::vector<std::filesystem::path> piece_sources(const std::filesystem::path& path);
+/// The pieces of one of these. Reads the types of all cells of a .vtu; of zones of .cgns with sections of
+/// mixed elements no ranges of tets can be read.
+std::vector<PieceSize> piece_sizes(const std::filesystem::path& source);
+/// Parts of the pieces: one range for each of them.
+PieceRanges read_piece_ranges(const std::filesystem::path& source, std::span<const PieceRange> ranges);
+/// Fields at the points of the ranges, of each piece, and an account of what is no field here, no more; those
+/// that cannot be kept, as only the values show, have no values.
+std::vector<MeshContents> read_piece_fields(const std::filesystem::path& source,
+                                            std::span<const PieceRange> ranges);
+
+/// Throws where a mesh has so many volume elements that are no linear tetrahedra, but none.
+void refuse_foreign_volumes(std::uint64_t count, const std::filesystem::path& path);
 
 /// Whether one reader can pass the points and tets of such a file on while it reads, and holds none: GMF as
 /// text, .msh of which no ranges can be read, .su2, ASCII UGRID.
 bool can_be_streamed(const std::filesystem::path& path);
 /// What read_mesh() and its `names` would be, but for points and tets, which go to the stream. No fields.
-MeshContents stream_mesh(const std::filesystem::path& path, MeshStream& stream);
+MeshContents stream_mesh(const std::filesystem::path& path, MeshStream& stream,
+                         OtherVolumes others = OtherVolumes::refused);
 
 /// The CAD model that a mesh file carries, without the records of vertices on it; empty where it has none.
 Association read_carried_model(const std::filesystem::path& path);
@@ -58,7 +82,8 @@ void write_mesh(const std::filesystem::path& path, const MeshData& mesh,
 void write_mesh_contents(const std::filesystem::path& path, const MeshView& contents,
                          const WriteOptions& options = {});
 
-/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .msh, .vtu.
+/// Whether several writers can write the file, each its part of the mesh: UGRID of 64-bit reals, .msh, .vtu,
+/// .cgns.
 /// (GMF files have a writer of their own, GmfSliceWriter.)
 bool can_be_written_in_parts(const std::filesystem::path& path);
 /// By one of the writers, before the others: lays the file out, and writes all that is no row. `file` exists,
@@ -72,11 +97,12 @@ std::unique_ptr<PartWriter> open_part(const std::filesystem::path& file, const s
 /// The same of text, whose rows have no places until their length is known: whether several writers can write
 /// the file, section by section.
 bool can_be_written_as_text(const std::filesystem::path& path);
-/// What stands before the rows of each section of such a file; of all parts' rows in their order it is
-/// followed by what text_rows() gives: the bytes are those of write_mesh_contents().
+/// What stands before the rows of each section of such a file; it is followed by the rows (TextPart) of all
+/// parts in their order: the bytes are those of write_mesh_contents().
 std::vector<std::string> text_heads(const std::filesystem::path& name, const WholeMesh& whole);
-std::string text_rows(const std::filesystem::path& name, const WholeMesh& whole, const MeshPart& part,
-                      std::size_t section);
+/// `whole` and `part` must outlive it.
+std::unique_ptr<TextPart> open_text_part(const std::filesystem::path& name, const WholeMesh& whole,
+                                         const MeshPart& part);
 
 /// What write_mesh_contents would leave out. Fields do not count where they can go into a file beside.
 std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshView& contents,

@@ -276,6 +276,30 @@ std::string marker_tag(std::string name) {
   return name;
 }
 
+class Su2Part final : public TextPart {
+ public:
+  Su2Part(const WholeMesh& whole, const MeshPart& part) : part_(part) {
+    std::map<std::int32_t, std::vector<std::uint32_t>> by_ref;
+    for (std::uint32_t i = 0; i < part.triangles.refs.size(); ++i)
+      by_ref[part.triangles.refs[i]].push_back(i);
+    for (const auto& [ref, count] : whole.triangles) of_markers_.push_back(std::move(by_ref[ref]));
+  }
+
+  std::string rows(std::size_t section) const override {
+    TextInMemory rows;
+    TextOutput text(rows);
+    if (section == 0) write_tets(text, part_.tets.elements, part_.tets.first);
+    if (section == 1) write_points(text, part_.points, part_.first_point);
+    if (section >= 2 && section - 2 < of_markers_.size())
+      write_triangles(text, part_.triangles.elements, of_markers_[section - 2]);
+    return std::move(rows.text);
+  }
+
+ private:
+  const MeshPart& part_;
+  std::vector<std::vector<std::uint32_t>> of_markers_;  ///< the triangles of each
+};
+
 }  // namespace
 
 MeshContents read_su2(const std::filesystem::path& path) {
@@ -333,20 +357,8 @@ std::vector<std::string> su2_heads(const WholeMesh& whole) {
   return heads;
 }
 
-std::string su2_rows(const WholeMesh& whole, const MeshPart& part, std::size_t section) {
-  TextInMemory rows;
-  TextOutput text(rows);
-  if (section == 0) write_tets(text, part.tets.elements, part.tets.first);
-  if (section == 1) write_points(text, part.points, part.first_point);
-  if (section >= 2 && section - 2 < whole.triangles.size()) {
-    const std::int32_t ref =
-        std::next(whole.triangles.begin(), static_cast<std::ptrdiff_t>(section) - 2)->first;
-    std::vector<std::uint32_t> which;
-    for (std::uint32_t i = 0; i < part.triangles.refs.size(); ++i)
-      if (part.triangles.refs[i] == ref) which.push_back(i);
-    write_triangles(text, part.triangles.elements, which);
-  }
-  return std::move(rows.text);
+std::unique_ptr<TextPart> open_su2_part(const WholeMesh& whole, const MeshPart& part) {
+  return std::make_unique<Su2Part>(whole, part);
 }
 
 }  // namespace weft::meshing

@@ -1,8 +1,8 @@
 // Meshes of the flow solver SU2 (.su2): text, boundaries by name.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +25,7 @@ void write_su2(const std::filesystem::path& path, const MeshView& contents, cons
 
 /// What stands before the rows of each section.
 std::vector<std::string> su2_heads(const WholeMesh& whole);
-/// The rows of a part in a section.
-std::string su2_rows(const WholeMesh& whole, const MeshPart& part, std::size_t section);
+/// The rows of a part, which must outlive it.
+std::unique_ptr<TextPart> open_su2_part(const WholeMesh& whole, const MeshPart& part);
 
 }  // namespace weft::meshing

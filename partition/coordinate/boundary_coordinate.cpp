@@ -15,8 +15,8 @@
 #include "meshing/mesh/adjacency.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/coordinate/harmonic_solver.h"
+#include "partition/distribute/fetched_points.h"
 #include "partition/distribute/slice_checks.h"
 #include "partition/metric/part_domain.h"
 
@@ -119,21 +119,16 @@ class Walls {
  public:
   Walls(Peers& peers, const MeshSlice& slice, const BoundaryCoordinate& coordinate) {
     const meshing::MeshData& all = slice.boundary;
+    std::vector<std::array<std::uint32_t, 3>> walls;
     for (std::size_t t = 0; t < all.triangles.size(); ++t)
       if (std::ranges::find(coordinate.refs, all.triangle_refs[t]) != coordinate.refs.end())
-        triangles_.push_back(all.triangles[t]);
-    std::vector<std::uint32_t> numbers;
-    for (const auto& triangle : triangles_) numbers.insert(numbers.end(), triangle.begin(), triangle.end());
-    sort_unique(numbers);
-    points_ = fetch<Point>(peers, Ranges(peers, slice.points.size()), numbers,
-                           [&](std::size_t i) { return slice.points[i]; });
-    for (auto& triangle : triangles_)
-      for (std::uint32_t& v : triangle)
-        v = static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, v) - numbers.begin());
-    std::vector<meshing::ClosestForest::Item> items(triangles_.size());
+        walls.push_back(all.triangles[t]);
+    const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), walls);
+    std::vector<meshing::ClosestForest::Item> items(walls.size());
     for (std::uint32_t t = 0; t < items.size(); ++t) {
       items[t].id = t;
-      for (const std::uint32_t v : triangles_[t]) items[t].box.include(points_[v]);
+      triangles_.push_back(points.of(walls[t]));
+      for (const Point& corner : triangles_[t]) items[t].box.include(corner);
     }
     root_ = forest_.add(items);
   }
@@ -141,14 +136,13 @@ class Walls {
   double distance(const Point& p) const {
     const auto distance2 = [&](std::uint32_t t) {
       const auto& [a, b, c] = triangles_[t];
-      return meshing::closest_point(points_[a], points_[b], points_[c], p).distance2;
+      return meshing::closest_point(a, b, c, p).distance2;
     };
     return std::sqrt(distance2(forest_.closest(root_, p, distance2)));
   }
 
  private:
-  std::vector<std::array<std::uint32_t, 3>> triangles_;  ///< corners by places in points_
-  std::vector<Point> points_;
+  std::vector<std::array<Point, 3>> triangles_;
   meshing::ClosestForest forest_;
   std::uint32_t root_ = 0;
 };

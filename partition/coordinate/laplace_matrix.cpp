@@ -5,6 +5,7 @@
 #include <array>
 
 #include "meshing/base/parallel.h"
+#include "meshing/base/place_in.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::partition {
@@ -51,8 +52,7 @@ LaplaceMatrix::LaplaceMatrix(const meshing::MetricDomain& domain)
           diagonal_[v] += entry;
           continue;
         }
-        const auto at = std::ranges::lower_bound(row, tet[i]) - row.begin();
-        off_diagonal_[neighbours_.begins[v] + static_cast<std::size_t>(at)] += entry;
+        off_diagonal_[neighbours_.begins[v] + meshing::place_in(row, tet[i])] += entry;
       }
     }
   });

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "meshing/base/place_in.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -40,9 +41,7 @@ class TetPoints {
   }
   std::array<const PointRecord*, 4> of(std::size_t t) const {
     std::array<const PointRecord*, 4> result;
-    for (std::size_t i = 0; i < 4; ++i)
-      result[i] = &records_[static_cast<std::size_t>(
-          std::lower_bound(numbers_.begin(), numbers_.end(), tets_[t][i]) - numbers_.begin())];
+    for (std::size_t i = 0; i < 4; ++i) result[i] = &records_[meshing::place_in(numbers_, tets_[t][i])];
     return result;
   }
   const std::vector<PointRecord>& all() const { return records_; }
@@ -105,9 +104,7 @@ std::vector<double> reaches(Peers& peers, const MeshSlice& slice, const Ranges& 
   sort_unique(numbers);
   const std::vector<double> values =
       fetch<double>(peers, points, numbers, [&](std::size_t i) { return coordinate[i]; });
-  const auto value = [&](std::uint32_t v) {
-    return values[static_cast<std::size_t>(std::ranges::lower_bound(numbers, v) - numbers.begin())];
-  };
+  const auto value = [&](std::uint32_t v) { return values[meshing::place_in(numbers, v)]; };
   std::vector<double> reach;
   reach.reserve(slice.tets.size());
   for (const auto& [a, b, c, d] : slice.tets)

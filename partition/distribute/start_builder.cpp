@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "meshing/base/place_in.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::partition {
@@ -70,9 +71,7 @@ void StartBuilder::add_names(const Holders& holders) {
 void StartBuilder::add_tets() {
   for (const TetRecord& tet : tets_) {
     auto vertices = tet.vertices;
-    for (std::uint32_t& v : vertices)
-      v = static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), v) -
-                                     numbers_.begin());
+    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(meshing::place_in(numbers_, v));
     start_.tets.push_back(vertices);
     start_.tet_refs.push_back(tet.ref);
   }

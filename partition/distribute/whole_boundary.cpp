@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "meshing/base/place_in.h"
 #include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/touching_edges.h"
 #include "partition/communication/input_issue.h"
@@ -179,9 +180,7 @@ void compress(WholeBoundary& b) {
   std::sort(b.numbers.begin(), b.numbers.end());
   b.numbers.erase(std::unique(b.numbers.begin(), b.numbers.end()), b.numbers.end());
   const auto renumber = [&](std::span<std::uint32_t> vertices) {
-    for (std::uint32_t& v : vertices)
-      v = static_cast<std::uint32_t>(std::lower_bound(b.numbers.begin(), b.numbers.end(), v) -
-                                     b.numbers.begin());
+    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(meshing::place_in(b.numbers, v));
   };
   for (auto& t : d.triangles) renumber(t);
   for (auto& e : d.edges) renumber(e);

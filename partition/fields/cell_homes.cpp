@@ -5,6 +5,8 @@
 #include <compare>
 #include <utility>
 
+#include "meshing/base/place_in.h"
+
 namespace weft::partition {
 namespace {
 
@@ -45,8 +47,7 @@ std::vector<std::vector<int>> ranks_wanting(Peers& peers, const CellGrid& grid,
   std::vector<std::vector<int>> result(had.size());
   for (const std::vector<Wish>& of_home : partition::all_to_all(peers, std::move(replies)))
     for (const Wish& wish : of_home)
-      result[static_cast<std::size_t>(std::ranges::lower_bound(had, wish.cell) - had.begin())].push_back(
-          static_cast<int>(wish.rank));
+      result[meshing::place_in(had, wish.cell)].push_back(static_cast<int>(wish.rank));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/place_in.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/sort_unique.h"
@@ -21,7 +22,7 @@ using meshing::Point;
 using Tet = std::array<std::uint32_t, 4>;
 
 std::uint32_t place_of(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
-  return static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, number) - numbers.begin());
+  return static_cast<std::uint32_t>(meshing::place_in(numbers, number));
 }
 
 /// The vertices of these tets and the slice's own points, ascending: every point of the mesh is somebody's.

@@ -5,6 +5,7 @@
 #include <array>
 #include <utility>
 
+#include "meshing/base/place_in.h"
 #include "partition/communication/sort_unique.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/metric/morton_shares.h"
@@ -71,8 +72,7 @@ NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& aro
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (!has(of, mesh.tets[t])) continue;
     grid.for_each_cell(box_of(mesh, mesh.tets[t]), [&](std::uint32_t cell) {
-      const auto at = std::ranges::lower_bound(cells, cell) - cells.begin();
-      for (const int rank : ranks[static_cast<std::size_t>(at)]) {
+      for (const int rank : ranks[meshing::place_in(cells, cell)]) {
         std::vector<std::uint32_t>& list = tets_for[static_cast<std::size_t>(rank)];
         if (list.empty() || list.back() != t) list.push_back(t);
       }
@@ -107,8 +107,7 @@ void NearbyTets::build(const std::vector<std::vector<VertexRecord>>& vertices, s
   const auto rest = std::ranges::unique(all, {}, &VertexRecord::number);
   all.erase(rest.begin(), rest.end());
   const auto local = [&](std::uint64_t number) {
-    return static_cast<std::uint32_t>(std::ranges::lower_bound(all, number, {}, &VertexRecord::number) -
-                                      all.begin());
+    return static_cast<std::uint32_t>(meshing::place_in(all, number, &VertexRecord::number));
   };
   taken_.resize(vertices.size());
   for (std::size_t r = 0; r < vertices.size(); ++r)

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "meshing/base/place_in.h"
 #include "meshing/fields/reading.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/sort_unique.h"
@@ -270,8 +271,7 @@ void OwnBackground::cut(const PartDomain& domain, const MeshSlice& background) {
   }
   std::vector<Tet> tets = tets_;
   for (Tet& tet : tets)
-    for (std::uint32_t& v : tet)
-      v = static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, v) - numbers.begin());
+    for (std::uint32_t& v : tet) v = static_cast<std::uint32_t>(meshing::place_in(numbers, v));
   const Ranges pieces(peers_, (tets.size() + kTetsOfPiece - 1) / kTetsOfPiece);
   for (int r = 0; r < peers_.ranks(); ++r) firsts_.push_back(pieces.first(r));
   firsts_.push_back(pieces.total());
@@ -342,8 +342,7 @@ std::vector<std::vector<std::uint64_t>> OwnBackground::wanted_by_cells(
   std::vector<std::vector<std::uint64_t>> pieces(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     for (const std::uint32_t cell : cells[p])
-      for (const int rank :
-           ranks[static_cast<std::size_t>(std::ranges::lower_bound(had, cell) - had.begin())]) {
+      for (const int rank : ranks[meshing::place_in(had, cell)]) {
         auto& list = pieces[static_cast<std::size_t>(rank)];
         if (list.empty() || list.back() != p) list.push_back(p);
       }
@@ -388,8 +387,7 @@ void OwnBackground::deliver(std::span<SubdomainStart> starts) const {
       fetch<BackgroundTet>(peers_, input_points_, numbers, [&](std::size_t i) { return places_[i]; });
   for (SubdomainStart& s : starts)
     for (const GlobalId id : s.ids)
-      s.background_places.push_back(
-          places[static_cast<std::size_t>(std::ranges::lower_bound(numbers, id.local()) - numbers.begin())]);
+      s.background_places.push_back(places[meshing::place_in(numbers, id.local())]);
   const Pieces near = fetch_pieces(starts);
   for (SubdomainStart& s : starts) {
     if (s.tets.empty()) continue;

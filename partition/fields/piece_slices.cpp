@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshing/base/place_in.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/by_components.h"
 #include "partition/output/own_entities.h"
@@ -100,8 +101,7 @@ PieceFields fields_of_pieces(Peers& peers, const MeshSlice& slice, const Numberi
     result.of_pieces.push_back(by_components(here, piece.points.size(), [&](const auto& column) {
       std::vector<double> values;
       for (const std::uint64_t number : piece.points)
-        values.push_back(
-            column[static_cast<std::size_t>(std::ranges::lower_bound(numbers, number) - numbers.begin())]);
+        values.push_back(column[meshing::place_in(numbers, number)]);
       return values;
     }));
   return result;

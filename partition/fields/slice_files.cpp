@@ -6,15 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/base/place_in.h"
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/metric/morton_shares.h"
 #include "partition/output/common_file.h"
+#include "partition/output/text_places.h"
 
 namespace weft::partition {
 namespace {
@@ -145,8 +149,7 @@ std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) 
   });
   std::vector<WholeMesh::Corner> corners;
   for (const std::uint32_t v : slice.boundary.corners) {
-    const Place& at =
-        places[static_cast<std::size_t>(std::ranges::lower_bound(numbers, v) - numbers.begin())];
+    const Place& at = places[meshing::place_in(numbers, v)];
     corners.push_back({v, at.point, static_cast<std::int32_t>(at.ref)});
   }
   return corners;
@@ -176,20 +179,21 @@ WholeMesh describe_slices(Peers& peers, const MeshSlice& slice, const meshing::S
   return whole;
 }
 
-void write_rows(const Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-                const RefCounts& first_tets, meshing::PartWriter& out) {
+/// action(this rank's part of the mesh).
+template <class Action>
+void with_part(const Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+               const RefCounts& first_tets, const Action& action) {
   const Rows rows(peers, slice);
   const MeshData& b = slice.boundary;
-  out.write(
-      {slice.first_point,
-       slice.points,
-       slice.point_refs,
-       {rows.tets, slice.tet_refs, slice.first_tet, first_tets},
-       {rows.triangles, rows.triangle_refs, rows.triangle_range.begin,
-        count_before(b.triangle_refs, rows.triangle_range.begin)},
-       {rows.edges, rows.edge_refs, rows.edge_range.begin, count_before(b.edge_refs, rows.edge_range.begin)},
-       fields});
-  out.finish();
+  action(meshing::MeshPart{
+      slice.first_point,
+      slice.points,
+      slice.point_refs,
+      {rows.tets, slice.tet_refs, slice.first_tet, first_tets},
+      {rows.triangles, rows.triangle_refs, rows.triangle_range.begin,
+       count_before(b.triangle_refs, rows.triangle_range.begin)},
+      {rows.edges, rows.edge_refs, rows.edge_range.begin, count_before(b.edge_refs, rows.edge_range.begin)},
+      fields});
 }
 
 /// All ranks: it appears when all have written.
@@ -198,6 +202,50 @@ void write_together(Peers& peers, CommonFile& common, const Write& write) {
   agree_on(peers, write);
   agree_on(peers, [&] {
     if (peers.rank() == 0) common.commit();
+  });
+}
+
+void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
+                    const WholeMesh& whole, const RefCounts& first_tets, CommonFile& common) {
+  meshing::PartPlaces places;
+  agree_on(peers, [&] {
+    if (peers.rank() == 0) places = meshing::begin_parts(common.temporary(), common.name(), whole);
+  });
+  places = allgather(peers, places)[0];
+  write_together(peers, common, [&] {
+    const auto out = meshing::open_part(common.temporary(), common.name(), whole, places);
+    with_part(peers, slice, fields, first_tets, [&](const meshing::MeshPart& part) { out->write(part); });
+    out->finish();
+  });
+}
+
+/// Rows are made twice: once for their length.
+void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole, const RefCounts& first_tets,
+                   CommonFile& common) {
+  std::vector<std::string> heads;
+  std::vector<std::uint64_t> head_sizes;
+  agree_on(peers, [&] {
+    if (peers.rank() == 0) heads = meshing::text_heads(common.name(), whole);
+  });
+  for (const std::string& head : heads) head_sizes.push_back(head.size());
+  const std::size_t num_sections = allgather(peers, head_sizes)[0].size();
+  with_part(peers, slice, {}, first_tets, [&](const meshing::MeshPart& part) {
+    const auto text = meshing::open_text_part(common.name(), whole, part);
+    TextLengths lengths{static_cast<std::uint64_t>(peers.rank()), {}};
+    for (std::size_t s = 0; s < num_sections; ++s) lengths.sections.push_back(text->rows(s).size());
+    const TextPlaces places = place_text(peers, head_sizes, {lengths});
+    write_together(peers, common, [&] {
+      meshing::FilePart out(common.temporary(), common.name().string());
+      for (std::size_t s = 0; s < num_sections; ++s) {
+        if (peers.rank() == 0) {
+          out.seek(places.heads[s]);
+          out.write(heads[s]);
+        }
+        out.seek(places.rows[0][s]);
+        out.write(text->rows(s));
+      }
+      out.finish();
+    });
   });
 }
 
@@ -220,7 +268,8 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
 }
 
 bool can_write_slices(const std::filesystem::path& mesh) {
-  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh);
+  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh) ||
+         meshing::can_be_written_as_text(mesh);
 }
 
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
@@ -238,15 +287,8 @@ void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::S
   RefCounts first_tets;
   const WholeMesh whole = describe_slices(peers, slice, inside, names, first_tets);
   common.create(peers);
-  meshing::PartPlaces places;
-  agree_on(peers, [&] {
-    if (peers.rank() == 0) places = meshing::begin_parts(common.temporary(), file, whole);
-  });
-  places = allgather(peers, places)[0];
-  write_together(peers, common, [&] {
-    write_rows(peers, slice, inside, first_tets,
-               *meshing::open_part(common.temporary(), file, whole, places));
-  });
+  if (meshing::can_be_written_as_text(file)) return write_as_text(peers, slice, whole, first_tets, common);
+  write_in_parts(peers, slice, inside, whole, first_tets, common);
 }
 
 }  // namespace weft::partition

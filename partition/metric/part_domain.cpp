@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "meshing/base/box.h"
+#include "meshing/base/place_in.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
@@ -75,11 +76,8 @@ std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     TetRecord record{slice.first_tet + t, slice.tets[t], {}};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto at =
-          std::lower_bound(vertices.begin(), vertices.end(), record.vertices[i]) - vertices.begin();
-      record.owners[i] = owners[static_cast<std::size_t>(at)];
-    }
+    for (std::size_t i = 0; i < 4; ++i)
+      record.owners[i] = owners[meshing::place_in(vertices, record.vertices[i])];
     for (std::size_t i = 0; i < 4; ++i)
       if (std::find(record.owners.begin(), record.owners.begin() + i, record.owners[i]) ==
           record.owners.begin() + i)
@@ -121,8 +119,7 @@ void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<std::
 }
 
 std::uint32_t PartDomain::local(std::uint32_t number) const {
-  return static_cast<std::uint32_t>(std::lower_bound(numbers_.begin(), numbers_.end(), number) -
-                                    numbers_.begin());
+  return static_cast<std::uint32_t>(meshing::place_in(numbers_, number));
 }
 
 void PartDomain::build_mesh(const MeshSlice& slice, const std::vector<TetRecord>& tets) {

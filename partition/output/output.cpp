@@ -18,6 +18,7 @@
 #include "partition/output/common_file.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
+#include "partition/output/text_places.h"
 #include "partition/output/whole_mesh.h"
 
 namespace weft::partition {
@@ -179,23 +180,32 @@ class CommonText {
   /// All ranks.
   void create(Peers& peers) {
     file_.create(peers);
-    std::vector<std::uint64_t> head_sizes;
     agree_on(peers, [&] {
       if (share_.first) heads_ = meshing::text_heads(file_.name(), mesh_.whole);
     });
+    std::vector<std::uint64_t> head_sizes;
     for (const std::string& head : heads_) head_sizes.push_back(head.size());
-    place_rows(peers, allgather(peers, head_sizes)[0]);
+    const std::size_t num_sections = allgather(peers, head_sizes)[0].size();
+    std::vector<TextLengths> lengths;
+    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
+      lengths.push_back({share_.pieces[p].subdomain.value, {}});
+      const auto text = meshing::open_text_part(file_.name(), mesh_.whole, part);
+      for (std::size_t section = 0; section < num_sections; ++section)
+        lengths.back().sections.push_back(text->rows(section).size());
+    });
+    places_ = place_text(peers, head_sizes, lengths);
   }
   void write() {
     meshing::FilePart out(file_.temporary(), file_.name().string());
     for (std::size_t section = 0; section < heads_.size(); ++section) {
-      out.seek(head_places_[section]);
+      out.seek(places_.heads[section]);
       out.write(heads_[section]);
     }
     for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
-      for (std::size_t section = 0; section < head_places_.size(); ++section) {
-        out.seek(row_places_[p][section]);
-        out.write(meshing::text_rows(file_.name(), mesh_.whole, part, section));
+      const auto text = meshing::open_text_part(file_.name(), mesh_.whole, part);
+      for (std::size_t section = 0; section < places_.heads.size(); ++section) {
+        out.seek(places_.rows[p][section]);
+        out.write(text->rows(section));
       }
     });
     out.finish();
@@ -204,44 +214,11 @@ class CommonText {
   void commit() { file_.commit(); }
 
  private:
-  /// Bytes of one piece's rows in a section.
-  struct Length {
-    std::uint64_t section, subdomain, bytes;
-  };
-
-  void place_rows(Peers& peers, const std::vector<std::uint64_t>& head_sizes) {
-    std::vector<Length> lengths;
-    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
-      for (std::size_t section = 0; section < head_sizes.size(); ++section)
-        lengths.push_back({section, share_.pieces[p].subdomain.value,
-                           meshing::text_rows(file_.name(), mesh_.whole, part, section).size()});
-    });
-    std::vector<Length> all;
-    for (const auto& of_rank : allgather(peers, lengths))
-      all.insert(all.end(), of_rank.begin(), of_rank.end());
-    std::ranges::sort(all, {}, [](const Length& l) { return std::pair(l.section, l.subdomain); });
-    row_places_.assign(share_.pieces.size(), std::vector<std::uint64_t>(head_sizes.size(), 0));
-    std::uint64_t place = 0;
-    auto length = all.begin();
-    for (std::size_t section = 0; section < head_sizes.size(); ++section) {
-      head_places_.push_back(place);
-      place += head_sizes[section];
-      for (; length != all.end() && length->section == section; place += length++->bytes) {
-        const auto here = std::ranges::find(share_.pieces, length->subdomain, [](const MeshPiece& piece) {
-          return std::uint64_t{piece.subdomain.value};
-        });
-        if (here != share_.pieces.end())
-          row_places_[static_cast<std::size_t>(here - share_.pieces.begin())][section] = place;
-      }
-    }
-  }
-
   const Share& share_;
   CommonFile file_;
   DescribedMesh mesh_;
-  std::vector<std::string> heads_;                      ///< of the sections; on rank 0
-  std::vector<std::uint64_t> head_places_;              ///< in the file, of each section
-  std::vector<std::vector<std::uint64_t>> row_places_;  ///< of each piece, in each section
+  std::vector<std::string> heads_;  ///< of the sections; on rank 0
+  TextPlaces places_;
 };
 
 /// A .solb of metrics or of fields, until it can appear; without a name there is none.

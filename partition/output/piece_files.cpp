@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -20,6 +19,7 @@
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
+#include "partition/output/new_files.h"
 #include "partition/output/numbering.h"
 
 namespace weft::partition {
@@ -27,24 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using meshing::MeshData;
-
-/// Files that vanish again unless they are kept.
-class NewFiles {
- public:
-  NewFiles() = default;
-  NewFiles(const NewFiles&) = delete;
-  NewFiles& operator=(const NewFiles&) = delete;
-  ~NewFiles() {
-    std::error_code ignored;
-    for (const fs::path& file : files_) fs::remove(file, ignored);
-  }
-  /// A file that has been written.
-  void add(const fs::path& file) { files_.push_back(file); }
-  void keep() { files_.clear(); }
-
- private:
-  std::vector<fs::path> files_;
-};
 
 // --- VTU
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "meshing/base/place_in.h"
 #include "meshing/kernel/kernel.h"
 #include "meshing/operators/split_edge.h"
 #include "partition/refine/interface_faces.h"
@@ -347,7 +348,7 @@ std::vector<InterfaceVertices> InterfaceRefinement::created() const {
   std::vector<InterfaceVertices> result(neighbours.size());
   for (VertexIndex i = vertices_.first_new(); i < vertices_.size(); ++i)
     for (const SubdomainId other : vertices_.holders(i)) {
-      const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
+      const std::size_t at = meshing::place_in(neighbours, other);
       result[at].vertices.push_back({vertices_.id(i), mesh.surface_hint(places[i]), mesh.kind(places[i])});
     }
   add_faces(result);
@@ -367,8 +368,8 @@ void InterfaceRefinement::add_faces(std::vector<InterfaceVertices>& result) cons
         return std::ranges::binary_search(vertices_.holders(index_of[x.value]), other);
       };
       if (!holds(v[1]) || !holds(v[2])) continue;
-      const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), other) - neighbours.begin();
-      result[static_cast<std::size_t>(at)].faces.push_back(face);
+      const std::size_t at = meshing::place_in(neighbours, other);
+      result[at].faces.push_back(face);
     }
   });
 }

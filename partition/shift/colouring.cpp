@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "meshing/base/place_in.h"
 #include "partition/subdomain/global_id.h"
 
 namespace weft::partition {
@@ -20,9 +21,7 @@ Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t p
 ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> neighbours) : order_{self} {
   order_.insert(order_.end(), neighbours.begin(), neighbours.end());
   std::sort(order_.begin(), order_.end());
-  const auto find = [&](const Priority& p) {
-    return static_cast<Place>(std::lower_bound(order_.begin(), order_.end(), p) - order_.begin()) + 1;
-  };
+  const auto find = [&](const Priority& p) { return static_cast<Place>(meshing::place_in(order_, p)) + 1; };
   self_ = find(self);
   for (const Priority& neighbour : neighbours) {
     ids_.push_back(neighbour.id);
@@ -31,8 +30,7 @@ ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> nei
 }
 
 ReceiverOrder::Place ReceiverOrder::place_of(SubdomainId neighbour) const {
-  return place_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), neighbour) -
-                                         ids_.begin())];
+  return place_[meshing::place_in(ids_, neighbour)];
 }
 
 ReceiverOrder::Place ReceiverOrder::receiver(std::span<const Holder> others) const {

@@ -1,6 +1,7 @@
 // Proposals, and the choice of the tets that leave.
 #include <algorithm>
 
+#include "meshing/base/place_in.h"
 #include "meshing/metric/expectations.h"
 #include "partition/shift/hand_over.h"
 #include "partition/shift/shift.h"
@@ -66,9 +67,7 @@ std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::spa
   for (const GlobalId id : wanted) {
     while (s.interface.id(i) < id) ++i;
     for (const Holder& h : s.interface.others(i))
-      proposals[static_cast<std::size_t>(std::lower_bound(neighbours.begin(), neighbours.end(), h.subdomain) -
-                                         neighbours.begin())]
-          .wants.push_back(id);
+      proposals[meshing::place_in(neighbours, h.subdomain)].wants.push_back(id);
   }
   return proposals;
 }

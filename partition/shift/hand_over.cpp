@@ -1,8 +1,7 @@
 // Parcels, and what is left behind.
 #include "partition/shift/hand_over.h"
 
-#include <algorithm>
-
+#include "meshing/base/place_in.h"
 #include "partition/shift/departures.h"
 #include "partition/shift/packing.h"
 
@@ -35,8 +34,7 @@ std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const C
   std::vector<Packing*> packing_of(order.size(), nullptr);
   for (Place r = 1; r < order.size(); ++r) {
     if (tets_to[r] == 0) continue;
-    packing_of[r] = &packing[static_cast<std::size_t>(
-        std::ranges::lower_bound(receivers, order.subdomain(r), {}, &Receiver::id) - receivers.begin())];
+    packing_of[r] = &packing[meshing::place_in(receivers, order.subdomain(r), &Receiver::id)];
     packing_of[r]->reserve(tets_to[r]);
   }
   for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);

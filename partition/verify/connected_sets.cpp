@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "meshing/base/place_in.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/sort_unique.h"
@@ -24,9 +25,7 @@ class Forest {
     for (const Edge& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
     sort_unique(ends);
     const std::vector<std::uint64_t> roots = parents_of(ends);
-    const auto root = [&](std::uint64_t end) {
-      return roots[static_cast<std::size_t>(std::ranges::lower_bound(ends, end) - ends.begin())];
-    };
+    const auto root = [&](std::uint64_t end) { return roots[meshing::place_in(ends, end)]; };
     for (Edge& edge : edges) {
       edge = {root(edge[0]), root(edge[1])};
       std::ranges::sort(edge);
@@ -54,8 +53,7 @@ class Forest {
       sort_unique(wanted);
       const std::vector<std::uint64_t> grandparents = parents_of(wanted);
       for (std::uint64_t& parent : parents_) {
-        const std::uint64_t next =
-            grandparents[static_cast<std::size_t>(std::ranges::lower_bound(wanted, parent) - wanted.begin())];
+        const std::uint64_t next = grandparents[meshing::place_in(wanted, parent)];
         changed |= next != parent;
         parent = next;
       }

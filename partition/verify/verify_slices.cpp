@@ -15,7 +15,7 @@
 #include "meshing/mesh/problems.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
+#include "partition/distribute/fetched_points.h"
 #include "partition/verify/connected_sets.h"
 
 namespace weft::partition {
@@ -32,29 +32,6 @@ struct StarTet {
   std::uint64_t number;
   std::array<std::uint32_t, 4> vertices;
   std::int32_t ref, sign;
-};
-
-/// Points of any numbers, fetched from who has them.
-class FetchedPoints {
- public:
-  FetchedPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges,
-                std::vector<std::uint32_t> numbers)
-      : numbers_(std::move(numbers)) {
-    sort_unique(numbers_);
-    points_ = fetch<Point>(peers, ranges, numbers_, [&](std::size_t i) { return slice.points[i]; });
-  }
-  template <std::size_t N>
-  std::array<Point, N> of(const std::array<std::uint32_t, N>& vertices) const {
-    std::array<Point, N> corners;
-    for (std::size_t i = 0; i < N; ++i)
-      corners[i] = points_[static_cast<std::size_t>(std::ranges::lower_bound(numbers_, vertices[i]) -
-                                                    numbers_.begin())];
-    return corners;
-  }
-
- private:
-  std::vector<std::uint32_t> numbers_;
-  std::vector<Point> points_;
 };
 
 class SlicesCheck {
@@ -132,9 +109,7 @@ class SlicesCheck {
 
   /// Signs of the slice's tets, and volumes.
   std::vector<std::int8_t> check_tets(meshing::CheckReport& report) {
-    std::vector<std::uint32_t> numbers;
-    for (const auto& tet : slice_.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
-    const FetchedPoints points(peers_, slice_, points_, std::move(numbers));
+    const FetchedPoints points(peers_, slice_, points_, slice_.tets);
     std::vector<std::int8_t> signs(slice_.tets.size());
     Problems found(limit_);
     find_in_chunks(signs.size(), found, [&](std::size_t begin, std::size_t end, Problems& here) {
@@ -220,10 +195,7 @@ class SlicesCheck {
                                           b.triangles.begin() + begin_of(peers_.rank() + 1));
     const std::vector<std::int32_t> refs(b.triangle_refs.begin() + begin_of(peers_.rank()),
                                          b.triangle_refs.begin() + begin_of(peers_.rank() + 1));
-    std::vector<std::uint32_t> numbers;
-    for (const Triangle& triangle : triangles)
-      numbers.insert(numbers.end(), triangle.begin(), triangle.end());
-    const FetchedPoints points(peers_, slice_, points_, std::move(numbers));
+    const FetchedPoints points(peers_, slice_, points_, triangles);
     report.area_by_ref = meshing::checks::values_of(
         sum_over_ranks(sum_by_ref(refs, [&](std::size_t t) { return area_of(points.of(triangles[t])); })));
   }

@@ -1,8 +1,11 @@
 """The subcommands beside adapt under mpirun: the figures and bytes of one process, told once."""
 
 import json
+import re
+import shutil
 import unittest
 
+from command import DATA
 from on_ranks import Subdomains
 
 
@@ -75,7 +78,7 @@ class OtherCommands(Subdomains):
         self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
         self.weft("convert", "a.meshb", "b.lb8.ugrid")
         (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
-        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
+        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
                             ("b.lb8.ugrid", "o.msh")):
             self.command_on(0, "convert", source, out, "--sol", "f.solb")
             expected, told, files = self.bytes_of(out), None, self.files()
@@ -88,8 +91,105 @@ class OtherCommands(Subdomains):
                 told = told or done.stdout
                 self.assertEqual(done.stdout, told)
             self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
-        done = self.command_on(2, "convert", "a.meshb", "o.su2")
+        done = self.command_on(2, "convert", "a.meshb", "o.mesh")
         self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
+
+    def pieces(self):
+        """ids.pvtu of 5 pieces and places.pvtu of 3 without ids, with a field."""
+        self.weft("mesh", "ball", "-o", "a.meshb", "--size", 0.6)
+        self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
+        self.weft("convert", "a.meshb", "ids.pvtu", "--sol", "f.solb", "--pieces", 5)
+        self.weft("convert", "a.meshb", "places.pvtu", "--sol", "f.solb", "--pieces", 3, "--encoding", "ascii")
+        for i in range(3):
+            piece = self.folder / f"places_{i}.vtu"
+            self.write(piece, piece.read_text().replace("GlobalPointIds", "number").replace(' GlobalIds="number"', ""))
+
+    def test_meshes_in_pieces_are_read_and_written_in_shares(self):
+        self.pieces()
+        shutil.copy(DATA / "formats/cgns-two-zones.cgns", self.folder / "zones.cgns")
+        self.weft("convert", "a.meshb", "packed.vtu", "--sol", "f.solb", "--compress")
+        for source, out, ranks, *words in (("ids.pvtu", "o.vtu", (1, 2, 3, 4, 7)), ("places.pvtu", "o.meshb", (2, 4)),
+                                           ("zones.cgns", "o.msh", (1, 2, 3, 4, 16)), ("zones.cgns", "o.meshb", (2,)),
+                                           ("packed.vtu", "o.pvtu", (1, 2, 3, 4), "--pieces", 3, "--compress")):
+            self.command_on(0, "convert", source, out, *words)
+            made = [name for name in self.files() if name.startswith("o")]
+            expected, told = self.bytes_of(*made), None
+            for n in ranks:
+                for name in made:
+                    (self.folder / name).unlink()
+                done = self.command_on(n, "convert", source, out, *words)
+                self.assertEqual([name for name in self.files() if name.startswith("o")], made)
+                self.assertEqual(self.bytes_of(*made), expected, f"{source} to {out} on {n} ranks")
+                self.assertNotIn("rank 0", done.stderr + done.stdout)
+                told = told or self.command_on(0, "convert", source, out, *words).stdout
+                self.assertEqual(done.stdout, told)
+            for name in made:
+                (self.folder / name).unlink()
+        self.command_on(3, "convert", "a.meshb", "o.pvtu")
+        self.assertIn("o_2.vtu", self.files())  # a piece a rank
+        self.assertNotIn("o_3.vtu", self.files())
+        words = ("stat", "ids.pvtu", "--metric", "ids.pvtu")
+        self.assertEqual(self.command_on(3, *words).stdout, self.command_on(0, *words).stdout)
+
+    def test_odd_pieces_are_read_as_by_one_process(self):
+        """Ghost cells, fields that a piece lacks or that are no symmetric tensors, and several pieces in one file."""
+        self.pieces()
+        texts = [(self.folder / f"places_{i}.vtu").read_text() for i in range(3)]
+
+        def count(text, what):
+            return int(re.search(f'NumberOf{what}="(\\d+)"', text)[1])
+
+        def with_tensors(text, last):
+            rows = ["1 0 0 0 1 0 0 0 1\n"] * (count(text, "Points") - 1) + [last]
+            array = '<DataArray type="Float64" Name="{}" NumberOfComponents="9" format="ascii">' + "".join(rows) + "</DataArray>\n"
+            return text.replace("</PointData>", array.format("full") + array.format("even").replace(last, rows[0]) + "</PointData>")
+
+        texts = [with_tensors(text, "1 2 0 0 1 0 0 0 1\n" if i == 1 else "1 2 0 2 1 0 0 0 1\n") for i, text in enumerate(texts)]
+        ghosts = '<DataArray type="UInt8" Name="vtkGhostType" format="ascii">1 2' + " 0" * (count(texts[1], "Cells") - 2) + "</DataArray>"
+        texts[1] = texts[1].replace('<CellData Scalars="ref">', '<CellData Scalars="ref">' + ghosts)
+        texts[2] = texts[2].replace("</PointData>", '<DataArray type="Float32" Name="pair" NumberOfComponents="2" format="ascii">' +
+                                    "0 0 " * count(texts[2], "Points") + "</DataArray></PointData>")
+        for i, text in enumerate(texts):
+            self.write(f"places_{i}.vtu", text)
+        pieces = "".join(text[text.index("<Piece "):text.index("</Piece>") + 8] for text in texts)
+        self.write("many.vtu", texts[0][:texts[0].index("<Piece ")] + pieces + texts[0][texts[0].index("</Piece>") + 8:])
+        told = []
+        for source in ("places.pvtu", "many.vtu"):
+            for ranks in (0, 1, 2, 4):
+                told.append(self.command_on(ranks, "convert", source, f"o{ranks}.vtu").stdout.replace(f"o{ranks}", "o"))
+            self.assertEqual(*self.bytes_of("o0.vtu", "o1.vtu"))
+            self.assertEqual(*self.bytes_of("o2.vtu", "o4.vtu"))
+            self.assertEqual(*self.bytes_of("o1.vtu", "o2.vtu"))
+        self.assertEqual(told, told[:1] * 8)
+        for words in ("1 fields of 2 components", "1 fields of tensors that are not symmetric", "2 fields that some pieces lack"):
+            self.assertIn(f"dropped: {words}", told[0])
+        self.assertIn(b'Name="even"', self.bytes_of("o4.vtu")[0])
+
+    def test_cgns_is_written_by_all(self):
+        self.pieces()
+        told = self.command_on(0, "convert", "ids.pvtu", "o.cgns").stdout
+        self.weft("convert", "o.cgns", "expected.msh")
+        for ranks in (1, 2, 4):
+            self.assertEqual(self.command_on(ranks, "convert", "ids.pvtu", "o.cgns").stdout, told)
+            self.weft("convert", "o.cgns", "found.msh")  # has references, names, fields and no time of writing
+            self.assertEqual(*self.bytes_of("expected.msh", "found.msh"))
+
+    def test_a_piece_that_is_wrong_is_told_once_and_nothing_is_written(self):
+        self.pieces()
+        whole = (self.folder / "ids_1.vtu").read_bytes()
+        cut = whole[:len(whole) // 2]
+        swapped = whole.replace(b'NumberOfPoints="', b'NumberOfPoints="1')
+        for bytes_of_piece, says in ((None, "ids_1.vtu: cannot read"), (cut, "ids_1.vtu"), (swapped, "ids_1.vtu: ")):
+            (self.folder / "ids_1.vtu").unlink(missing_ok=True)
+            if bytes_of_piece:
+                (self.folder / "ids_1.vtu").write_bytes(bytes_of_piece)
+            before = self.files()
+            for words in (("convert", "ids.pvtu", "o.pvtu"), ("stat", "ids.pvtu")):
+                done = self.command_on(3, *words, expect=2)
+                lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
+                self.assertEqual(len(lines), 1, done.stderr)
+                self.assertIn(says, lines[0])
+                self.assertEqual(self.files(), before)
 
     def test_verify_has_the_words_of_one_process(self):
         self.weft("mesh", "ball", "-o", "ball.mesh", "--size", 0.4)

@@ -217,8 +217,17 @@ class Results(Subdomains):
         words = ("--hmax", 0.22, "--subdomains", 3, "--threads", 1)
         self.run_on(0, "box.meshb", "--metric", "m.solb", *words, "-o", "gmf.meshb")
         done = self.run_on(2, "box.vtu", "--metric", "box.vtu", *words, "-o", "vtu.meshb")
-        self.assertIn("rank 0 has read all of box.vtu: fields", done.stdout + done.stderr)
+        self.assert_in_shares(False, done)
         self.assertEqual(*self.bytes_of("gmf.meshb", "vtu.meshb"))
+        self.weft("convert", "box.meshb", "box.pvtu", "--sol", "m.solb", "--pieces", 4, "--compress")
+        for ranks in (0, 3):
+            done = self.run_on(ranks, "box.pvtu", "--metric", "box.pvtu", *words, "-o", "pvtu.meshb")
+            self.assert_in_shares(False, done)
+            self.assertEqual(*self.bytes_of("gmf.meshb", "pvtu.meshb"))
+        self.weft("convert", "box.meshb", "box.msh", "--sol", "m.solb")
+        done = self.run_on(2, "box.vtu", "--metric", "box.msh", *words, "-o", "msh.meshb")
+        self.assertIn("rank 0 has read all of box.msh: fields", done.stdout + done.stderr)
+        self.assertEqual(*self.bytes_of("gmf.meshb", "msh.meshb"))
 
     def test_pieces(self):
         self.box(3)

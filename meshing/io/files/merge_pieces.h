@@ -14,6 +14,28 @@ struct MeshPiece {
   std::vector<std::int64_t> global_ids;  ///< of the points, or none
 };
 
+/// What there is in a piece.
+struct PieceSize : MeshSize {
+  bool has_ids = false;     ///< of its points
+  bool whole_only = false;  ///< ranges of its tets cannot be read, nor are they counted
+};
+
+/// What one of several readers takes of a piece: the points and tets of a range, and `others`: all triangles,
+/// edges and corners, and the account of what has no place here.
+struct PieceRange {
+  MeshRange rows;
+  bool others = true;
+};
+inline bool is_empty(const PieceRange& range) {
+  return range.rows.num_points == 0 && range.rows.num_tets == 0 && !range.others;
+}
+
+/// That of every piece: vertices are numbered as in the piece, of which there are no fields.
+struct PieceRanges {
+  std::vector<MeshPiece> pieces;
+  RefNames names;
+};
+
 /// Puts pieces together: points with the same global ID, or without IDs at the same place, become one. IDs
 /// that are 0, 1, 2, ... give the order of the points. Names are not merged.
 MeshContents merge_pieces(std::vector<MeshPiece> pieces);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "meshing/io/files/mesh_contents.h"
@@ -84,6 +85,13 @@ class PartWriter {
   virtual void write(const MeshPart& part) = 0;
   /// Everything to the disk. Nothing may be written afterwards.
   virtual void finish() = 0;
+};
+
+/// One part's rows of text, in the sections of a file.
+class TextPart {
+ public:
+  virtual ~TextPart() = default;
+  virtual std::string rows(std::size_t section) const = 0;
 };
 
 /// Places in a file that only who has laid it out knows; most formats need none.

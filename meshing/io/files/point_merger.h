@@ -10,6 +10,17 @@
 
 namespace weft::meshing {
 
+struct PointHash {
+  std::size_t operator()(const Point& p) const {
+    std::uint64_t h = 0;
+    for (int c = 0; c < 3; ++c) {
+      h = (h ^ std::bit_cast<std::uint64_t>(p[c])) * 0x9E3779B97F4A7C15u;
+      h ^= h >> 29;
+    }
+    return h;
+  }
+};
+
 /// Numbers points so that equal ones (to the last bit; -0 is 0) have one number.
 class PointMerger {
  public:
@@ -24,19 +35,8 @@ class PointMerger {
   void reserve(std::size_t n) { indices_.reserve(n); }
 
  private:
-  struct Hash {
-    std::size_t operator()(const Point& p) const {
-      std::uint64_t h = 0;
-      for (int c = 0; c < 3; ++c) {
-        h = (h ^ std::bit_cast<std::uint64_t>(p[c])) * 0x9E3779B97F4A7C15u;
-        h ^= h >> 29;
-      }
-      return h;
-    }
-  };
-
   std::vector<Point>& points_;
-  std::unordered_map<Point, std::uint32_t, Hash> indices_;
+  std::unordered_map<Point, std::uint32_t, PointHash> indices_;
 };
 
 }  // namespace weft::meshing

@@ -133,14 +133,8 @@ std::string index_text(const SolutionData& fields, const std::vector<std::string
 
 /// The pieces of each file that the index names.
 std::vector<std::vector<MeshPiece>> read_sources(const fs::path& path) {
-  const VtkDocument index(path, "PUnstructuredGrid");
   std::vector<std::vector<MeshPiece>> sources;
-  for (const pugi::xml_node piece : index.grid().children("Piece")) {
-    const std::string source = piece.attribute("Source").value();
-    if (source.empty()) index.fail("Piece", "has no Source");
-    sources.push_back(read_vtu_pieces(path.parent_path() / source));
-  }
-  if (sources.empty()) index.fail("Piece", "is missing");
+  for (const fs::path& source : pvtu_sources(path)) sources.push_back(read_vtu_pieces(source));
   return sources;
 }
 
@@ -151,6 +145,18 @@ MeshContents merged(std::vector<std::vector<MeshPiece>> sources) {
 }
 
 }  // namespace
+
+std::vector<fs::path> pvtu_sources(const fs::path& path) {
+  const VtkDocument index(path, "PUnstructuredGrid");
+  std::vector<fs::path> sources;
+  for (const pugi::xml_node piece : index.grid().children("Piece")) {
+    const std::string source = piece.attribute("Source").value();
+    if (source.empty()) index.fail("Piece", "has no Source");
+    sources.push_back(path.parent_path() / source);
+  }
+  if (sources.empty()) index.fail("Piece", "is missing");
+  return sources;
+}
 
 MeshContents read_pvtu(const fs::path& path) { return merged(read_sources(path)); }
 

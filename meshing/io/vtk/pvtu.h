@@ -14,6 +14,9 @@ namespace weft::meshing {
 /// left out.
 MeshContents read_pvtu(const std::filesystem::path& path);
 
+/// The files of the pieces, in the order of the index.
+std::vector<std::filesystem::path> pvtu_sources(const std::filesystem::path& path);
+
 /// The same with the numbers of the pieces, in the order of the index from 0, as references of the tets.
 MeshContents read_pvtu_by_piece(const std::filesystem::path& path);
 

@@ -1,13 +1,7 @@
-// pugixml reads the text; what is appended is no XML and is read by position. zlib does the compression.
+// pugixml reads the text but for the values of arrays, which are read by position, as what is appended is.
 #include "meshing/io/vtk/vtk_xml.h"
 
-#include <tbb/parallel_for.h>
-#include <zlib.h>
-
 #include <algorithm>
-#include <array>
-#include <cstring>
-#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -19,8 +13,8 @@
 namespace weft::meshing {
 namespace {
 
-constexpr std::uint64_t kReadAtOnce = std::uint64_t{1} << 16;  ///< values of raw arrays
-constexpr std::uint64_t kBlockSize = std::uint64_t{1} << 18;   ///< of compressed data that we write
+constexpr std::uint64_t kReadAtOnce = std::uint64_t{1} << 16;    ///< values of arrays that are no text
+constexpr std::uint64_t kMostReserved = std::uint64_t{1} << 27;  ///< values, before any has been read
 
 /// Calls f with a value of the C++ type that VTK calls `name`; false for an unknown name.
 template <class F>
@@ -38,71 +32,6 @@ bool with_type(std::string_view name, const F& f) {
   return false;
 }
 
-constexpr std::array<std::int8_t, 256> base64_digits() {
-  std::array<std::int8_t, 256> digits{};
-  for (auto& digit : digits) digit = -1;
-  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < kAlphabet.size(); ++i) {
-    digits[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::int8_t>(i);
-  }
-  return digits;
-}
-constexpr std::array<std::int8_t, 256> kDigits = base64_digits();
-
-/// The bytes that follow one another in encoded data. Headers are encoded by themselves, with padding behind
-/// them, or together with the data, depending on who wrote the file: padding just ends a group.
-class Source {
- public:
-  Source(std::string_view text, bool base64) : text_(text), base64_(base64) {}
-
-  /// The next `size` bytes; nothing where the data end before.
-  std::optional<std::string_view> take(std::uint64_t size) {
-    if (base64_) return take_base64(size);
-    if (size > text_.size() - at_) return std::nullopt;
-    const std::string_view taken = text_.substr(at_, size);
-    at_ += size;
-    return taken;
-  }
-
- private:
-  std::optional<std::string_view> take_base64(std::uint64_t size) {
-    decoded_.erase(0, std::exchange(used_, 0));
-    if (size > text_.size()) return std::nullopt;  // encoded bytes are more than decoded ones
-    decoded_.reserve(size + 3);
-    while (decoded_.size() < size) {
-      if (!decode_group()) return std::nullopt;
-    }
-    used_ = size;
-    return std::string_view(decoded_).substr(0, size);
-  }
-
-  bool decode_group() {
-    std::uint32_t bits = 0;
-    int digits = 0, padding = 0;
-    while (digits + padding < 4) {
-      if (at_ == text_.size()) return false;
-      const char c = text_[at_++];
-      if (is_space(c)) continue;
-      const std::int8_t digit = kDigits[static_cast<unsigned char>(c)];
-      if (digit < 0 && c != '=') return false;
-      padding += digit < 0;
-      digits += digit >= 0;
-      bits = bits << 6 | static_cast<std::uint32_t>(digit < 0 ? 0 : digit);
-    }
-    if (digits < 2) return false;
-    for (int byte = 0; byte < digits - 1; ++byte) {
-      decoded_.push_back(static_cast<char>(bits >> (16 - 8 * byte) & 0xFF));
-    }
-    return true;
-  }
-
-  std::string_view text_;
-  bool base64_;
-  std::size_t at_ = 0;
-  std::string decoded_;
-  std::uint64_t used_ = 0;
-};
-
 std::string array_name(pugi::xml_node array) {
   const std::string name = array.attribute("Name").value();
   return name.empty() ? "a DataArray" : "array " + name;
@@ -112,27 +41,6 @@ std::string array_name(pugi::xml_node array) {
 bool is_text(pugi::xml_node array) {
   const std::string_view format = array.attribute("format").value();
   return format == "ascii" || format.empty();
-}
-
-/// The data of one array in blocks, as VTK stores them.
-std::vector<char> compressed(const std::vector<char>& data) {
-  const std::uint64_t num_blocks = (data.size() + kBlockSize - 1) / kBlockSize;
-  std::vector<std::vector<Bytef>> blocks(num_blocks);
-  tbb::parallel_for(std::uint64_t{0}, num_blocks, [&](std::uint64_t i) {
-    const std::uint64_t begin = i * kBlockSize, size = std::min(kBlockSize, data.size() - begin);
-    uLongf length = compressBound(size);
-    blocks[i].resize(length);
-    // Cannot fail with this bound but for memory, of which resize() would have spoken.
-    compress2(blocks[i].data(), &length, reinterpret_cast<const Bytef*>(data.data() + begin), size,
-              Z_BEST_SPEED);
-    blocks[i].resize(length);
-  });
-  std::vector<std::uint64_t> header = {num_blocks, kBlockSize, data.size() % kBlockSize};
-  for (const auto& block : blocks) header.push_back(block.size());
-  std::vector<char> out(header.size() * sizeof(std::uint64_t));
-  std::memcpy(out.data(), header.data(), out.size());
-  for (const auto& block : blocks) out.insert(out.end(), block.begin(), block.end());
-  return out;
 }
 
 }  // namespace
@@ -163,15 +71,16 @@ VtkDocument::VtkDocument(const std::filesystem::path& path, const std::string& t
   if (!encoding.empty() && encoding != "raw" && !appended_base64_) {
     fail("AppendedData", "encoding " + encoding + " is unknown");
   }
+  if (appended_base64_ && data_ > 0) find_offsets();
 }
 
 namespace {
 
-/// Whether values of this element stand in the text as words.
-bool begins_text_array(std::string_view tag) {
+/// Whether values of this element stand in the text, as words or encoded.
+bool begins_inline_array(std::string_view tag) {
   if (!tag.starts_with("<DataArray") || tag.ends_with("/>")) return false;
   const std::size_t format = tag.find(" format=");
-  return format == std::string_view::npos || tag.substr(format + 9).starts_with("ascii");
+  return format == std::string_view::npos || !tag.substr(format + 9).starts_with("appended");
 }
 
 /// Moves behind a tag, of which the cursor is at the begin. False where it has no end.
@@ -192,8 +101,8 @@ bool pass_tag(Cursor& in) {
 
 }  // namespace
 
-/// The file up to the appended data, without which it is read to its end. The values of a text array are left
-/// in the file: in their place it says where they are.
+/// The file up to the appended data, without which it is read to its end. The values of an array in it are
+/// left in the file: in their place it says where they are.
 void VtkDocument::read_text() {
   Cursor in(file_);
   bool values_follow = false;
@@ -212,7 +121,7 @@ void VtkDocument::read_text() {
     copy_text(end, begin);
     if (!closed) return;
     if (std::string_view(text_).substr(tag).starts_with("<AppendedData")) return begin_appended(in);
-    values_follow = begins_text_array(std::string_view(text_).substr(tag));
+    values_follow = begins_inline_array(std::string_view(text_).substr(tag));
   }
 }
 
@@ -254,23 +163,17 @@ std::vector<std::int64_t> VtkDocument::integers(pugi::xml_node array, std::uint6
   return values<std::int64_t>(array, expected, rows);
 }
 
-bool VtkDocument::has_rows(pugi::xml_node array) const {
-  if (is_text(array)) return true;
-  return !compressed_ && !appended_base64_ && data_ > 0 &&
-         std::string_view(array.attribute("format").value()) == "appended";
-}
-
 std::uint64_t VtkDocument::size(pugi::xml_node array) const {
   std::uint64_t size = 0;
   if (is_text(array)) {
-    const TextSpan span = text_span(array);
+    const InlineSpan span = inline_span(array);
     Cursor in(file_, span.begin, span.end);
     TextPlace at{0, span.begin};
     pass_over(in, at, kAny);
     return at.value;
   }
   with_type(array.attribute("type").value(),
-            [&](auto example) { size = span_of(array).bytes / sizeof(example); });
+            [&](auto example) { size = bytes_of(array).size() / sizeof(example); });
   return size;
 }
 
@@ -280,26 +183,20 @@ std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected,
   std::vector<T> out;
   const bool known = with_type(array.attribute("type").value(), [&](auto example) {
     using Stored = decltype(example);
-    const bool raw = has_rows(array);
-    const std::string all = raw ? std::string() : decoded(array);
-    const Span span = raw ? span_of(array) : Span{0, all.size()};
-    const std::uint64_t n = span.bytes / sizeof(Stored);
-    if (span.bytes % sizeof(Stored) != 0 || (expected != kAny && n != expected)) {
-      fail(array_name(array), "has " + std::to_string(span.bytes) + " bytes instead of " +
+    VtkBytes& bytes = bytes_of(array);
+    const std::uint64_t n = bytes.size() / sizeof(Stored);
+    if (bytes.size() % sizeof(Stored) != 0 || (expected != kAny && n != expected)) {
+      fail(array_name(array), "has " + std::to_string(bytes.size()) + " bytes instead of " +
                                   std::to_string(expected == kAny ? n + 1 : expected) + " values");
     }
     const std::uint64_t first = std::min(rows.first, n), count = std::min(rows.count, n - first);
-    out.resize(count);
-    const auto convert = [&](const char* bytes, std::uint64_t begin, std::uint64_t number) {
-      for (std::uint64_t i = 0; i < number; ++i)
-        out[begin + i] = static_cast<T>(load<Stored>(bytes + i * sizeof(Stored), swapped_));
-    };
-    if (!raw) return convert(all.data() + first * sizeof(Stored), 0, count);
+    out.reserve(std::min(count, kMostReserved));
     std::vector<char> block(std::min(kReadAtOnce, count) * sizeof(Stored));
     for (std::uint64_t begin = 0; begin < count; begin += kReadAtOnce) {
       const std::uint64_t number = std::min(kReadAtOnce, count - begin);
-      file_.read_at(span.position + (first + begin) * sizeof(Stored), block.data(), number * sizeof(Stored));
-      convert(block.data(), begin, number);
+      bytes.read((first + begin) * sizeof(Stored), number * sizeof(Stored), block.data());
+      for (std::uint64_t i = 0; i < number; ++i)
+        out.push_back(static_cast<T>(load<Stored>(block.data() + i * sizeof(Stored), swapped_)));
     }
   });
   if (!known)
@@ -307,7 +204,7 @@ std::vector<T> VtkDocument::values(pugi::xml_node array, std::uint64_t expected,
   return out;
 }
 
-VtkDocument::TextSpan VtkDocument::text_span(pugi::xml_node array) const {
+VtkDocument::InlineSpan VtkDocument::inline_span(pugi::xml_node array) const {
   const std::string said = array.child_value();
   if (said.empty()) return {0, 0};  // an element without content
   Cursor in(file_.name(), said);
@@ -327,7 +224,7 @@ void VtkDocument::pass_over(Cursor& in, TextPlace& at, std::uint64_t value) cons
 
 template <class T>
 std::vector<T> VtkDocument::ascii_values(pugi::xml_node array, std::uint64_t expected, Rows rows) const {
-  const TextSpan span = text_span(array);
+  const InlineSpan span = inline_span(array);
   Cursor in(file_, span.begin, span.end);
   TextPlace at{0, span.begin};
   if (expected != kAny) in.enter(array_name(array) + ", value"), in.require(expected, 1);
@@ -358,68 +255,41 @@ std::uint64_t VtkDocument::appended_offset(pugi::xml_node array) const {
   return static_cast<std::uint64_t>(*offset);
 }
 
-VtkDocument::Span VtkDocument::span_of(pugi::xml_node array) const {
-  const std::uint64_t begin = data_ + appended_offset(array), header = wide_headers_ ? 8 : 4;
-  std::array<char, 8> bytes{};
-  std::uint64_t size = file_.size();
-  if (header <= file_.size() - begin) {
-    file_.read_at(begin, bytes.data(), header);
-    size = wide_headers_ ? load<std::uint64_t>(bytes.data(), swapped_)
-                         : load<std::uint32_t>(bytes.data(), swapped_);
+VtkStorage VtkDocument::storage_of(pugi::xml_node array) const {
+  VtkStorage storage{.compressed = compressed_, .swapped = swapped_, .wide_headers = wide_headers_};
+  const std::string_view format = array.attribute("format").value();
+  if (format == "appended") {
+    storage.begin = data_ + appended_offset(array);
+    storage.base64 = appended_base64_;
+    // Encoded arrays tell their end only together.
+    const auto next = std::ranges::upper_bound(offsets_, storage.begin - data_);
+    storage.end = storage.base64 && next != offsets_.end() ? data_ + *next : file_.size();
+  } else if (format == "binary") {
+    const InlineSpan span = inline_span(array);
+    storage.begin = span.begin;
+    storage.end = span.end;
+    storage.base64 = true;
+  } else {
+    fail(array_name(array), "its format is unknown");
   }
-  if (header > file_.size() - begin || size > file_.size() - begin - header)
-    fail(array_name(array), "the file is truncated, or its data are damaged");
-  return {begin + header, size};
+  return storage;
 }
 
-std::string_view VtkDocument::appended() const {
-  if (appended_.empty() && file_.size() > data_) {
-    appended_.resize(file_.size() - data_);
-    file_.read_at(data_, appended_.data(), appended_.size());
-  }
-  return appended_;
+VtkBytes& VtkDocument::bytes_of(pugi::xml_node array) const {
+  const VtkStorage storage = storage_of(array);
+  const auto known = bytes_.find(storage.begin);
+  if (known != bytes_.end()) return known->second;
+  return bytes_.emplace(storage.begin, VtkBytes(file_, array_name(array), storage)).first->second;
 }
 
-/// The bytes of an array that is encoded, or stands in the text.
-std::string VtkDocument::decoded(pugi::xml_node array) const {
-  const std::string entity = array_name(array);
-  std::string_view text = array.child_value();
-  bool base64 = true;
-  if (std::string_view(array.attribute("format").value()) == "appended") {
-    text = appended().substr(appended_offset(array));
-    base64 = appended_base64_;
-  } else if (std::string_view(array.attribute("format").value()) != "binary") {
-    fail(entity, "its format is unknown");
+/// Of all appended arrays, as far as they lie in the file; ascending.
+void VtkDocument::find_offsets() {
+  for (const pugi::xpath_node found : xml_.select_nodes("//DataArray[@offset]")) {
+    const auto offset = parse_integer(found.node().attribute("offset").value());
+    if (offset && *offset >= 0 && static_cast<std::uint64_t>(*offset) <= file_.size() - data_)
+      offsets_.push_back(static_cast<std::uint64_t>(*offset));
   }
-  Source source(text, base64);
-  const auto take = [&](std::uint64_t size) {
-    const auto taken = source.take(size);
-    if (!taken) fail(entity, "the file is truncated, or its data are damaged");
-    return *taken;
-  };
-  const auto header = [&]() -> std::uint64_t {
-    return wide_headers_ ? load<std::uint64_t>(take(8).data(), swapped_)
-                         : load<std::uint32_t>(take(4).data(), swapped_);
-  };
-  if (!compressed_) return std::string(take(header()));
-  const std::uint64_t num_blocks = header(), block_size = header(), last_size = header();
-  if (num_blocks > text.size()) fail(entity, "the number of its compressed blocks is damaged");
-  std::vector<std::uint64_t> sizes(num_blocks);
-  for (std::uint64_t& size : sizes) size = header();
-  std::string out;
-  for (std::uint64_t i = 0; i < num_blocks; ++i) {
-    const std::string_view block = take(sizes[i]);
-    const std::uint64_t full = i + 1 == num_blocks && last_size > 0 ? last_size : block_size;
-    // Deflate makes nothing smaller than by a factor of 1032: a damaged size must not make us allocate.
-    if (full / 1032 > block.size() + 16) fail(entity, "the size of a compressed block is damaged");
-    const std::size_t begin = out.size();
-    out.resize(begin + full);
-    uLongf length = full;
-    const int result = uncompress(reinterpret_cast<Bytef*>(out.data() + begin), &length,
-                                  reinterpret_cast<const Bytef*>(block.data()), block.size());
-    if (result != Z_OK || length != full) fail(entity, "its compressed data are damaged");
-  }
-  return out;
+  std::ranges::sort(offsets_);
 }
 
 // ---------------------------------------------------------------------------------------------------------
@@ -561,7 +431,7 @@ void VtkWriter::write_compressed() {
     file_.write(item.xml);
     if (item.make) {
       file_.write(appended_at(offset));
-      blocks.push_back(compressed(item.make()));
+      blocks.push_back(vtk_compressed(item.make()));
       offset += blocks.back().size();
     }
     file_.write("\n");

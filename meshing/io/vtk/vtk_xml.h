@@ -15,6 +15,7 @@
 #include "meshing/io/files/cursor.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/vtk/vtk_bytes.h"
 
 namespace weft::meshing {
 
@@ -45,23 +46,16 @@ class VtkDocument {
   struct Rows {
     std::uint64_t first = 0, count = kAny;
   };
-  /// Part of the values of an array that has_rows().
+  /// Part of the values of an array. Rows of text are found by passing over those before them, from the last
+  /// ones that have been read on; of others see VtkBytes.
   std::vector<double> reals(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   std::vector<std::int64_t> integers(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
-  /// Whether parts of an array can be read: it is text, or appended, raw and not compressed. Rows of text are
-  /// found by passing over those before them, from the last ones that have been read on.
-  bool has_rows(pugi::xml_node array) const;
-  /// How many values such an array has.
+  /// How many values an array has.
   std::uint64_t size(pugi::xml_node array) const;
 
  private:
-  /// Where the bytes of a raw array are in the file.
-  struct Span {
-    std::uint64_t position, bytes;
-  };
-
-  /// Where the values of a text array are in the file.
-  struct TextSpan {
+  /// Where the values of an array in the text are in the file.
+  struct InlineSpan {
     std::uint64_t begin, end;
   };
   /// A value of a text array, by its number, and where it is.
@@ -72,27 +66,28 @@ class VtkDocument {
   void read_text();
   void copy_text(std::uint64_t begin, std::uint64_t end);
   void begin_appended(Cursor& in);
-  TextSpan text_span(pugi::xml_node array) const;
+  void find_offsets();
+  InlineSpan inline_span(pugi::xml_node array) const;
   void pass_over(Cursor& in, TextPlace& at, std::uint64_t value) const;
   template <class T>
   std::vector<T> values(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
   template <class T>
   std::vector<T> ascii_values(pugi::xml_node array, std::uint64_t expected, Rows rows) const;
-  std::string decoded(pugi::xml_node array) const;
-  Span span_of(pugi::xml_node array) const;
+  VtkStorage storage_of(pugi::xml_node array) const;
+  VtkBytes& bytes_of(pugi::xml_node array) const;
   std::uint64_t appended_offset(pugi::xml_node array) const;
-  std::string_view appended() const;
 
   InputFile file_;
-  std::string text_;  ///< up to the appended data, without the values of arrays of text
+  std::string text_;  ///< up to the appended data, without the values of arrays in it
   pugi::xml_document xml_;
   pugi::xml_node grid_;
   bool swapped_ = false, wide_headers_ = false, compressed_ = false;
   bool appended_base64_ = false;
-  std::uint64_t data_ = 0;        ///< where the appended data begin
-  mutable std::string appended_;  ///< all of them, once something encoded was wanted
-  mutable std::map<std::uint64_t, TextPlace>
-      places_;  ///< in text arrays, by their begin: behind what has been read
+  std::uint64_t data_ = 0;              ///< where the appended data begin
+  std::vector<std::uint64_t> offsets_;  ///< of appended arrays that are encoded
+  // By the begin of an array: behind what has been read of one of text, and how others are read.
+  mutable std::map<std::uint64_t, TextPlace> places_;
+  mutable std::map<std::uint64_t, VtkBytes> bytes_;
 };
 
 /// What stands around the appended, uncompressed arrays of a document, and where these lie.

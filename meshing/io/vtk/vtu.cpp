@@ -66,10 +66,11 @@ class PieceReader {
  public:
   /// `range`: which points and tets are kept; all without one. With one there are no fields.
   PieceReader(const VtkDocument& document, pugi::xml_node piece,
-              const std::optional<MeshRange>& range = std::nullopt)
+              const std::optional<PieceRange>& range = std::nullopt)
       : document_(document),
         piece_(piece),
         range_(range),
+        others_(!range || range->others),
         num_points_(document.count(piece, "NumberOfPoints")),
         num_cells_(document.count(piece, "NumberOfCells")) {}
 
@@ -82,22 +83,25 @@ class PieceReader {
     return std::move(result_);
   }
 
-  /// Nothing where ranges cannot be read.
-  std::optional<MeshSize> size() {
+  PieceSize size() {
     find_cell_data();
-    if (ghosts_ || num_cells_ == 0) return std::nullopt;
-    std::vector<pugi::xml_node> needed = {piece_.child("Points").child("DataArray"), cell_array("types"),
-                                          cell_array("offsets"), cell_array("connectivity")};
-    if (refs_) needed.push_back(refs_);
-    if (const pugi::xml_node array = point_refs()) needed.push_back(array);
-    for (const pugi::xml_node array : needed)
-      if (!document_.has_rows(array)) return std::nullopt;
-    MeshSize size{num_points_, 0};
+    PieceSize size{{num_points_, 0}, num_points_ == 0};
+    for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
+      size.has_ids = size.has_ids || role_of(array) == Role::ids;
     for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce) {
-      const auto types = document_.integers(cell_array("types"), num_cells_, {first, kCellsAtOnce});
-      size.tets += static_cast<std::uint64_t>(std::ranges::count(types, std::int64_t{kTetra}));
+      const Rows rows{first, kCellsAtOnce};
+      size.tets += count_tets(document_.integers(cell_array("types"), num_cells_, rows), ghosts_of(rows));
     }
     return size;
+  }
+
+  /// Only the fields, at the points of the range. A field that has no place here, as some of its values show,
+  /// has no values.
+  MeshContents fields() {
+    for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
+      if (role_of(array) == Role::field) read_field(array);
+    result_.contents.fields.num_points = range_->rows.num_points;
+    return std::move(result_.contents);
   }
 
  private:
@@ -106,7 +110,7 @@ class PieceReader {
 
   MeshData& mesh() { return result_.contents.mesh; }
   Rows point_rows(std::uint64_t length) const {
-    return range_ ? Rows{length * range_->first_point, length * range_->num_points} : Rows{};
+    return range_ ? Rows{length * range_->rows.first_point, length * range_->rows.num_points} : Rows{};
   }
 
   void read_points() {
@@ -121,7 +125,7 @@ class PieceReader {
       for (int c = 0; c < 3; ++c) {
         const double x = coordinates[3 * i + static_cast<std::size_t>(c)];
         if (!std::isfinite(x))
-          document_.fail("point " + std::to_string(i + (range_ ? range_->first_point : 0)),
+          document_.fail("point " + std::to_string(i + (range_ ? range_->rows.first_point : 0)),
                          "a coordinate is not finite");
         mesh().points[i][c] = x;
       }
@@ -135,7 +139,7 @@ class PieceReader {
         ghosts_ = array;
       } else if (is_one_of(name, kRefNames) && !refs_ && is_scalar(array)) {
         refs_ = array;
-      } else {
+      } else if (others_) {
         result_.contents.drop("values of cell data " + name, num_cells_);
       }
     }
@@ -151,7 +155,7 @@ class PieceReader {
 
   /// Cells in blocks: all at once, or so many that a range's memory stays small.
   void read_cells() {
-    if (num_cells_ == 0) return;
+    if (num_cells_ == 0 || (!others_ && range_->rows.num_tets == 0)) return;
     const std::uint64_t at_once = range_ ? kCellsAtOnce : num_cells_;
     for (std::uint64_t first = 0; first < num_cells_; first += at_once)
       read_block(first, range_ ? Rows{first, at_once} : Rows{});
@@ -162,16 +166,15 @@ class PieceReader {
 
   void read_block(std::uint64_t first, Rows rows) {
     const std::vector<std::int64_t> types = document_.integers(cell_array("types"), num_cells_, rows);
-    if (range_ && !is_wanted(types)) {
-      tets_passed_ += types.size();
+    const std::vector<std::int64_t> ghosts = ghosts_of(rows);
+    if (range_ && !is_wanted(types, ghosts)) {
+      tets_passed_ += count_tets(types, ghosts);
       end_ = document_.integers(cell_array("offsets"), num_cells_, {first + types.size() - 1, 1})[0];
       return;
     }
     const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_, rows);
     const std::vector<std::int64_t> refs =
         refs_ ? document_.integers(refs_, num_cells_, rows) : std::vector<std::int64_t>();
-    const std::vector<std::int64_t> ghosts =
-        ghosts_ ? document_.integers(ghosts_, num_cells_, rows) : std::vector<std::int64_t>();
     const std::int64_t begin = std::exchange(end_, offsets.back());
     cell_ = first;
     if (range_ && (begin < 0 || end_ < begin)) fail_cell("its offset is out of range");
@@ -188,22 +191,37 @@ class PieceReader {
       }
       nodes_ = nodes.data() + (at - begin);
       num_nodes_ = static_cast<std::size_t>(end - at);
-      const bool ghost = !ghosts.empty() && (ghosts[i] & 1);  // another piece has it
-      if (!ghost && is_kept(types[i])) read_cell(types[i], refs.empty() ? 0 : checked_ref(refs[i]));
+      if (!is_ghost(ghosts, i) && is_kept(types[i]))
+        read_cell(types[i], refs.empty() ? 0 : checked_ref(refs[i]));
       at = end;
     }
   }
 
-  /// Whether a block has a tet of the range, or any other cell.
-  bool is_wanted(const std::vector<std::int64_t>& types) const {
-    const std::uint64_t last = tets_passed_ + types.size();
-    return (tets_passed_ < range_->first_tet + range_->num_tets && last > range_->first_tet) ||
-           std::ranges::any_of(types, [](std::int64_t type) { return type != kTetra; });
+  std::vector<std::int64_t> ghosts_of(Rows rows) const {
+    return ghosts_ ? document_.integers(ghosts_, num_cells_, rows) : std::vector<std::int64_t>();
+  }
+  /// Whether another piece has the cell.
+  static bool is_ghost(const std::vector<std::int64_t>& ghosts, std::size_t i) {
+    return !ghosts.empty() && (ghosts[i] & 1);
+  }
+  static std::uint64_t count_tets(const std::vector<std::int64_t>& types,
+                                  const std::vector<std::int64_t>& ghosts) {
+    std::uint64_t tets = 0;
+    for (std::size_t i = 0; i < types.size(); ++i) tets += types[i] == kTetra && !is_ghost(ghosts, i);
+    return tets;
+  }
+
+  /// Whether a block has a tet of the range, or any other cell that is wanted.
+  bool is_wanted(const std::vector<std::int64_t>& types, const std::vector<std::int64_t>& ghosts) const {
+    const std::uint64_t last = tets_passed_ + count_tets(types, ghosts);
+    return (tets_passed_ < range_->rows.first_tet + range_->rows.num_tets && last > range_->rows.first_tet) ||
+           (others_ && std::ranges::any_of(types, [](std::int64_t type) { return type != kTetra; }));
   }
   bool is_kept(std::int64_t type) {
-    if (!range_ || type != kTetra) return true;
+    if (!range_) return true;
+    if (type != kTetra) return others_;
     const std::uint64_t tet = tets_passed_++;
-    return tet >= range_->first_tet && tet - range_->first_tet < range_->num_tets;
+    return tet >= range_->rows.first_tet && tet - range_->rows.first_tet < range_->rows.num_tets;
   }
 
   std::int32_t checked_ref(std::int64_t ref) const {
@@ -266,47 +284,56 @@ class PieceReader {
     }
   }
 
-  void read_point_data() {
-    const pugi::xml_node data = piece_.child("PointData");
-    const std::string_view ids = data.attribute("GlobalIds").value();
-    for (const pugi::xml_node array : data.children("DataArray")) {
-      const std::string name = array.attribute("Name").value();
-      const bool real = std::string_view(array.attribute("type").value()).starts_with("Float");
-      if ((name == ids || is_one_of(name, kGlobalIdNames)) && !real && is_scalar(array)) {
-        if (!range_) result_.global_ids = document_.integers(array, num_points_);
-      } else if (array == point_refs()) {
-        read_point_refs(array);
-      } else if (name != kGhosts && !range_) {
-        read_field(array, name);
-      }
-    }
+  /// What an array of point data is.
+  enum class Role { ids, refs, field, none };
+  Role role_of(pugi::xml_node array) const {
+    const std::string_view name = array.attribute("Name").value();
+    const std::string_view ids = piece_.child("PointData").attribute("GlobalIds").value();
+    if ((name == ids || is_one_of(name, kGlobalIdNames)) && is_integer(array)) return Role::ids;
+    if (array == point_refs()) return Role::refs;
+    return name == kGhosts ? Role::none : Role::field;
   }
-
+  static bool is_integer(pugi::xml_node array) {
+    return !std::string_view(array.attribute("type").value()).starts_with("Float") && is_scalar(array);
+  }
   /// The last one: of several it is kept.
   pugi::xml_node point_refs() const {
     pugi::xml_node found;
     for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
-      if (std::string_view(array.attribute("Name").value()) == "ref" && is_scalar(array) &&
-          !std::string_view(array.attribute("type").value()).starts_with("Float"))
-        found = array;
+      if (std::string_view(array.attribute("Name").value()) == "ref" && is_integer(array)) found = array;
     return found;
   }
 
+  void read_point_data() {
+    for (const pugi::xml_node array : piece_.child("PointData").children("DataArray")) {
+      const Role role = role_of(array);
+      if (role == Role::ids) {
+        result_.global_ids = document_.integers(array, num_points_, point_rows(1));
+      } else if (role == Role::refs) {
+        read_point_refs(array);
+      } else if (role == Role::field && !range_) {
+        read_field(array);
+      }
+    }
+  }
+
   void read_point_refs(pugi::xml_node array) {
-    mesh().point_refs.clear();
     for (const std::int64_t ref : document_.integers(array, num_points_, point_rows(1))) {
       if (!std::in_range<std::int32_t>(ref)) document_.fail("array ref", "a reference does not fit 32 bits");
       mesh().point_refs.push_back(static_cast<std::int32_t>(ref));
     }
   }
 
-  void read_field(pugi::xml_node array, const std::string& name) {
+  void read_field(pugi::xml_node array) {
     MeshContents& contents = result_.contents;
+    const std::string name = array.attribute("Name").value();
     const int length = array.attribute("NumberOfComponents").as_int(1);
     if (length != 1 && length != 3 && length != 6 && length != 9) {
-      return contents.drop("fields of " + std::to_string(length) + " components");
+      if (others_) contents.drop("fields of " + std::to_string(length) + " components");
+      return;
     }
-    std::vector<double> values = document_.reals(array, static_cast<std::uint64_t>(length) * num_points_);
+    const auto n = static_cast<std::uint64_t>(length);
+    std::vector<double> values = document_.reals(array, n * num_points_, point_rows(n));
     Field field{length == 1   ? Field::Kind::scalar
                 : length == 3 ? Field::Kind::vector
                               : Field::Kind::tensor,
@@ -314,7 +341,8 @@ class PieceReader {
                 name};
     if (length == 9) {
       if (!fold_full_tensors(values, field.values)) {
-        return contents.drop("fields of tensors that are not symmetric");
+        if (!range_) return contents.drop("fields of tensors that are not symmetric");
+        field.values.clear();
       }
     } else if (length == 6) {
       field.values.resize(values.size());
@@ -328,7 +356,8 @@ class PieceReader {
 
   const VtkDocument& document_;
   pugi::xml_node piece_, refs_, ghosts_;
-  std::optional<MeshRange> range_;
+  std::optional<PieceRange> range_;
+  bool others_;  ///< cells that are no tets are wanted
   std::uint64_t num_points_, num_cells_;
   MeshPiece result_;
   // Of the cells so far:
@@ -576,10 +605,10 @@ void write_frame(FilePart& out, const WholeMesh& whole) {
   rows(PieceArray::refs, first * sizeof(std::int32_t), [&](std::uint64_t i) { return whole.corners[i].ref; });
 }
 
-/// The piece of a file that has only one.
-pugi::xml_node only_piece(const VtkDocument& document) {
+std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
   const auto pieces = document.grid().children("Piece");
-  return std::distance(pieces.begin(), pieces.end()) == 1 ? *pieces.begin() : pugi::xml_node();
+  if (pieces.begin() == pieces.end()) document.fail("Piece", "is missing");
+  return {pieces.begin(), pieces.end()};
 }
 
 }  // namespace
@@ -587,10 +616,8 @@ pugi::xml_node only_piece(const VtkDocument& document) {
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
   const VtkDocument document(path, "UnstructuredGrid");
   std::vector<MeshPiece> pieces;
-  for (const pugi::xml_node piece : document.grid().children("Piece")) {
+  for (const pugi::xml_node piece : pieces_of(document))
     pieces.push_back(PieceReader(document, piece).read());
-  }
-  if (pieces.empty()) document.fail("Piece", "is missing");
   return pieces;
 }
 
@@ -598,15 +625,44 @@ MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(r
 
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {
   const VtkDocument document(path, "UnstructuredGrid");
-  const pugi::xml_node piece = only_piece(document);
-  return piece ? PieceReader(document, piece).size() : std::nullopt;
+  const std::vector<pugi::xml_node> pieces = pieces_of(document);
+  if (pieces.size() > 1) return std::nullopt;
+  return PieceReader(document, pieces[0]).size();
 }
 
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range) {
   const VtkDocument document(path, "UnstructuredGrid");
-  MeshContents contents = PieceReader(document, only_piece(document), range).read().contents;
+  MeshContents contents =
+      PieceReader(document, pieces_of(document)[0], PieceRange{range, true}).read().contents;
   contents.fields.num_points = range.num_points;
   return contents;
+}
+
+std::vector<PieceSize> vtu_piece_sizes(const std::filesystem::path& path) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  std::vector<PieceSize> sizes;
+  for (const pugi::xml_node piece : pieces_of(document)) sizes.push_back(PieceReader(document, piece).size());
+  return sizes;
+}
+
+PieceRanges read_vtu_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  const std::vector<pugi::xml_node> pieces = pieces_of(document);
+  PieceRanges result;
+  for (std::size_t p = 0; p < ranges.size(); ++p)
+    result.pieces.push_back(is_empty(ranges[p]) ? MeshPiece{}
+                                                : PieceReader(document, pieces.at(p), ranges[p]).read());
+  return result;
+}
+
+std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& path,
+                                                std::span<const PieceRange> ranges) {
+  const VtkDocument document(path, "UnstructuredGrid");
+  const std::vector<pugi::xml_node> pieces = pieces_of(document);
+  std::vector<MeshContents> result;
+  for (std::size_t p = 0; p < ranges.size(); ++p)
+    result.push_back(PieceReader(document, pieces.at(p), ranges[p]).fields());
+  return result;
 }
 
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,

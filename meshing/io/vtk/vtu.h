@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,7 @@ namespace weft::meshing {
 /// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
 MeshContents read_vtu(const std::filesystem::path& path);
 
-/// The size of a file with one piece whose arrays are text, or appended, raw and not compressed, as weft and
-/// ParaView write them by default; nothing of another, of which ranges cannot be read. Reads the types of all
-/// cells.
+/// The size of a file with one piece; nothing of one with several. Reads the types of all cells.
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range);
 
@@ -29,6 +28,12 @@ MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& 
 /// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...
 /// Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
+
+// Parts of the pieces, of which there may be many (see mesh_file.h).
+std::vector<PieceSize> vtu_piece_sizes(const std::filesystem::path& path);
+PieceRanges read_vtu_piece_ranges(const std::filesystem::path& path, std::span<const PieceRange> ranges);
+std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& path,
+                                                std::span<const PieceRange> ranges);
 
 // The same file, but for being neither compressed nor ASCII, by several writers: one lays it out and writes
 // all that is no row, then each writes its rows.

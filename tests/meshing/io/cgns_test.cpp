@@ -105,6 +105,33 @@ TEST_F(Cgns, DamageIsRefusedOrHarmless) {
   }
 }
 
+TEST_F(Cgns, ZonesMergeWhereTheirPointsCoincide) {
+  const fs::path path = sample("cgns-two-zones.cgns");  // two cubes, one upon the other
+  const MeshContents c = read_cgns(path);
+  EXPECT_EQ(c.mesh.points.size(), 12u);
+  EXPECT_EQ(c.mesh.tets.size(), 12u);
+  EXPECT_NEAR(total_volume(c.mesh), 2, 1e-14);
+  EXPECT_EQ(c.names.name(3, c.mesh.tet_refs[0]), "fluid");
+  EXPECT_EQ(c.names.name(3, c.mesh.tet_refs[11]), "solid");
+  ASSERT_EQ(c.fields.fields.size(), 2u);
+  EXPECT_EQ(c.fields.fields[0].name, "p");
+  EXPECT_EQ(c.fields.fields[1].kind, Field::Kind::vector);
+  EXPECT_TRUE(dropped(c, "fields that some pieces lack", 2));
+  EXPECT_FALSE(cgns_size(path));
+  const std::vector<PieceSize> sizes = cgns_piece_sizes(path);
+  ASSERT_EQ(sizes.size(), 2u);
+  EXPECT_EQ(sizes[1].points, 8u);
+  EXPECT_EQ(sizes[1].tets, 6u);
+  const PieceRange ranges[] = {{{6, 2, 0, 0}, false}, {{0, 1, 2, 3}, true}};
+  const PieceRanges read = read_cgns_piece_ranges(path, ranges);
+  EXPECT_EQ(read.names.all(), c.names.all());
+  EXPECT_EQ(read.pieces[0].contents.mesh.points, (std::vector<Point>{{0, 1, 1}, {1, 1, 1}}));
+  EXPECT_TRUE(read.pieces[0].contents.mesh.triangles.empty());
+  EXPECT_EQ(read.pieces[1].contents.mesh.tets.size(), 3u);
+  EXPECT_EQ(read.pieces[1].contents.mesh.tet_refs, std::vector<std::int32_t>(3, c.mesh.tet_refs[11]));
+  EXPECT_EQ(read.pieces[1].contents.mesh.triangles.size(), 4u);
+}
+
 TEST_F(Cgns, FilesOfItsTools) {
   const MeshContents c = read_cgns(sample("cgns-box.cgns"));
   EXPECT_EQ(c.mesh.points.size(), 14u);

@@ -114,6 +114,32 @@ TEST(MeshRange, OfVtuAsTextIsFoundByPassingOverRows) {
   expect_equal(read_in_parts(path, 3).mesh, whole.mesh);  // what looks like an array in a comment is none
 }
 
+TEST(MeshRange, OfVtuIsReadHoweverItIsEncoded) {
+  const TemporaryDirectory directory;
+  std::vector<fs::path> files = {directory / "m.vtu"};
+  write_mesh_contents(files[0], named_box(), {.compress = true});
+  for (const char* name :
+       {"vtk-box-inline.vtu", "vtk-box-inline-zlib.vtu", "vtk-box-base64.vtu", "vtk-box-base64-zlib.vtu",
+        "vtk-box-raw-big-endian.vtu", "vtk-box-raw-zlib.vtu", "meshio-box.vtu"})
+    files.push_back(sample(name));
+  for (const fs::path& file : files) {
+    SCOPED_TRACE(file);
+    const MeshContents whole = read_mesh_contents(file);
+    for (const std::uint64_t parts : {1u, 3u, 50u}) expect_equal(read_in_parts(file, parts).mesh, whole.mesh);
+    const std::uint64_t n = whole.mesh.points.size(), half = n / 2;
+    const PieceRange ranges[] = {{{0, half, 0, 0}}, {{half, n - half, 0, 0}}};
+    const SolutionData low = read_piece_fields(file, {&ranges[0], 1})[0].fields,
+                       high = read_piece_fields(file, {&ranges[1], 1})[0].fields;
+    ASSERT_EQ(low.fields.size(), whole.fields.fields.size());
+    for (std::size_t f = 0; f < low.fields.size(); ++f) {
+      std::vector<double> together = low.fields[f].values;
+      append(together, high.fields[f].values);
+      EXPECT_EQ(together, whole.fields.fields[f].values);
+      EXPECT_EQ(low.fields[f].name, whole.fields.fields[f].name);
+    }
+  }
+}
+
 TEST(MeshRange, IsNotReadOfTextOrOlderVersionsOfMsh) {
   const TemporaryDirectory directory;
   WriteOptions ascii, old;

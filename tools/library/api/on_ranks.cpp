@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "meshing/base/error.h"
@@ -14,6 +15,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/fields/measure_slices.h"
 #include "partition/fields/slice_files.h"
+#include "partition/fields/slice_pieces.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/metric/part_domain.h"
 #include "partition/verify/verify_slices.h"
@@ -32,8 +34,9 @@ using partition::MeshSlice;
 using partition::Peers;
 
 /// A mesh file's share; warns where rank 0 has read all of it.
-tools::MeshShare read_mesh(Peers& peers, const std::string& file, DoneOnRanks& done) {
-  tools::MeshShare share = tools::read_mesh_share(peers, file);
+tools::MeshShare read_mesh(Peers& peers, const std::string& file, DoneOnRanks& done,
+                           meshing::OtherVolumes others = meshing::OtherVolumes::refused) {
+  tools::MeshShare share = tools::read_mesh_share(peers, file, others);
   if (share.read_whole && peers.ranks() > 1)
     done.warnings.push_back(tools::read_whole_warning(file, "meshes"));
   return share;
@@ -185,40 +188,69 @@ std::vector<Dropped> lost_of_slices(Peers& peers, const MeshSlice& slice, const 
   return meshing::lost_in(output, meshing::MeshView(counted, fields, names));
 }
 
+bool is_pvtu(const std::string& file) { return std::filesystem::path(file).extension() == ".pvtu"; }
+
+/// Whether the options leave the format as it is by itself.
+bool is_plain(const WriteOptions& options) {
+  const WriteOptions plain;
+  return options.encoding == plain.encoding && options.gmsh_version == plain.gmsh_version &&
+         options.compress == plain.compress;
+}
+
+/// Fields of the input itself, and of a file beside it.
+Fields fields_to_convert(Peers& peers, const std::string& input, const std::string& solution,
+                         const MeshSlice& slice, std::vector<Dropped>& dropped) {
+  Fields fields{slice.points.size(), {}};
+  if (meshing::can_be_in_pieces(input)) {
+    tools::FieldsShare own = tools::read_own_fields_share(peers, input);
+    fields = std::move(own.fields);
+    std::ranges::move(own.dropped, std::back_inserter(dropped));
+  }
+  if (solution.empty()) return fields;
+  Fields more = tools::read_fields_share(peers, solution, slice, [&](std::uint64_t length) {
+    return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, input,
+                       slice.num_points);
+  });
+  std::ranges::move(more.fields, std::back_inserter(fields.fields));
+  return fields;
+}
+
 }  // namespace
 
-bool can_convert_on_ranks(const std::string& input, const std::string& solution, const std::string& output) {
+bool can_convert_on_ranks(const std::string& input, const std::string& solution, const std::string& output,
+                          const WriteOptions& options) {
   try {
-    return !meshing::holds_fields(input) &&
-           (meshing::size_for_ranges(input) || meshing::can_be_streamed(input)) &&
+    const bool pieces = meshing::can_be_in_pieces(input);
+    return (pieces || !meshing::holds_fields(input)) &&
+           (pieces || meshing::can_be_streamed(input) || meshing::size_for_ranges(input)) &&
            !meshing::has_association(input) && (solution.empty() || tools::fields_in_ranges(solution)) &&
-           partition::can_write_slices(output);
+           (is_pvtu(output) || (is_plain(options) && partition::can_write_slices(output)));
   } catch (const InputError&) {  // that whoever reads the file whole tells once
     return false;
   }
 }
 
 ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& solution,
-                                  const std::string& output) {
+                                  const std::string& output, const WriteOptions& options) {
   ConvertedOnRanks result;
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     check_output(peers, output);
-    const tools::MeshShare share = read_mesh(peers, input, result);
+    const tools::MeshShare share = read_mesh(peers, input, result, meshing::OtherVolumes::dropped);
     const MeshSlice& slice = share.slice;
-    Fields fields{slice.points.size(), {}};
-    if (!solution.empty())
-      fields = tools::read_fields_share(peers, solution, slice, [&](std::uint64_t length) {
-        return fmt::format("belongs to another mesh: it has {} vertices, {} has {}", length, input,
-                           slice.num_points);
-      });
+    result.dropped = share.dropped;
+    const Fields fields = fields_to_convert(peers, input, solution, slice, result.dropped);
     const bool beside = !fields.fields.empty() && !meshing::holds_fields(output);
     const std::string file = meshing::solution_beside(output).string();
     if (beside) check_output(peers, file);
     result.counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
                      slice.boundary.edges.size()};
-    result.dropped = share.dropped;
     for (Dropped& lost : lost_of_slices(peers, slice, fields, share.names, output))
       result.dropped.push_back(std::move(lost));
+    if (is_pvtu(output)) {
+      WriteOptions of_pieces = options;
+      if (of_pieces.pieces == 0) of_pieces.pieces = std::max(2, peers.ranks());
+      return partition::write_slices_as_pvtu(peers, slice, fields, output, of_pieces);
+    }
     partition::write_mesh_of_slices(peers, slice, fields, share.names, output);
     if (beside) partition::write_fields_of_slices(peers, slice, fields, file);
   });

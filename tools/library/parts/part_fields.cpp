@@ -6,6 +6,7 @@
 #include <string>
 
 #include "meshing/base/error.h"
+#include "meshing/base/place_in.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/by_components.h"
 #include "tools/library/parts/part_values.h"
@@ -69,9 +70,7 @@ Fields fields_at(Peers& peers, const partition::MeshSlice& slice, const Fields& 
         partition::fetch<double>(peers, points, wanted, [&](std::size_t i) { return column[i]; });
     std::vector<double> values;
     values.reserve(numbers.size());
-    for (const std::uint64_t number : numbers)
-      values.push_back(
-          found[static_cast<std::size_t>(std::ranges::lower_bound(wanted, number) - wanted.begin())]);
+    for (const std::uint64_t number : numbers) values.push_back(found[meshing::place_in(wanted, number)]);
     return values;
   });
 }

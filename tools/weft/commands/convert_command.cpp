@@ -31,6 +31,7 @@ what the new format cannot hold.)";
 struct ConvertCommand {
   std::string input, output, solution;
   WriteOptions options;
+  int pieces = 0;  ///< 0: as many as are usual
   Verbosity verbosity;
 };
 
@@ -49,7 +50,9 @@ void tell(const ConvertCommand& command, const MeshCounts& counts) {
 }
 
 int run_on_ranks(const ConvertCommand& command) {
-  const ConvertedOnRanks done = convert_on_ranks(command.input, command.solution, command.output);
+  WriteOptions options = command.options;
+  options.pieces = command.pieces;
+  const ConvertedOnRanks done = convert_on_ranks(command.input, command.solution, command.output, options);
   if (!done.first) return kDone;
   for (const std::string& warning : done.warnings) command.verbosity.print("warning: {}\n", warning);
   tell(command, done.counts);
@@ -57,15 +60,9 @@ int run_on_ranks(const ConvertCommand& command) {
   return kDone;
 }
 
-bool is_plain(const WriteOptions& options) {
-  const WriteOptions plain;
-  return options.encoding == plain.encoding && options.gmsh_version == plain.gmsh_version &&
-         options.compress == plain.compress && options.pieces == plain.pieces;
-}
-
 int run_convert(const ConvertCommand& command) {
   if (under_mpirun()) {
-    if (is_plain(command.options) && can_convert_on_ranks(command.input, command.solution, command.output))
+    if (can_convert_on_ranks(command.input, command.solution, command.output, command.options))
       return run_on_ranks(command);
     const PlaceOnRanks place = place_on_ranks();
     if (place.rank != 0) return kDone;
@@ -73,14 +70,16 @@ int run_convert(const ConvertCommand& command) {
   }
   Progress progress(command.verbosity.style());
   progress.phase("converting");
-  const Converted done = convert(command.input, command.output, command.solution, command.options);
+  WriteOptions options = command.options;
+  if (command.pieces > 0) options.pieces = command.pieces;
+  const Converted done = convert(command.input, command.output, command.solution, options);
   progress.finish();
   tell(command, done.counts);
   command.verbosity.print("{}", dropped_text(done.dropped));
   return kDone;
 }
 
-void add_choices(CLI::App& sub, WriteOptions& options) {
+void add_choices(CLI::App& sub, WriteOptions& options, int& pieces) {
   static const std::map<std::string, WriteOptions::Encoding> encodings = {
       {"binary", WriteOptions::Encoding::binary},
       {"ascii", WriteOptions::Encoding::ascii},
@@ -94,7 +93,7 @@ void add_choices(CLI::App& sub, WriteOptions& options) {
       ->transform(CLI::CheckedTransformer(versions).description(""))
       ->type_name("V");
   sub.add_flag("--compress", options.compress, "compress the arrays of a .vtu or .pvtu");
-  sub.add_option("--pieces", options.pieces, "pieces of a .pvtu; default 2")
+  sub.add_option("--pieces", pieces, "pieces of a .pvtu; default 2, of more ranks one each")
       ->check(CLI::Range(1, 100000).description(""))
       ->type_name("N");
 }
@@ -113,7 +112,7 @@ void add_convert_command(CLI::App& app, Action& action) {
   sub->add_option("--sol,--metric", command->solution,
                   "fields at the vertices, .solb or .sol (also -sol, -met)")
       ->type_name("FILE");
-  add_choices(*sub, command->options);
+  add_choices(*sub, command->options, command->pieces);
   add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_convert(*command); }; });
 }

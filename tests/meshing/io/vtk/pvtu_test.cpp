@@ -43,6 +43,14 @@ TEST_F(Pvtu, RoundTripWithGlobalIdsIsExact) {
   EXPECT_EQ(directory.num_entries(), 6u);
 }
 
+TEST_F(Pvtu, OfAnEarlierVersionIsRead) {
+  const MeshContents whole = read_vtu(sample("meshio-box.vtu")), read = read_pvtu(sample("weft-box.pvtu"));
+  expect_equal(read.mesh, whole.mesh);
+  expect_equal_fields(read.fields, whole.fields);
+  EXPECT_EQ(pvtu_sources(sample("weft-box.pvtu")),
+            (std::vector<fs::path>{sample("weft-box_0.vtu"), sample("weft-box_1.vtu")}));
+}
+
 TEST_F(Pvtu, WithoutIdsPointsMergeByTheirPlace) {
   write_pvtu(directory / "m.pvtu", box, {.encoding = WriteOptions::Encoding::ascii, .pieces = 2});
   replace_in_pieces("GlobalPointIds", "Numbers");

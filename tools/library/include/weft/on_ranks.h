@@ -63,13 +63,14 @@ struct ConvertedOnRanks : DoneOnRanks {
   MeshCounts counts;
   std::vector<Dropped> dropped;
 };
-/// Whether convert_on_ranks() can do it: from GMF (without a CAD model) or binary UGRID to .meshb, .vtu, .msh
-/// or binary UGRID of 64-bit reals, with fields in a .solb or .sol.
+/// Whether convert_on_ranks() can do it: from GMF (without a CAD model), UGRID, SU2, VTK or CGNS to .meshb,
+/// .vtu, .msh, .cgns, .su2, binary UGRID of 64-bit reals (these without options) or .pvtu, with fields of the
+/// input or in a .solb or .sol.
 WEFT_API bool can_convert_on_ranks(const std::string& input, const std::string& solution,
-                                   const std::string& output);
-/// Writes a mesh in another format, with the fields of `solution` (empty: none) inside or beside: the bytes
-/// of write_mesh_file().
+                                   const std::string& output, const WriteOptions& options);
+/// Writes a mesh in another format, with the fields of the input and of `solution` (empty: none) inside or
+/// beside: the bytes of write_mesh_file(). options.pieces of 0: as many as there are ranks, at least 2.
 WEFT_API ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& solution,
-                                           const std::string& output);
+                                           const std::string& output, const WriteOptions& options);
 
 }  // namespace weft

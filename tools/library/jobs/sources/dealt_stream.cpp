@@ -184,7 +184,7 @@ void set_point_refs(Peers& peers, const std::vector<std::pair<std::uint32_t, std
 
 }  // namespace
 
-MeshShare read_dealt_share(Peers& peers, const std::string& file) {
+MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::OtherVolumes others) {
   MeshShare share;
   DealtArrays arrays;
   Dealer dealer(peers, arrays);
@@ -192,7 +192,7 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file) {
   std::string problem;
   if (peers.rank() == 0) {
     try {
-      rest = meshing::stream_mesh(file, dealer);
+      rest = meshing::stream_mesh(file, dealer, others);
     } catch (const std::exception& error) {
       problem = error.what();
     }

@@ -11,6 +11,6 @@ namespace weft::tools {
 /// All ranks: the share of a file that meshing::can_be_streamed(). Blocks of points and tets go round the
 /// ranks as they are read; when their numbers are known, each rank gets its share of what all have got. Rank
 /// 0 holds what the others do, a block, and the boundary. Throws InputError alike on all ranks.
-MeshShare read_dealt_share(partition::Peers& peers, const std::string& file);
+MeshShare read_dealt_share(partition::Peers& peers, const std::string& file, meshing::OtherVolumes others);
 
 }  // namespace weft::tools

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/base/place_in.h"
 #include "meshing/metric/sources/hessian.h"
 #include "meshing/metric/sources/multiscale.h"
 #include "partition/communication/agreement.h"
@@ -66,7 +67,7 @@ meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain
   std::ranges::sort(numbers);
   numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
   const auto renumber = [&](std::uint32_t& v) {
-    v = static_cast<std::uint32_t>(std::ranges::lower_bound(numbers, v) - numbers.begin());
+    v = static_cast<std::uint32_t>(meshing::place_in(numbers, v));
   };
   for (auto& triangle : mesh.triangles) std::ranges::for_each(triangle, renumber);
   for (auto& edge : mesh.edges) std::ranges::for_each(edge, renumber);

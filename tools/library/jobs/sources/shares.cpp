@@ -13,6 +13,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/fields/by_components.h"
 #include "tools/library/jobs/sources/dealt_stream.h"
+#include "tools/library/jobs/sources/piece_shares.h"
 
 namespace weft::tools {
 namespace {
@@ -24,9 +25,9 @@ using partition::Peers;
 
 /// The file's share of this rank.
 MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, Share points, Share tets,
-                        MeshShare& share) {
+                        meshing::OtherVolumes others, MeshShare& share) {
   meshing::MeshContents part =
-      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count});
+      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count}, others);
   MeshSlice slice;
   slice.num_points = size.points;
   slice.num_tets = size.tets;
@@ -63,6 +64,11 @@ void tell_all(Peers& peers, std::vector<T>& values) {
   values = partition::allgather(peers, values)[0];
 }
 
+bool is_gmf_solution(const std::string& file) {
+  const std::string extension = std::filesystem::path(file).extension();
+  return extension == ".solb" || extension == ".sol";
+}
+
 }  // namespace
 
 Share share_of(std::uint64_t total, int rank, int ranks) {
@@ -72,29 +78,40 @@ Share share_of(std::uint64_t total, int rank, int ranks) {
 }
 
 bool fields_in_ranges(const std::string& file) {
-  const std::string extension = std::filesystem::path(file).extension();
-  return extension == ".solb" || extension == ".sol";
+  return is_gmf_solution(file) || (meshing::is_mesh_name(file) && meshing::can_be_in_pieces(file));
 }
 
-MeshShare read_mesh_share(Peers& peers, const std::string& file) {
+MeshShare read_mesh_share(Peers& peers, const std::string& file, meshing::OtherVolumes others) {
   MeshShare share;
   std::optional<meshing::MeshSize> size;
   MeshData whole;
   bool streamed = false;
   partition::agree_on(peers, [&] { streamed = peers.rank() == 0 && meshing::can_be_streamed(file); });
-  if (partition::max(peers, std::uint8_t{streamed}) != 0) return read_dealt_share(peers, file);
+  if (partition::max(peers, std::uint8_t{streamed}) != 0) return read_dealt_share(peers, file, others);
   partition::agree_on(peers, [&] {
     size = meshing::size_for_ranges(file);
     if (size) {
       const Share points = share_of(size->points, peers.rank(), peers.ranks());
       const Share tets = share_of(size->tets, peers.rank(), peers.ranks());
-      share.slice = slice_of_file(file, *size, points, tets, share);
-    } else if (peers.rank() == 0) {
-      whole = meshing::read_mesh(file, &share.names);
+      share.slice = slice_of_file(file, *size, points, tets, others, share);
     }
   });
-  share.read_whole = !size;
-  if (!size) share.slice = deal_out(peers, whole, {});
+  if (size) return share;
+  if (meshing::can_be_in_pieces(file)) {
+    const PieceShares pieces(peers, file);
+    if (pieces.has_ranges()) return pieces.mesh(peers, others);
+  }
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    meshing::MeshContents contents = meshing::read_mesh_contents(file);
+    if (others == meshing::OtherVolumes::refused)
+      meshing::refuse_foreign_volumes(contents.foreign_volumes, file);
+    whole = std::move(contents.mesh);
+    share.names = std::move(contents.names);
+    share.dropped = std::move(contents.dropped);
+  });
+  share.read_whole = true;
+  share.slice = deal_out(peers, whole, {});
   return share;
 }
 
@@ -104,18 +121,30 @@ Fields read_fields_share(Peers& peers, const std::string& file, const MeshSlice&
     if (length != slice.num_points) throw InputError(file, "", of_another_mesh(length));
   };
   Fields fields;
-  const bool in_ranges = fields_in_ranges(file);
-  partition::agree_on(peers, [&] {
-    if (in_ranges) {
+  if (is_gmf_solution(file)) {
+    partition::agree_on(peers, [&] {
       const meshing::GmfLayout layout = meshing::read_gmf_layout(file);
       check_length(layout.num_solution_points());
       fields = meshing::read_gmf_solution_slice(file, layout, slice.first_point, slice.points.size());
-    } else if (peers.rank() == 0) {
-      fields = meshing::read_solution(file);
-      check_length(fields.num_points);
-    }
+    });
+    return fields;
+  }
+  if (fields_in_ranges(file)) {
+    FieldsShare own = read_own_fields_share(peers, file);
+    if (own.fields.fields.empty()) throw InputError(file, "", "holds no fields at vertices");
+    check_length(own.num_points);
+    return std::move(own.fields);
+  }
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    fields = meshing::read_solution(file);
+    check_length(fields.num_points);
   });
-  return in_ranges ? fields : deal_fields(peers, fields, slice);
+  return deal_fields(peers, fields, slice);
+}
+
+FieldsShare read_own_fields_share(Peers& peers, const std::string& file) {
+  return PieceShares(peers, file).fields(peers);
 }
 
 MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricField& metric) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/io/mesh_file.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/peers.h"
@@ -27,12 +28,24 @@ struct MeshShare {
   std::vector<Dropped> dropped;  ///< likewise: what of the file has no place here
   bool read_whole = false;       ///< by rank 0: the same on all ranks
 };
-/// All ranks: the share of a mesh file. Throws InputError alike on all ranks.
-MeshShare read_mesh_share(partition::Peers& peers, const std::string& file);
+/// Fields of a mesh file at the points of a slice.
+struct FieldsShare {
+  Fields fields;
+  std::uint64_t num_points = 0;  ///< of the whole mesh
+  std::vector<Dropped> dropped;  ///< on rank 0 at least: what is no field here
+};
 
-/// All ranks: the fields of a file at the points of the slice of a mesh: GMF in ranges, else dealt out by
-/// rank 0. Throws InputError alike on all ranks, with of_another_mesh(its vertices) as the reason where it
-/// has another number of vertices than the mesh.
+/// All ranks: the share of a mesh file. Throws InputError alike on all ranks.
+MeshShare read_mesh_share(partition::Peers& peers, const std::string& file,
+                          meshing::OtherVolumes others = meshing::OtherVolumes::refused);
+
+/// All ranks: the fields in a mesh file of which meshing::can_be_in_pieces(), at the points of its shares;
+/// none where it has none. Throws InputError alike on all ranks.
+FieldsShare read_own_fields_share(partition::Peers& peers, const std::string& file);
+
+/// All ranks: the fields of a file at the points of the slice of a mesh: GMF, VTK and CGNS in ranges, else
+/// dealt out by rank 0. Throws InputError alike on all ranks, with of_another_mesh(its vertices) as the
+/// reason where it has another number of vertices than the mesh.
 Fields read_fields_share(partition::Peers& peers, const std::string& file, const partition::MeshSlice& slice,
                          const std::function<std::string(std::uint64_t)>& of_another_mesh);
 

@@ -29,10 +29,10 @@ struct SliceInput {
   Fields fields;            ///< those that are carried along, at the slice's points
 };
 
-/// All ranks: reads the mesh and makes the metric. A mesh of which ranges can be read
-/// (meshing::size_for_ranges) and values at vertices in GMF files are read in shares, no rank holds more. Of
-/// other formats rank 0 reads all and deals it out; a mesh that is to be mended rank 0 prepares whole. Throws
-/// meshing::InputError alike on all ranks.
+/// All ranks: reads the mesh and makes the metric, in shares where the formats allow (read_mesh_share(),
+/// read_fields_share()); no rank holds more then. Else rank 0 reads all and deals it out, which is among the
+/// warnings; a mesh that is to be mended rank 0 prepares whole. Throws meshing::InputError alike on all
+/// ranks.
 SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options,
                       const std::shared_ptr<const meshing::Model>& model);
 
