@@ -29,6 +29,6 @@ class CadReader {
 /// another.
 using CadEntry = const CadReader* (*)(int interface);
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
-inline constexpr int kCadInterface = 1;
+inline constexpr int kCadInterface = 2;
 
 }  // namespace weft::meshing

@@ -8,6 +8,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/geometry/geometry_model.h"
+#include "meshing/geometry/spline.h"
 
 namespace weft::meshing {
 
@@ -98,6 +99,7 @@ class Model {
     std::vector<Parameters> at;
     std::vector<Point> x;
   };
+  void take_splines();
   void sample_edges();
   void sample_faces();
   void connect();
@@ -107,11 +109,14 @@ class Model {
   bool newton(std::uint32_t e, const Point& p, double t, OnEdge& best) const;
   bool newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best) const;
   bool leave_pole(std::uint32_t f, const Point& p, Parameters& at, double& value) const;
+  OnFace on_face(std::uint32_t f, const SurfaceJet& jet, const Parameters& at) const;
   OnFace finish(std::uint32_t f, const Point& p, const Parameters& at) const;
   OnEdge finish(std::uint32_t e, const Point& p, double t) const;
   Parameters clamped(std::uint32_t f, Parameters at) const;
 
   std::shared_ptr<const GeometryModel> geometry_;
+  std::vector<std::optional<SplineCurve>> spline_curves_;
+  std::vector<std::optional<SplineSurface>> spline_surfaces_;
   double scale_ = 1, size_ = 0;
   Box box_;
   std::vector<std::vector<std::uint32_t>> edge_faces_, node_edges_;
