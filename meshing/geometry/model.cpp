@@ -82,6 +82,7 @@ Model::Model(std::shared_ptr<const GeometryModel> geometry, double scale)
   size_ = norm(box_.size());
   trace_borders();
   find_planes_and_lines();
+  find_details();
 }
 
 void Model::connect() {
@@ -191,6 +192,24 @@ void Model::find_planes_and_lines() {
                             return norm(cross(x - s.x.front(), along)) <= kFlat * size_;
                           });
     if (straight) lines_[e] = Frame{s.x.front(), along, {}, {}};
+  }
+}
+
+/// Of the samples within the border; at poles there is none.
+double Model::largest_curvature(std::uint32_t f) const {
+  double largest = 0;
+  for (const Parameters& at : face_samples_[f].at)
+    if (const auto c = is_inside(f, at) ? curvature(f, at) : std::nullopt)
+      largest = std::max({largest, std::abs(c->largest), std::abs(c->least)});
+  return largest;
+}
+
+void Model::find_details() {
+  for (std::uint32_t f = 0; f < num_faces(); ++f) {
+    const double diagonal = norm(face_boxes_[f].size()), curvature = largest_curvature(f);
+    const double radius = curvature > 0 ? 1 / curvature : kUnbounded;
+    const double least = radius < diagonal ? 0.01 * radius : 0;
+    details_.push_back(std::max(0.0002 * diagonal, std::clamp(0.001 * diagonal, least, 0.05 * radius)));
   }
 }
 

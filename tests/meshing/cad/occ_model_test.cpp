@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
@@ -275,6 +276,32 @@ TEST_F(OccModels, AreTessellatedWithoutGaps) {
                 .distance,
             0, 1e-9);
   }
+}
+
+TEST_F(OccModels, WithSmallBodiesInLargeDomainsHaveTrianglesBySizeOfFace) {
+  // A lens, 2 wide and 0.1 thick, in a box of which 0.1 % is more than that.
+  const TopoDS_Shape lens = BRepAlgoAPI_Common(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, -9.95), 10).Shape(),
+                                               BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 9.95), 10).Shape())
+                                .Shape();
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(gp_Pnt(-50, -50, -50), gp_Pnt(50, 50, 50)).Shape();
+  const std::string path = brep(BRepAlgoAPI_Cut(box, lens).Shape());
+  const auto geometry = load_model(path);
+  const Model model(geometry);
+  CadTessellation options{0.17, 20, {}};
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f) options.face_sagittas.push_back(model.detail(f));
+  const MeshData mesh = tessellate_model(path, *geometry, options);
+  int on_lens = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto f = static_cast<std::uint32_t>(mesh.triangle_refs[t] - 1);
+    if (model.face(f).form.kind != SurfaceForm::Kind::sphere) continue;
+    ++on_lens;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point middle =
+          midpoint(mesh.points[mesh.triangles[t][i]], mesh.points[mesh.triangles[t][(i + 1) % 3]]);
+      EXPECT_LT(model.closest_on_face(f, middle).distance, 0.006);
+    }
+  }
+  EXPECT_GT(on_lens, 20);
 }
 
 TEST_F(OccModels, ThatAreTinyAreTessellatedToo) {
