@@ -325,6 +325,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.allowed = options.allowed;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : meshing::kHausdOfDiagonal * norm(d.box.size());
+  plan.details = options.hausd > 0 ? meshing::kUnbounded : 1;
   plan.expected_complexity = d.complexity;
   plan.threads = std::max(1, options.threads);
   plan.pauses = options.check;

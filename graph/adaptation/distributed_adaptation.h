@@ -28,7 +28,7 @@ struct DistributedOptions {
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
-  double hausd = 0;  ///< 0: 0.1 % of the bounding box diagonal
+  double hausd = 0;  ///< meshing::AdaptOptions
   /// Where few subdomains make a coarse mesh that is divided: so many tets for each, of the input or of that
   /// mesh. More would be a burden for one rank.
   double tets_of_seed = 1e5;

@@ -33,6 +33,7 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
                                       plan.allowed.swap,
                                       plan.allowed.move,
                                       std::bit_cast<std::uint64_t>(plan.hausd),
+                                      std::bit_cast<std::uint64_t>(plan.details),
                                       std::bit_cast<std::uint64_t>(plan.expected_complexity)};
   for (const Phase& phase : plan.phases) {
     words.push_back(phase.first_round);

@@ -231,6 +231,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   meshing::Limits limits;
   const double coarseness = rank.plan.phase_of(round).coarseness;
   limits.hausd = rank.plan.hausd * coarseness * coarseness;  // as bulges of longer edges are
+  limits.details = rank.plan.details * coarseness * coarseness;
   limits.largest_bulge *= coarseness;
   limits = limits.coarser(coarseness);
   meshing::AdaptOptions options;

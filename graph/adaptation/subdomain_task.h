@@ -76,7 +76,8 @@ struct AdaptationPlan {
   bool refine_interface = true;
   bool tets_at_frozen_stay = false;  ///< meshing::AdaptOptions
   meshing::AllowedOperations allowed = {};
-  double hausd = 0;                ///< meshing::AdaptOptions, not 0
+  double hausd = 0;  ///< meshing::Limits, as `details`
+  double details = 0;
   double expected_complexity = 0;  ///< of the whole result
   int threads = 1;                 ///< of this rank: an adaptation helps itself to those that are idle
   /// Every subdomain pauses after its interior adaptation and after every shift, until

@@ -82,6 +82,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       Kernel kernel{*imported.mesh, background, *imported.surface, {}};
       kernel.limits.hausd =
           options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
+      if (options.hausd == 0) kernel.limits.details = 1;
       adapt_in_place(kernel, options, Extent::everything, result.report);
       result.report.surface_deviation = largest_surface_deviation(*imported.mesh, *imported.surface);
       if (options.model)

@@ -27,7 +27,7 @@ struct AdaptOptions {
   std::function<int()> idle_threads;
   double ridge_angle_degrees = kRidgeAngle;
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
-                     ///< 0: 0.1 % of the bounding box diagonal
+                     ///< 0: 0.1 % of the bounding box diagonal, and at most Patch::detail
   std::shared_ptr<const Model> model;  ///< that the boundary lies on; null: the surface is reconstructed
   bool tets_at_frozen_stay = false;    ///< as in the paper; else only frozen vertices themselves stay
   AllowedOperations allowed = {};

@@ -64,17 +64,65 @@ Verdict split_lying(Worker& w, TetId t, const TetVertices& v) {
   return Verdict::not_needed;
 }
 
-/// The neighbours of a vertex that is in its tets' way make room, those inside first.
-void make_room(Worker& w, VertexId v) {
-  if (gather_ball(w.mesh, w.claims, v, w.ball) != Verdict::accepted) return w.claims.release();
+/// Those neighbours of the gathered ball's centre that are nearer than `nearest`, by length, ascending.
+void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found) {
+  found.clear();
+  for (const auto& [u, first] : w.ball.link)
+    if (const MetricLength length = edge_between(w.mesh, w.ball.centre, u); length.below(nearest))
+      found.push_back({u, length.value()});
+  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
+    return a.length != b.length ? a.length < b.length : a.vertex < b.vertex;
+  });
+}
+
+/// kHasShort says whether the last look found a short edge.
+void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
+  if (has_short)
+    mesh.mark(v, kHasShort);
+  else
+    mesh.take_marks(v, kHasShort);
+}
+
+/// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
+Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
+  if (w.mesh.frozen(v)) return done(w, Operator::collapse, Verdict::frozen);
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
+    return done(w, Operator::collapse, r);
+  if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
+  std::vector<Neighbour>& found = w.neighbours;
+  neighbours_within(w, nearest, found);
+  if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
+  Verdict r = Verdict::not_needed;
+  for (const Neighbour& n : found) {
+    r = collapse_edge(w, v, n.vertex, goal);
+    if (r == Verdict::accepted || r == Verdict::conflict) break;
+    w.counts.add(Operator::collapse, r);
+  }
+  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
+    return done(w, Operator::collapse, r);
+  w.claims.release();
+  return r;
+}
+
+/// The neighbours of a vertex that are inside; none where others hold them. Claims nothing in the end.
+std::vector<VertexId> neighbours_inside(Worker& w, VertexId v) {
   std::vector<VertexId> inside;
+  if (gather_ball(w.mesh, w.claims, v, w.ball) != Verdict::accepted) {
+    w.claims.release();
+    return inside;
+  }
   for (const auto& [t, local] : w.ball.tets)
     for (const VertexId u : w.mesh.vertices(t))
       if (u != v && w.mesh.kind(u) == VertexKind::interior) inside.push_back(u);
   w.claims.release();
   std::sort(inside.begin(), inside.end());
   inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
-  for (const VertexId u : inside) {
+  return inside;
+}
+
+/// The neighbours of a vertex that is in its tets' way make room, those inside first.
+void make_room(Worker& w, VertexId v) {
+  for (const VertexId u : neighbours_inside(w, v)) {
     if (done(w, Operator::smooth, smooth_vertex(w, u)) == Verdict::accepted) continue;
     done(w, Operator::relocate, relocate_vertex(w, u));
   }
@@ -117,6 +165,54 @@ Verdict split_below(Worker& w, TetId t, VertexId a, VertexId b) {
   return Verdict::inverts;
 }
 
+/// A tet at both vertices; invalid where there is none, or others hold them. Claims nothing in the end.
+TetId tet_at(Worker& w, VertexId a, VertexId b) {
+  TetId found;
+  if (gather_ball(w.mesh, w.claims, a, w.ball) == Verdict::accepted)
+    for (const auto& [t, local] : w.ball.tets)
+      if (w.mesh.local_index(t, b) >= 0) found = t;
+  w.claims.release();
+  return found;
+}
+
+/// Gives up one of the vertices inside around an edge, the one nearest to its middle that can go. False where
+/// none can. Claims nothing in the end.
+bool clear_ring(Worker& w, TetId t, VertexId a, VertexId b) {
+  std::vector<std::pair<double, VertexId>> inside;
+  const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell);
+  const Point middle = midpoint(w.mesh.point(a), w.mesh.point(b));
+  const int size = w.shell.closed ? w.shell.size : w.shell.size + 1;
+  for (int i = 0; r == Verdict::accepted && i < size; ++i)
+    if (const VertexId u = w.shell.ring[i]; w.mesh.kind(u) == VertexKind::interior)
+      inside.emplace_back(norm2(w.mesh.point(u) - middle), u);
+  w.claims.release();
+  std::sort(inside.begin(), inside.end());
+  return std::any_of(inside.begin(), inside.end(), [&](const auto& u) {
+    return collapse_vertex(w, u.second, kUnbounded, CollapseGoal::room) == Verdict::accepted;
+  });
+}
+
+/// Splits an edge of boundary on a model where vertices that cannot move stand between it and the surface:
+/// they are given up one by one, until it can be split or a vertex can rise from it. Claims nothing in the
+/// end.
+Verdict split_after_clearing(Worker& w, VertexId a, VertexId b) {
+  constexpr int kMost = 12;
+  for (int i = 0; i < kMost; ++i) {
+    TetId t = tet_at(w, a, b);
+    if (!t.valid() || !clear_ring(w, t, a, b)) break;
+    t = tet_at(w, a, b);
+    if (!t.valid()) break;
+    const Verdict r =
+        done(w, Operator::split, split_edge(w, t, a, b, {w.kernel.limits.finest_split_shortest, 0.1}));
+    if (r == Verdict::accepted || r == Verdict::conflict) return r;
+    t = tet_at(w, a, b);
+    if (!t.valid() || w.claims.claim_tet(t) != Verdict::accepted) break;
+    const Verdict below = split_below(w, t, a, b);
+    if (below == Verdict::accepted || below == Verdict::conflict) return below;
+  }
+  return Verdict::inverts;
+}
+
 /// Boundary edges that curve come first, whatever the level: they must be resolved while the tets on them are
 /// still thick, and before anything is created between them and the surface.
 Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
@@ -136,7 +232,9 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
     }
   }
   for (std::size_t i = 0; i < refused && w.kernel.policy.allowed.move; ++i) {
-    const Verdict r = split_below(w, t, behind[i][0], behind[i][1]);
+    Verdict r = split_below(w, t, behind[i][0], behind[i][1]);
+    if (r == Verdict::inverts && w.kernel.surface.model())
+      r = split_after_clearing(w, behind[i][0], behind[i][1]);
     if (r == Verdict::accepted || r == Verdict::conflict || !w.mesh.alive(t)) return r;
     if (w.claims.claim_tet(t) != Verdict::accepted || w.mesh.vertices(t) != v) return r;
   }
@@ -179,46 +277,6 @@ Verdict split_longest(Worker& w, TetId t) {
     w.mesh.mark(t, kLongLater);
   if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
     return done(w, Operator::split, r);
-  w.claims.release();
-  return r;
-}
-
-/// Those neighbours of the gathered ball's centre that are nearer than `nearest`, by length, ascending.
-void neighbours_within(Worker& w, double nearest, std::vector<Neighbour>& found) {
-  found.clear();
-  for (const auto& [u, first] : w.ball.link)
-    if (const MetricLength length = edge_between(w.mesh, w.ball.centre, u); length.below(nearest))
-      found.push_back({u, length.value()});
-  std::sort(found.begin(), found.end(), [](const Neighbour& a, const Neighbour& b) {
-    return a.length != b.length ? a.length < b.length : a.vertex < b.vertex;
-  });
-}
-
-/// kHasShort says whether the last look found a short edge.
-void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
-  if (has_short)
-    mesh.mark(v, kHasShort);
-  else
-    mesh.take_marks(v, kHasShort);
-}
-
-/// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
-Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
-  if (w.mesh.frozen(v)) return done(w, Operator::collapse, Verdict::frozen);
-  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
-    return done(w, Operator::collapse, r);
-  if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
-  std::vector<Neighbour>& found = w.neighbours;
-  neighbours_within(w, nearest, found);
-  if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
-  Verdict r = Verdict::not_needed;
-  for (const Neighbour& n : found) {
-    r = collapse_edge(w, v, n.vertex, goal);
-    if (r == Verdict::accepted || r == Verdict::conflict) break;
-    w.counts.add(Operator::collapse, r);
-  }
-  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
-    return done(w, Operator::collapse, r);
   w.claims.release();
   return r;
 }

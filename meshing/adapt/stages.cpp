@@ -308,6 +308,7 @@ class Adaptation {
     const double exact_from = times_too_coarse_ < kLittle ? 2 : 1;
     const double times = level > exact_from ? std::min(level, times_too_coarse_) : 1;
     kernel_.limits.hausd = wanted.hausd * times * times;
+    kernel_.limits.details = wanted.details * times * times;
     kernel_.limits.largest_bulge = wanted.largest_bulge * times;
   }
 
@@ -327,7 +328,7 @@ class Adaptation {
       for (int f = 0; f < 4; ++f) {
         const PatchId patch = mesh_.patch(t, f);
         if (!patch.valid() || kernel_.surface.patches()[patch.value].planar) continue;
-        off += surface_deviation(mesh_, kernel_.surface, patch, t, f) > kClearly * kernel_.limits.hausd;
+        off += surface_deviation(mesh_, kernel_.surface, patch, t, f) > kClearly * kernel_.hausd(patch);
         ++all;
         for (int k = 0; k < 3; ++k) {
           const VertexId a = mesh_.vertex(t, kTetFaces[f][k]), b = mesh_.vertex(t, kTetFaces[f][(k + 1) % 3]);

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "meshing/geometry/geometry_model.h"
 #include "meshing/mesh/mesh_data.h"
@@ -10,8 +11,9 @@
 namespace weft::meshing {
 
 struct CadTessellation {
-  double sagitta = 0;         ///< largest distance of an edge from the model
-  double angle_degrees = 20;  ///< that the normal turns along an edge
+  double sagitta = 0;                      ///< largest distance of an edge from the model
+  double angle_degrees = 20;               ///< that the normal turns along an edge
+  std::vector<double> face_sagittas = {};  ///< of each face, where it is less than that of all; or empty
 };
 
 class CadReader {
@@ -29,6 +31,6 @@ class CadReader {
 /// another.
 using CadEntry = const CadReader* (*)(int interface);
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
-inline constexpr int kCadInterface = 1;
+inline constexpr int kCadInterface = 2;
 
 }  // namespace weft::meshing

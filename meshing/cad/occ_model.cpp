@@ -5,10 +5,14 @@
 #include <BRep_Tool.hxx>
 #include <GeomAdaptor_Curve.hxx>
 #include <GeomAdaptor_Surface.hxx>
+#include <GeomConvert.hxx>
 #include <Geom_BSplineCurve.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <Geom_BezierCurve.hxx>
+#include <Geom_BezierSurface.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -85,6 +89,44 @@ int spans_of(const Handle(Geom_Curve) & curve) {
          std::clamp(adaptor.GetType() == GeomAbs_BezierCurve ? adaptor.Degree() : 1, 1, 8);
 }
 
+SplineKnots knots_of(int degree, const TColStd_Array1OfReal& knots) {
+  return {degree, {knots.begin(), knots.end()}};
+}
+
+WeightedPoint weighted(const gp_Pnt& p, double weight) {
+  return {weight * p.X(), weight * p.Y(), weight * p.Z(), weight};
+}
+
+/// Splines as plain data, periodic ones unrolled: weft evaluates them many times faster.
+std::optional<CurveSpline> spline_of(const Handle(Geom_Curve) & curve) {
+  if (!curve->IsKind(STANDARD_TYPE(Geom_BSplineCurve)) && !curve->IsKind(STANDARD_TYPE(Geom_BezierCurve)))
+    return std::nullopt;
+  const auto spline = Handle(Geom_BSplineCurve)::DownCast(GeomConvert::CurveToBSplineCurve(curve)->Copy());
+  if (spline->IsPeriodic()) spline->SetNotPeriodic();
+  CurveSpline result;
+  result.knots = knots_of(spline->Degree(), spline->KnotSequence());
+  for (int i = 1; i <= spline->NbPoles(); ++i)
+    result.control.push_back(weighted(spline->Pole(i), spline->Weight(i)));
+  return result;
+}
+
+std::optional<SurfaceSpline> spline_of(const Handle(Geom_Surface) & surface) {
+  if (!surface->IsKind(STANDARD_TYPE(Geom_BSplineSurface)) &&
+      !surface->IsKind(STANDARD_TYPE(Geom_BezierSurface)))
+    return std::nullopt;
+  const auto spline =
+      Handle(Geom_BSplineSurface)::DownCast(GeomConvert::SurfaceToBSplineSurface(surface)->Copy());
+  if (spline->IsUPeriodic()) spline->SetUNotPeriodic();
+  if (spline->IsVPeriodic()) spline->SetVNotPeriodic();
+  SurfaceSpline result;
+  result.knots = {knots_of(spline->UDegree(), spline->UKnotSequence()),
+                  knots_of(spline->VDegree(), spline->VKnotSequence())};
+  for (int i = 1; i <= spline->NbUPoles(); ++i)
+    for (int j = 1; j <= spline->NbVPoles(); ++j)
+      result.control.push_back(weighted(spline->Pole(i, j), spline->Weight(i, j)));
+  return result;
+}
+
 /// Untrimmed: formulas and ranges are those of the surface below.
 Handle(Geom_Surface) basis_of(Handle(Geom_Surface) surface) {
   while (!surface.IsNull() && surface->IsKind(STANDARD_TYPE(Geom_RectangularTrimmedSurface)))
@@ -143,6 +185,7 @@ void OccModel::add_edges() {
     if (!curve.IsNull()) {
       e.form = form_of(curve);
       e.spans = spans_of(curve);
+      e.spline = spline_of(curve);
       if (e.form.kind == CurveForm::Kind::circle)
         e.period = kTurn;
       else if (curve->IsPeriodic())
@@ -172,6 +215,7 @@ void OccModel::add_faces() {
     f.tolerance = BRep_Tool::Tolerance(face);
     f.reversed = face.Orientation() == TopAbs_REVERSED;
     f.form = form_of(surface, f);
+    f.spline = spline_of(surface);
     const GeomAdaptor_Surface adaptor(surface);
     f.spans = {std::max(1, adaptor.NbUIntervals(GeomAbs_C2)), std::max(1, adaptor.NbVIntervals(GeomAbs_C2))};
     faces_.push_back(f);

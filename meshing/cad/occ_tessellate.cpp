@@ -212,10 +212,19 @@ class Joiner {
 
 MeshData tessellate_occ(const OccModel& model, const CadTessellation& options) {
   BRepTools::Clean(model.shape());
-  // OpenCASCADE takes no smaller one; of tiny models the angle alone counts then.
-  const double sagitta = std::max(options.sagitta, Precision::Confusion());
-  BRepMesh_IncrementalMesh mesher(model.shape(), sagitta, Standard_False,
-                                  options.angle_degrees * std::numbers::pi / 180, Standard_False);
+  // OpenCASCADE takes no sagitta below that; of tiny models the angle alone counts then.
+  const auto tessellate = [&](const TopoDS_Shape& shape, double least) {
+    BRepMesh_IncrementalMesh(shape, std::max(least, Precision::Confusion()), Standard_False,
+                             options.angle_degrees * std::numbers::pi / 180, Standard_False);
+  };
+  // The finest first: the others then take its points on the edges between them.
+  std::vector<std::pair<double, int>> finer;
+  for (std::size_t f = 0; f < options.face_sagittas.size(); ++f)
+    if (options.face_sagittas[f] < options.sagitta)
+      finer.emplace_back(options.face_sagittas[f], static_cast<int>(f) + 1);
+  std::sort(finer.begin(), finer.end());
+  for (const auto& [least, face] : finer) tessellate(model.face_map()(face), least);
+  tessellate(model.shape(), options.sagitta);
   return Joiner(model).run();
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,27 @@ namespace weft::meshing {
 
 inline constexpr std::uint32_t kNoEntity = 0xFFFFFFFFu;
 inline constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+inline constexpr int kMostSplineDegree = 25;
+
+/// One parameter of a spline, as plain data. Periodic splines are given unrolled.
+struct SplineKnots {
+  int degree = 0;             ///< 1 to kMostSplineDegree
+  std::vector<double> knots;  ///< ascending, repeated by multiplicity: degree + 1 more than control points
+};
+
+/// A control point times its weight, and the weight.
+using WeightedPoint = std::array<double, 4>;
+
+struct CurveSpline {
+  SplineKnots knots;
+  std::vector<WeightedPoint> control;
+};
+
+struct SurfaceSpline {
+  std::array<SplineKnots, 2> knots;    ///< in u and in v
+  std::vector<WeightedPoint> control;  ///< those of one u together
+};
 
 struct ModelNode {
   Point x;
@@ -29,7 +51,8 @@ struct ModelEdge {
   double period = 0;                                         ///< of the parameter; 0: not periodic
   bool degenerate = false;                                   ///< a point of space, such as a pole
   double tolerance = 0;
-  int spans = 1;  ///< smooth pieces, to know how many samples it takes
+  int spans = 1;                      ///< smooth pieces, to know how many samples it takes
+  std::optional<CurveSpline> spline;  ///< what curve() evaluates, where it is one
 };
 
 /// An edge in the border of a face.
@@ -45,8 +68,9 @@ struct ModelFace {
   Parameters period{};                                                       ///< 0: not periodic
   std::vector<EdgeUse> border;  ///< of all loops; empty for a closed surface without seams
   double tolerance = 0;
-  bool reversed = false;           ///< the outward normal of the body is against du x dv
-  std::array<int, 2> spans{1, 1};  ///< smooth pieces in u and v
+  bool reversed = false;                ///< the outward normal of the body is against du x dv
+  std::array<int, 2> spans{1, 1};       ///< smooth pieces in u and v
+  std::optional<SurfaceSpline> spline;  ///< what surface() evaluates, where it is one
 };
 
 /// Immutable; all functions may be called from many threads at once.

@@ -11,6 +11,8 @@ namespace {
 constexpr int kMostSteps = 50;
 // A step that moves the point by less of the model's size is the last: what is left is its square.
 constexpr double kStill = 1e-13;
+// Squared distances that differ by less of themselves do not tell which place is closer: steps are believed.
+constexpr double kSameSquare = 1e-12;
 constexpr double kFlat = 1e-11;
 constexpr int kBorderSegments = 32;
 
@@ -19,6 +21,11 @@ double at_share(double a, double b, int i, int n) { return i == n ? b : a + (b -
 /// `x` moved by periods into [lo, lo + period).
 double wrap(double x, double lo, double period) {
   return period > 0 ? x - period * std::floor((x - lo) / period) : x;
+}
+
+/// The same where `x` lies outside [first, last], which is one period, with its end.
+double wrap_outside(double x, double first, double last, double period) {
+  return x < first || x > last ? wrap(x, first, period) : x;
 }
 
 /// The samples that could hold the closest point: the nearest, and nearest ones that are not beside it.
@@ -48,6 +55,12 @@ bool is_pole(const SurfaceJet& jet) {
   return u < 1e-12 * v || v < 1e-12 * u;
 }
 
+/// Whether the step after one of this length moves the point by next to nothing. `last` is the length of the
+/// step before where that was Newton's own, else zero: those square the error, by the same factor each.
+bool is_last_step(double length, double last, double still) {
+  return length <= still || length * length * length <= still * last * last;
+}
+
 /// How far a curve or a surface may bulge beyond its samples, at most by experience: a share of their box.
 void enlarge(Box& box, double share, double least) {
   const double d = std::max(share * norm(box.size()), least);
@@ -62,12 +75,14 @@ void enlarge(Box& box, double share, double least) {
 Model::Model(std::shared_ptr<const GeometryModel> geometry, double scale)
     : geometry_(std::move(geometry)), scale_(scale) {
   connect();
+  take_splines();
   sample_edges();
   sample_faces();
   for (std::uint32_t n = 0; n < num_nodes(); ++n) box_.include(node(n));
   size_ = norm(box_.size());
   trace_borders();
   find_planes_and_lines();
+  find_details();
 }
 
 void Model::connect() {
@@ -82,6 +97,15 @@ void Model::connect() {
     for (const std::uint32_t n : edge(e).nodes)
       if (n != kNoEntity && (node_edges_[n].empty() || node_edges_[n].back() != e))
         node_edges_[n].push_back(e);
+}
+
+void Model::take_splines() {
+  spline_curves_.resize(num_edges());
+  for (std::uint32_t e = 0; e < num_edges(); ++e)
+    if (edge(e).spline) spline_curves_[e].emplace(*edge(e).spline);
+  spline_surfaces_.resize(num_faces());
+  for (std::uint32_t f = 0; f < num_faces(); ++f)
+    if (face(f).spline) spline_surfaces_[f].emplace(*face(f).spline);
 }
 
 void Model::sample_edges() {
@@ -171,18 +195,49 @@ void Model::find_planes_and_lines() {
   }
 }
 
+/// Of the samples within the border; at poles there is none.
+double Model::largest_curvature(std::uint32_t f) const {
+  double largest = 0;
+  for (const Parameters& at : face_samples_[f].at)
+    if (const auto c = is_inside(f, at) ? curvature(f, at) : std::nullopt)
+      largest = std::max({largest, std::abs(c->largest), std::abs(c->least)});
+  return largest;
+}
+
+void Model::find_details() {
+  for (std::uint32_t f = 0; f < num_faces(); ++f) {
+    const double diagonal = norm(face_boxes_[f].size()), curvature = largest_curvature(f);
+    const double radius = curvature > 0 ? 1 / curvature : kUnbounded;
+    const double least = radius < diagonal ? 0.01 * radius : 0;
+    details_.push_back(std::max(0.0002 * diagonal, std::clamp(0.001 * diagonal, least, 0.05 * radius)));
+  }
+}
+
 // ---- evaluation
 
 CurveJet Model::curve(std::uint32_t e, double t) const {
   const ModelEdge& m = edge(e);
-  CurveJet jet = m.form.kind == CurveForm::Kind::other ? geometry_->curve(e, t) : evaluate(m.form, t);
+  CurveJet jet;
+  if (m.form.kind != CurveForm::Kind::other)
+    jet = evaluate(m.form, t);
+  else if (const auto& spline = spline_curves_[e])
+    jet = spline->evaluate(wrap_outside(t, spline->first(), spline->last(), m.period));
+  else
+    jet = geometry_->curve(e, t);
   if (scale_ != 1) jet = {scale_ * jet.x, scale_ * jet.d1, scale_ * jet.d2};
   return jet;
 }
 
 SurfaceJet Model::surface(std::uint32_t f, const Parameters& at) const {
-  const SurfaceForm& form = face(f).form;
-  SurfaceJet jet = form.kind == SurfaceForm::Kind::other ? geometry_->surface(f, at) : evaluate(form, at);
+  const ModelFace& m = face(f);
+  SurfaceJet jet;
+  if (m.form.kind != SurfaceForm::Kind::other)
+    jet = evaluate(m.form, at);
+  else if (const auto& spline = spline_surfaces_[f])
+    jet = spline->evaluate({wrap_outside(at[0], m.first[0], m.last[0], m.period[0]),
+                            wrap_outside(at[1], m.first[1], m.last[1], m.period[1])});
+  else
+    jet = geometry_->surface(f, at);
   if (scale_ != 1)
     jet = {scale_ * jet.x,   scale_ * jet.du,  scale_ * jet.dv,
            scale_ * jet.duu, scale_ * jet.duv, scale_ * jet.dvv};
@@ -195,8 +250,11 @@ OnEdge Model::point_on_edge(std::uint32_t e, double t) const {
 }
 
 OnFace Model::point_on_face(std::uint32_t f, const Parameters& at) const {
+  return on_face(f, surface(f, at), at);
+}
+
+OnFace Model::on_face(std::uint32_t f, const SurfaceJet& jet, const Parameters& at) const {
   const SurfaceForm& form = face(f).form;
-  const SurfaceJet jet = surface(f, at);
   if (form.kind != SurfaceForm::Kind::other) return {jet.x, at, unit_normal(form, at), 0};
   const Vec n = cross(jet.du, jet.dv);
   // Where one derivative is lost in the other's rounding there is no normal.
@@ -270,22 +328,28 @@ OnEdge Model::closest_on_edge(std::uint32_t e, const Point& p, double guess) con
 /// where it did not come to rest.
 bool Model::newton(std::uint32_t e, const Point& p, double t, OnEdge& best) const {
   t = in_range(e, t);
+  const double still = kStill * size_;
   CurveJet jet = curve(e, t);
-  double f = norm2(jet.x - p);
+  double f = norm2(jet.x - p), last = 0;
   bool rests = false;
   for (int step = 0; step < kMostSteps && !rests; ++step) {
     const Vec r = jet.x - p;
     const double g = dot(r, jet.d1), speed2 = norm2(jet.d1);
     double h = speed2 + dot(r, jet.d2);
-    if (!(h > 0.1 * speed2)) h = speed2;
+    const bool exact = h > 0.1 * speed2;
+    if (!exact) h = speed2;
     if (!(h > 0)) break;
     double d = -g / h;
-    rests = std::abs(d) * std::sqrt(speed2) <= kStill * size_;
+    const double length = std::abs(d) * std::sqrt(speed2);
+    rests = is_last_step(length, last, still);
+    const bool blind = rests || (exact && length * length <= kSameSquare * f);
+    last = 0;
     for (int halving = 0;; ++halving, d *= 0.5) {
       const double next = in_range(e, t + d);
       const CurveJet there = curve(e, next);
       const double f_there = norm2(there.x - p);
-      if (f_there < f || (rests && f_there == f)) {
+      if (f_there < f || (blind && f_there <= f * (1 + kSameSquare) + still * still)) {
+        if (exact && halving == 0) last = length;
         t = next, jet = there, f = f_there;
         break;
       }
@@ -295,7 +359,7 @@ bool Model::newton(std::uint32_t e, const Point& p, double t, OnEdge& best) cons
       }
     }
   }
-  if (const OnEdge end = finish(e, p, t); end.distance < best.distance) best = end;
+  if (std::sqrt(f) < best.distance) best = {jet.x, t, normalized(jet.d1), std::sqrt(f)};
   return rests;
 }
 
@@ -387,9 +451,10 @@ bool Model::leave_pole(std::uint32_t f, const Point& p, Parameters& at, double& 
 
 bool Model::newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best) const {
   const ModelFace& m = face(f);
+  const double still = kStill * size_;
   at = clamped(f, at);
   SurfaceJet jet = surface(f, at);
-  double value = norm2(jet.x - p);
+  double value = norm2(jet.x - p), last = 0;
   bool rests = false, left_pole = false;
   for (int step = 0; step < kMostSteps && !rests; ++step) {
     const Vec r = jet.x - p;
@@ -399,7 +464,8 @@ bool Model::newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best)
       held[i] = m.period[i] == 0 && ((at[i] <= m.first[i] && g[i] > 0) || (at[i] >= m.last[i] && g[i] < 0));
     const double e = norm2(jet.du), k = dot(jet.du, jet.dv), l = norm2(jet.dv);
     double a = e + dot(r, jet.duu), b = k + dot(r, jet.duv), c = l + dot(r, jet.dvv);
-    if (!(a > 0.01 * e && c > 0.01 * l && a * c - b * b > 0.01 * e * l)) {
+    const bool exact = a > 0.01 * e && c > 0.01 * l && a * c - b * b > 0.01 * e * l;
+    if (!exact) {
       // Gauss and Newton, kept regular.
       const double mu = 1e-8 * std::max(e, l);
       a = e + mu, b = k, c = l + mu;
@@ -408,16 +474,21 @@ bool Model::newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best)
       left_pole = true;
       if (leave_pole(f, p, at, value)) {
         jet = surface(f, at);
+        last = 0;
         continue;
       }
     }
     Parameters d = quadratic_step(a, b, c, g, held);
-    rests = norm(d[0] * jet.du + d[1] * jet.dv) <= kStill * size_;
+    const double length = norm(d[0] * jet.du + d[1] * jet.dv);
+    rests = is_last_step(length, last, still);
+    const bool blind = rests || (exact && length * length <= kSameSquare * value);
+    last = 0;
     for (int halving = 0;; ++halving) {
       const Parameters next = clamped(f, {at[0] + d[0], at[1] + d[1]});
       const SurfaceJet there = surface(f, next);
       const double value_there = norm2(there.x - p);
-      if (value_there < value || (rests && value_there == value)) {
+      if (value_there < value || (blind && value_there <= value * (1 + kSameSquare) + still * still)) {
+        if (exact && halving == 0) last = length;
         at = next, jet = there, value = value_there;
         break;
       }
@@ -428,7 +499,7 @@ bool Model::newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best)
       d = {0.5 * d[0], 0.5 * d[1]};
     }
   }
-  if (const OnFace end = finish(f, p, at); end.distance < best.distance) best = end;
+  if (std::sqrt(value) < best.distance) best = on_face(f, jet, at), best.distance = std::sqrt(value);
   return rests;
 }
 

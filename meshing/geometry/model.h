@@ -8,6 +8,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/geometry/geometry_model.h"
+#include "meshing/geometry/spline.h"
 
 namespace weft::meshing {
 
@@ -60,6 +61,10 @@ class Model {
   double size() const { return size_; }
   const Box& edge_box(std::uint32_t e) const { return edge_boxes_[e]; }
   const Box& face_box(std::uint32_t f) const { return face_boxes_[f]; }
+  /// How far triangles may be from a face, at its narrowest and where it curves most, and still have its
+  /// shape: 0.1 % of the diagonal of its box, but at most 5 % of its least radius of curvature and, where
+  /// that is below the diagonal, at least 1 %; at least 0.02 % of the diagonal.
+  double detail(std::uint32_t f) const { return details_[f]; }
   /// Whether the closest point needs no guess.
   bool has_formula(std::uint32_t f) const { return face(f).form.kind != SurfaceForm::Kind::other; }
   bool edge_has_formula(std::uint32_t e) const { return edge(e).form.kind != CurveForm::Kind::other; }
@@ -98,20 +103,26 @@ class Model {
     std::vector<Parameters> at;
     std::vector<Point> x;
   };
+  void take_splines();
   void sample_edges();
   void sample_faces();
   void connect();
   void trace_borders();
   void find_planes_and_lines();
+  void find_details();
+  double largest_curvature(std::uint32_t f) const;
   double in_range(std::uint32_t e, double t) const;
   bool newton(std::uint32_t e, const Point& p, double t, OnEdge& best) const;
   bool newton(std::uint32_t f, const Point& p, Parameters at, OnFace& best) const;
   bool leave_pole(std::uint32_t f, const Point& p, Parameters& at, double& value) const;
+  OnFace on_face(std::uint32_t f, const SurfaceJet& jet, const Parameters& at) const;
   OnFace finish(std::uint32_t f, const Point& p, const Parameters& at) const;
   OnEdge finish(std::uint32_t e, const Point& p, double t) const;
   Parameters clamped(std::uint32_t f, Parameters at) const;
 
   std::shared_ptr<const GeometryModel> geometry_;
+  std::vector<std::optional<SplineCurve>> spline_curves_;
+  std::vector<std::optional<SplineSurface>> spline_surfaces_;
   double scale_ = 1, size_ = 0;
   Box box_;
   std::vector<std::vector<std::uint32_t>> edge_faces_, node_edges_;
@@ -121,6 +132,7 @@ class Model {
   /// Segments of each face's border in its parameters.
   std::vector<std::vector<std::array<Parameters, 2>>> borders_;
   std::vector<std::optional<Frame>> planes_, lines_;
+  std::vector<double> details_;
 };
 
 }  // namespace weft::meshing

@@ -209,6 +209,8 @@ void Surface::Impl::take_patches_of_model() {
   for (std::uint32_t p = 0; p < shape.patches.size(); ++p) {
     shape.patches[p].ref = on->triangle_refs.ref(shape.patches[p].ref);
     std::ranges::sort(on->patch_faces[p]);
+    for (const std::uint32_t f : on->patch_faces[p])
+      shape.patches[p].detail = std::min(shape.patches[p].detail, on->model().detail(f));
     if (!on->patch_faces[p].empty()) take_plane(p);
   }
 }

@@ -20,9 +20,10 @@ namespace weft::meshing {
 
 /// A maximal edge-connected set of boundary triangles with one reference that no feature edge cuts off.
 struct Patch {
-  std::int32_t ref = 0;  ///< the input's triangle reference
-  bool planar = false;   ///< all its points in one plane, to 1e-6 of its diameter
-  Vec normal;            ///< unit normal of a planar patch; zero otherwise
+  std::int32_t ref = 0;        ///< the input's triangle reference
+  bool planar = false;         ///< all its points in one plane, to 1e-6 of its diameter
+  Vec normal;                  ///< unit normal of a planar patch; zero otherwise
+  double detail = kUnbounded;  ///< Model::detail of its faces, the least; unbounded where it lies on none
 };
 
 /// A chain of feature edges between corners (or a closed loop).

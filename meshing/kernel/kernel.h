@@ -2,6 +2,7 @@
 // scratch.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -34,6 +35,7 @@ struct Limits {
   double shortest_step = 0.03;    ///< shorter moves are not made
   double far_step = 0.1;          ///< longer moves make the neighbours worth smoothing again
   double hausd = 0;               ///< largest deviation of the boundary from the reference surface
+  double details = kUnbounded;    ///< that of a patch on a CAD model is at most this many times Patch::detail
 
   /// The same for the metric divided by factor^2: all lengths are that much longer.
   Limits coarser(double factor) const;
@@ -61,6 +63,11 @@ struct Kernel {
   const Surface& surface;
   Limits limits;
   Policy policy = {};
+
+  /// Largest deviation of a patch from the reference surface.
+  double hausd(PatchId patch) const {
+    return std::min(limits.hausd, limits.details * surface.patches()[patch.value].detail);
+  }
 };
 
 /// A neighbour of a vertex and its distance in the metric.

@@ -135,7 +135,7 @@ double longest_spoke(Worker& w) {
 Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const VertexId kept = plan.kept;
   const TetMesh& mesh = w.mesh;
-  if (goal == CollapseGoal::undo) return Verdict::accepted;
+  if (goal == CollapseGoal::undo || goal == CollapseGoal::room) return Verdict::accepted;
   const double longest = goal == CollapseGoal::quality
                              ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
                              : w.kernel.limits.collapse_longest;
@@ -161,10 +161,11 @@ Verdict judge_qualities(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const TetMesh& mesh = w.mesh;
   double old_worst = 1;
   for (const auto& [t, local] : w.ball.tets) old_worst = std::min<double>(old_worst, mesh.quality(t));
-  const double enough = goal == CollapseGoal::undo ? 0
-                        : goal == CollapseGoal::quality
-                            ? std::max(1.1 * old_worst, old_worst + 1e-3)
-                            : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
+  const double enough =
+      goal == CollapseGoal::undo      ? 0
+      : goal == CollapseGoal::room    ? std::min(w.kernel.limits.split_quality, 0.1 * old_worst)
+      : goal == CollapseGoal::quality ? std::max(1.1 * old_worst, old_worst + 1e-3)
+                                      : std::min(w.kernel.limits.collapse_quality, 0.9 * old_worst);
   const Corner k = w.corner(kept);
   w.qualities.clear();
   for (const auto& [t, local] : w.ball.tets) {

@@ -9,6 +9,7 @@ namespace weft::meshing {
 enum class CollapseGoal {
   length,   ///< remove a short edge; quality may fall to limits.collapse_quality
   quality,  ///< the worst tet of the ball must become better
+  room,     ///< a vertex is given up for what its place is wanted for: lengths do not matter
   undo,     ///< a split is taken back: any valid result will do
 };
 

@@ -34,7 +34,7 @@ bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
       const Point centroid = (1.0 / 3) * (p[0] + p[1] + p[2]);
       const auto q =
           w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
-      if (norm(centroid - q.x) > w.kernel.limits.hausd) return false;
+      if (norm(centroid - q.x) > w.kernel.hausd(patch)) return false;
       if (w.kernel.surface.model() && turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
     }
   return true;

@@ -15,6 +15,7 @@ struct NewVertex {
   Metric metric;
   EdgeClass on;
   std::uint32_t background_hint, surface_hint = 0;
+  Vec normal = {};  ///< of the surface there, where that is curved
 };
 
 NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bool on_chord) {
@@ -34,6 +35,7 @@ NewVertex place(const Worker& w, VertexId a, VertexId b, const EdgeClass& on, bo
     const auto q = s.project_to_patch(on.patch, n.x, mesh.kind(a), mesh.surface_hint(a));
     if (!on_chord && !s.patches()[on.patch.value].planar) n.x = q.x;
     n.surface_hint = q.hint;
+    n.normal = q.normal;
   }
   const Background::Sample sample = w.kernel.background.at(n.x, mesh.background_hint(a));
   n.log_metric = sample.log_metric;
@@ -94,12 +96,10 @@ bool bends_surface(const Worker& w, const SplitPlan& plan) {
   const NewVertex& n = plan.vertex;
   const Shell& shell = plan.shell;
   if (n.on.kind != VertexKind::surface || w.kernel.surface.patches()[n.on.patch.value].planar) return false;
-  const Vec up =
-      w.kernel.surface.project_to_patch(n.on.patch, n.x, VertexKind::surface, n.surface_hint).normal;
   const Point &a = w.mesh.point(shell.a), &b = w.mesh.point(shell.b);
   const auto stands = [&](const Point& x, const Point& y, const Point& z) {
     const Vec normal = cross(y - x, z - x);
-    return std::abs(dot(normal, up)) < 0.5 * norm(normal);
+    return std::abs(dot(normal, n.normal)) < 0.5 * norm(normal);
   };
   for (const VertexId r : {shell.ring[0], shell.ring[shell.size]}) {
     const Point& c = w.mesh.point(r);

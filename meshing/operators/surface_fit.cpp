@@ -52,7 +52,7 @@ double largest_surface_deviation(const TetMesh& mesh, const Surface& surface) {
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   const Vec way = bulge(k, a, b, patch);
   const Limits& limits = k.limits;
-  if (norm(way) > limits.hausd) return true;
+  if (norm(way) > k.hausd(patch)) return true;
   return (norm(way) > kMostBulge * norm(k.mesh.point(b) - k.mesh.point(a)) ||
           edge_length_fast(way, k.mesh.metric(a), k.mesh.metric(b)) > limits.largest_bulge) &&
          length_between(k.mesh, a, b) > limits.finest_long_edge;
@@ -71,7 +71,7 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
   // Against that of one that stands on the surface nothing can be said: what mends it turns the normal.
   const bool was_bent = side * dot(o, q.normal) < 0.5 * norm(o);
   if (!was_bent && dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
-  if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.limits.hausd) return false;
+  if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.hausd(patch)) return false;
   for (int i = 0; i < 3; ++i) {
     const VertexId a = changed[i], b = changed[(i + 1) % 3];
     if (!is_edge_of(old, a, b) && curves_too_much(k, a, b, patch)) return false;

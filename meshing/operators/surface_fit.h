@@ -7,7 +7,7 @@
 
 namespace weft::meshing {
 
-/// Must boundary edge (a, b) of a curved `patch` be split? Its middle is farther than limits.hausd from the
+/// Must boundary edge (a, b) of a curved `patch` be split? Its middle is farther than Kernel::hausd from the
 /// reference surface (or curve), or the edge is longer than limits.finest_long_edge and the way from its
 /// middle to the surface longer than limits.largest_bulge in the metric, or than that over an arc of 30
 /// degrees: a vertex put there would be pushed through the tets upon it once they are thin. Both ends must be
@@ -15,8 +15,8 @@ namespace weft::meshing {
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
 
 /// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much,
-/// its centroid lie within limits.hausd of the reference surface, and its normal turn by less than 60 degrees
-/// from the surface's and from the old one's. All vertices must be claimed.
+/// its centroid lie within Kernel::hausd of the reference surface, and its normal turn by less than 60
+/// degrees from the surface's and from the old one's. All vertices must be claimed.
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
                   const std::array<VertexId, 3>& old);
 

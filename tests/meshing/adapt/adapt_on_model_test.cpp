@@ -114,6 +114,25 @@ TEST(AdaptOnModel, ReconstructsWhatLiesOnNoFaceAndSaysSo) {
   EXPECT_THAT(result.report.warnings, testing::Contains(testing::HasSubstr("lie on no face of the model")));
 }
 
+TEST(AdaptOnModel, KeepsTheShapeOfABallThatIsSmallInItsDomain) {
+  // The default of hausd, 0.1 % of the diagonal, is more than the ball's radius.
+  const double radius = 0.01;
+  MeshData surface = ball_surface({{}, 10, 8});
+  const MeshData inner = ball_surface({{}, radius, 0.3 * radius});
+  const auto first = static_cast<std::uint32_t>(surface.points.size());
+  surface.points.insert(surface.points.end(), inner.points.begin(), inner.points.end());
+  for (const auto& t : inner.triangles)
+    surface.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+  surface.point_refs.resize(surface.points.size());
+  surface.triangle_refs.resize(surface.triangles.size());
+  const MeshData mesh = filled(surface);
+  const auto model = std::make_shared<const Model>(ball_model({}, radius));
+  const AdaptResult result = adapted(mesh, model, 5);
+  EXPECT_EQ(result.report.model->off, 0u);
+  EXPECT_GT(result.report.model->least_normal, 0.9);
+  EXPECT_LT(result.report.model->deviation, 2.5 * model->detail(0));
+}
+
 TEST(AdaptOnModel, CurvatureOfACoarseMeshIsTheModels) {
   CurvatureOptions options;
   options.per_turn = 20;

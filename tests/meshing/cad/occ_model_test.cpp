@@ -2,8 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_NurbsConvert.hxx>
+#include <BRepOffsetAPI_ThruSections.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
@@ -17,9 +21,11 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Shell.hxx>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gp_Circ.hxx>
 #include <map>
 
 #include "meshing/base/error.h"
@@ -177,6 +183,69 @@ TEST_F(OccModels, OfSplinesFindTheClosestPointsOfTheFormulas) {
     EXPECT_NEAR(spline.closest_on_face(0, pole).distance, std::abs(norm(pole) - 2), 1e-9);
 }
 
+/// The model's own evaluation of splines against OpenCASCADE's, within and at knots, and beyond a period.
+void expect_evaluation_of_opencascade(const Model& model) {
+  const GeometryModel& occ = model.geometry();
+  const auto expect_near = [&](const Vec& a, const Vec& b, double speed) {
+    EXPECT_NEAR(norm(a - b), 0, 1e-13 * std::max(speed, model.size()));
+  };
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f) {
+    const ModelFace& m = model.face(f);
+    if (!m.spline) continue;
+    for (int i = 0; i <= 24; ++i)
+      for (int j = 0; j <= 24; ++j) {
+        Parameters at{m.lo[0] + (m.hi[0] - m.lo[0]) * i / 24, m.lo[1] + (m.hi[1] - m.lo[1]) * j / 24};
+        for (std::size_t k = 0; k < 2; ++k)
+          if (i % 3 == 1) at[k] += 2 * m.period[k];
+        const SurfaceJet a = model.surface(f, at), b = occ.surface(f, at);
+        const double speed = std::max(norm(b.du), norm(b.dv));
+        expect_near(a.x, b.x, 0);
+        expect_near(a.du, b.du, 10 * speed);
+        expect_near(a.dv, b.dv, 10 * speed);
+        // At knots second derivatives may be those of either side.
+        if (i % 2 == 0 || j % 2 == 0) continue;
+        const double bend = std::max({norm(b.duu), norm(b.duv), norm(b.dvv), speed});
+        expect_near(a.duu, b.duu, 100 * bend);
+        expect_near(a.duv, b.duv, 100 * bend);
+        expect_near(a.dvv, b.dvv, 100 * bend);
+      }
+  }
+  for (std::uint32_t e = 0; e < model.num_edges(); ++e) {
+    const ModelEdge& m = model.edge(e);
+    if (!m.spline) continue;
+    for (int i = 0; i <= 24; ++i) {
+      const double t = m.begin + (m.end - m.begin) * i / 24 + (i % 3 == 1 ? m.period : 0);
+      const CurveJet a = model.curve(e, t), b = occ.curve(e, t);
+      expect_near(a.x, b.x, 0);
+      expect_near(a.d1, b.d1, 10 * norm(b.d1));
+      if (i % 2 == 1) expect_near(a.d2, b.d2, 100 * std::max(norm(b.d1), norm(b.d2)));
+    }
+  }
+}
+
+/// Circles of different radii, one above the other: a smooth surface through them.
+TopoDS_Shape loft() {
+  BRepOffsetAPI_ThruSections through(true, false, 1e-6);
+  for (const double z : {0.0, 1.0, 2.0, 3.0}) {
+    const gp_Circ circle(gp_Ax2(gp_Pnt(0, 0, z), gp_Dir(0, 0, 1)), 1 - 0.3 * std::sin(2 * z));
+    through.AddWire(BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(circle)));
+  }
+  through.Build();
+  return through.Shape();
+}
+
+TEST_F(OccModels, OfSplinesAreEvaluatedAsByOpenCascade) {
+  for (const TopoDS_Shape& shape :
+       {loft(), BRepBuilderAPI_NurbsConvert(pierced_cube()).Shape(),
+        BRepBuilderAPI_NurbsConvert(BRepPrimAPI_MakeSphere(2).Shape()).Shape(),
+        BRepBuilderAPI_NurbsConvert(BRepPrimAPI_MakeTorus(2, 0.5).Shape()).Shape()}) {
+    const Model model(load_model(brep(shape)));
+    EXPECT_TRUE(std::any_of(model.geometry().faces().begin(), model.geometry().faces().end(),
+                            [](const ModelFace& f) { return f.spline.has_value(); }));
+    expect_evaluation_of_opencascade(model);
+  }
+}
+
 /// Each edge of two triangles, and the Euler number.
 void expect_closed(const MeshData& mesh, int euler) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
@@ -207,6 +276,32 @@ TEST_F(OccModels, AreTessellatedWithoutGaps) {
                 .distance,
             0, 1e-9);
   }
+}
+
+TEST_F(OccModels, WithSmallBodiesInLargeDomainsHaveTrianglesBySizeOfFace) {
+  // A lens, 2 wide and 0.1 thick, in a box of which 0.1 % is more than that.
+  const TopoDS_Shape lens = BRepAlgoAPI_Common(BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, -9.95), 10).Shape(),
+                                               BRepPrimAPI_MakeSphere(gp_Pnt(0, 0, 9.95), 10).Shape())
+                                .Shape();
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(gp_Pnt(-50, -50, -50), gp_Pnt(50, 50, 50)).Shape();
+  const std::string path = brep(BRepAlgoAPI_Cut(box, lens).Shape());
+  const auto geometry = load_model(path);
+  const Model model(geometry);
+  CadTessellation options{0.17, 20, {}};
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f) options.face_sagittas.push_back(model.detail(f));
+  const MeshData mesh = tessellate_model(path, *geometry, options);
+  int on_lens = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto f = static_cast<std::uint32_t>(mesh.triangle_refs[t] - 1);
+    if (model.face(f).form.kind != SurfaceForm::Kind::sphere) continue;
+    ++on_lens;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Point middle =
+          midpoint(mesh.points[mesh.triangles[t][i]], mesh.points[mesh.triangles[t][(i + 1) % 3]]);
+      EXPECT_LT(model.closest_on_face(f, middle).distance, 0.006);
+    }
+  }
+  EXPECT_GT(on_lens, 20);
 }
 
 TEST_F(OccModels, ThatAreTinyAreTessellatedToo) {

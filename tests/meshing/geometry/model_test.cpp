@@ -125,6 +125,15 @@ TEST(Model, HasTheCurvatureOfASphereAndOfACylinder) {
   EXPECT_FALSE(ball.curvature(0, {0.3, kPi / 2}));
 }
 
+TEST(Model, HasDetailByTheSizeAndTheCurvatureOfFaces) {
+  // A ball's diagonal is 3.5 radii, of its box a tenth more: 1 % of the radius is the most that is asked.
+  EXPECT_NEAR(Model(ball_model({}, 2)).detail(0), 0.02, 1e-12);
+  EXPECT_NEAR(Model(ball_model({}, 2), 10).detail(0), 0.2, 1e-11);
+  // A needle: 5 % of its radius, but no less than a 5,000th of its length.
+  EXPECT_NEAR(Model(frustum_model({}, 0.01, 0.01, 1)).detail(0), 5e-4, 1e-12);
+  EXPECT_NEAR(Model(frustum_model({}, 0.001, 0.001, 1)).detail(0), 2e-4, 3e-5);
+}
+
 TEST(Model, ScaledHasLengthsOfItsScaleAndParametersOfItsOwn) {
   for (const auto& geometry :
        {frustum_model({1, 2, 3}, 1, 0.5, 2), without_formulas(frustum_model({1, 2, 3}, 1, 0.5, 2))}) {

@@ -374,6 +374,13 @@ TEST(CollapseEdge, UndoesASplit) {
   }
 }
 
+TEST(CollapseEdge, ForRoomGivesUpAVertexWhateverTheLengths) {
+  KernelRig rig(octahedron(), 0.2, kFaceted);  // all edges are far too long
+  expect_refused(rig, Verdict::too_long, [&] { return collapse(rig, VertexId(0), VertexId(1)); });
+  ASSERT_EQ(collapse(rig, VertexId(0), VertexId(1), CollapseGoal::room), Verdict::accepted);
+  EXPECT_EQ(rig.live_tets().size(), 4u);
+}
+
 TEST(CollapseEdge, MakesTheVerticesAroundWorthAnotherTry) {
   KernelRig rig(octahedron(), 2, kFaceted);
   for (const VertexId v : rig.live_vertices()) rig.mesh.mark(v, kStuck);

@@ -56,6 +56,8 @@ Mesh tessellate(const GeometryOptions& geometry, const TessellationOptions& opti
   wanted.sagitta =
       options.sagitta > 0 ? options.sagitta / geometry.model_scale : meshing::kHausdOfDiagonal * model.size();
   wanted.angle_degrees = options.angle;
+  for (std::uint32_t f = 0; options.sagitta == 0 && f < model.num_faces(); ++f)
+    wanted.face_sagittas.push_back(model.detail(f));
   Mesh mesh = meshing::tessellate_model(geometry.model, *read, wanted);
   for (Point& p : mesh.points) p = geometry.model_scale * p;
   return mesh;

@@ -105,7 +105,9 @@ class WEFT_API Metric {
 /// The boundary.
 struct GeometryOptions {
   double ridge_angle = meshing::kRidgeAngle;  ///< degrees; boundary edges sharper than this are kept
-  double hausd = 0;  ///< largest distance to the surface; 0: 0.1 % of the bounding box diagonal
+  /// Largest distance to the surface; 0: 0.1 % of the bounding box diagonal, and on a CAD model at most what
+  /// a face's size and curvature bear.
+  double hausd = 0;
   /// A CAD model that the boundary lies on: .step, .stp, .iges, .igs, .brep, .egads. Empty: the surface is
   /// reconstructed from the input's triangles. "carried": the model that the mesh file carries (ByteFlow).
   std::string model;
@@ -664,7 +666,9 @@ struct FillResult {
 WEFT_API bool is_model_name(const std::string& path);
 WEFT_API std::string model_extensions();
 struct TessellationOptions {
-  double sagitta = 0;  ///< largest distance of an edge from the model; 0: 0.1 % of the diagonal
+  /// Largest distance of an edge from the model; 0: 0.1 % of the diagonal, and what a face's size and
+  /// curvature bear.
+  double sagitta = 0;
   double angle = 20;   ///< degrees that the normal turns along an edge
 };
 /// Triangles on a CAD model, conforming across its edges, with the ids of faces and edges as references and
