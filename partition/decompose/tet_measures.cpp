@@ -79,6 +79,15 @@ double quality(const TetCorners& p, const LogMetric& log_metric) {
 
 }  // namespace
 
+void TetMeasures::reserve(std::size_t tets) {
+  centres.reserve(tets);
+  corners.reserve(tets);
+  complexities.reserve(tets);
+  qualities.reserve(tets);
+  cut_tensors.reserve(tets);
+  face_areas.reserve(tets);
+}
+
 void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
   double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
   for (const LogMetric& l : log_metrics) density += 0.25 * std::exp(0.5 * trace(l));

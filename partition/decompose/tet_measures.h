@@ -39,6 +39,7 @@ struct TetMeasures {
   std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
   std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
 
+  void reserve(std::size_t tets);
   void add(const TetCorners& tet, const std::array<meshing::LogMetric, 4>& log_metrics);
   /// The metric is that of `factor` times the complexity.
   void scale(double factor);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/communication/same_arithmetic.h"
 #include "partition/communication/sort_unique.h"
+#include "partition/communication/vertex_numbers.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/inertia.h"
 #include "partition/decompose/tet_measures.h"
@@ -29,27 +31,19 @@ namespace {
 
 using meshing::Point;
 
-/// The slice's tets with the points that they need from anywhere.
+/// The points that the slice's tets need, from anywhere: those of placed.numbers.
 class TetPoints {
  public:
-  TetPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges) : tets_(slice.tets) {
-    for (const auto& tet : tets_) numbers_.insert(numbers_.end(), tet.begin(), tet.end());
-    std::sort(numbers_.begin(), numbers_.end());
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-    records_ = fetch_points(peers, slice, ranges, numbers_);
-  }
+  TetPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges, const PlacedTets& placed)
+      : tets_(placed.tets), records_(fetch_points(peers, slice, ranges, placed.numbers)) {}
   std::array<const PointRecord*, 4> of(std::size_t t) const {
-    std::array<const PointRecord*, 4> result;
-    for (std::size_t i = 0; i < 4; ++i)
-      result[i] = &records_[static_cast<std::size_t>(
-          std::lower_bound(numbers_.begin(), numbers_.end(), tets_[t][i]) - numbers_.begin())];
-    return result;
+    const auto& [a, b, c, d] = tets_[t];
+    return {&records_[a], &records_[b], &records_[c], &records_[d]};
   }
   const std::vector<PointRecord>& all() const { return records_; }
 
  private:
   std::span<const std::array<std::uint32_t, 4>> tets_;
-  std::vector<std::uint32_t> numbers_;
   std::vector<PointRecord> records_;
 };
 
@@ -61,25 +55,33 @@ struct Measured {
 
 Measured measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
   Measured m;
+  m.tets.reserve(slice.tets.size());
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     const auto p = points.of(t);
     m.tets.add({p[0]->point, p[1]->point, p[2]->point, p[3]->point},
                {p[0]->log_metric, p[1]->log_metric, p[2]->log_metric, p[3]->log_metric});
   }
   std::vector<Point> all;
+  all.reserve(points.all().size());
   for (const PointRecord& record : points.all()) all.push_back(record.point);
   m.box = group_boxes(peers, all, std::vector<std::uint32_t>(all.size(), 0), 1)[0];
   return m;
 }
 
-Measured check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges) {
-  const TetPoints points(peers, slice, ranges);
-  std::vector<std::array<const Point*, 4>> corners;
+std::optional<InputIssue> find_inverted(const MeshSlice& slice, const TetPoints& points) {
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     const auto p = points.of(t);
-    corners.push_back({&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point});
+    if (auto issue = inverted(slice.first_tet + t, slice.tets[t],
+                              {&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point}))
+      return issue;
   }
-  throw_first(peers, find_inverted(slice, corners));
+  return {};
+}
+
+Measured check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges,
+                           const PlacedTets& placed) {
+  const TetPoints points(peers, slice, ranges, placed);
+  throw_first(peers, find_inverted(slice, points));
   return measure_tets(peers, slice, points);
 }
 
@@ -121,8 +123,8 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges
                               std::uint32_t parts) {
   std::vector<double> work(slice.tets.size(), 1);
   if (!options.equal_tets) work = measures.work();
-  std::vector<std::uint64_t> numbers;
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) numbers.push_back(slice.first_tet + t);
+  std::vector<std::uint64_t> numbers(slice.tets.size());
+  std::iota(numbers.begin(), numbers.end(), slice.first_tet);
   std::vector<double> along;
   const bool cut_at_once = parts == options.num_subdomains;
   if (cut_at_once && options.partitioner.coordinate.asked())
@@ -223,11 +225,13 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
   Distributed result;
-  Measured measured = check_and_measure(peers, slice, points);
+  PlacedTets placed = partition::placed(slice.tets);
+  Measured measured = check_and_measure(peers, slice, points, placed);
   TetMeasures& measures = measured.tets;
   result.mean_quality = ordered_sum(peers, measures.qualities) / static_cast<double>(slice.num_tets);
   result.complexity = scale_metric(peers, options.target_complexity, slice, measures);
-  WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
+  WholeBoundary boundary = complete_boundary(peers, slice, placed, points, tets);
+  placed = {};
   slice.boundary = {};
   result.box = measured.box;
   const std::uint32_t parts =
