@@ -51,7 +51,8 @@ class PlacesOfNumbers {
   std::uint32_t operator()(std::uint32_t number) {
     Known& known = recent_.at(number);
     if (known.number != number)
-      known = {number, static_cast<std::uint32_t>(std::ranges::lower_bound(numbers_, number) - numbers_.begin())};
+      known = {number,
+               static_cast<std::uint32_t>(std::ranges::lower_bound(numbers_, number) - numbers_.begin())};
     return known.place;
   }
   std::array<std::uint32_t, 4> operator()(const std::array<std::uint32_t, 4>& tet) {

@@ -13,8 +13,8 @@ namespace {
 using Tet = std::array<std::uint32_t, 4>;
 
 std::vector<Tet> neighbours_of(std::span<const DualVertex> tets) {
-  std::vector<std::uint32_t> numbers =
-      distinct_vertices(tets, [](const DualVertex& tet) -> const auto& { return tet.vertices; });
+  std::vector<std::uint32_t> numbers = distinct_vertices(
+      tets, [](const DualVertex& tet) -> const auto& { return tet.vertices; });
   PlacesOfNumbers places(numbers);
   std::vector<Tet> placed;
   placed.reserve(tets.size());
@@ -43,8 +43,8 @@ DualGraph dual_graph(std::span<const DualVertex> tets) {
       const std::uint32_t code = neighbours[t][f];
       if (code == meshing::kNoNeighbour) continue;
       g.neighbours.push_back(static_cast<std::int32_t>(code >> 2));
-      g.face_weights.push_back(
-          0.5 + vertices_wanted(tets[t].face_areas[f], tets[code >> 2].face_areas[code & 3]));
+      g.face_weights.push_back(0.5 +
+                               vertices_wanted(tets[t].face_areas[f], tets[code >> 2].face_areas[code & 3]));
     }
     g.begins.push_back(static_cast<std::int32_t>(g.neighbours.size()));
   }

@@ -63,7 +63,8 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
 }
 
 std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
-  return distinct_vertices(tets, [](const TetRecord& tet) -> const auto& { return tet.vertices; });
+  return distinct_vertices(
+      tets, [](const TetRecord& tet) -> const auto& { return tet.vertices; });
 }
 
 std::span<const InputHolder> Holders::of(std::uint32_t vertex) const {

@@ -58,7 +58,8 @@ class SliceFaces {
     }
   }
 
-  /// False where two tets of one reference lie here on both sides, and no third tet nor triangle can be there.
+  /// False where two tets of one reference lie here on both sides, and no third tet nor triangle can be
+  /// there.
   bool is_to_meet(std::uint32_t t, std::size_t f) const {
     if (neighbours_.empty()) return true;
     const std::uint32_t code = neighbours_[t][f];
