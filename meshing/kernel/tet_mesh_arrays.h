@@ -11,8 +11,8 @@
 namespace weft::meshing {
 
 /// Everything but capacities and what can be computed again (neighbours): one entry a slot, dead ones too, so
-/// that what is done with the mesh afterwards does not depend on whether it has travelled. What nobody reads of
-/// dead ones repeats the entry before, which packs well.
+/// that what is done with the mesh afterwards does not depend on whether it has travelled. What nobody reads
+/// of dead ones repeats the entry before, which packs well.
 struct TetMeshArrays {
   std::vector<std::array<std::uint32_t, 4>> tets;
   std::vector<std::array<std::uint32_t, 4>> patches;  ///< PatchId values
