@@ -188,8 +188,43 @@ bool is_nearly_right(const Distributed& d, std::uint64_t num_tets) {
   return d.mean_quality >= kGoodMean && tets < kNearly * wanted && wanted < kNearly * tets;
 }
 
+/// All ranks: the lowest part of a tet, on any rank, at each of the vertices.
+std::vector<std::uint32_t> lowest_parts(Peers& peers, const Ranges& points, const PlacedTets& placed,
+                                        std::span<const SubdomainId> parts) {
+  constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+  std::vector<std::uint32_t> lowest(placed.numbers.size(), kNone);
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    for (const std::uint32_t v : placed.tets[t]) lowest[v] = std::min(lowest[v], parts[t].value);
+  struct Known {
+    std::uint32_t number, part;
+  };
+  std::vector<std::vector<Known>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t v = 0; v < lowest.size(); ++v)
+    to_each[points.rank_of(placed.numbers[v])].push_back({placed.numbers[v], lowest[v]});
+  const auto arrived = partition::all_to_all(peers, std::move(to_each));
+  const std::uint64_t first = points.first(peers.rank());
+  std::vector<std::uint32_t> of_point(points.first(peers.rank() + 1) - first, kNone);
+  for (const auto& of_rank : arrived)
+    for (const Known& k : of_rank) of_point[k.number - first] = std::min(of_point[k.number - first], k.part);
+  std::vector<std::vector<std::uint32_t>> answers(arrived.size());
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (const Known& k : arrived[r]) answers[r].push_back(of_point[k.number - first]);
+  return all_to_all_joined(peers, std::move(answers));
+}
+
+/// Ends of runs stick out: a part takes all tets whose vertices it, or a lower one, has anyway, so that
+/// interfaces run along whole balls.
+void even_out(Peers& peers, const Ranges& points, const PlacedTets& placed, std::vector<SubdomainId>& parts) {
+  const std::vector<std::uint32_t> lowest = lowest_parts(peers, points, placed, parts);
+  for (std::size_t t = 0; t < parts.size(); ++t) {
+    const auto& [a, b, c, d] = placed.tets[t];
+    parts[t] = SubdomainId(std::max({lowest[a], lowest[b], lowest[c], lowest[d]}));
+  }
+}
+
 /// In the middles of runs the metric says alone along which axis they are halved.
-Decomposition decompose_by_runs(Peers& peers, const Ranges& tets, std::span<const double> work,
+Decomposition decompose_by_runs(Peers& peers, const Ranges& ranges, const Ranges& tets,
+                                const PlacedTets& placed, std::span<const double> work,
                                 const TetPoints& points, std::uint32_t parts) {
   const auto sample = [&](std::size_t t) {
     const TetCorners corners = points.corners(t);
@@ -197,7 +232,9 @@ Decomposition decompose_by_runs(Peers& peers, const Ranges& tets, std::span<cons
     return RunSample{corners,
                      cut_tensor(corners, unit_inverse(0.25 * (logs[0] + logs[1] + logs[2] + logs[3])))};
   };
-  return {bisect_runs(peers, tets, work, sample, parts), {}};
+  Decomposition result{bisect_runs(peers, tets, work, sample, parts), {}, {}};
+  even_out(peers, ranges, placed, result.subdomains);
+  return result;
 }
 
 /// All ranks classify the same boundary on the same model, each for itself.
@@ -310,7 +347,8 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
                        !options.equal_tets && is_nearly_right(result, slice.num_tets) &&
                        follow_each_other(peers, slice.tets);
   if (result.cut_by_runs)
-    decomposition = decompose_by_runs(peers, tets, work_of(measured.complexities), *tet_points, parts);
+    decomposition =
+        decompose_by_runs(peers, points, tets, placed, work_of(measured.complexities), *tet_points, parts);
   else
     decomposition = decompose_slice(peers, slice, points, measures_of(*tet_points, slice.tets.size(), factor),
                                     options, parts);

@@ -117,10 +117,17 @@ TEST(Distribute, WhatIsNearlyRightIsCutByRuns) {
   meshing::AdaptResult adapted = meshing::adapt(cube, {&cube, &metric}, {});
   MetricMesh whole{std::move(adapted.mesh), std::move(adapted.log_metrics)};
   auto options = options_of(6, "graph");
-  EXPECT_FALSE(distribute_on(1, whole, options).cut_by_runs);
+  const auto shared = [](const Distributed& d) {
+    std::size_t count = 0;
+    for (const SubdomainStart& start : d.starts) count += start.shared.size();
+    return static_cast<double>(count);
+  };
+  const Distributed by_graph = distribute_on(1, whole, options);
+  EXPECT_FALSE(by_graph.cut_by_runs);
   options.partitioner.runs_suffice = true;
   const Distributed expected = distribute_on(1, whole, options);
   EXPECT_TRUE(expected.cut_by_runs);
+  EXPECT_LT(shared(expected), 1.6 * shared(by_graph));
   for (const int ranks : support::kNumbersOfRanks) {
     const Distributed found = distribute_on(ranks, whole, options, static_cast<unsigned>(ranks));
     EXPECT_TRUE(found.cut_by_runs);
