@@ -78,6 +78,7 @@ struct DistributedResult {
   std::vector<std::string> warnings;  ///< the same on all ranks
   std::uint32_t checks = 0;           ///< how many times all invariants were checked, and held
   std::filesystem::path resumed;      ///< the checkpoint that it has gone on from; empty: none
+  bool cut_by_runs = false;  ///< the mesh was nearly as wanted (partition::Partitioner::runs_suffice)
   double decomposition_seconds = 0, adaptation_seconds = 0;
 };
 

@@ -14,6 +14,7 @@
 #include "meshing/base/error.h"
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/on_model.h"
+#include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
 #include "meshing/operators/surface_fit.h"
 
@@ -47,6 +48,28 @@ void check_background(const BackgroundData& background) {
   }
 }
 
+/// AdaptResult::origins. Slots may have been taken again, so that what is in them is compared.
+std::vector<std::uint32_t> origins_of(const TetMesh& mesh, const MeshData& input,
+                                      const LogMetricField& log_metrics) {
+  const auto points = static_cast<std::uint32_t>(input.points.size());
+  const auto tets = static_cast<std::uint32_t>(input.tets.size());
+  std::vector<std::uint8_t> same(mesh.vertex_slots(), 0);
+  for (std::uint32_t i = 0; i < std::min(mesh.vertex_slots(), points); ++i)
+    same[i] = mesh.alive(VertexId(i)) && mesh.point(VertexId(i)) == input.points[i] &&
+              mesh.log_metric(VertexId(i)) == log_metrics[i];
+  std::vector<std::uint32_t> origins;
+  origins.reserve(mesh.tet_slots());
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const TetVertices v = mesh.vertices(TetId(i));
+    const std::array<std::uint32_t, 4> tet{v[0].value, v[1].value, v[2].value, v[3].value};
+    const bool is_same =
+        i < tets && tet == input.tets[i] && same[tet[0]] && same[tet[1]] && same[tet[2]] && same[tet[3]];
+    origins.push_back(is_same ? i : kNoOrigin);
+  }
+  return origins;
+}
+
 /// The mesh of a state takes the place of the input; boundary and background are the input's.
 void go_on_with(TetMeshArrays arrays, ImportedMesh& imported) {
   const std::size_t vertices = imported.mesh->vertex_capacity(), tets = imported.mesh->tet_capacity();
@@ -56,16 +79,18 @@ void go_on_with(TetMeshArrays arrays, ImportedMesh& imported) {
 
 }  // namespace
 
-AdaptResult adapt(const MeshData& input, const BackgroundData& given, const AdaptOptions& options) {
+AdaptResult adapt(const MeshData& input, const BackgroundData& given, const AdaptOptions& asked) {
   const auto start = Clock::now();
   check_background(given);
+  AdaptOptions options = asked;
   const int threads = std::max(1, options.threads);
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   return arena.execute([&] {
     AdaptResult result;
-    const double expected = complexity(*given.mesh, *given.log_metrics);
+    if (!(options.complexity > 0)) options.complexity = complexity(*given.mesh, *given.log_metrics);
+    const double expected = options.complexity;
     ImportedMesh imported = import_mesh(
         input, options.ridge_angle_degrees, capacity(kVerticesPerComplexity * expected, input.points.size()),
         capacity(kTetsPerComplexity * expected, input.tets.size()), options.model);
@@ -89,6 +114,8 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
         result.report.model =
             std::make_shared<const ModelAccount>(account_on_model(*imported.mesh, *imported.surface));
     }
+    if (result.report.in_order && given.mesh == &input)
+      result.origins = origins_of(*imported.mesh, input, *given.log_metrics);
     export_mesh(*imported.mesh, *imported.surface, imported.patch_required, result.mesh, result.log_metrics);
     if (options.model) {
       result.mesh.association.model = input.association.model;

@@ -25,6 +25,7 @@ struct AdaptOptions {
   /// How many others of the current TBB arena's `threads` have nothing to do now: asked before each pass,
   /// which they help with. Empty: the adaptation has `threads` of its own.
   std::function<int()> idle_threads;
+  double complexity = 0;  ///< of the metric on its background, where the caller knows it; 0: not known
   double ridge_angle_degrees = kRidgeAngle;
   double hausd = 0;  ///< wanted largest distance between the mesh's boundary and the reconstructed surface;
                      ///< 0: 0.1 % of the bounding box diagonal, and at most Patch::detail
@@ -49,6 +50,7 @@ struct AdaptReport {
   std::vector<StageReport> stages;
   OperationCounts counts;  ///< of all stages
   bool interrupted = false;
+  bool in_order = false;   ///< what is left of the mesh has the order that it had, with holes
   double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
       0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
@@ -66,6 +68,9 @@ struct BackgroundData {
 struct AdaptResult {
   MeshData mesh;
   LogMetricField log_metrics;  ///< the background's metric at the result's vertices
+  /// Where the mesh is in the order of the input: of each tet, the tet of the input that it is, none of whose
+  /// vertices has moved, or kNoOrigin. Else empty.
+  std::vector<std::uint32_t> origins;
   AdaptReport report;
 };
 

@@ -70,7 +70,8 @@ class Adaptation {
     if (kernel_.surface.model()) snap_to_model();
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     kernel_.policy.frozen = FrozenPolicy::claimable;
-    if (extent_ == Extent::everything || many_holes()) renumber();
+    if (extent_ == Extent::everything ? !pass([&] { return keeps_order(); }) : many_holes()) renumber();
+    report_.in_order = !was_renumbered_;
     report_.interrupted = interrupted();
     if (mesh_.is_full())
       report_.warnings.push_back("the mesh has room for " + std::to_string(mesh_.tet_capacity()) +
@@ -183,7 +184,9 @@ class Adaptation {
 
   /// What is fresh is looked at in a mesh that has its size already.
   void predict() {
-    expected_tets_ = extent_ == Extent::everything ? count_wanted_tets() : tets();
+    expected_tets_ = extent_ == Extent::fresh  ? tets()
+                     : options_.complexity > 0 ? kTetsOfUnitVolume * options_.complexity
+                                               : count_wanted_tets();
     const PredictedWork work = predict_work(tets(), expected_tets_);
     meter_.spend(work.import);
     meter_.expect(work.sum() - work.import);
@@ -609,9 +612,22 @@ class Adaptation {
     renumbered_at_ = tet_slots();
   }
 
+  /// A mesh in good order in which little was changed stays in it, with some holes. Records of a model's
+  /// vertices go by places without holes.
+  bool keeps_order() const {
+    constexpr double kLittle = 0.02;
+    if (kernel_.surface.model()) return false;
+    std::uint64_t changes = 0;
+    for (const Operator op : {Operator::split, Operator::collapse, Operator::swap_edge, Operator::swap_face})
+      changes += report_.counts(op, Verdict::accepted);
+    return static_cast<double>(changes) < kLittle * static_cast<double>(crew_.live_tets()) &&
+           is_in_order(mesh_);
+  }
+
   bool many_holes() const { return tet_slots() > live_tets() + live_tets() / 4; }
 
   void renumber() {
+    was_renumbered_ = true;
     pass([&] {
       crew_.run([&] {
         renumber_along_curve(mesh_);
@@ -637,6 +653,7 @@ class Adaptation {
   double tets_of_far_mesh_ = 0;  ///< at the start; 0 for a mesh that is not far from its metric
   double wanted_tets_ = 0;
   std::uint64_t renumbered_at_ = 0;
+  bool was_renumbered_ = false;
 
   std::vector<PassResult> passes_;  ///< made, and kept as far as states are
   std::size_t next_pass_ = 0;       ///< of them, to be told; as many as there are: passes are made

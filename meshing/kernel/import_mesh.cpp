@@ -271,42 +271,68 @@ void read_metric(TetMesh& mesh, const Background& background, bool background_is
   }
 }
 
+namespace {
+
+/// The place of each live vertex among all that are; holes have none.
+std::vector<std::uint32_t> places_of_vertices(const TetMesh& mesh, std::uint32_t& count) {
+  std::vector<std::uint32_t> places(mesh.vertex_slots());
+  count = 0;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i))) places[i] = count++;
+  return places;
+}
+
+void export_vertices(const TetMesh& mesh, MeshData& d, LogMetricField& log_metrics) {
+  for (std::uint32_t i = 0, place = 0; i < mesh.vertex_slots(); ++i) {
+    const VertexId v(i);
+    if (!mesh.alive(v)) continue;
+    d.points[place] = mesh.point(v);
+    d.point_refs[place] = mesh.ref(v);
+    log_metrics[place] = mesh.log_metric(v);
+    if (mesh.kind(v) == VertexKind::corner || mesh.flags(v) & kListedCorner) d.corners.push_back(place);
+    if (mesh.flags(v) & kListedRequired) d.required_points.push_back(place);
+    ++place;
+  }
+}
+
+void export_triangles(const TetMesh& mesh, TetId t, const std::array<std::uint32_t, 4>& v,
+                      const Surface& surface, const std::vector<bool>& patch_required, MeshData& d) {
+  for (int f = 0; f < 4; ++f) {
+    const PatchId p = mesh.patch(t, f);
+    if (!p.valid() || (mesh.neighbour(t, f).valid() && mesh.neighbour(t, f).tet() < t)) continue;
+    if (patch_required[p.value])
+      d.required_triangles.push_back(static_cast<std::uint32_t>(d.triangles.size()));
+    // Outward normal: the face as seen from its tet turns inward.
+    d.triangles.push_back({v[kTetFaces[f][0]], v[kTetFaces[f][2]], v[kTetFaces[f][1]]});
+    d.triangle_refs.push_back(surface.patches()[p.value].ref);
+  }
+}
+
+}  // namespace
+
 void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
                  MeshData& d, LogMetricField& log_metrics) {
-  const std::uint32_t nv = mesh.vertex_slots(), nt = mesh.tet_slots();
+  std::uint32_t nv = 0;
+  const std::vector<std::uint32_t> places = places_of_vertices(mesh, nv);
   d.points.resize(nv);
   d.point_refs.resize(nv);
   log_metrics.resize(nv);
-  for (std::uint32_t i = 0; i < nv; ++i) {
-    const VertexId v(i);
-    d.points[i] = mesh.point(v);
-    d.point_refs[i] = mesh.ref(v);
-    log_metrics[i] = mesh.log_metric(v);
-    if (mesh.kind(v) == VertexKind::corner || mesh.flags(v) & kListedCorner) d.corners.push_back(i);
-    if (mesh.flags(v) & kListedRequired) d.required_points.push_back(i);
-  }
-  d.tets.resize(nt);
-  d.tet_refs.resize(nt);
-  for (std::uint32_t i = 0; i < nt; ++i) {
+  export_vertices(mesh, d, log_metrics);
+  d.tets.reserve(mesh.tet_slots());
+  d.tet_refs.reserve(mesh.tet_slots());
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
     const TetId t(i);
+    if (!mesh.alive(t)) continue;
     const TetVertices v = mesh.vertices(t);
-    d.tets[i] = {v[0].value, v[1].value, v[2].value, v[3].value};
-    d.tet_refs[i] = mesh.ref(t);
-    for (int f = 0; f < 4; ++f) {
-      const PatchId p = mesh.patch(t, f);
-      if (!p.valid() || (mesh.neighbour(t, f).valid() && mesh.neighbour(t, f).tet() < t)) continue;
-      if (patch_required[p.value])
-        d.required_triangles.push_back(static_cast<std::uint32_t>(d.triangles.size()));
-      // Outward normal: the face as seen from its tet turns inward.
-      d.triangles.push_back({v[kTetFaces[f][0]].value, v[kTetFaces[f][2]].value, v[kTetFaces[f][1]].value});
-      d.triangle_refs.push_back(surface.patches()[p.value].ref);
-    }
+    d.tets.push_back({places[v[0].value], places[v[1].value], places[v[2].value], places[v[3].value]});
+    d.tet_refs.push_back(mesh.ref(t));
+    export_triangles(mesh, t, d.tets.back(), surface, patch_required, d);
   }
   d.association = associate(mesh, surface);
   for (const TetMesh::FeatureEdge& e : mesh.feature_edges()) {
     const auto index = static_cast<std::uint32_t>(d.edges.size());
     const Curve& curve = surface.curves()[e.curve.value];
-    d.edges.push_back({e.a.value, e.b.value});
+    d.edges.push_back({places[e.a.value], places[e.b.value]});
     d.edge_refs.push_back(curve.ref);
     d.ridges.push_back(index);
     if (curve.required) d.required_edges.push_back(index);

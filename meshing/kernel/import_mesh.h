@@ -40,7 +40,7 @@ ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std:
 /// Vertex ids must still be those of the input.
 void read_metric(TetMesh& mesh, const Background& background, bool background_is_input);
 
-/// Plain arrays and metrics of a renumbered (hole-free) mesh.
+/// Plain arrays and metrics, in the order of slots without the holes. With a model there must be none.
 void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
                  MeshData& data, LogMetricField& log_metrics);
 

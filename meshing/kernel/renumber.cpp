@@ -121,4 +121,23 @@ void renumber_along_curve(TetMesh& mesh) {
   mesh.renumber(new_vertex, num_vertices, new_tet, num_tets);
 }
 
+bool is_in_order(const TetMesh& mesh) {
+  constexpr double kMostBehind = 0.1, kMostFar = 0.3;
+  constexpr std::uint32_t kNear = 2048;
+  const std::uint32_t far = std::max(mesh.vertex_slots() / 8, kNear);
+  std::uint64_t tets = 0, behind = 0, spread = 0;
+  VertexId last(0);
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    const TetVertices v = mesh.vertices(TetId(i));
+    const auto [first, end] = std::minmax({v[0], v[1], v[2], v[3]});
+    ++tets;
+    behind += first < last;
+    spread += end.value - first.value > far;
+    last = first;
+  }
+  const auto all = static_cast<double>(tets);
+  return static_cast<double>(behind) <= kMostBehind * all && static_cast<double>(spread) <= kMostFar * all;
+}
+
 }  // namespace weft::meshing

@@ -10,4 +10,8 @@ namespace weft::meshing {
 /// invalid.
 void renumber_along_curve(TetMesh& mesh);
 
+/// Whether nearly all tets follow each other by their first vertices, and most have vertices with numbers
+/// near each other: what is used together lies together, though a few are elsewhere.
+bool is_in_order(const TetMesh& mesh);
+
 }  // namespace weft::meshing

@@ -67,6 +67,7 @@ struct EdgeTotals {
   double length_min = std::numeric_limits<double>::infinity();
   Histogram linear = Measures{}.length, logarithmic = Measures{}.length_log;
 
+  static bool is_unit(double l) { return l >= 1 / std::numbers::sqrt2 && l <= std::numbers::sqrt2; }
   void add_length(double l, double log10) {
     ++edges;
     length += l;
@@ -74,7 +75,7 @@ struct EdgeTotals {
     length_max = std::max(length_max, l);
     shorter += l < 1 / std::numbers::sqrt2;
     longer += l > std::numbers::sqrt2;
-    unit += l >= 1 / std::numbers::sqrt2 && l <= std::numbers::sqrt2;
+    unit += is_unit(l);
     count(linear, l);
     count(logarithmic, log10);
   }
@@ -97,9 +98,11 @@ struct EdgeTotals {
 TetTotals sum_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::span<const Point> points,
                    std::span<const LogMetric> log_metrics, std::vector<double>& qualities);
 
-/// Sums over edges likewise: those with a flag (one an entry of edges.others), all without flags.
+/// Sums over edges likewise: those with a flag (one an entry of edges.others), all without flags. `odd`,
+/// where it is not null, becomes the lengths of those that are not unit, in any order.
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
-                     std::span<const Point> points, std::span<const LogMetric> log_metrics);
+                     std::span<const Point> points, std::span<const LogMetric> log_metrics,
+                     std::vector<double>* odd = nullptr);
 
 /// What the sums over `num_tets` > 0 tets, or over at least one edge, say.
 void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& measures);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include "meshing/base/assert.h"
 #include "meshing/mesh/adjacency.h"
@@ -134,14 +135,27 @@ TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
 }
 
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
-                     std::span<const Point> points, std::span<const LogMetric> log_metrics) {
+                     std::span<const Point> points, std::span<const LogMetric> log_metrics,
+                     std::vector<double>* odd) {
+  struct Sums {
+    EdgeTotals totals;
+    std::vector<double> odd;
+    Sums& operator+=(const Sums& o) {
+      totals += o.totals;
+      odd.insert(odd.end(), o.odd.begin(), o.odd.end());
+      return *this;
+    }
+  };
   const std::vector<Metric> metrics = metrics_of(log_metrics);
-  return reduce<EdgeTotals>(points.size(), [&](EdgeTotals& sums, std::size_t begin, std::size_t end) {
+  Sums all = reduce<Sums>(points.size(), [&](Sums& sums, std::size_t begin, std::size_t end) {
     EdgeBatch batch;
     const auto take = [&] {
       const int size = batch.size();
       const Lanes lengths = batch.take_lengths(), logs = log10_for_bins(lengths);
-      for (int i = 0; i < size; ++i) sums.add_length(lengths[i], logs[i]);
+      for (int i = 0; i < size; ++i) {
+        sums.totals.add_length(lengths[i], logs[i]);
+        if (odd && !EdgeTotals::is_unit(lengths[i])) sums.odd.push_back(lengths[i]);
+      }
     };
     for (std::size_t v = begin; v < end; ++v) {
       for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e) {
@@ -153,6 +167,8 @@ EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> count
     }
     take();
   });
+  if (odd) *odd = std::move(all.odd);
+  return all.totals;
 }
 
 void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& m) {

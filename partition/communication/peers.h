@@ -73,9 +73,11 @@ std::vector<std::vector<T>> values_of_each(std::vector<Bytes> bytes) {
 }
 
 /// Arrays of plain data: to_each[r] goes to rank r; result[r] came from rank r. Callers that need `to_each`
-/// no more move it here.
+/// no more move it here: what stays on this rank is not copied then.
 template <class T>
 std::vector<std::vector<T>> all_to_all(Peers& peers, std::vector<std::vector<T>> to_each) {
+  const auto me = static_cast<std::size_t>(peers.rank());
+  std::vector<T> mine = std::exchange(to_each[me], {});
   std::vector<Bytes> bytes;
   bytes.reserve(to_each.size());
   for (std::vector<T>& values : to_each) {
@@ -83,13 +85,16 @@ std::vector<std::vector<T>> all_to_all(Peers& peers, std::vector<std::vector<T>>
     values = {};
   }
   to_each = {};
-  return values_of_each<T>(peers.all_to_all(std::move(bytes)));
+  std::vector<std::vector<T>> arrived = values_of_each<T>(peers.all_to_all(std::move(bytes)));
+  arrived[me] = std::move(mine);
+  return arrived;
 }
 
 /// The same, joined: in the order of the ranks, and nothing twice at a time.
 template <class T>
 std::vector<T> all_to_all_joined(Peers& peers, std::vector<std::vector<T>> to_each) {
   std::vector<std::vector<T>> arrived = partition::all_to_all(peers, std::move(to_each));
+  if (arrived.size() == 1) return std::move(arrived[0]);
   std::size_t size = 0;
   for (const std::vector<T>& of_rank : arrived) size += of_rank.size();
   std::vector<T> all;

@@ -1,65 +1,53 @@
-// Faces meet by sorting.
+// Tets meet at their faces; each has its neighbours in the order of its faces' vertices.
 #include "partition/decompose/dual_graph.h"
 
 #include <algorithm>
-#include <tuple>
 
-#include "meshing/mesh/tet_tables.h"
+#include "meshing/mesh/adjacency.h"
+#include "partition/communication/vertex_numbers.h"
 #include "partition/decompose/tet_measures.h"
 
 namespace weft::partition {
 namespace {
 
-struct Face {
-  std::array<std::uint32_t, 3> vertices;  // ascending
-  std::uint32_t tet;
-  float area;
-};
+using Tet = std::array<std::uint32_t, 4>;
 
-std::vector<Face> sorted_faces(std::span<const DualVertex> tets) {
-  std::vector<Face> faces;
-  faces.reserve(4 * tets.size());
-  for (std::uint32_t t = 0; t < tets.size(); ++t)
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto& f = meshing::kTetFaces[i];
-      const auto& v = tets[t].vertices;
-      faces.push_back({{v[f[0]], v[f[1]], v[f[2]]}, t, tets[t].face_areas[i]});
-      std::sort(faces.back().vertices.begin(), faces.back().vertices.end());
-    }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
-    return std::tie(a.vertices, a.tet) < std::tie(b.vertices, b.tet);
-  });
+std::vector<Tet> neighbours_of(std::span<const DualVertex> tets) {
+  std::vector<std::uint32_t> numbers = distinct_vertices(
+      tets, [](const DualVertex& tet) -> const auto& { return tet.vertices; });
+  PlacesOfNumbers places(numbers);
+  std::vector<Tet> placed;
+  placed.reserve(tets.size());
+  for (const DualVertex& tet : tets) placed.push_back(places(tet.vertices));
+  return std::move(meshing::build_adjacency(placed, numbers.size()).neighbours);
+}
+
+/// The faces of a tet in the order of their vertices: that of the vertices opposite them, turned round.
+std::array<std::size_t, 4> faces_in_order(const Tet& vertices) {
+  std::array<std::size_t, 4> faces{0, 1, 2, 3};
+  std::ranges::sort(faces, [&](std::size_t a, std::size_t b) { return vertices[a] > vertices[b]; });
   return faces;
 }
 
 }  // namespace
 
 DualGraph dual_graph(std::span<const DualVertex> tets) {
-  const std::vector<Face> faces = sorted_faces(tets);
-  const auto for_each_shared = [&](const auto& action) {
-    for (std::size_t i = 0; i + 1 < faces.size(); ++i)
-      if (faces[i].vertices == faces[i + 1].vertices) {
-        action(faces[i], faces[i + 1]);
-        while (i + 1 < faces.size() && faces[i].vertices == faces[i + 1].vertices) ++i;
-      }
-  };
+  const std::vector<Tet> neighbours = neighbours_of(tets);
   DualGraph g;
-  g.begins.assign(tets.size() + 1, 0);
-  for_each_shared([&](const Face& a, const Face& b) { ++g.begins[a.tet + 1], ++g.begins[b.tet + 1]; });
-  for (std::size_t t = 0; t < tets.size(); ++t) g.begins[t + 1] += g.begins[t];
-  g.neighbours.resize(static_cast<std::size_t>(g.begins.back()));
-  g.face_weights.resize(g.neighbours.size());
-  std::vector<std::int32_t> next(g.begins.begin(), g.begins.end() - 1);
-  for_each_shared([&](const Face& a, const Face& b) {
-    const double weight = 0.5 + vertices_wanted(a.area, b.area);
-    const auto add = [&](std::uint32_t from, std::uint32_t to) {
-      const auto at = static_cast<std::size_t>(next[from]++);
-      g.neighbours[at] = static_cast<std::int32_t>(to);
-      g.face_weights[at] = weight;
-    };
-    add(a.tet, b.tet);
-    add(b.tet, a.tet);
-  });
+  g.begins.reserve(tets.size() + 1);
+  g.begins.push_back(0);
+  g.neighbours.reserve(4 * tets.size());
+  g.face_weights.reserve(4 * tets.size());
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    for (const std::size_t f : faces_in_order(tets[t].vertices)) {
+      const std::uint32_t code = neighbours[t][f];
+      if (code == meshing::kNoNeighbour) continue;
+      g.neighbours.push_back(static_cast<std::int32_t>(code >> 2));
+      g.face_weights.push_back(0.5 +
+                               vertices_wanted(tets[t].face_areas[f], tets[code >> 2].face_areas[code & 3]));
+    }
+    g.begins.push_back(static_cast<std::int32_t>(g.neighbours.size()));
+  }
   return g;
 }
 

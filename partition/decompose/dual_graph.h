@@ -17,7 +17,7 @@ struct DualVertex {
 };
 
 /// Compressed rows: the neighbours of tet t, and the weights of the faces shared with them, are entries
-/// begins[t] to begins[t + 1]. Tets beyond the first two at a face have no edge for it.
+/// begins[t] to begins[t + 1].
 struct DualGraph {
   std::vector<std::int32_t> begins, neighbours;
   std::vector<double> face_weights;
@@ -25,7 +25,7 @@ struct DualGraph {
 
 /// The graph of these tets, in their order. A face weighs the number of vertices that an interface along it
 /// will have: its area in the metric, the mean of what its two tets say, over that of two unit triangles, and
-/// half a vertex, since it is there already. Fewer than 2^29 tets.
+/// half a vertex, since it is there already. Fewer than 2^29 tets, no three at a face.
 DualGraph dual_graph(std::span<const DualVertex> tets);
 
 }  // namespace weft::partition

@@ -87,15 +87,19 @@ std::vector<std::vector<std::uint32_t>> divide(const std::vector<std::vector<Tra
   };
   std::vector<Place> places;
   std::vector<std::vector<std::uint32_t>> parts;
+  std::size_t size = 0;
+  for (const auto& of_rank : arrived) size += of_rank.size();
+  places.reserve(size);
   for (std::size_t r = 0; r < arrived.size(); ++r) {
     for (std::size_t i = 0; i < arrived[r].size(); ++i)
       places.push_back({arrived[r][i].group, arrived[r][i].tet.number, r, i});
     parts.emplace_back(arrived[r].size());
   }
   // By number, so that the graph does not depend on who sent what.
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  const auto comes_before = [](const Place& a, const Place& b) {
     return a.group != b.group ? a.group < b.group : a.number < b.number;
-  });
+  };
+  if (!std::ranges::is_sorted(places, comes_before)) std::ranges::sort(places, comes_before);
   for (auto begin = places.begin(); begin != places.end();) {
     const auto end =
         std::find_if(begin, places.end(), [&](const Place& p) { return p.group != begin->group; });

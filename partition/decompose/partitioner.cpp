@@ -55,7 +55,7 @@ BoundaryCoordinate parse_coordinate_of(const std::string& text, std::string_view
 }
 
 Partitioner parse_pqr(const std::string& text, std::vector<std::string_view> options) {
-  Partitioner p{Partitioner::Kind::pqr, {}, false, false, {}};
+  Partitioner p{Partitioner::Kind::pqr, {}, false, false, {}, false};
   const auto take = [&](std::string_view name) {
     const bool given = !options.empty() && options.back() == name;
     if (given) options.pop_back();
@@ -88,7 +88,8 @@ Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdoma
   }
   if (name != "bisection" && name != "graph") refuse(text, fmt::format("'{}' is not known", name));
   if (!parts.empty()) refuse(text, fmt::format("{} takes no options", name));
-  return {name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false, false, {}};
+  return {
+      name == "graph" ? Partitioner::Kind::graph : Partitioner::Kind::bisection, {}, false, false, {}, false};
 }
 
 }  // namespace weft::partition

@@ -22,6 +22,8 @@ struct Partitioner {
   bool fewer = false;  ///< of pqr: fewer where they would be mostly interface (thin_slabs.h)
   /// Of pqr: what P slabs are cut along, in place of the first axis. Q and R stay along the other two.
   BoundaryCoordinate coordinate = {};
+  /// Of graph: what is nearly as wanted already is cut by runs (runs.h), which costs next to nothing.
+  bool runs_suffice = false;
 };
 
 /// Reads `bisection`, `graph`, or `pqr` followed by any of `:PxQxR`, a coordinate (coordinate_name.h) such as

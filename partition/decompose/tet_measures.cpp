@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "meshing/kernel/quality.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/expectations.h"
 
@@ -39,6 +38,16 @@ double trace_of_quotient(const SymTensor& a, const SymTensor& b) {
 
 }  // namespace
 
+double density(const LogMetric& log_metric) { return std::exp(0.5 * trace(log_metric)); }
+
+double complexity(const TetCorners& p, const std::array<double, 4>& densities) {
+  double density = 0;
+  for (const double d : densities) density += 0.25 * d;
+  // A tet that is exactly positive may compute a negative volume.
+  const double volume = std::max(0.0, six_volume(p[0], p[1], p[2], p[3]) / 6);
+  return std::min(volume * density, std::numeric_limits<double>::max());
+}
+
 SymTensor unit_inverse(const LogMetric& log_metric) {
   return meshing::exp_fast(meshing::identity_tensor(trace(log_metric) / 3) - log_metric);
 }
@@ -70,26 +79,22 @@ SymTensor cut_tensor(const TetCorners& tet, const SymTensor& inverse) {
   return usable(isotropic) ? inverse + isotropic : inverse;
 }
 
-namespace {
-
-double quality(const TetCorners& p, const LogMetric& log_metric) {
-  return mean_ratio(six_volume(p[0], p[1], p[2], p[3]), meshing::exp_fast(log_metric),
-                    std::exp(trace(log_metric)), p[1] - p[0], p[2] - p[0], p[3] - p[0]);
+void TetMeasures::reserve(std::size_t tets) {
+  centres.reserve(tets);
+  corners.reserve(tets);
+  complexities.reserve(tets);
+  cut_tensors.reserve(tets);
+  face_areas.reserve(tets);
 }
 
-}  // namespace
-
 void TetMeasures::add(const TetCorners& p, const std::array<LogMetric, 4>& log_metrics) {
-  double density = 0;  // sqrt(det M) = exp(trace(log M) / 2)
-  for (const LogMetric& l : log_metrics) density += 0.25 * std::exp(0.5 * trace(l));
-  // A tet that is exactly positive may compute a negative volume.
-  const double volume = std::max(0.0, six_volume(p[0], p[1], p[2], p[3]) / 6);
-  complexities.push_back(std::min(volume * density, std::numeric_limits<double>::max()));
+  std::array<double, 4> densities;
+  for (std::size_t i = 0; i < 4; ++i) densities[i] = density(log_metrics[i]);
+  complexities.push_back(complexity(p, densities));
   LogMetric mean;
   for (const LogMetric& l : log_metrics) mean = mean + 0.25 * l;
   const SymTensor inverse = unit_inverse(mean);
   cut_tensors.push_back(cut_tensor(p, inverse));
-  qualities.push_back(quality(p, mean));
   face_areas.push_back(partition::face_areas(p, inverse, std::exp(trace(mean) / 3)));
   corners.push_back(p);
   centres.push_back(0.25 * (p[0] + p[1] + (p[2] + p[3])));
@@ -102,7 +107,7 @@ void TetMeasures::scale(double factor) {
     for (float& area : areas) area *= area_factor;
 }
 
-std::vector<double> TetMeasures::work() const {
+std::vector<double> work_of(std::span<const double> complexities) {
   constexpr double kHandling = 0.1;  // of a tet that is there, in final tets
   std::vector<double> all;
   all.reserve(complexities.size());

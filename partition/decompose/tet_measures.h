@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "meshing/base/point.h"
@@ -10,6 +11,11 @@
 namespace weft::partition {
 
 using TetCorners = std::array<meshing::Point, 4>;
+
+/// sqrt(det M), from log M.
+double density(const meshing::LogMetric& log_metric);
+/// The integral of the density over a tet, of those at its corners. Finite; 0 where the volume computes so.
+double complexity(const TetCorners& tet, const std::array<double, 4>& densities);
 
 /// M^-1 of determinant 1, from log M.
 meshing::SymTensor unit_inverse(const meshing::LogMetric& log_metric);
@@ -30,20 +36,22 @@ double vertices_wanted(float area, float other_area);
 /// balls of vertices; a quarter and all of it make 2 to 14 % more area on a uniform cube in polar-2.)
 meshing::SymTensor cut_tensor(const TetCorners& tet, const meshing::SymTensor& inverse);
 
+/// The number of tets that is expected of each: 12 times its complexity, and a tenth for handling it.
+std::vector<double> work_of(std::span<const double> complexities);
+
 /// What a decomposition wants to know of tets, an entry for each in every array.
 struct TetMeasures {
   std::vector<meshing::Point> centres;
   std::vector<TetCorners> corners;
   std::vector<double> complexities;
-  std::vector<double> qualities;                 ///< mean ratio; does not change when the metric is scaled
   std::vector<meshing::SymTensor> cut_tensors;   ///< Items::cut_tensors
   std::vector<std::array<float, 4>> face_areas;  ///< Items::face_areas
 
+  void reserve(std::size_t tets);
   void add(const TetCorners& tet, const std::array<meshing::LogMetric, 4>& log_metrics);
   /// The metric is that of `factor` times the complexity.
   void scale(double factor);
-  /// The number of tets that is expected of each: 12 times its complexity, and a tenth for handling it.
-  std::vector<double> work() const;
+  std::vector<double> work() const { return work_of(complexities); }
 };
 
 }  // namespace weft::partition

@@ -5,18 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
 
 #include "meshing/base/place_in.h"
+#include "meshing/metric/expectations.h"
+#include "meshing/metric/measure_lanes.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/same_arithmetic.h"
 #include "partition/communication/sort_unique.h"
+#include "partition/communication/vertex_numbers.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/inertia.h"
+#include "partition/decompose/runs.h"
 #include "partition/decompose/tet_measures.h"
 #include "partition/distribute/boundary_index.h"
 #include "partition/distribute/point_records.h"
@@ -30,68 +36,108 @@ namespace {
 
 using meshing::Point;
 
-/// The slice's tets with the points that they need from anywhere.
+/// The points that the slice's tets need, from anywhere: those of placed.numbers.
 class TetPoints {
  public:
-  TetPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges) : tets_(slice.tets) {
-    for (const auto& tet : tets_) numbers_.insert(numbers_.end(), tet.begin(), tet.end());
-    std::sort(numbers_.begin(), numbers_.end());
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-    records_ = fetch_points(peers, slice, ranges, numbers_);
-  }
+  TetPoints(Peers& peers, const MeshSlice& slice, const Ranges& ranges, const PlacedTets& placed)
+      : tets_(placed.tets), records_(fetch_points(peers, slice, ranges, placed.numbers)) {}
   std::array<const PointRecord*, 4> of(std::size_t t) const {
-    std::array<const PointRecord*, 4> result;
-    for (std::size_t i = 0; i < 4; ++i) result[i] = &records_[meshing::place_in(numbers_, tets_[t][i])];
-    return result;
+    const auto& [a, b, c, d] = tets_[t];
+    return {&records_[a], &records_[b], &records_[c], &records_[d]};
+  }
+  const std::array<std::uint32_t, 4>& places(std::size_t t) const { return tets_[t]; }
+  TetCorners corners(std::size_t t) const {
+    const auto [a, b, c, d] = of(t);
+    return {a->point, b->point, c->point, d->point};
+  }
+  std::array<meshing::LogMetric, 4> log_metrics(std::size_t t) const {
+    const auto [a, b, c, d] = of(t);
+    return {a->log_metric, b->log_metric, c->log_metric, d->log_metric};
   }
   const std::vector<PointRecord>& all() const { return records_; }
 
  private:
   std::span<const std::array<std::uint32_t, 4>> tets_;
-  std::vector<std::uint32_t> numbers_;
   std::vector<PointRecord> records_;
 };
 
-/// What the decomposition wants to know of the slice's tets, and the box of the whole mesh.
+/// What is known of the slice's tets, and of the whole mesh, before it is decomposed.
 struct Measured {
-  TetMeasures tets;
+  std::vector<double> complexities;
+  double mean_quality = 0;
   meshing::Box box;
 };
 
-Measured measure_tets(Peers& peers, const MeshSlice& slice, const TetPoints& points) {
-  Measured m;
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) {
-    const auto p = points.of(t);
-    m.tets.add({p[0]->point, p[1]->point, p[2]->point, p[3]->point},
-               {p[0]->log_metric, p[1]->log_metric, p[2]->log_metric, p[3]->log_metric});
+std::vector<double> complexities_of(const TetPoints& points, std::size_t num_tets) {
+  std::vector<double> densities;
+  densities.reserve(points.all().size());
+  for (const PointRecord& record : points.all()) densities.push_back(density(record.log_metric));
+  std::vector<double> result;
+  result.reserve(num_tets);
+  for (std::size_t t = 0; t < num_tets; ++t) {
+    const auto& [a, b, c, d] = points.places(t);
+    result.push_back(complexity(points.corners(t), {densities[a], densities[b], densities[c], densities[d]}));
   }
+  return result;
+}
+
+double mean_quality(Peers& peers, const PlacedTets& placed, const TetPoints& points, std::uint64_t num_tets) {
+  std::vector<Point> x;
+  std::vector<meshing::LogMetric> log_metrics;
+  x.reserve(points.all().size());
+  log_metrics.reserve(points.all().size());
+  for (const PointRecord& record : points.all()) {
+    x.push_back(record.point);
+    log_metrics.push_back(record.log_metric);
+  }
+  std::vector<double> qualities;
+  qualities.reserve(placed.tets.size() + meshing::kLanes);
+  for (std::size_t first = 0; first < placed.tets.size(); first += meshing::kLanes) {
+    const meshing::Lanes ratios = meshing::mean_ratios(placed.tets, first, x, log_metrics);
+    for (int i = 0; i < meshing::kLanes; ++i) qualities.push_back(std::max(0.0, ratios[i]));
+  }
+  qualities.resize(placed.tets.size());
+  return ordered_sum(peers, qualities) / static_cast<double>(num_tets);
+}
+
+meshing::Box box_of(Peers& peers, const TetPoints& points) {
   std::vector<Point> all;
+  all.reserve(points.all().size());
   for (const PointRecord& record : points.all()) all.push_back(record.point);
-  m.box = group_boxes(peers, all, std::vector<std::uint32_t>(all.size(), 0), 1)[0];
-  return m;
+  return group_boxes(peers, all, std::vector<std::uint32_t>(all.size(), 0), 1)[0];
 }
 
-Measured check_and_measure(Peers& peers, const MeshSlice& slice, const Ranges& ranges) {
-  const TetPoints points(peers, slice, ranges);
-  std::vector<std::array<const Point*, 4>> corners;
+std::optional<InputIssue> find_inverted(const MeshSlice& slice, const TetPoints& points) {
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     const auto p = points.of(t);
-    corners.push_back({&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point});
+    if (auto issue = inverted(slice.first_tet + t, slice.tets[t],
+                              {&p[0]->point, &p[1]->point, &p[2]->point, &p[3]->point}))
+      return issue;
   }
-  throw_first(peers, find_inverted(slice, corners));
-  return measure_tets(peers, slice, points);
+  return {};
 }
 
-/// M <- (target/C)^(2/3) M, here and in what has been measured. Returns the complexity.
-double scale_metric(Peers& peers, double target, MeshSlice& slice, TetMeasures& measures) {
-  const double complexity = ordered_sum(peers, measures.complexities);
-  if (target <= 0 || !(complexity > 0)) return complexity;
-  const double factor = target / complexity;
+Measured check_and_measure(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
+                           const TetPoints& points) {
+  throw_first(peers, find_inverted(slice, points));
+  return {complexities_of(points, slice.tets.size()), mean_quality(peers, placed, points, slice.num_tets),
+          box_of(peers, points)};
+}
+
+/// M <- factor^(2/3) M.
+void scale_metric(double factor, MeshSlice& slice) {
   const meshing::LogMetric shift =
       (2.0 / 3 * std::log(factor)) * meshing::LogMetric(meshing::identity_tensor(1));
   for (meshing::LogMetric& l : slice.log_metrics) l = l + shift;
-  measures.scale(factor);
-  return target;
+}
+
+/// All of which is scaled as the metric is.
+TetMeasures measures_of(const TetPoints& points, std::size_t num_tets, double factor) {
+  TetMeasures measures;
+  measures.reserve(num_tets);
+  for (std::size_t t = 0; t < num_tets; ++t) measures.add(points.corners(t), points.log_metrics(t));
+  if (factor != 1) measures.scale(factor);
+  return measures;
 }
 
 /// How far each tet of the slice reaches along the coordinate.
@@ -118,8 +164,8 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges
                               std::uint32_t parts) {
   std::vector<double> work(slice.tets.size(), 1);
   if (!options.equal_tets) work = measures.work();
-  std::vector<std::uint64_t> numbers;
-  for (std::size_t t = 0; t < slice.tets.size(); ++t) numbers.push_back(slice.first_tet + t);
+  std::vector<std::uint64_t> numbers(slice.tets.size());
+  std::iota(numbers.begin(), numbers.end(), slice.first_tet);
   std::vector<double> along;
   const bool cut_at_once = parts == options.num_subdomains;
   if (cut_at_once && options.partitioner.coordinate.asked())
@@ -132,6 +178,62 @@ Decomposition decompose_slice(Peers& peers, const MeshSlice& slice, const Ranges
   if (partitioner.kind == Partitioner::Kind::pqr) partitioner = {};  // its slabs are those of the whole
   return with_room_to_divide(peers, decompose(peers, items, parts, partitioner), work, parts,
                              options.num_subdomains);
+}
+
+/// Whether the mesh is nearly what the metric asks for, by the same numbers on all ranks.
+bool is_nearly_right(const Distributed& d, std::uint64_t num_tets) {
+  constexpr double kGoodMean = 0.85, kNearly = 1.25;
+  const double wanted = meshing::kTetsOfUnitVolume * d.complexity, tets = static_cast<double>(num_tets);
+  return d.mean_quality >= kGoodMean && tets < kNearly * wanted && wanted < kNearly * tets;
+}
+
+/// All ranks: the lowest part of a tet, on any rank, at each of the vertices.
+std::vector<std::uint32_t> lowest_parts(Peers& peers, const Ranges& points, const PlacedTets& placed,
+                                        std::span<const SubdomainId> parts) {
+  constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+  std::vector<std::uint32_t> lowest(placed.numbers.size(), kNone);
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    for (const std::uint32_t v : placed.tets[t]) lowest[v] = std::min(lowest[v], parts[t].value);
+  struct Known {
+    std::uint32_t number, part;
+  };
+  std::vector<std::vector<Known>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t v = 0; v < lowest.size(); ++v)
+    to_each[points.rank_of(placed.numbers[v])].push_back({placed.numbers[v], lowest[v]});
+  const auto arrived = partition::all_to_all(peers, std::move(to_each));
+  const std::uint64_t first = points.first(peers.rank());
+  std::vector<std::uint32_t> of_point(points.first(peers.rank() + 1) - first, kNone);
+  for (const auto& of_rank : arrived)
+    for (const Known& k : of_rank) of_point[k.number - first] = std::min(of_point[k.number - first], k.part);
+  std::vector<std::vector<std::uint32_t>> answers(arrived.size());
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (const Known& k : arrived[r]) answers[r].push_back(of_point[k.number - first]);
+  return all_to_all_joined(peers, std::move(answers));
+}
+
+/// Ends of runs stick out: a part takes all tets whose vertices it, or a lower one, has anyway, so that
+/// interfaces run along whole balls.
+void even_out(Peers& peers, const Ranges& points, const PlacedTets& placed, std::vector<SubdomainId>& parts) {
+  const std::vector<std::uint32_t> lowest = lowest_parts(peers, points, placed, parts);
+  for (std::size_t t = 0; t < parts.size(); ++t) {
+    const auto& [a, b, c, d] = placed.tets[t];
+    parts[t] = SubdomainId(std::max({lowest[a], lowest[b], lowest[c], lowest[d]}));
+  }
+}
+
+/// In the middles of runs the metric says alone along which axis they are halved.
+Decomposition decompose_by_runs(Peers& peers, const Ranges& ranges, const Ranges& tets,
+                                const PlacedTets& placed, std::span<const double> work,
+                                const TetPoints& points, std::uint32_t parts) {
+  const auto sample = [&](std::size_t t) {
+    const TetCorners corners = points.corners(t);
+    const auto logs = points.log_metrics(t);
+    return RunSample{corners,
+                     cut_tensor(corners, unit_inverse(0.25 * (logs[0] + logs[1] + logs[2] + logs[3])))};
+  };
+  Decomposition result{bisect_runs(peers, tets, work, sample, parts), {}, {}};
+  even_out(peers, ranges, placed, result.subdomains);
+  return result;
 }
 
 /// All ranks classify the same boundary on the same model, each for itself.
@@ -220,20 +322,39 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const Ranges points(peers, slice.points.size()), tets(peers, slice.tets.size());
   check_slices(peers, slice, points, tets);
   Distributed result;
-  Measured measured = check_and_measure(peers, slice, points);
-  TetMeasures& measures = measured.tets;
-  result.mean_quality = ordered_sum(peers, measures.qualities) / static_cast<double>(slice.num_tets);
-  result.complexity = scale_metric(peers, options.target_complexity, slice, measures);
-  WholeBoundary boundary = complete_boundary(peers, slice, points, tets);
+  PlacedTets placed = partition::placed(slice.tets);
+  std::optional<TetPoints> tet_points(std::in_place, peers, slice, points, placed);
+  Measured measured = check_and_measure(peers, slice, placed, *tet_points);
+  result.mean_quality = measured.mean_quality;
+  result.complexity = ordered_sum(peers, measured.complexities);
+  double factor = 1;
+  if (options.target_complexity > 0 && result.complexity > 0) {
+    factor = options.target_complexity / result.complexity;
+    scale_metric(factor, slice);
+    for (double& c : measured.complexities) c *= factor;
+    result.complexity = options.target_complexity;
+  }
+  WholeBoundary boundary = complete_boundary(peers, slice, placed, points, tets);
   slice.boundary = {};
   result.box = measured.box;
   const std::uint32_t parts =
       options.parts_at_first
           ? options.parts_at_first({slice.num_tets, result.complexity, result.mean_quality})
           : options.num_subdomains;
-  Decomposition decomposition = decompose_slice(peers, slice, points, measures, options, parts);
+  Decomposition decomposition;
+  result.cut_by_runs = parts == options.num_subdomains && options.partitioner.runs_suffice &&
+                       !options.equal_tets && is_nearly_right(result, slice.num_tets) &&
+                       follow_each_other(peers, slice.tets);
+  if (result.cut_by_runs)
+    decomposition =
+        decompose_by_runs(peers, points, tets, placed, work_of(measured.complexities), *tet_points, parts);
+  else
+    decomposition = decompose_slice(peers, slice, points, measures_of(*tet_points, slice.tets.size(), factor),
+                                    options, parts);
   result.seeds = std::move(decomposition.seeds);
-  measures = {};
+  measured = {};
+  tet_points.reset();
+  placed = {};
 
   const std::vector<TetRecord> mine =
       send_tets_home(peers, slice, std::exchange(decomposition.subdomains, {}), options.num_subdomains);

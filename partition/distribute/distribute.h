@@ -47,6 +47,7 @@ struct Distributed {
   meshing::Box box;                          ///< of the whole mesh
   double complexity = 0;                     ///< of the whole mesh in its metric
   double mean_quality = 0;                   ///< of the whole mesh's tets
+  bool cut_by_runs = false;                  ///< as Partitioner::runs_suffice allows
   /// Where some subdomains have no tets at first: those that have, ascending, from 0. Each is to be divided
   /// with the ones up to the next (partition/divide), which are as many as befits its work.
   std::vector<SubdomainId> seeds;

@@ -122,11 +122,4 @@ std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::u
       sign < 0 ? "is inverted (negative volume)" : "is flat (exactly zero volume)"};
 }
 
-std::optional<InputIssue> find_inverted(const MeshSlice& slice,
-                                        std::span<const std::array<const meshing::Point*, 4>> corners) {
-  for (std::size_t t = 0; t < corners.size(); ++t)
-    if (auto issue = inverted(slice.first_tet + t, slice.tets[t], corners[t])) return issue;
-  return {};
-}
-
 }  // namespace weft::partition

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 
 #include "meshing/base/point.h"
 #include "partition/communication/input_issue.h"
@@ -27,9 +26,5 @@ void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, co
 /// mesh.
 std::optional<InputIssue> inverted(std::uint64_t number, const std::array<std::uint32_t, 4>& vertices,
                                    const std::array<const meshing::Point*, 4>& corners);
-
-/// The first of these tets that is inverted or flat. corners[i] are the points of tet first_tet + i.
-std::optional<InputIssue> find_inverted(const MeshSlice& slice,
-                                        std::span<const std::array<const meshing::Point*, 4>> corners);
 
 }  // namespace weft::partition

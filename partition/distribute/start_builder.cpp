@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "meshing/base/place_in.h"
 #include "meshing/mesh/tet_tables.h"
+#include "partition/communication/vertex_numbers.h"
 
 namespace weft::partition {
 namespace {
@@ -69,10 +69,11 @@ void StartBuilder::add_names(const Holders& holders) {
 }
 
 void StartBuilder::add_tets() {
+  PlacesOfNumbers places(numbers_);
+  start_.tets.reserve(tets_.size());
+  start_.tet_refs.reserve(tets_.size());
   for (const TetRecord& tet : tets_) {
-    auto vertices = tet.vertices;
-    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(meshing::place_in(numbers_, v));
-    start_.tets.push_back(vertices);
+    start_.tets.push_back(places(tet.vertices));
     start_.tet_refs.push_back(tet.ref);
   }
 }

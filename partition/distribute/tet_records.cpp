@@ -1,7 +1,11 @@
 // Moves the tets and finds the holders of their vertices.
 #include "partition/distribute/tet_records.h"
 
+#include <limits>
+#include <numeric>
+
 #include "partition/communication/reduce.h"
+#include "partition/communication/vertex_numbers.h"
 
 namespace weft::partition {
 namespace {
@@ -14,6 +18,19 @@ std::vector<InputHolder> holders_here(std::span<const TetRecord> tets) {
       result.push_back({v, tets[begin].subdomain});
   }
   return result;
+}
+
+/// The tets arrive in the order of their numbers, and keep it within each subdomain.
+std::vector<TetRecord> by_subdomain(const std::vector<TetRecord>& tets) {
+  SubdomainId first(std::numeric_limits<std::uint32_t>::max()), last(0);
+  for (const TetRecord& t : tets) first = std::min(first, t.subdomain), last = std::max(last, t.subdomain);
+  if (tets.empty()) return {};
+  std::vector<std::size_t> next(last.value - first.value + 2, 0);
+  for (const TetRecord& t : tets) ++next[t.subdomain.value - first.value + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<TetRecord> sorted(tets.size());
+  for (const TetRecord& t : tets) sorted[next[t.subdomain.value - first.value]++] = t;
+  return sorted;
 }
 
 /// The holders of one vertex, sorted, to each rank that has one of them.
@@ -34,6 +51,7 @@ void send_to_holders(std::span<const InputHolder> holders, std::uint32_t num_sub
 std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<const SubdomainId> subdomains,
                                       std::uint32_t num_subdomains) {
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers.ranks()));
+  if (peers.ranks() == 1) to_each[0].reserve(slice.tets.size());
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     const int rank = home_rank(subdomains[t], num_subdomains, peers.ranks());
     to_each[static_cast<std::size_t>(rank)].push_back(
@@ -41,20 +59,12 @@ std::vector<TetRecord> send_tets_home(Peers& peers, MeshSlice& slice, std::span<
   }
   slice.tets = {};
   slice.tet_refs = {};
-  std::vector<TetRecord> tets = all_to_all_joined(peers, std::move(to_each));
-  std::sort(tets.begin(), tets.end(), [](const TetRecord& a, const TetRecord& b) {
-    return a.subdomain != b.subdomain ? a.subdomain < b.subdomain : a.number < b.number;
-  });
-  return tets;
+  return by_subdomain(all_to_all_joined(peers, std::move(to_each)));
 }
 
 std::vector<std::uint32_t> vertices_of(std::span<const TetRecord> tets) {
-  std::vector<std::uint32_t> vertices;
-  vertices.reserve(4 * tets.size());
-  for (const TetRecord& tet : tets) vertices.insert(vertices.end(), tet.vertices.begin(), tet.vertices.end());
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  return vertices;
+  return distinct_vertices(
+      tets, [](const TetRecord& tet) -> const auto& { return tet.vertices; });
 }
 
 std::span<const InputHolder> Holders::of(std::uint32_t vertex) const {

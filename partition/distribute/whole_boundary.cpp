@@ -8,7 +8,9 @@
 #include <optional>
 #include <span>
 
+#include "meshing/base/error.h"
 #include "meshing/base/place_in.h"
+#include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/touching_edges.h"
 #include "partition/communication/input_issue.h"
@@ -22,12 +24,76 @@ using meshing::MeshData;
 using Tet = std::array<std::uint32_t, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
 
+/// All ranks: which of these vertices tets of other ranks have too. Whoever has the point knows who asks.
+std::vector<std::uint8_t> used_elsewhere(Peers& peers, const Ranges& points,
+                                         const std::vector<std::uint32_t>& numbers) {
+  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const std::uint32_t number : numbers) to_each[points.rank_of(number)].push_back(number);
+  const auto asked = partition::all_to_all(peers, std::move(to_each));
+  const std::uint64_t first = points.first(peers.rank());
+  std::vector<std::uint8_t> users(points.first(peers.rank() + 1) - first, 0);
+  for (const auto& of_rank : asked)
+    for (const std::uint32_t number : of_rank)
+      if (std::uint8_t& known = users[number - first]; known < 2) ++known;
+  std::vector<std::vector<std::uint8_t>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t number : asked[r]) answers[r].push_back(users[number - first] > 1);
+  return all_to_all_joined(peers, std::move(answers));
+}
+
+/// The faces of the slice, of which those that have both their tets here are mostly nobody else's business.
+class SliceFaces {
+ public:
+  /// All ranks call together.
+  SliceFaces(Peers& peers, const MeshSlice& slice, const PlacedTets& placed, const Ranges& points)
+      : slice_(slice), tets_(placed.tets), marks_(used_elsewhere(peers, points, placed.numbers)) {
+    for (const Triangle& triangle : slice.boundary.triangles)
+      for (const std::uint32_t v : triangle) {
+        const auto at = std::ranges::lower_bound(placed.numbers, v);
+        if (at != placed.numbers.end() && *at == v) marks_[at - placed.numbers.begin()] |= kOnTriangle;
+      }
+    try {
+      neighbours_ = meshing::build_adjacency(tets_, placed.numbers.size()).neighbours;
+    } catch (const meshing::InputError&) {
+      neighbours_.clear();  // a face has three tets: all faces are to meet, and all ranks will know
+    }
+  }
+
+  /// False where two tets of one reference lie here on both sides, and no third tet nor triangle can be
+  /// there.
+  bool is_to_meet(std::uint32_t t, std::size_t f) const {
+    if (neighbours_.empty()) return true;
+    const std::uint32_t code = neighbours_[t][f];
+    if (code == meshing::kNoNeighbour || slice_.tet_refs[t] != slice_.tet_refs[code >> 2]) return true;
+    const Triangle mine = corners(t, f), other = corners(code >> 2, code & 3);
+    if (marks_[mine[0]] & marks_[mine[1]] & marks_[mine[2]]) return true;
+    const auto at = static_cast<std::size_t>(std::ranges::find(other, mine[0]) - other.begin());
+    return other[(at + 1) % 3] == mine[1];
+  }
+
+ private:
+  static constexpr std::uint8_t kOnTriangle = 2;  ///< beside 1: tets of other ranks have the vertex too
+
+  Triangle corners(std::uint32_t t, std::size_t f) const {
+    const auto& c = meshing::kTetFaces[f];
+    return {tets_[t][c[0]], tets_[t][c[1]], tets_[t][c[2]]};
+  }
+
+  const MeshSlice& slice_;
+  std::span<const Tet> tets_;
+  std::vector<std::uint8_t> marks_;  ///< of vertices
+  std::vector<Tet> neighbours_;      ///< empty: not known
+};
+
 /// The faces that meet here, sorted.
-std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice) {
+std::vector<FaceRecord> meet_faces(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
+                                   const Ranges& points) {
   const auto ranks = static_cast<std::uint32_t>(peers.ranks());
   std::vector<std::vector<FaceRecord>> to_each(ranks);
-  for (std::size_t t = 0; t < slice.tets.size(); ++t)
+  const SliceFaces faces_here(peers, slice, placed, points);
+  for (std::uint32_t t = 0; t < slice.tets.size(); ++t)
     for (std::size_t f = 0; f < 4; ++f) {
+      if (!faces_here.is_to_meet(t, f)) continue;
       const FaceRecord record = face_record(slice.tets[t], slice.tet_refs[t], slice.first_tet + t, f);
       to_each[record.vertices[0] % ranks].push_back(record);
     }
@@ -200,11 +266,11 @@ void gather_points(Peers& peers, const MeshSlice& slice, const Ranges& points, W
 
 }  // namespace
 
-WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Ranges& points,
-                                const Ranges& tets) {
+WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
+                                const Ranges& points, const Ranges& tets) {
   TriangleFindings findings;
   {
-    const std::vector<FaceRecord> faces = meet_faces(peers, slice);
+    const std::vector<FaceRecord> faces = meet_faces(peers, slice, placed, points);
     refuse_overused(peers, faces);
     refuse_overlaps(peers, slice, tets, faces);
     findings = match_triangles(peers, faces, slice.boundary.triangles);

@@ -20,7 +20,7 @@ namespace weft::partition {
 /// together.
 class PartDomain final : public meshing::MetricDomain {
  public:
-  /// Throws meshing::InputError, the same on all ranks, for what check_slices() and find_inverted() refuse.
+  /// Throws meshing::InputError, the same on all ranks, for what check_slices() and inverted() refuse.
   /// Memory: 130 bytes a tet of the part, and twice that for a moment.
   PartDomain(Peers& peers, const MeshSlice& slice, int rings);
 

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <string>
@@ -300,6 +302,48 @@ TEST(Adapt, TinyMetersAreAsGoodAsLargeOnes) {
     EXPECT_NEAR(report.volume / (unit * unit * unit), 1, 1e-9);
     expect_good(result, {0.78, 0.45, 0.15, 0.90});
   }
+}
+
+/// Of the points that two meshes share, those that come after the one before them in both.
+double share_in_order(const MeshData& mesh, const MeshData& old) {
+  std::map<std::array<double, 3>, std::size_t> places;
+  for (const Point& p : old.points) places[{p.x, p.y, p.z}] = places.size();
+  double shared = 0, ascending = 0, last = -1;
+  for (const Point& p : mesh.points) {
+    const auto found = places.find({p.x, p.y, p.z});
+    if (found == places.end()) continue;
+    const auto place = static_cast<double>(found->second);
+    ++shared;
+    ascending += place > last;
+    last = place;
+  }
+  EXPECT_GT(shared, 0.8 * static_cast<double>(old.points.size()));
+  return ascending / shared;
+}
+
+TEST(Adapt, AMeshThatConformsStaysInItsOrder) {
+  const MeshData cube = unit_cube(6);
+  AdaptResult first = adapted(cube, uniform_metric(cube, 0.07));
+  const AdaptResult again = adapted(first.mesh, first.log_metrics);
+  EXPECT_GT(share_in_order(again.mesh, first.mesh), 0.98);
+  expect_same_domain(again.mesh, cube);
+  expect_good(again, {0.85, 0.65, 0.40, 0.97});
+  support::shuffle(first.mesh);
+  const AdaptResult ordered = adapted(first.mesh, uniform_metric(first.mesh, 0.07));
+  EXPECT_LT(share_in_order(ordered.mesh, first.mesh), 0.7);
+}
+
+TEST(Adapt, AMetricThatChangedInOneCornerIsFollowedThere) {
+  const MeshData cube = unit_cube(6);
+  const AdaptResult first = adapted(cube, uniform_metric(cube, 0.07));
+  LogMetricField metric = first.log_metrics;
+  for (std::size_t v = 0; v < metric.size(); ++v)
+    if (norm(first.mesh.points[v]) < 0.2) metric[v] = metric[v] + LogMetric(identity_tensor(2 * std::log(2)));
+  const AdaptResult result = adapted(first.mesh, metric);
+  EXPECT_NEAR(complexity(result.mesh, result.log_metrics), complexity(first.mesh, metric), 100);
+  EXPECT_GT(result.mesh.tets.size(), first.mesh.tets.size());
+  expect_same_domain(result.mesh, cube);
+  expect_good(result, {0.85, 0.60, 0.30, 0.95});
 }
 
 TEST(Adapt, AFullMeshIsLeftValid) {

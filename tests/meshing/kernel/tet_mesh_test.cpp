@@ -239,6 +239,15 @@ TEST(Renumber, ClosesHolesAndSlotsCanBeTakenAgain) {
   EXPECT_FALSE(rig.mesh.alive(TetId(rig.mesh.take_tet_slots(1))));
 }
 
+TEST(Renumber, LeavesAMeshInOrder) {
+  MeshData input = support::unit_cube(20);
+  support::shuffle(input);
+  KernelRig rig(input, 0.05);
+  EXPECT_FALSE(is_in_order(rig.mesh));
+  renumber_along_curve(rig.mesh);
+  EXPECT_TRUE(is_in_order(rig.mesh));
+}
+
 TEST(Renumber, PutsNearVerticesNearEachOther) {
   MeshData input = support::unit_cube(8);
   support::shuffle(input);

@@ -400,13 +400,6 @@ TEST(DualGraph, JoinsTetsAtTheFaceTheyShare) {
   EXPECT_EQ(g.face_weights[2] + g.face_weights[3], g.face_weights[0] + g.face_weights[1]);
 }
 
-TEST(DualGraph, LeavesOutTheThirdTetAtAFace) {
-  const std::vector<DualVertex> tets{{0, 1, {0, 1, 2, 3}, {1, 1, 1, 1}},
-                                     {1, 1, {4, 3, 2, 1}, {1, 1, 1, 1}},
-                                     {2, 1, {5, 3, 2, 1}, {1, 1, 1, 1}}};
-  EXPECT_THAT(dual_graph(tets).begins, ::testing::ElementsAre(0, 1, 2, 2));
-}
-
 TEST(GraphPartition, DividesAMeshOfUnconnectedTets) {
   Whole w;
   for (std::uint32_t i = 0; i < 200; ++i) {

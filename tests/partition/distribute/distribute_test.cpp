@@ -12,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "meshing/adapt/adapt.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/mesh/tet_tables.h"
@@ -19,6 +20,7 @@
 #include "partition/refine/refine_interface.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
+#include "tests/support/kernel.h"
 
 namespace weft::partition::distribute_test {
 namespace {
@@ -107,6 +109,37 @@ TEST(Distribute, DividesWorkOrTets) {
   options.equal_tets = true;
   const auto [most_tets, least_tets] = most_and_least();
   EXPECT_LE(most_tets, least_tets + 3);  // half a tet for each of three cuts, on either side
+}
+
+TEST(Distribute, WhatIsNearlyRightIsCutByRuns) {
+  const MeshData cube = support::unit_cube(5);
+  const meshing::LogMetricField metric = support::uniform_metric(cube, 0.12);
+  meshing::AdaptResult adapted = meshing::adapt(cube, {&cube, &metric}, {});
+  MetricMesh whole{std::move(adapted.mesh), std::move(adapted.log_metrics)};
+  auto options = options_of(6, "graph");
+  const auto shared = [](const Distributed& d) {
+    std::size_t count = 0;
+    for (const SubdomainStart& start : d.starts) count += start.shared.size();
+    return static_cast<double>(count);
+  };
+  const Distributed by_graph = distribute_on(1, whole, options);
+  EXPECT_FALSE(by_graph.cut_by_runs);
+  options.partitioner.runs_suffice = true;
+  const Distributed expected = distribute_on(1, whole, options);
+  EXPECT_TRUE(expected.cut_by_runs);
+  EXPECT_LT(shared(expected), 1.6 * shared(by_graph));
+  for (const int ranks : support::kNumbersOfRanks) {
+    const Distributed found = distribute_on(ranks, whole, options, static_cast<unsigned>(ranks));
+    EXPECT_TRUE(found.cut_by_runs);
+    for (SubdomainId s(0); s.value < 6; ++s.value)
+      EXPECT_TRUE(same(found.starts[s.value], expected.starts[s.value])) << s << " on " << ranks << " ranks";
+  }
+  options.target_complexity = 2 * expected.complexity;
+  EXPECT_FALSE(distribute_on(2, whole, options).cut_by_runs);
+  options.target_complexity = 0;
+  support::shuffle(whole.mesh);
+  whole.log_metrics = support::uniform_metric(whole.mesh, 0.12);
+  EXPECT_FALSE(distribute_on(2, whole, options).cut_by_runs);
 }
 
 /// Compares the starts of one distribution with the kernel's own import of the whole mesh.

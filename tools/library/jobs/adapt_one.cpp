@@ -10,6 +10,7 @@
 #include "meshing/fields/transfer.h"
 #include "meshing/mesh/check_mesh.h"
 #include "meshing/mesh/face_sums.h"
+#include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
 #include "tools/common/naming.h"
@@ -86,7 +87,8 @@ class OneMesh {
     watch_.lap();
     if (input_.background) return;
     monitor_.update("measuring", work_->at_measures_before(), result_.input_counts.tets);
-    result_.before = meshing::measure(input_.mesh, field_);
+    measured_.emplace(meshing::MetricMeshView{input_.mesh, field_});
+    result_.before = measured_->measures();
     result_.times.measure = watch_.lap();
   }
 
@@ -94,6 +96,7 @@ class OneMesh {
     monitor_.update("importing", work_->at_adaptation(0), result_.input_counts.tets);
     meshing::AdaptOptions kernel;
     kernel.threads = result_.threads;
+    kernel.complexity = result_.target_complexity;
     kernel.ridge_angle_degrees = options_.geometry.ridge_angle;
     kernel.hausd = options_.geometry.hausd;
     kernel.model = model_;
@@ -107,8 +110,8 @@ class OneMesh {
       return meshing::adapt(input_.mesh, {&background(), &field_}, kernel);
     });
     account_for_checkpoints();
-    field_ = {};
     result_.mesh = std::move(adapted.mesh);
+    origins_ = std::move(adapted.origins);
     if (options_.run.verify) check_conforms(result_.mesh);
     result_.metric = Metric::from_logarithms(std::move(adapted.log_metrics));
     meshing::AdaptReport& report = adapted.report;
@@ -149,9 +152,18 @@ class OneMesh {
 
   void measure_after() {
     monitor_.update("measuring", work_->at_adaptation(1), result_.output_counts.tets);
-    result_.after = meshing::measure(result_.mesh, result_.metric.logarithms());
+    result_.after = measures_of_result();
+    field_ = {};
     result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
     result_.times.measure += watch_.lap();
+  }
+
+  /// Of a mesh in which little has changed, what has.
+  Measures measures_of_result() const {
+    const meshing::MetricMeshView result{result_.mesh, result_.metric.logarithms()};
+    std::optional<Measures> known;
+    if (measured_ && !origins_.empty()) known = measured_->of_result({input_.mesh, field_}, result, origins_);
+    return known ? *known : meshing::measure(result.mesh, result.log_metrics);
   }
 
   void carry_fields() {
@@ -175,6 +187,8 @@ class OneMesh {
   std::optional<RunWork> work_;                  ///< from the metric on
   std::shared_ptr<const meshing::Model> model_;  ///< null: the surface is reconstructed
   meshing::LogMetricField field_;
+  std::optional<meshing::MeasuredMesh> measured_;  ///< the input
+  std::vector<std::uint32_t> origins_;             ///< AdaptResult::origins
   std::optional<FoundState> found_;
   std::optional<MeshCheckpoints> checkpoints_;
   Result result_;

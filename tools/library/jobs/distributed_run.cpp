@@ -140,6 +140,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.decomposition.num_subdomains = number_of_subdomains();
   method.decomposition.partitioner =
       partition::parse_partitioner(partitioner_of(asked), method.decomposition.num_subdomains);
+  method.decomposition.partitioner.runs_suffice = asked.partitioner.empty();
   method.decomposition.equal_tets = asked.equal == DistributedOptions::Equal::tets;
   method.decomposition.ridge_angle_degrees = options_.geometry.ridge_angle;
   method.decomposition.model = model_;
@@ -252,7 +253,7 @@ void DistributedRun::gather_statistics(Report& report) {
   account_for_checkpoints(sums, report);
   add_engine(std::move(sums), *stats_);
   stats_->subdomains = rank_.plan.subdomains;
-  stats_->partitioner = partitioner_of(options_.distributed);
+  stats_->partitioner = result_.cut_by_runs ? "runs" : partitioner_of(options_.distributed);
   stats_->layers = rank_.plan.shift.layers;
   stats_->checks = result_.checks;
   stats_->coarse_shifts = static_cast<std::uint32_t>(rank_.plan.phases.back().first_round);

@@ -669,7 +669,7 @@ struct TessellationOptions {
   /// Largest distance of an edge from the model; 0: 0.1 % of the diagonal, and what a face's size and
   /// curvature bear.
   double sagitta = 0;
-  double angle = 20;   ///< degrees that the normal turns along an edge
+  double angle = 20;  ///< degrees that the normal turns along an edge
 };
 /// Triangles on a CAD model, conforming across its edges, with the ids of faces and edges as references and
 /// the nodes as corners, and associated with the model. Throws InputError naming the entity where they would
