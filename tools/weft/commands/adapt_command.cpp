@@ -124,8 +124,10 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
   add_model(sub, command.options.geometry);
-  sub.add_option("--hausd", command.options.geometry.hausd,
-                 "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
+  sub.add_option(
+         "--hausd", command.options.geometry.hausd,
+         "largest distance to the surface; default 0.1 % of the diagonal, on a CAD model at most what "
+         "a face's size and curvature bear (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");

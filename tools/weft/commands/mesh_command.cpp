@@ -132,8 +132,10 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
                  "multiply a CAD model's lengths by this; default 1")
       ->type_name("S")
       ->group("Surface");
-  sub.add_option("--hausd", volume.fill.geometry.hausd,
-                 "largest distance to the surface; default 0.1 % of the diagonal (also -hausd)")
+  sub.add_option(
+         "--hausd", volume.fill.geometry.hausd,
+         "largest distance to the surface; default 0.1 % of the diagonal, on a CAD model at most what "
+         "a face's size and curvature bear (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Surface");

@@ -317,7 +317,8 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
 
 def tessellate(geometry: _Path, *, geometry_scale: float = 1, hausd: float = 0, angle: float = 20) -> Mesh:
     """Triangles on a CAD model (.step, .iges, .brep, .egads), conforming, with its faces and edges as references.
-    hausd: largest distance of an edge from the model, 0: 0.1 % of the diagonal. angle: degrees that the normal turns
+    hausd: largest distance of an edge from the model, 0: 0.1 % of the diagonal and what a face's size and curvature
+    bear. angle: degrees that the normal turns
     along an edge. fill(surface, remesh_surface=True, geometry=...) makes tets of them, as `weft mesh part.step` does.
     """
     return _weft.tessellate(dict(geometry=_os.fspath(geometry), geometry_scale=geometry_scale, hausd=hausd), angle)
