@@ -59,7 +59,8 @@ class Results(Subdomains):
 
     def test_it_is_told_where_rank_0_reads_the_whole_mesh(self):
         self.weft("convert", self.box(4), "box.pvtu")
-        self.assert_in_shares(True, self.run_on(2, "box.pvtu", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb"))
+        for options, whole in ((["--repair"], True), ([], False)):
+            self.assert_in_shares(whole, self.run_on(2, "box.pvtu", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb", *options))
 
     def test_text_is_dealt_out_by_one_reader_and_gives_the_same_result(self):
         box = self.box(5)

@@ -126,8 +126,7 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
   add_model(sub, command.options.geometry);
   sub.add_option(
          "--hausd", command.options.geometry.hausd,
-         "largest distance to the surface; default 0.1 % of the diagonal, on a CAD model at most what "
-         "a face's size and curvature bear (also -hausd)")
+         "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");

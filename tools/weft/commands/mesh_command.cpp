@@ -134,8 +134,7 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
       ->group("Surface");
   sub.add_option(
          "--hausd", volume.fill.geometry.hausd,
-         "largest distance to the surface; default 0.1 % of the diagonal, on a CAD model at most what "
-         "a face's size and curvature bear (also -hausd)")
+         "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Surface");
