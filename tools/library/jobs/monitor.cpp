@@ -62,8 +62,9 @@ void Monitor::cancel(EndReason reason) {
 /// takes that has nothing else to do. Open MPI's mpirun waits for a second once or twice, by the order in
 /// which the ranks end, when their exit code is not 0 (odls_base_sigkill_timeout).
 double Monitor::seconds_to_finish() const {
-  constexpr double kOfTet = 2e-6, kAlways = 0.3, kOfLauncher = 2;
-  return kAlways + (sharers_ > 1 ? kOfLauncher : 0) + kOfTet * static_cast<double>(tets_) / sharers_;
+  constexpr double kOfTet = 1e-6, kOfTetInParts = 2e-6, kAlways = 0.3, kOfLauncher = 2;
+  const auto tets = static_cast<double>(tets_);
+  return kAlways + (sharers_ > 1 ? kOfLauncher + kOfTetInParts * tets / sharers_ : kOfTet * tets);
 }
 
 void Monitor::watch() {

@@ -124,9 +124,8 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->check(CLI::Range(0.0, 180.0).description(""))
       ->group("Geometry");
   add_model(sub, command.options.geometry);
-  sub.add_option(
-         "--hausd", command.options.geometry.hausd,
-         "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
+  sub.add_option("--hausd", command.options.geometry.hausd,
+                 "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");

@@ -132,9 +132,8 @@ void add_surface_options(CLI::App& sub, VolumeRequest& volume) {
                  "multiply a CAD model's lengths by this; default 1")
       ->type_name("S")
       ->group("Surface");
-  sub.add_option(
-         "--hausd", volume.fill.geometry.hausd,
-         "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
+  sub.add_option("--hausd", volume.fill.geometry.hausd,
+                 "largest distance to surface; default at most 0.1 % of diagonal (also -hausd)")
       ->type_name("D")
       ->check(positive_number())
       ->group("Surface");
