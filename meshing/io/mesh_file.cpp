@@ -108,23 +108,20 @@ constexpr unsigned kGmf =
     kTets | kEdges | kCorners | kMarks | kPointRefs | kTetRefs | kTriangleRefs | kAssociation;
 constexpr unsigned kVtu = kTets | kEdges | kCorners | kPointRefs | kTetRefs | kTriangleRefs | kFields;
 bool always(const fs::path&) { return true; }
+/// Binary and text alike: what a file is, it says itself.
+constexpr Format gmf_format(std::string_view extension) {
+  return {.extension = extension,
+          .keeps = kGmf,
+          .read = read_gmf,
+          .write = write_gmf,
+          .size = gmf_size,
+          .read_range = read_gmf_range,
+          .is_streamed = gmf::is_text,
+          .stream = stream_gmf};
+}
 constexpr std::array kFormats = {
-    Format{.extension = ".meshb",
-           .keeps = kGmf,
-           .read = read_gmf,
-           .write = write_gmf,
-           .size = gmf_size,
-           .read_range = read_gmf_range,
-           .is_streamed = gmf::is_text,
-           .stream = stream_gmf},
-    Format{.extension = ".mesh",
-           .keeps = kGmf,
-           .read = read_gmf,
-           .write = write_gmf,
-           .size = gmf_size,
-           .read_range = read_gmf_range,
-           .is_streamed = gmf::is_text,
-           .stream = stream_gmf},
+    gmf_format(".meshb"),
+    gmf_format(".mesh"),
     Format{.extension = ".msh",
            .keeps = kTets | kEdges | kCorners | kTetRefs | kTriangleRefs | kNames | kFields,
            .read = read_gmsh,
