@@ -228,7 +228,8 @@ void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole,
     if (peers.rank() == 0) heads = meshing::text_heads(common.name(), whole);
   });
   for (const std::string& head : heads) head_sizes.push_back(head.size());
-  const std::size_t num_sections = allgather(peers, head_sizes)[0].size();
+  head_sizes = allgather(peers, head_sizes)[0];
+  const std::size_t num_sections = head_sizes.size();
   with_part(peers, slice, {}, first_tets, [&](const meshing::MeshPart& part) {
     const auto text = meshing::open_text_part(common.name(), whole, part);
     TextLengths lengths{static_cast<std::uint64_t>(peers.rank()), {}};

@@ -185,12 +185,12 @@ class CommonText {
     });
     std::vector<std::uint64_t> head_sizes;
     for (const std::string& head : heads_) head_sizes.push_back(head.size());
-    const std::size_t num_sections = allgather(peers, head_sizes)[0].size();
+    head_sizes = allgather(peers, head_sizes)[0];
     std::vector<TextLengths> lengths;
     for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
       lengths.push_back({share_.pieces[p].subdomain.value, {}});
       const auto text = meshing::open_text_part(file_.name(), mesh_.whole, part);
-      for (std::size_t section = 0; section < num_sections; ++section)
+      for (std::size_t section = 0; section < head_sizes.size(); ++section)
         lengths.back().sections.push_back(text->rows(section).size());
     });
     places_ = place_text(peers, head_sizes, lengths);

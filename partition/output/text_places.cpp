@@ -15,9 +15,8 @@ struct TextLength {
 
 }  // namespace
 
-TextPlaces place_text(Peers& peers, const std::vector<std::uint64_t>& head_sizes,
+TextPlaces place_text(Peers& peers, const std::vector<std::uint64_t>& heads,
                       const std::vector<TextLengths>& parts) {
-  const std::vector<std::uint64_t> heads = allgather(peers, head_sizes)[0];
   const auto rank = static_cast<std::uint64_t>(peers.rank());
   std::vector<TextLength> mine, all;
   for (std::size_t p = 0; p < parts.size(); ++p)

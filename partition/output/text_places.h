@@ -20,8 +20,8 @@ struct TextPlaces {
   std::vector<std::vector<std::uint64_t>> rows;  ///< of each part here in each section
 };
 
-/// All ranks: places for the parts here; rank 0 gives the lengths of the heads.
-TextPlaces place_text(Peers& peers, const std::vector<std::uint64_t>& head_sizes,
+/// All ranks: places for the parts here; the heads' lengths are alike on all.
+TextPlaces place_text(Peers& peers, const std::vector<std::uint64_t>& heads,
                       const std::vector<TextLengths>& parts);
 
 }  // namespace weft::partition
