@@ -6,16 +6,19 @@
 #include <array>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <string>
 #include <string_view>
 
 namespace weft::engine {
 namespace {
 
+/// What can be read of it. (Iterators over the buffer would throw where a read fails.)
 std::string read(int process, const char* file) {
   std::ifstream in("/proc/" + std::to_string(process) + "/" + file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
 }
 
 /// From "PID (name) state ppid ...".

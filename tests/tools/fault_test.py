@@ -100,11 +100,18 @@ class Faults(CommandTest):
                         fault = f"{kind}:{point}"
                         done = self.run_with(fault, mode, rank)
                         told = f"{fault} in {mode}, rank {rank}: exit {done.returncode}\n{done.stdout}{done.stderr}"
-                        self.assert_nothing_is_lost(done, kind, ranks > 0, told)
                         ends[kind, done.returncode] += 1
+                        with self.subTest(fault=fault, mode=mode, rank=rank):
+                            self.assert_nothing_is_lost(done, kind, ranks > 0, told)
         print("\nkind, exit code: runs")
         for (kind, code), count in sorted(ends.items()):
             print(f"{kind:7} {code:4}: {count}")
+
+    def test_ranks_whose_first_reads_fail(self):
+        """Those of the launcher's processes, before MPI starts."""
+        for point in range(1, 5):
+            done = self.run_with(f"read:{point}", "ranks")
+            self.assert_nothing_is_lost(done, "read", True, f"read:{point}: exit {done.returncode}\n{done.stdout}{done.stderr}")
 
     def test_what_is_late_changes_nothing(self):
         chance = random.Random(SEED)
