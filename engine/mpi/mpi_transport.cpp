@@ -9,13 +9,16 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <climits>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <limits>
+#include <string>
 #include <system_error>
+#include <thread>
 
 #include "engine/mpi/ancestry.h"
 #include "engine/mpi/mpi_calls.h"
@@ -179,11 +182,31 @@ void start_mpi(int* argc, char*** argv) {
   check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
 }
 
-MPI_Comm duplicate(MPI_Comm original) {
+/// Of MPI's start to the first message that every rank has had.
+constexpr std::chrono::seconds kLongestStart{60};
+
+/// Returns when all ranks have called it. `at_most`: throws TransportError after so long.
+MPI_Comm duplicate(MPI_Comm original, std::chrono::nanoseconds at_most) {
+  const auto begin = std::chrono::steady_clock::now();
   MPI_Comm communicator = MPI_COMM_NULL;
-  check(MPI_Comm_dup(original, &communicator), "MPI_Comm_dup");
+  MPI_Request request = MPI_REQUEST_NULL;
+  check(MPI_Comm_idup(original, &communicator, &request), "MPI_Comm_idup");
+  for (int done = 0;;) {
+    check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
+    if (done) break;
+    if (std::chrono::steady_clock::now() - begin > at_most)
+      throw TransportError("the ranks have not reached each other within " +
+                           std::to_string(kLongestStart.count()) + " seconds of MPI's start");
+    std::this_thread::sleep_for(std::chrono::microseconds(50));
+  }
   check(MPI_Comm_set_errhandler(communicator, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
   return communicator;
+}
+
+/// The program's own ranks come from MPI_Init at one time; where MPI has found no way between two of them, which
+/// it need not tell (Open MPI 4.1 waits for ever), nobody must wait. A caller's ranks come when they like.
+std::chrono::nanoseconds longest_start(bool own_mpi) {
+  return own_mpi ? std::chrono::nanoseconds(kLongestStart) : std::chrono::nanoseconds::max();
 }
 
 /// What can be seen to be wrong with the caller's use of MPI before anything collective.
@@ -414,8 +437,8 @@ class MpiTransport::Impl {
 
 MpiTransport::Impl::Impl(MPI_Comm communicator, Mpi mpi, MpiTransportOptions options)
     : mpi_(mpi),
-      head_comm_(duplicate(communicator)),
-      segment_comm_(duplicate(communicator)),
+      head_comm_(duplicate(communicator, longest_start(mpi == Mpi::own))),
+      segment_comm_(duplicate(communicator, longest_start(mpi == Mpi::own))),
       chunk_(options.chunk_bytes),
       node_(head_comm_, options.shared_memory) {
   if (chunk_ < 1 || chunk_ > INT_MAX) throw TransportError("chunk_bytes must be 1 to 2147483647");

@@ -67,7 +67,9 @@ struct Format {
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
   std::unique_ptr<PartWriter> (*open_part)(const fs::path&, const fs::path&, const WholeMesh&,
                                            const PartPlaces&) = nullptr;
-  // Where many can write one file of text: what stands before the rows of its sections, and the rows.
+  // Where many can write one file of text: whether this one, what stands before the rows of its sections, and
+  // the rows.
+  bool (*as_text)(const fs::path&) = nullptr;
   std::vector<std::string> (*text_heads)(const WholeMesh&) = nullptr;
   std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
@@ -143,13 +145,17 @@ constexpr std::array kFormats = {
            .stream = stream_ugrid,
            .in_parts = is_ugrid_for_parts,
            .begin_parts = begin_ugrid_parts,
-           .open_part = open_ugrid_part},
+           .open_part = open_ugrid_part,
+           .as_text = is_ascii_ugrid,
+           .text_heads = ugrid_heads,
+           .open_text_part = open_ugrid_text_part},
     Format{.extension = ".su2",
            .keeps = kTets | kTriangleRefs | kNames,
            .read = read_su2,
            .write = write_su2,
            .is_streamed = always,
            .stream = stream_su2,
+           .as_text = always,
            .text_heads = su2_heads,
            .open_text_part = open_su2_part},
     Format{.extension = ".vtu",
@@ -345,7 +351,10 @@ std::unique_ptr<PartWriter> open_part(const fs::path& file, const fs::path& name
   return format_of(name).open_part(file, name, whole, places);
 }
 
-bool can_be_written_as_text(const fs::path& path) { return format_of(path).text_heads != nullptr; }
+bool can_be_written_as_text(const fs::path& path) {
+  const Format& format = format_of(path);
+  return format.as_text && format.as_text(path);
+}
 
 std::vector<std::string> text_heads(const fs::path& name, const WholeMesh& whole) {
   return format_of(name).text_heads(whole);

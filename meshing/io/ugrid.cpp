@@ -530,6 +530,64 @@ std::unique_ptr<PartWriter> open_ugrid_part(const fs::path& file, const fs::path
   return std::make_unique<UgridPartWriter>(file, name, whole);
 }
 
+std::vector<std::string> ugrid_heads(const WholeMesh& whole) {
+  std::vector<std::string> heads(4);  // points, triangles, their surface IDs, tets
+  heads[0] = std::to_string(whole.points) + ' ' + std::to_string(whole.num_triangles()) + " 0 " +
+             std::to_string(whole.num_tets()) + " 0 0 0\n";
+  const bool has_tet_refs = std::ranges::any_of(whole.tets, [](const auto& r) { return r.first != 0; });
+  if (has_tet_refs) heads.push_back("0\n");  // tets in boundary layers; volume IDs follow
+  return heads;
+}
+
+namespace {
+
+class UgridTextPart final : public TextPart {
+ public:
+  explicit UgridTextPart(const MeshPart& part) : part_(part) {}
+
+  std::string rows(std::size_t section) const override {
+    TextInMemory rows;
+    TextOutput text(rows);
+    if (section == 0) write_points(text);
+    if (section == 1) write_elements(text, part_.triangles.elements);
+    if (section == 2) write_refs(text, part_.triangles.refs);
+    if (section == 3) write_elements(text, part_.tets.elements);
+    if (section == 4) write_refs(text, part_.tets.refs);
+    return std::move(rows.text);
+  }
+
+ private:
+  using Text = TextOutput<TextInMemory>;
+
+  void write_points(Text& text) const {
+    for (const Point& p : part_.points) {
+      text.numbers(p[0], p[1], p[2]);
+      text.end_line();
+    }
+  }
+  template <class Elements>
+  static void write_elements(Text& text, const Elements& elements) {
+    for (const auto& element : elements) {
+      for (const std::uint64_t v : element) text.number(v + 1);
+      text.end_line();
+    }
+  }
+  static void write_refs(Text& text, std::span<const std::int32_t> refs) {
+    for (const std::int32_t ref : refs) {
+      text.number(ref);
+      text.end_line();
+    }
+  }
+
+  const MeshPart& part_;
+};
+
+}  // namespace
+
+std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh&, const MeshPart& part) {
+  return std::make_unique<UgridTextPart>(part);
+}
+
 void copy_mapbc(const fs::path& from, const fs::path& to) {
   if (from.extension() != ".ugrid" || to.extension() != ".ugrid") return;
   const fs::path source = mapbc_beside(from), target = mapbc_beside(to);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
@@ -44,6 +46,11 @@ PartPlaces begin_ugrid_parts(const std::filesystem::path& file, const std::files
 std::unique_ptr<PartWriter> open_ugrid_part(const std::filesystem::path& file,
                                             const std::filesystem::path& name, const WholeMesh& whole,
                                             const PartPlaces& places);
+
+// An ASCII file, by several writers: what stands before the rows of each section, and the rows of a part, which
+// must outlive it.
+std::vector<std::string> ugrid_heads(const WholeMesh& whole);
+std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh& whole, const MeshPart& part);
 
 /// Gives `to`, a mesh with the boundaries of `from`, the .mapbc that lies beside `from`: names and boundary
 /// conditions. Does nothing where either is no UGRID file, `from` has none, or `to` has one already.

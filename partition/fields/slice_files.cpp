@@ -18,6 +18,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/metric/morton_shares.h"
 #include "partition/output/common_file.h"
+#include "partition/output/gmf_output.h"
 #include "partition/output/text_places.h"
 
 namespace weft::partition {
@@ -88,25 +89,38 @@ GmfPlan gmf_plan(const MeshSlice& slice, const std::filesystem::path& file) {
                                  .required_triangles = b.required_triangles.size()});
 }
 
-void write_gmf(const Peers& peers, const MeshSlice& slice, const std::filesystem::path& file,
-               const GmfPlan& plan) {
+/// All ranks: it appears when all have written.
+template <class Output, class Write>
+void write_together(Peers& peers, Output& common, const Write& write) {
+  agree_on(peers, write);
+  agree_on(peers, [&] {
+    if (peers.rank() == 0) common.commit();
+  });
+}
+
+/// What this rank writes of a GMF file.
+void write_gmf(const Peers& peers, const MeshSlice& slice, GmfSliceWriter& out) {
   namespace gmf = meshing::gmf;
   const Rows rows(peers, slice);
   const MeshData& b = slice.boundary;
-  GmfSliceWriter out(file, plan);
   out.vertices(slice.first_point, slice.points, slice.point_refs);
   out.elements(gmf::kEdges, rows.edge_range.begin, rows.edges, rows.edge_refs);
   out.elements(gmf::kTriangles, rows.triangle_range.begin, rows.triangles, rows.triangle_refs);
   out.elements(gmf::kTetrahedra, slice.first_tet, rows.tets, slice.tet_refs);
-  if (peers.rank() == 0) {
-    out.frame();
-    out.indices(gmf::kCorners, 0, wide(b.corners));
-    out.indices(gmf::kRidges, 0, wide(b.ridges));
-    out.indices(gmf::kRequiredVertices, 0, wide(b.required_points));
-    out.indices(gmf::kRequiredEdges, 0, wide(b.required_edges));
-    out.indices(gmf::kRequiredTriangles, 0, wide(b.required_triangles));
-  }
-  out.finish();
+  if (peers.rank() != 0) return;
+  out.indices(gmf::kCorners, 0, wide(b.corners));
+  out.indices(gmf::kRidges, 0, wide(b.ridges));
+  out.indices(gmf::kRequiredVertices, 0, wide(b.required_points));
+  out.indices(gmf::kRequiredEdges, 0, wide(b.required_edges));
+  out.indices(gmf::kRequiredTriangles, 0, wide(b.required_triangles));
+}
+
+/// All ranks: a GMF file, of which write(out) writes this rank's rows.
+template <class Write>
+void write_as_gmf(Peers& peers, const std::filesystem::path& file, const GmfPlan& plan, const Write& write) {
+  GmfOutput output(file, plan, {{static_cast<std::uint64_t>(peers.rank()), write}});
+  output.create(peers);
+  write_together(peers, output, [&] { output.write(); });
 }
 
 /// All ranks: how many tets of all have each reference; `lower`: of those in front of this rank's.
@@ -196,15 +210,6 @@ void with_part(const Peers& peers, const MeshSlice& slice, const meshing::Soluti
       fields});
 }
 
-/// All ranks: it appears when all have written.
-template <class Write>
-void write_together(Peers& peers, CommonFile& common, const Write& write) {
-  agree_on(peers, write);
-  agree_on(peers, [&] {
-    if (peers.rank() == 0) common.commit();
-  });
-}
-
 void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                     const WholeMesh& whole, const RefCounts& first_tets, CommonFile& common) {
   meshing::PartPlaces places;
@@ -258,35 +263,25 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
   for (const meshing::Field& field : fields.fields) kinds.push_back(field.kind);
   std::optional<GmfPlan> plan;
   agree_on(peers, [&] { plan = GmfPlan::of_solution(file, slice.num_points, kinds); });
-  CommonFile common(file);
-  common.create(peers);
-  write_together(peers, common, [&] {
-    GmfSliceWriter out(common.temporary(), *plan);
-    if (peers.rank() == 0) out.frame();
-    out.solution(slice.first_point, fields);
-    out.finish();
-  });
+  write_as_gmf(peers, file, *plan, [&](GmfSliceWriter& out) { out.solution(slice.first_point, fields); });
 }
 
 bool can_write_slices(const std::filesystem::path& mesh) {
-  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh) ||
-         meshing::can_be_written_as_text(mesh);
+  return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) || meshing::can_be_written_as_text(mesh);
 }
 
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                           const meshing::RefNames& names, const std::filesystem::path& file) {
-  CommonFile common(file);
-  if (file.extension() == ".meshb") {
+  if (meshing::gmf::is_mesh(file)) {
     std::optional<GmfPlan> plan;
     agree_on(peers, [&] { plan = gmf_plan(slice, file); });
-    common.create(peers);
-    write_together(peers, common, [&] { write_gmf(peers, slice, common.temporary(), *plan); });
-    return;
+    return write_as_gmf(peers, file, *plan, [&](GmfSliceWriter& out) { write_gmf(peers, slice, out); });
   }
   const meshing::SolutionData none;
   const meshing::SolutionData& inside = meshing::holds_fields(file) ? fields : none;
   RefCounts first_tets;
   const WholeMesh whole = describe_slices(peers, slice, inside, names, first_tets);
+  CommonFile common(file);
   common.create(peers);
   if (meshing::can_be_written_as_text(file)) return write_as_text(peers, slice, whole, first_tets, common);
   write_in_parts(peers, slice, inside, whole, first_tets, common);

@@ -16,6 +16,7 @@
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
 #include "partition/output/common_file.h"
+#include "partition/output/gmf_output.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
 #include "partition/output/text_places.h"
@@ -86,28 +87,27 @@ meshing::SolutionData own_values(const Share& share, std::size_t p) {
 }
 
 /// With the carried model, whose length rank 0 knows.
-MeshCounts with_model(Peers& peers, MeshCounts totals, const meshing::Association& carried) {
+MeshCounts with_model(Peers& peers, MeshCounts totals, const meshing::Association& carried, bool text) {
   meshing::MeshData carrier;
   if (peers.rank() == 0) carrier.association = carried;
-  const MeshCounts mine = counts_of(carrier);
+  const MeshCounts mine = counts_of(carrier, text);
   const auto of_first = allgather(peers, std::vector<std::uint64_t>{mine.model_rows, mine.model_in_words})[0];
   totals.model_rows = of_first[0];
   totals.model_in_words = of_first[1] != 0;
   return totals;
 }
 
-void write_as_gmf(const Share& share, const meshing::Association& carried, const CommonFile& file,
-                  const GmfPlan& plan) {
-  GmfSliceWriter out(file.temporary(), plan);
-  if (share.first) {
-    out.frame();
-    out.model(carried);
-  }
-  for (std::size_t p = 0; p < share.pieces.size(); ++p) {
-    const PieceNumbers& numbers = share.numbering.pieces[p];
-    write_rows(out, own_entities(share.pieces[p], numbers), share.pieces[p].mesh.tet_refs, numbers.first);
-  }
-  out.finish();
+/// What this rank has of a GMF file: what is of no piece comes before all pieces.
+std::vector<GmfPart> gmf_parts(const Share& share, const meshing::Association& carried) {
+  std::vector<GmfPart> parts;
+  if (share.first) parts.push_back({0, [&carried](GmfSliceWriter& out) { out.model(carried); }});
+  for (std::size_t p = 0; p < share.pieces.size(); ++p)
+    parts.push_back({std::uint64_t{share.pieces[p].subdomain.value} + 1, [&share, p](GmfSliceWriter& out) {
+                       const MeshPiece& piece = share.pieces[p];
+                       const PieceNumbers& numbers = share.numbering.pieces[p];
+                       write_rows(out, own_entities(piece, numbers), piece.mesh.tet_refs, numbers.first);
+                     }});
+  return parts;
 }
 
 /// action(p, its rows) for each piece. `values_inside`: metrics and fields go into the mesh file too.
@@ -221,100 +221,65 @@ class CommonText {
   TextPlaces places_;
 };
 
-/// A .solb of metrics or of fields, until it can appear; without a name there is none.
-class CommonSolution {
- public:
-  using Own = std::function<meshing::SolutionData(std::size_t piece)>;
+/// All ranks: a .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no fields.
+/// `own`: the values of the vertices that a piece owns.
+std::optional<GmfOutput> solution_output(Peers& peers, const Share& share, const std::filesystem::path& name,
+                                         const meshing::SolutionData& kinds,
+                                         const std::function<meshing::SolutionData(std::size_t)>& own,
+                                         int version) {
+  if (name.empty() || kinds.fields.empty()) return std::nullopt;
+  std::vector<meshing::Field::Kind> of_fields;
+  for (const meshing::Field& field : kinds.fields) of_fields.push_back(field.kind);
+  std::optional<GmfPlan> plan;
+  agree_on(peers,
+           [&] { plan = GmfPlan::of_solution(name, share.numbering.totals.points, of_fields, version); });
+  std::vector<GmfPart> parts;
+  for (std::size_t p = 0; p < share.pieces.size(); ++p)
+    parts.push_back({share.pieces[p].subdomain.value, [&share, own, p](GmfSliceWriter& out) {
+                       out.solution(share.numbering.pieces[p].first.points, own(p));
+                     }});
+  return GmfOutput(name, *plan, std::move(parts));
+}
 
-  /// All ranks. `own`: the values of the vertices that a piece owns.
-  CommonSolution(Peers& peers, const Share& share, const std::filesystem::path& name,
-                 const meshing::SolutionData& kinds, Own own, int version)
-      : share_(share), own_(std::move(own)), file_(name) {
-    std::vector<meshing::Field::Kind> of_fields;
-    for (const meshing::Field& field : kinds.fields) of_fields.push_back(field.kind);
-    agree_on(peers, [&] {
-      if (!name.empty() && !of_fields.empty())
-        plan_ = GmfPlan::of_solution(name, share.numbering.totals.points, of_fields, version);
-    });
-  }
-  void create(Peers& peers) {
-    if (plan_) file_.create(peers);
-  }
-  void write() {
-    if (!plan_) return;
-    GmfSliceWriter out(file_.temporary(), *plan_);
-    if (share_.first) out.frame();
-    for (std::size_t p = 0; p < share_.pieces.size(); ++p)
-      out.solution(share_.numbering.pieces[p].first.points, own_(p));
-    out.finish();
-  }
-  void commit() {
-    if (plan_) file_.commit();
-  }
-
- private:
-  const Share& share_;
-  Own own_;
-  CommonFile file_;
-  std::optional<GmfPlan> plan_;
-};
-
-/// A .meshb likewise.
-class CommonGmf {
- public:
-  /// All ranks.
-  CommonGmf(Peers& peers, const Share& share, const std::filesystem::path& name,
-            const meshing::Association& carried, int version)
-      : share_(share), carried_(carried), file_(name) {
-    const MeshCounts counts = with_model(peers, share.numbering.totals, carried);
-    agree_on(peers, [&] { plan_ = GmfPlan::of_mesh(name, counts, version); });
-  }
-  void create(Peers& peers) { file_.create(peers); }
-  void write() { write_as_gmf(share_, carried_, file_, *plan_); }
-  void commit() { file_.commit(); }
-
- private:
-  const Share& share_;
-  const meshing::Association& carried_;
-  CommonFile file_;
-  std::optional<GmfPlan> plan_;
-};
+/// All ranks: the mesh itself as GMF.
+GmfOutput mesh_output(Peers& peers, const Share& share, const std::filesystem::path& name,
+                      const meshing::Association& carried, int version) {
+  const MeshCounts counts = with_model(peers, share.numbering.totals, carried, is_text(name));
+  std::optional<GmfPlan> plan;
+  agree_on(peers, [&] { plan = GmfPlan::of_mesh(name, counts, version); });
+  return {name, *plan, gmf_parts(share, carried)};
+}
 
 /// The mesh and the solutions beside it, which appear once it has.
 template <class Mesh>
 void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& solution,
                int version) {
-  CommonSolution metrics(
+  std::optional<GmfOutput> metrics = solution_output(
       peers, share, solution, meshing::solution_from_metric({}),
       [&](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
-  CommonSolution fields(
+  std::optional<GmfOutput> fields = solution_output(
       peers, share, share.fields.file, share.fields.kinds,
       [&](std::size_t p) { return own_fields(share, p); }, version);
   mesh.create(peers);
-  metrics.create(peers);
-  fields.create(peers);
+  if (metrics) metrics->create(peers);
+  if (fields) fields->create(peers);
   agree_on(peers, [&] {
     mesh.write();
-    metrics.write();
-    fields.write();
+    if (metrics) metrics->write();
+    if (fields) fields->write();
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     mesh.commit();
-    fields.commit();
-    metrics.commit();
+    if (fields) fields->commit();
+    if (metrics) metrics->commit();
   });
-}
-
-bool is_gmf(const std::filesystem::path& mesh) {
-  return mesh.extension() == ".meshb" || mesh.extension() == ".mesh";
 }
 
 }  // namespace
 
 bool can_write_pieces(const std::filesystem::path& mesh) {
-  return mesh.extension() == ".meshb" || meshing::can_be_written_in_parts(mesh) ||
-         meshing::can_be_written_as_text(mesh);
+  return is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) || meshing::can_be_written_as_text(mesh);
 }
 
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
@@ -322,8 +287,8 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
                   const meshing::RefNames& names, const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
   const Share share{peers.rank() == 0, mine, numbering, fields};
-  if (is_gmf(mesh)) {
-    CommonGmf file(peers, share, mesh, carried, version);
+  if (is_mesh(mesh)) {
+    GmfOutput file = mesh_output(peers, share, mesh, carried, version);
     write_all(peers, share, file, solution, version);
   } else if (meshing::can_be_written_as_text(mesh)) {
     CommonText file(peers, share, mesh, names);

@@ -213,7 +213,7 @@ WEFT_MPI_CALL(MPI_Request_free, (MPI_Request * r), r)
 WEFT_MPI_CALL(MPI_Get_count, (const MPI_Status* s, MPI_Datatype t, int* count), s, t, count)
 WEFT_MPI_CALL(MPI_Init_thread, (int* n, char*** words, int wanted, int* got), n, words, wanted, got)
 WEFT_MPI_CALL(MPI_Finalize, (void), )
-WEFT_MPI_CALL(MPI_Comm_dup, (MPI_Comm c, MPI_Comm* copy), c, copy)
+WEFT_MPI_CALL(MPI_Comm_idup, (MPI_Comm c, MPI_Comm* copy, MPI_Request* r), c, copy, r)
 WEFT_MPI_CALL(MPI_Comm_split_type, (MPI_Comm c, int type, int key, MPI_Info i, MPI_Comm* part), c, type, key,
               i, part)
 WEFT_MPI_CALL(MPI_Comm_free, (MPI_Comm * c), c)

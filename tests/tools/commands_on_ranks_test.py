@@ -69,7 +69,6 @@ class OtherCommands(Subdomains):
             self.assertEqual(told[1], told[2])
             self.assertEqual((told[0][:2], len(told[0])), (told[1][:2], len(told[1])))  # the rest says how much was lost: rounding
         done = self.command_on(2, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on2.sol")
-        self.assertIn("rank 0 has written all of on2.sol", done.stdout)
         self.command_on(1, "interpolate", "from.meshb", "to.meshb", "--field", "f.solb", "-o", "on1.sol")
         self.assertEqual(*self.bytes_of("on1.sol", "on2.sol"))
 
@@ -78,7 +77,7 @@ class OtherCommands(Subdomains):
         self.weft("metric", "a.meshb", "--metric-fn", "polar-1", "-o", "f.solb")
         self.weft("convert", "a.meshb", "b.lb8.ugrid")
         (self.folder / "b.mapbc").write_text("1\n1 4000 skin\n")
-        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
+        for source, out in (("a.meshb", "o.vtu"), ("a.meshb", "o.msh"), ("a.meshb", "o.su2"), ("a.meshb", "o.mesh"), ("a.meshb", "o.ugrid"), ("a.meshb", "o.b8.ugrid"), ("b.lb8.ugrid", "o.meshb"),
                             ("b.lb8.ugrid", "o.msh")):
             self.command_on(0, "convert", source, out, "--sol", "f.solb")
             expected, told, files = self.bytes_of(out), None, self.files()
@@ -91,7 +90,7 @@ class OtherCommands(Subdomains):
                 told = told or done.stdout
                 self.assertEqual(done.stdout, told)
             self.assertEqual(self.command_on(0, "convert", source, out, "--sol", "f.solb").stdout, told)
-        done = self.command_on(2, "convert", "a.meshb", "o.mesh")
+        done = self.command_on(2, "convert", "a.meshb", "o.msh", "--encoding", "ascii")
         self.assertEqual(done.stderr.count("rank 0 alone does `weft convert`"), 1, done.stderr)
 
     def pieces(self):

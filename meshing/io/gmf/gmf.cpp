@@ -1,8 +1,6 @@
 // Whole GMF files: reading is put together of gmf_rows.h, writing of gmf_writer.h.
 #include "meshing/io/gmf/gmf.h"
 
-#include <array>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -36,45 +34,6 @@ MeshData read_mesh_of(const File& file) {
   read_association(file, mesh.association);
   return mesh;
 }
-
-/// Writes the same as text; reals with as many digits as give them back exactly.
-class TextWriter {
- public:
-  TextWriter(AtomicFile& out, int version) : out_(out), version_(version) {}
-
-  void header() { out_.write("MeshVersionFormatted " + std::to_string(version_) + "\n\nDimension 3\n"); }
-
-  void begin_section(const SectionShape& shape) {
-    out_.write("\n" + std::string(keyword_name(shape.code)) + "\n");
-    if (shape.counted) out_.write(std::to_string(shape.count) + "\n");
-    if (shape.code != kSolAtVertices) return;
-    out_.write(std::to_string(shape.field_types.size()));
-    for (const std::int32_t type : shape.field_types) out_.write(" " + std::to_string(type));
-    out_.write("\n");
-  }
-  void real(double value) { number(value); }
-  void index(std::int64_t value) { number(value); }
-  void bytes(std::span<const std::uint8_t>) { throw std::logic_error("a text file holds words"); }
-  void end_row() {
-    out_.write("\n");
-    row_begins_ = true;
-  }
-  void end() { out_.write("\nEnd\n"); }
-
- private:
-  template <class Number>
-  void number(Number value) {
-    std::array<char, 32> digits;  // the longest double has 24 characters
-    char* begin = digits.data();
-    if (!std::exchange(row_begins_, false)) *begin++ = ' ';
-    const char* end = std::to_chars(begin, digits.data() + digits.size(), value).ptr;
-    out_.write(digits.data(), static_cast<std::size_t>(end - digits.data()));
-  }
-
-  AtomicFile& out_;
-  int version_;
-  bool row_begins_ = true;
-};
 
 void check_lengths(const MeshData& mesh) {
   if (mesh.point_refs.size() != mesh.points.size() || mesh.tet_refs.size() != mesh.tets.size() ||
@@ -160,7 +119,7 @@ void write_file(const std::filesystem::path& path, int version, const std::vecto
     out.end();
   };
   if (is_text(path)) {
-    write_with(TextWriter(file, version));
+    write_with(TextWriter<AtomicFile>(file, version));
   } else {
     write_with(BinaryWriter<AtomicFile>(path.string(), file, version));
   }

@@ -99,6 +99,10 @@ bool is_text(const std::filesystem::path& path) {
   return path.extension() == ".mesh" || path.extension() == ".sol";
 }
 
+bool is_mesh(const std::filesystem::path& path) {
+  return path.extension() == ".meshb" || path.extension() == ".mesh";
+}
+
 std::uint64_t section_head_size(const Encoding& encoding, const SectionShape& shape) {
   const bool solution = shape.code == kSolAtVertices;
   return 4 + encoding.position_size() + (shape.counted ? encoding.index_size() : 0) +

@@ -86,6 +86,8 @@ void check_range(const Section& section, RowRange rows);
 void check_dimension(const std::string& file, std::int64_t dimension);
 
 bool is_text(const std::filesystem::path& path);
+/// .meshb or .mesh.
+bool is_mesh(const std::filesystem::path& path);
 
 }  // namespace gmf
 

@@ -1,6 +1,7 @@
 // Places of rows, and the rows themselves through the writer of whole files.
 #include "meshing/io/gmf/gmf_slice_writer.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -12,10 +13,10 @@ namespace weft::meshing {
 using namespace gmf;
 
 GmfPlan::GmfPlan(const std::filesystem::path& name, std::vector<SectionShape> shapes, int version)
-    : name_(name.string()), version_(choose_version(name_, version, shapes)), shapes_(std::move(shapes)) {
-  if (is_text(name))
-    throw InputError(name_, "", "a text file cannot be written in parts; .meshb and .solb can");
-}
+    : name_(name.string()),
+      text_(gmf::is_text(name)),
+      version_(choose_version(name_, version, shapes)),
+      shapes_(std::move(shapes)) {}
 
 GmfPlan GmfPlan::of_mesh(const std::filesystem::path& name, const MeshCounts& counts, int version) {
   return {name, mesh_shapes(counts), version};
@@ -39,54 +40,92 @@ std::uint64_t GmfPlan::row_position(Keyword section, std::uint64_t row) const {
   throw std::out_of_range("GMF: row " + std::to_string(row) + " of " + std::string(keyword_name(section)));
 }
 
-GmfSliceWriter::GmfSliceWriter(const std::filesystem::path& file, const GmfPlan& plan)
-    : plan_(plan), file_(file, plan.name()), out_(plan.name(), file_, plan.version()) {}
-
-void GmfSliceWriter::frame() {
-  file_.seek(0);
-  out_.header();
-  for (const SectionShape& shape : plan_.sections()) {
-    out_.begin_section(shape);
-    file_.seek(plan_.row_position(shape.code, shape.count));
+std::vector<std::string> GmfPlan::text_heads() const {
+  std::vector<std::string> heads;
+  TextInMemory head;
+  TextWriter<TextInMemory> out(head, version_);
+  out.header();
+  for (const SectionShape& shape : shapes_) {
+    out.begin_section(shape);
+    heads.push_back(std::exchange(head.text, {}));
   }
-  out_.end();
+  out.end();
+  heads.push_back(std::move(head.text));
+  return heads;
 }
 
-bool GmfSliceWriter::begin_rows(Keyword section, std::uint64_t first, std::uint64_t count) {
-  if (count == 0) return false;  // the file may lack the section
+GmfSliceWriter::GmfSliceWriter(const std::filesystem::path& file, const GmfPlan& plan)
+    : plan_(plan), file_(std::make_unique<FilePart>(file, plan.name())) {
+  if (!plan.is_text()) binary_.emplace(plan.name(), *file_, plan.version());
+}
+
+GmfSliceWriter::GmfSliceWriter(const GmfPlan& plan)
+    : plan_(plan), text_places_(plan.sections().size() + 1, 0) {}
+
+void GmfSliceWriter::frame(std::span<const std::uint64_t> heads) {
+  if (plan_.is_text()) {
+    const std::vector<std::string> texts = plan_.text_heads();
+    for (std::size_t s = 0; s < texts.size(); ++s) {
+      file_->seek(heads[s]);
+      file_->write(texts[s]);
+    }
+    return;
+  }
+  file_->seek(0);
+  binary_->header();
+  for (const SectionShape& shape : plan_.sections()) {
+    binary_->begin_section(shape);
+    file_->seek(plan_.row_position(shape.code, shape.count));
+  }
+  binary_->end();
+}
+
+void GmfSliceWriter::seek_rows(Keyword section, std::uint64_t first, std::uint64_t count) {
   plan_.row_position(section, first + count);
-  file_.seek(plan_.row_position(section, first));
-  return true;
+  file_->seek(plan_.row_position(section, first));
+}
+
+void GmfSliceWriter::put_text(Keyword section, const std::string& rows) {
+  const auto shape = std::ranges::find(plan_.sections(), section, &SectionShape::code);
+  if (shape == plan_.sections().end())
+    throw std::out_of_range("GMF: rows of " + std::string(keyword_name(section)));
+  std::uint64_t& place = text_places_[static_cast<std::size_t>(shape - plan_.sections().begin())];
+  if (file_) {
+    file_->seek(place);
+    file_->write(rows);
+  }
+  place += rows.size();
 }
 
 void GmfSliceWriter::vertices(std::uint64_t first, std::span<const Point> points,
                               std::span<const std::int32_t> refs) {
-  if (begin_rows(kVertices, first, points.size())) write_vertices(out_, points, refs);
+  write(kVertices, first, points.size(), [&](auto& out) { write_vertices(out, points, refs); });
 }
 
 void GmfSliceWriter::indices(Keyword section, std::uint64_t first,
                              const std::vector<std::uint64_t>& indices) {
-  if (begin_rows(section, first, indices.size())) write_indices(out_, indices);
+  write(section, first, indices.size(), [&](auto& out) { write_indices(out, indices); });
 }
 
 void GmfSliceWriter::on_model(Keyword section, std::uint64_t first, const std::vector<ModelRow>& rows) {
-  if (!begin_rows(section, first, rows.size())) return;
   const std::size_t reals = find_keyword(section)->reals;
-  for (const ModelRow& row : rows) {
-    out_.index(static_cast<std::int64_t>(row.vertex) + 1);
-    out_.index(row.id);
-    for (std::size_t i = 0; i < reals; ++i) out_.real(row.reals[i]);
-    out_.end_row();
-  }
+  write(section, first, rows.size(), [&](auto& out) {
+    for (const ModelRow& row : rows) {
+      out.index(static_cast<std::int64_t>(row.vertex) + 1);
+      out.index(row.id);
+      for (std::size_t i = 0; i < reals; ++i) out.real(row.reals[i]);
+      out.end_row();
+    }
+  });
 }
 
 void GmfSliceWriter::model(const Association& carried) {
-  if (begin_rows(kByteFlow, 0, carried.model.empty() ? 0 : 1))
-    write_model(out_, carried, carried.model_in_words);
+  write(kByteFlow, 0, carried.model.empty() ? 0 : 1,
+        [&](auto& out) { write_model(out, carried, plan_.is_text() || carried.model_in_words); });
 }
 
 void GmfSliceWriter::solution(std::uint64_t first, const SolutionData& part) {
-  if (begin_rows(kSolAtVertices, first, part.num_points)) write_solution_rows(out_, part);
+  write(kSolAtVertices, first, part.num_points, [&](auto& out) { write_solution_rows(out, part); });
 }
 
 }  // namespace weft::meshing

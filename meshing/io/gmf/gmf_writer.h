@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -67,6 +70,46 @@ class BinaryWriter {
   std::string name_;
   Sink& out_;
   Encoding encoding_;
+};
+
+/// Writes the same as text, to a sink with write(text); reals with as many digits as give them back exactly.
+template <class Sink>
+class TextWriter {
+ public:
+  TextWriter(Sink& out, int version) : out_(out), version_(version) {}
+
+  void header() { out_.write("MeshVersionFormatted " + std::to_string(version_) + "\n\nDimension 3\n"); }
+
+  void begin_section(const SectionShape& shape) {
+    out_.write("\n" + std::string(keyword_name(shape.code)) + "\n");
+    if (shape.counted) out_.write(std::to_string(shape.count) + "\n");
+    if (shape.code != kSolAtVertices) return;
+    out_.write(std::to_string(shape.field_types.size()));
+    for (const std::int32_t type : shape.field_types) out_.write(" " + std::to_string(type));
+    out_.write("\n");
+  }
+  void real(double value) { number(value); }
+  void index(std::int64_t value) { number(value); }
+  void bytes(std::span<const std::uint8_t>) { throw std::logic_error("a text file holds words"); }
+  void end_row() {
+    out_.write("\n");
+    row_begins_ = true;
+  }
+  void end() { out_.write("\nEnd\n"); }
+
+ private:
+  template <class Number>
+  void number(Number value) {
+    std::array<char, 32> digits;  // the longest double has 24 characters
+    char* begin = digits.data();
+    if (!std::exchange(row_begins_, false)) *begin++ = ' ';
+    const char* end = std::to_chars(begin, digits.data() + digits.size(), value).ptr;
+    out_.write(std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data())));
+  }
+
+  Sink& out_;
+  int version_;
+  bool row_begins_ = true;
 };
 
 template <class Writer>

@@ -89,7 +89,7 @@ void for_ranks_and_shares(const Action& action) {
 }
 
 TEST(SliceFiles, HaveTheBytesOfTheWholeMesh) {
-  for (const char* name : {"m.su2", "m.vtu", "m.msh", "m.lb8.ugrid"})
+  for (const char* name : {"m.su2", "m.vtu", "m.msh", "m.lb8.ugrid", "m.ugrid", "m.meshb", "m.mesh"})
     for (const MeshContents& contents : {named_box(), empty_mesh()}) {
       SCOPED_TRACE(name);
       const TemporaryDirectory expected;

@@ -48,19 +48,6 @@ void warn_of_fields(Peers& peers, const std::vector<std::string>& files, DoneOnR
       done.warnings.push_back(tools::read_whole_warning(file, "fields"));
 }
 
-/// Text has no fixed places: rank 0 writes it.
-void write_fields(Peers& peers, const MeshSlice& slice, const Fields& fields, const std::string& output,
-                  DoneOnRanks& done) {
-  if (std::filesystem::path(output).extension() == ".solb")
-    return partition::write_fields_of_slices(peers, slice, fields, output);
-  const Fields whole = tools::gather_to_first(peers, fields);
-  partition::agree_on(peers, [&] {
-    if (peers.rank() == 0) meshing::write_solution(output, whole);
-  });
-  if (peers.ranks() > 1)
-    done.warnings.push_back("rank 0 has written all of " + output + ": text is not written in shares");
-}
-
 /// The metric that the options ask for at the points of the slice, scaled and limited.
 void add_metric(Peers& peers, const MetricOptions& options, const std::string& mesh, MeshSlice& slice,
                 DoneOnRanks& done) {
@@ -103,7 +90,7 @@ MetricOnRanks write_metric_on_ranks(const std::string& mesh, const MetricOptions
     result.vertices = slice.num_points;
     const partition::PartDomain domain(peers, slice, 1);
     result.complexity = domain.complexity(domain.from_slices(slice.log_metrics));
-    write_fields(peers, slice, meshing::solution_from_metric(slice.log_metrics), output, result);
+    partition::write_fields_of_slices(peers, slice, meshing::solution_from_metric(slice.log_metrics), output);
   });
   result.first = first;
   return result;
@@ -123,7 +110,7 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
         tools::naming(from, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
     result.vertices = now.num_points;
     result.fields = fields.fields.size();
-    write_fields(peers, now, std::exchange(result.transfer.fields, {}), output, result);
+    partition::write_fields_of_slices(peers, now, std::exchange(result.transfer.fields, {}), output);
   });
   result.first = first;
   return result;
