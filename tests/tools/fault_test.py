@@ -98,10 +98,10 @@ class Faults(CommandTest):
                     self.take_results()
                     for point in sorted(self.points(chance, count, ranks)):
                         fault = f"{kind}:{point}"
-                        done = self.run_with(fault, mode, rank)
-                        told = f"{fault} in {mode}, rank {rank}: exit {done.returncode}\n{done.stdout}{done.stderr}"
-                        ends[kind, done.returncode] += 1
                         with self.subTest(fault=fault, mode=mode, rank=rank):
+                            done = self.run_with(fault, mode, rank)
+                            told = f"{fault} in {mode}, rank {rank}: exit {done.returncode}\n{done.stdout}{done.stderr}"
+                            ends[kind, done.returncode] += 1
                             self.assert_nothing_is_lost(done, kind, ranks > 0, told)
         print("\nkind, exit code: runs")
         for (kind, code), count in sorted(ends.items()):
