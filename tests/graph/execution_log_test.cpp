@@ -81,13 +81,16 @@ void expect_bytes_to_agree(const ExecutionLog& log, const GameRules& rules) {
     ++count;
     bytes += use.bytes;
   }
+  double processor_seconds = 0;
   for (const NodeRun& run : log.runs) {
     const NodeKind kind = game().nodes.at(run.node).kind;
     const auto [count, bytes] = count_and_bytes[{run.instance, run.node, run.round}];
     EXPECT_EQ(run.bytes_received, bytes);
     // A thread gets no more of a processor than all of it.
     EXPECT_LE(log.counter(run, kProcessorSeconds), 1e-9 * static_cast<double>(run.end - run.begin) + 1e-4);
-    EXPECT_GT(log.counter(run, kProcessorSeconds), 0);
+    // On a virtual machine the kernel takes time that others had off it, at times all of a short run.
+    EXPECT_GE(log.counter(run, kProcessorSeconds), 0);
+    processor_seconds += log.counter(run, kProcessorSeconds);
     if (kind == NodeKind::interior) {
       EXPECT_EQ(count, 1u);
     }
@@ -99,6 +102,7 @@ void expect_bytes_to_agree(const ExecutionLog& log, const GameRules& rules) {
     EXPECT_EQ(log.counter(run, "rounds"), 1);
     EXPECT_EQ(log.counter(run, "no such counter"), 0);
   }
+  EXPECT_GT(processor_seconds, 0);
 }
 
 void expect_sums(const ExecutionLog& log, const GameRules& rules) {
