@@ -70,8 +70,8 @@ class Adaptation {
     if (kernel_.surface.model()) snap_to_model();
     if (next_level_ >= 1) announce_level(1);  // an interruption has left some out
     kernel_.policy.frozen = FrozenPolicy::claimable;
-    if (extent_ == Extent::everything ? !pass([&] { return keeps_order(); }) : many_holes()) renumber();
-    report_.in_order = !was_renumbered_;
+    if (lacks_order()) renumber();
+    report_.in_order = !was_renumbered_ && !leaves_at_once();
     report_.interrupted = interrupted();
     if (mesh_.is_full())
       report_.warnings.push_back("the mesh has room for " + std::to_string(mesh_.tet_capacity()) +
@@ -358,7 +358,7 @@ class Adaptation {
     });
     collapse();
     collapse();
-    if (!many_holes()) return;
+    if (leaves_at_once() || !many_holes()) return;
     renumber();
     renumbered_at_ = tet_slots();
   }
@@ -479,6 +479,7 @@ class Adaptation {
   template <class F>
   void for_all_tets(F f) {
     pass([&] {
+      if (leaves_at_once()) return;
       crew_.run([&] {
         tbb::parallel_for(0u, mesh_.tet_slots(), [&](std::uint32_t i) {
           if (mesh_.alive(TetId(i))) f(TetId(i));
@@ -607,7 +608,8 @@ class Adaptation {
   /// reconnection once they are some.
   static constexpr double kGrown = 1.4, kGrownALittle = 1.1;
   void renumber_if_grown(double factor) {
-    if (static_cast<double>(tet_slots()) < factor * static_cast<double>(renumbered_at_)) return;
+    if (leaves_at_once() || static_cast<double>(tet_slots()) < factor * static_cast<double>(renumbered_at_))
+      return;
     renumber();
     renumbered_at_ = tet_slots();
   }
@@ -623,6 +625,16 @@ class Adaptation {
     return static_cast<double>(changes) < kLittle * static_cast<double>(crew_.live_tets()) &&
            is_in_order(mesh_);
   }
+
+  bool lacks_order() {
+    if (extent_ != Extent::everything) return many_holes();
+    if (leaves_at_once() && !kernel_.surface.model()) return false;
+    return !pass([&] { return keeps_order(); });
+  }
+
+  /// Whoever ends a run early waits for the mesh: nothing is done any more that does not make it valid. Parts
+  /// of a mesh may be gone on with, by somebody who has ended this adaptation only.
+  bool leaves_at_once() const { return extent_ == Extent::everything && interrupted(); }
 
   bool many_holes() const { return tet_slots() > live_tets() + live_tets() / 4; }
 

@@ -13,6 +13,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <random>
 #include <set>
 #include <string>
 
@@ -417,6 +418,18 @@ TEST(Adapt, InterruptedOnTheWayGivesAValidMesh) {
       expect_same_domain(result.mesh, mesh);
       EXPECT_EQ(result.log_metrics.size(), result.mesh.points.size());
     }
+}
+
+TEST(Adapt, InterruptedItIsNotPutInOrderOnTheWayOut) {
+  MeshData mesh = unit_cube(4);
+  std::mt19937 random(3);
+  std::shuffle(mesh.tets.begin(), mesh.tets.end(), random);
+  const std::atomic<bool> interrupt = true;
+  AdaptOptions options = with_threads(1);
+  options.interrupt = &interrupt;
+  const AdaptResult early = adapted(mesh, uniform_metric(mesh, 0.2), options);
+  EXPECT_FALSE(early.report.in_order);
+  EXPECT_TRUE(early.mesh.points == mesh.points) << "points keep their numbers";
 }
 
 // --- bad input ---
