@@ -8,6 +8,7 @@
      -distribute 0   all stays on the first rank
      -bd NAME     label of the boundary       -regions     a label with two regions, and the faces between them
      -rounds N    adaptations, one after another
+     -values      the values that each rank has of the label of the boundary
      -checks      PETSc's checks of the result, and the coordinates and owners of what ranks share */
 #include <petscdmplex.h>
 #include <petscsf.h>
@@ -16,7 +17,7 @@ typedef struct {
   char      metric[32], bd[64];
   PetscReal h;
   PetscInt  cells, overlap, rounds;
-  PetscBool regions, checks, has_bd, distribute;
+  PetscBool regions, checks, has_bd, distribute, values;
 } Options;
 
 static PetscErrorCode get_options(Options *o)
@@ -29,7 +30,7 @@ static PetscErrorCode get_options(Options *o)
   o->cells   = 4;
   o->overlap = 0;
   o->rounds  = 1;
-  o->regions = o->checks = o->has_bd = PETSC_FALSE;
+  o->regions = o->checks = o->has_bd = o->values = PETSC_FALSE;
   PetscCall(PetscOptionsGetString(NULL, NULL, "-metric", o->metric, sizeof o->metric, NULL));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-bd", o->bd, sizeof o->bd, &o->has_bd));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-h", &o->h, NULL));
@@ -38,6 +39,7 @@ static PetscErrorCode get_options(Options *o)
   PetscCall(PetscOptionsGetInt(NULL, NULL, "-rounds", &o->rounds, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-regions", &o->regions, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-checks", &o->checks, NULL));
+  PetscCall(PetscOptionsGetBool(NULL, NULL, "-values", &o->values, NULL));
   PetscFunctionReturn(0);
 }
 
@@ -287,6 +289,29 @@ static PetscErrorCode tell_label(DM dm, const char *foreign, const char *name, P
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode tell_values(DM dm, const char *name)
+{
+  DMLabel         label;
+  IS              is;
+  PetscInt        i, n;
+  const PetscInt *values;
+  PetscMPIInt     rank;
+
+  PetscFunctionBeginUser;
+  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
+  PetscCall(DMGetLabel(dm, name, &label));
+  PetscCall(DMLabelGetValueIS(label, &is));
+  PetscCall(ISGetLocalSize(is, &n));
+  PetscCall(ISGetIndices(is, &values));
+  PetscCall(PetscSynchronizedPrintf(PETSC_COMM_WORLD, "values on rank %d:", (int)rank));
+  for (i = 0; i < n; ++i) PetscCall(PetscSynchronizedPrintf(PETSC_COMM_WORLD, " %d", (int)values[i]));
+  PetscCall(PetscSynchronizedPrintf(PETSC_COMM_WORLD, "\n"));
+  PetscCall(PetscSynchronizedFlush(PETSC_COMM_WORLD, PETSC_STDOUT));
+  PetscCall(ISRestoreIndices(is, &values));
+  PetscCall(ISDestroy(&is));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode tell_sizes(DM dm, const char *foreign)
 {
   PetscInt           k, p, start, end;
@@ -355,6 +380,7 @@ static PetscErrorCode tell(DM dm, const Options *o)
   PetscCall(tell_sizes(dm, foreign));
   if (o->has_bd) PetscCall(tell_label(dm, foreign, o->bd, 1));
   if (o->regions) PetscCall(tell_label(dm, foreign, "Regions", 0));
+  if (o->values) PetscCall(tell_values(dm, o->bd));
   PetscCall(PetscFree(foreign));
   if (o->checks) PetscCall(check_shared(dm));
   PetscFunctionReturn(0);

@@ -21,6 +21,7 @@ class Told:
         self.fewest, self.most = map(int, re.search(r"cells of a rank: (\d+) to (\d+)", text).groups())
         self.labels = {(name, int(value)): (int(count), float(size)) for name, value, count, size
                        in re.findall(r"label (.+) (\d+): (\d+) of ([0-9.]+)", text)}
+        self.values = [values.split() for values in re.findall(r"values on rank \d+:(.*)", text)]
         self.differ = re.findall(r"shared vertices differ by (\S+)", text)
 
 
@@ -113,10 +114,21 @@ class Adaptor(unittest.TestCase):
         self.assertIn("by its limit of 1 shift", text)
         self.assertIn("--hausd", issue(1, "-dm_plex_metric_hausdorff_number", "inf"))
 
+    def test_every_rank_has_all_values_of_a_label_in_one_order(self):
+        # Slabs: ranks between have no faces of some sides.
+        before, after = self.check(4, "-bd", "Face Sets", "-values", "-petscpartitioner_type", "simple")
+        self.assertGreater(len(set(map(tuple, before.values))), 1)
+        self.assertEqual(len(after.values), 4)
+        self.assertEqual(len(set(map(tuple, after.values))), 1, after.values)
+        self.assertEqual(sorted(after.values[0]), list("123456"))
+
     def test_no_insert_keeps_all_vertices(self):
-        before, after = self.check(2, "-metric", "layer", "-dm_plex_metric_no_insert")
+        code, text = run(2, "-metric", "layer", "-dm_plex_metric_no_insert", "-checks", "-dm_plex_metric_verbosity", "1")
+        self.assertEqual(code, 0, text)
+        before, after = (Told(part) for part in text.split("adapted:\n"))
         self.assertEqual(before.vertices, after.vertices)
-        self.assertNotEqual(before.cells, after.cells)
+        self.assertEqual(after.differ, ["0."])
+        self.assertRegex(text, r"swap_edge +[0-9,]+ +[1-9]")  # done
 
     def test_no_swap_and_no_move_are_taken(self):
         free = self.check(1, "-metric", "layer")[1]

@@ -2,6 +2,7 @@
 
 #include <petscsf.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <unordered_map>
@@ -85,7 +86,28 @@ PetscErrorCode make_mesh(DM old, const Part& part, const Numbering& numbering,
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode create_label(DM dm, DMLabel like, DMLabel* label, PetscInt* unset) {
+/// All ranks: every rank gets all values that any has, in the same order, where it has no such points with an
+/// empty stratum: a program that asks a label for its values, or goes through them with collective calls,
+/// does the same everywhere.
+PetscErrorCode add_values(DM dm, const std::vector<std::int32_t>& refs, PetscInt unset, DMLabel label) {
+  IS mine = nullptr, all = nullptr;
+  PetscFunctionBegin;
+  std::vector<PetscInt> values(refs.begin(), refs.end());
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  values.erase(std::remove(values.begin(), values.end(), unset), values.end());
+  PetscCall(ISCreateGeneral(comm_of(dm), static_cast<PetscInt>(values.size()), values.data(),
+                            PETSC_COPY_VALUES, &mine));
+  PetscCall(ISAllGather(mine, &all));
+  PetscCall(DMLabelAddStrataIS(label, all));
+  PetscCall(ISDestroy(&mine));
+  PetscCall(ISDestroy(&all));
+  PetscFunctionReturn(0);
+}
+
+/// All ranks: a label of the name and with the default value of `like`, for the values `refs`.
+PetscErrorCode create_label(DM dm, DMLabel like, const std::vector<std::int32_t>& refs, DMLabel* label,
+                            PetscInt* unset) {
   const char* name = nullptr;
   PetscFunctionBegin;
   PetscCall(PetscObjectGetName(reinterpret_cast<PetscObject>(like), &name));
@@ -93,6 +115,7 @@ PetscErrorCode create_label(DM dm, DMLabel like, DMLabel* label, PetscInt* unset
   PetscCall(DMGetLabel(dm, name, label));
   PetscCall(DMLabelGetDefaultValue(like, unset));
   PetscCall(DMLabelSetDefaultValue(*label, *unset));
+  PetscCall(add_values(dm, refs, *unset, *label));
   PetscFunctionReturn(0);
 }
 
@@ -138,7 +161,7 @@ PetscErrorCode label_faces(DM old, DMLabel bd_label, const Part& part, const Num
   PetscInt unset = -1;
   bool corners = false;
   PetscFunctionBegin;
-  PetscCall(create_label(made, bd_label, &label, &unset));
+  PetscCall(create_label(made, bd_label, part.mesh.triangle_refs, &label, &unset));
   for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
     if (part.mesh.triangle_refs[t] == unset) continue;
     std::array<PetscInt, 3> points{};
@@ -159,7 +182,7 @@ PetscErrorCode label_cells(DMLabel rg_label, const Part& part, DM made) {
   DMLabel label = nullptr;
   PetscInt unset = -1, start = 0, end = 0;
   PetscFunctionBegin;
-  PetscCall(create_label(made, rg_label, &label, &unset));
+  PetscCall(create_label(made, rg_label, part.mesh.tet_refs, &label, &unset));
   PetscCall(DMPlexGetHeightStratum(made, 0, &start, &end));
   for (PetscInt c = start; c < end; ++c) {
     const PetscInt region = part.mesh.tet_refs[static_cast<std::size_t>(c - start)];
