@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -28,6 +29,18 @@ def start(tmp_path):
     wave = np.tanh(20 * (mesh.points[:, 0] + 0.3 * mesh.points[:, 1] ** 2 - 0.6))
     weft.write_fields(tmp_path / "wave.solb", {"wave": wave})
     return mesh
+
+
+def test_numpy_is_imported_with_the_first_array(tmp_path):
+    """It takes memory that a run from file to file does without."""
+    run(tmp_path, "mesh", "box", "--cells", 2, "-o", "box.meshb")
+    program = ("import sys, weft\n"
+               "weft.adapt_files('box.meshb', 'fine.meshb', metric_fn='uniform:0.4', threads=1)\n"
+               "assert 'numpy' not in sys.modules\n"
+               "weft.read('fine.meshb').points\n"
+               "assert 'numpy' in sys.modules\n")
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=250)
+    assert done.returncode == 0, done.stderr
 
 
 def same(folder, *names):

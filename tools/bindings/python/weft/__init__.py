@@ -17,14 +17,15 @@ from __future__ import annotations
 import json as _json
 import os as _os
 from dataclasses import dataclass as _dataclass, field as _field
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
-
-import numpy as _np
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _errors, _weft
 from ._convert import as_mesh, from_meshio, from_pyvista, to_meshio, to_pyvista
 from ._errors import (Error, InputError, InternalError, Interrupted, OptionError, OutOfMemory, RunError,
                       UsageError)
+
+if TYPE_CHECKING:
+    import numpy as _np  # 22 MB of memory, which calls that see no arrays do without
 
 Mesh = _weft.Mesh
 Metric = _weft.Metric
@@ -107,6 +108,10 @@ def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields
         may have no points. What is wrong on one rank is raised on all, naming the rank. A `background` is in parts
         too, any tets of it on any rank, with its `background_ids` and (optional) `background_tet_ids`.
     threads=1 gives the same bytes every time, those of the command.
+
+    A run that is ended early returns the valid mesh that it has, with `cancelled` set; measure=False, which leaves out
+    the figures of quality, makes that three times as quick. Raises InputError for data, OptionError for options,
+    UsageError for arguments of a wrong kind, OutOfMemory, and RunError where ranks fail.
     """
     if comm is not None:
         return _adapt_parts(comm, (mesh, ids, tet_ids), (background, background_ids, background_tet_ids), metric,
@@ -191,12 +196,14 @@ def loop(mesh: MeshLike, solve: Callable[[Mesh], _Fields], complexities: Sequenc
     solve(mesh): the solution, name -> values at the points. `complexities`: one an adaptation. on: the names of the
     fields that drive the metric; all scalar ones by default. Other options go to adapt().
     """
+    import numpy as np
+
     mesh = as_mesh(mesh)
     solution = dict(solve(mesh))
     yield mesh, solution
     for complexity_wanted in complexities:
         drive = {name: values for name, values in solution.items()
-                 if (name in on if on is not None else _np.ndim(values) == 1)}
+                 if (name in on if on is not None else np.ndim(values) == 1)}
         fine = adapt(mesh, solutions=drive, complexity=complexity_wanted, **options)
         mesh = fine.mesh
         solution = dict(solve(mesh))

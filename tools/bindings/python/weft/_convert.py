@@ -1,16 +1,15 @@
-"""Meshes of meshio and PyVista to weft's and back. Neither is imported unless it is used."""
+"""Meshes of meshio and PyVista to weft's and back. Neither is imported unless it is used, nor is NumPy."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Mapping, Optional
-
-import numpy as np
 
 from . import _weft
 from ._errors import InputError, UsageError
 
 if TYPE_CHECKING:
     import meshio
+    import numpy as np
     import pyvista
 
 Mesh = _weft.Mesh
@@ -25,6 +24,8 @@ def _references(data: Mapping[str, Any]) -> Optional[str]:
 
 def _whole_numbers(values: Any, name: str) -> np.ndarray:
     """References, which some formats keep as real numbers."""
+    import numpy as np
+
     values = np.asarray(values)
     if values.dtype.kind == "f" and np.all(values == np.rint(values)):
         values = values.astype(np.int64)
@@ -39,6 +40,8 @@ def from_meshio(mesh: "meshio.Mesh") -> Mesh:
     References are the cell data called ref, medit:ref, gmsh:physical or cell_tags. Other volume elements are
     refused; vertices and the like are left out.
     """
+    import numpy as np
+
     rows: dict = {"tetra": [], "triangle": [], "line": []}
     refs: dict = {"tetra": [], "triangle": [], "line": []}
     name = _references(mesh.cell_data)
@@ -70,11 +73,15 @@ def to_meshio(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None) -> 
 
 def _flat(values: np.ndarray) -> np.ndarray:
     """Tensors (n, 3, 3) as (n, 9), which is how VTK has them."""
+    import numpy as np
+
     values = np.asarray(values)
     return values.reshape(len(values), 9) if values.ndim == 3 else values
 
 
 def _pyvista_refs(cell_data: Mapping[str, Any], types: np.ndarray, kind: int) -> Optional[np.ndarray]:
+    import numpy as np
+
     name = _references(cell_data)
     return _whole_numbers(cell_data[name], f"cell_data[{name!r}]")[types == kind] if name else None
 
@@ -82,6 +89,8 @@ def _pyvista_refs(cell_data: Mapping[str, Any], types: np.ndarray, kind: int) ->
 def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
     """A weft.Mesh of the linear tets, triangles and lines of a pyvista.UnstructuredGrid, or of the triangles of a
     pyvista.PolyData. References are the cell data called ref."""
+    import numpy as np
+
     if not hasattr(grid, "cells_dict"):
         if not hasattr(grid, "regular_faces"):
             raise UsageError(f"mesh: is a {type(grid).__name__}, not an UnstructuredGrid or PolyData of PyVista")
@@ -100,6 +109,8 @@ def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
 
 def vtk_cells(mesh: Mesh, boundary: bool = False) -> tuple:
     """VTK's arrays of a mesh: cells (size, indices, size, indices, ...), types, references."""
+    import numpy as np
+
     kinds = [(_VTK_TETRA, mesh.tets, mesh.tet_refs)]
     if boundary:
         kinds.append((_VTK_TRIANGLE, mesh.triangles, mesh.triangle_refs))
@@ -112,6 +123,7 @@ def to_pyvista(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None, *,
                boundary: bool = False) -> "pyvista.UnstructuredGrid":
     """A pyvista.UnstructuredGrid of the tets (and, with `boundary`, the triangles) of a weft.Mesh, with references
     as the cell data `ref` and fields as point data."""
+    import numpy as np
     import pyvista
 
     cells, types, refs = vtk_cells(mesh, boundary)
