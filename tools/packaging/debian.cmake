@@ -17,11 +17,11 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# weft_package(COMPONENT PACKAGE SECTION SUMMARY TEXT DEPENDS): the files of a component as a package.
+# weft_package(COMPONENT PACKAGE SECTION SUMMARY TEXT DEPENDS [LIBRARY]): the files of a component as a package, of section
+# libs with the name of the shared library in it. CPack would name one twice that has a copy for some processors.
 function(weft_package component package section summary text depends)
   string(TOUPPER ${component} upper)
   set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
@@ -30,7 +30,10 @@ function(weft_package component package section summary text depends)
   set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}" PARENT_SCOPE)
   if(section STREQUAL libs)
-    set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/triggers PARENT_SCOPE)
+    set(shlibs ${PROJECT_BINARY_DIR}/${package}/shlibs)
+    file(WRITE ${shlibs} "${ARGN} ${PROJECT_VERSION_MAJOR} ${package} (= ${PROJECT_VERSION}-1)\n")
+    file(CHMOD ${shlibs} PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
+    set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/tools/packaging/triggers;${shlibs}" PARENT_SCOPE)
   endif()
   set(CPACK_COMPONENTS_ALL ${CPACK_COMPONENTS_ALL} ${component} PARENT_SCOPE)
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright DESTINATION share/doc/${package} COMPONENT ${component})
@@ -48,7 +51,7 @@ every vertex, and returns a mesh whose edges have unit length in the\n\
 metric. Runs on all cores of one machine and on clusters over MPI.")
 set(CPACK_COMPONENTS_ALL)
 weft_package(library libweft${PROJECT_VERSION_MAJOR} libs "anisotropic tetrahedral mesh adaptation: library"
-  "${about}\n.\nThis package has the shared library, with its C++ and C interfaces." "")
+  "${about}\n.\nThis package has the shared library, with its C++ and C interfaces." "" libweft)
 weft_package(development libweft-dev libdevel "anisotropic tetrahedral mesh adaptation: headers"
   "${about}\n.\nThis package has the headers and what CMake and pkg-config need."
   "libweft${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1), libopenmpi-dev")
@@ -58,7 +61,7 @@ weft_package(command weft science "anisotropic tetrahedral mesh adaptation: comm
 if(TARGET weft_petsc)
   weft_package(petsc libweft-petsc${PROJECT_VERSION_MAJOR} libs "anisotropic tetrahedral mesh adaptation: for PETSc"
     "${about}\n.\nThis package makes it a mesh adaptor of PETSc (-dm_adaptor weft)."
-    "libweft${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1)")
+    "libweft${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}-1)" libweft_petsc)
 endif()
 if(TARGET weft_fortran)
   weft_package(fortran libweft-fortran-dev libdevel "anisotropic tetrahedral mesh adaptation: Fortran module"

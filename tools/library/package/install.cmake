@@ -12,11 +12,11 @@ set_target_properties(weft PROPERTIES INSTALL_RPATH "$ORIGIN/${WEFT_BIN_TO_LIB}"
 install(TARGETS weft_library EXPORT weftTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-# Loaded by name, so not among the libraries that programs link.
-if(WEFT_HAS_CAD)
+# Loaded by name, so not among the libraries that programs link. They serve the library's copies for some processors too.
+if(WEFT_HAS_CAD AND NOT WEFT_IS_COPY)
   install(TARGETS weft_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
-if(WEFT_HAS_SIMGRID)
+if(WEFT_HAS_SIMGRID AND NOT WEFT_IS_COPY)
   install(TARGETS weft_simgrid LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/weft COMPONENT library)
 endif()
 install(TARGETS weft RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT command)
