@@ -203,8 +203,9 @@ MPI_Comm duplicate(MPI_Comm original, std::chrono::nanoseconds at_most) {
   return communicator;
 }
 
-/// The program's own ranks come from MPI_Init at one time; where MPI has found no way between two of them, which
-/// it need not tell (Open MPI 4.1 waits for ever), nobody must wait. A caller's ranks come when they like.
+/// The program's own ranks come from MPI_Init at one time; where MPI has found no way between two of them,
+/// which it need not tell (Open MPI 4.1 waits for ever), nobody must wait. A caller's ranks come when they
+/// like.
 std::chrono::nanoseconds longest_start(bool own_mpi) {
   return own_mpi ? std::chrono::nanoseconds(kLongestStart) : std::chrono::nanoseconds::max();
 }

@@ -47,8 +47,8 @@ std::unique_ptr<PartWriter> open_ugrid_part(const std::filesystem::path& file,
                                             const std::filesystem::path& name, const WholeMesh& whole,
                                             const PartPlaces& places);
 
-// An ASCII file, by several writers: what stands before the rows of each section, and the rows of a part, which
-// must outlive it.
+// An ASCII file, by several writers: what stands before the rows of each section, and the rows of a part,
+// which must outlive it.
 std::vector<std::string> ugrid_heads(const WholeMesh& whole);
 std::unique_ptr<TextPart> open_ugrid_text_part(const WholeMesh& whole, const MeshPart& part);
 

@@ -267,7 +267,8 @@ void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing:
 }
 
 bool can_write_slices(const std::filesystem::path& mesh) {
-  return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) || meshing::can_be_written_as_text(mesh);
+  return meshing::gmf::is_mesh(mesh) || meshing::can_be_written_in_parts(mesh) ||
+         meshing::can_be_written_as_text(mesh);
 }
 
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,

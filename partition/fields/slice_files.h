@@ -10,9 +10,9 @@
 
 namespace weft::partition {
 
-/// All ranks: one .solb or .sol of fields at the points of the slices, of the same kinds on all ranks; the bytes are
-/// those of meshing::write_solution with all of them. It appears when all have written; when any rank fails
-/// all throw the same meshing::InputError and nothing is left. Other extensions are refused.
+/// All ranks: one .solb or .sol of fields at the points of the slices, of the same kinds on all ranks; the
+/// bytes are those of meshing::write_solution with all of them. It appears when all have written; when any
+/// rank fails all throw the same meshing::InputError and nothing is left. Other extensions are refused.
 void write_fields_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                             const std::filesystem::path& file);
 

@@ -221,8 +221,8 @@ class CommonText {
   TextPlaces places_;
 };
 
-/// All ranks: a .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no fields.
-/// `own`: the values of the vertices that a piece owns.
+/// All ranks: a .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no
+/// fields. `own`: the values of the vertices that a piece owns.
 std::optional<GmfOutput> solution_output(Peers& peers, const Share& share, const std::filesystem::path& name,
                                          const meshing::SolutionData& kinds,
                                          const std::function<meshing::SolutionData(std::size_t)>& own,

@@ -45,7 +45,8 @@ class GmfPlan {
   int version() const { return version_; }
   std::span<const gmf::SectionShape> sections() const { return shapes_; }
   /// Of a binary file, where the row is or, one behind the last, where the section ends. Throws
-  /// std::out_of_range for rows that the section does not have, and for a section that the file does not have.
+  /// std::out_of_range for rows that the section does not have, and for a section that the file does not
+  /// have.
   std::uint64_t row_position(gmf::Keyword section, std::uint64_t row) const;
   /// Of a text file: what stands before the rows of each section, and behind all of them.
   std::vector<std::string> text_heads() const;
@@ -63,8 +64,8 @@ class GmfPlan {
 /// have the length of their entities; numbers of vertices, edges and triangles are 0-based in the whole mesh.
 /// Throws InputError when writing fails and std::out_of_range for rows that the plan does not have.
 ///
-/// Rows of text have no places until the length of those before them is known. So they are written twice: to a
-/// writer without a file, for their lengths, and to one that is told the places that follow.
+/// Rows of text have no places until the length of those before them is known. So they are written twice: to
+/// a writer without a file, for their lengths, and to one that is told the places that follow.
 class GmfSliceWriter {
  public:
   /// `file` exists, and becomes the one that the plan names when all have written.
