@@ -322,7 +322,9 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.shift = options.shift;
   plan_phases(d, input_tets, plan);
   plan.division_options = {1, options.decomposition.partitioner, options.decomposition.equal_tets};
-  plan.refine_interface = options.refine_interface && options.allowed.insert;
+  // Splits that nobody judges turn needles of the interface into many, which nothing but swaps mends; without
+  // them shifts free the interface, and the kernel judges.
+  plan.refine_interface = options.refine_interface && options.allowed.insert && options.allowed.swap;
   plan.allowed = options.allowed;
   plan.tets_at_frozen_stay = options.tets_at_frozen_stay;
   plan.hausd = options.hausd > 0 ? options.hausd : meshing::kHausdOfDiagonal * norm(d.box.size());

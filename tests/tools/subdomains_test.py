@@ -32,6 +32,13 @@ class Results(Subdomains):
                 self.assertEqual([counts[name]["done"] for name in operators], [0, 0], counts)
                 self.assertGreater(sum(counts[name]["done"] for name in counts), 0, counts)
 
+    def test_without_swaps_nothing_is_split_unjudged(self):
+        """Of a thin plate the interface's needles became 18,000 vertices, and nothing could mend what was beside them."""
+        words = (self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 4, "--threads", 1, "--quiet", "--no-swap")
+        self.weft("adapt", *words, "-o", "a.meshb", expect=(0, 1))
+        self.weft("adapt", *words, "--no-interface-refinement", "-o", "b.meshb", expect=(0, 1))
+        self.assertEqual(*self.bytes_of("a.meshb", "b.meshb"))
+
     def test_same_bytes_on_any_number_of_ranks(self):
         self.assert_same_on_all(self.box(4), "--metric-fn", "uniform:0.15", "--subdomains", 5)
         self.weft("verify", "out.meshb", "--against", "box.meshb")

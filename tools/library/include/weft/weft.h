@@ -214,7 +214,7 @@ struct DistributedOptions {
   std::optional<std::uint32_t> shifts;  ///< at most; empty: until all the interface has been free, at most 12
   std::string balancer = "stealing";    ///< stealing, diffusion, none
   Freeze freeze = Freeze::vertices;     ///< what is frozen at an interface; tets as in the paper
-  bool interface_refinement = true;
+  bool interface_refinement = true;     ///< before what it bounds is adapted; not where swaps are off
   bool ghosts = false;  ///< results in parts get a layer of ghost tets
 
   /// Whether a run in one process works in subdomains.
