@@ -30,6 +30,7 @@
 #include "partition/distribute/start_builder.h"
 #include "partition/distribute/whole_boundary.h"
 #include "partition/refine/refine_interface.h"
+#include "partition/subdomain/surface_cover.h"
 
 namespace weft::partition {
 namespace {
@@ -371,9 +372,11 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
+    cover_surface(result.starts.back(), geometry->surface.pieces());
     begin = end;
   }
   find_inner_patches(peers, boundary, result.starts, *geometry);
+  geometry->surface = geometry->surface.part({});
   mark_delicate(peers, result.starts);
   result.warnings = std::move(boundary.warnings);
   if (!decomposition.warning.empty()) result.warnings.push_back(decomposition.warning);

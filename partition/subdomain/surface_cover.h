@@ -1,0 +1,61 @@
+// Which pieces of the surface a part of a mesh is to have.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "meshing/base/box.h"
+#include "meshing/base/point.h"
+#include "meshing/geometry/surface_piece.h"
+#include "partition/subdomain/subdomain.h"
+#include "partition/subdomain/subdomain_start.h"
+
+namespace weft::partition {
+
+/// Collects the pieces that vertices have hints in, and those with anything near a boundary face: within half
+/// its diameter of it, box to box. That is more than projections of the face's points and of its edges' ask
+/// for, whose way begins at the face's vertices; should one lead farther, it ends at the border of what is
+/// there.
+class SurfaceCover {
+ public:
+  /// `there`: all that can be taken.
+  explicit SurfaceCover(const meshing::SurfacePieces& there) : there_(there) {}
+
+  struct Vertex {
+    meshing::Point x;
+    std::uint32_t hint;
+  };
+  void add(const Vertex& v);
+  /// A face with a vertex that has no hint lies in a plane, and asks for nothing.
+  void add_face(const Vertex& a, const Vertex& b, const Vertex& c);
+
+  /// Ascending by id.
+  std::vector<meshing::SurfacePieces::Piece> pieces() const;
+
+ private:
+  const meshing::SurfacePieces& there_;
+  std::vector<std::uint32_t> ids_;
+  std::vector<meshing::Box> near_;
+};
+
+/// Gives back the pieces that are no longer near the subdomain's mesh.
+void drop_far_surface(Subdomain& subdomain);
+
+/// One copy on a rank of each piece that any of its subdomains has, whichever way it came. From any thread.
+class SharedSurface {
+ public:
+  /// Puts the rank's copies in the place of these.
+  void share(meshing::SurfacePieces& pieces);
+
+ private:
+  std::mutex mutex_;
+  std::unordered_map<std::uint32_t, std::weak_ptr<const meshing::SurfacePiece>> known_;  ///< by id
+};
+
+/// Fills SubdomainStart::surface, from its vertices, hints, tets and boundary faces.
+void cover_surface(SubdomainStart& start, const meshing::SurfacePieces& whole);
+
+}  // namespace weft::partition
