@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "meshing/geometry/curved_triangle.h"
+#include "meshing/geometry/cut_surface.h"
 #include "meshing/geometry/surface_tables.h"
 
 namespace weft::meshing {
@@ -23,15 +24,15 @@ constexpr double kKinkMargin = 0.02;
 /// A place on a patch: a triangle and the closest point in it.
 struct Place {
   std::uint32_t name = kNoName;
-  const SurfaceTriangle* triangle = nullptr;
+  TriangleView triangle;
   TrianglePoint point{{}, kInfinity};
 };
 
-TrianglePoint closest_flat(const SurfaceTriangle& t, const Point& p) {
-  return closest_point(t.corners[0], t.corners[1], t.corners[2], p);
+TrianglePoint closest_flat(const TriangleView& t, const Point& p) {
+  return closest_point(t.corner(0), t.corner(1), t.corner(2), p);
 }
 
-CurvedTriangle curved(const SurfaceTriangle& t) { return CurvedTriangle(t.corners, t.handles); }
+CurvedTriangle curved(const TriangleView& t) { return CurvedTriangle(t.corners(), t.handles()); }
 
 /// Where on an edge, from its lower vertex, the point closest to p lies.
 double share_along(const SurfaceFeature& f, const Point& p) {
@@ -50,18 +51,18 @@ CubicArc arc_of(const SurfaceFeature& f) {
   return {f.ends[a], f.ends[b], f.handles[a], f.handles[b]};
 }
 
-/// The closest of all things of some kind that are here, by name.
+/// The closest of all things of some kind that are here, by name. `distance2(piece, thing)`.
 template <class T, class Eligible, class Distance2>
-std::uint32_t closest_here(const SurfacePieces& pieces, std::vector<T> SurfacePiece::*list, const Point& p,
-                           const Eligible& eligible, const Distance2& distance2) {
+std::uint32_t closest_here(const SurfacePieces& pieces, std::span<const T> SurfacePiece::*list,
+                           const Point& p, const Eligible& eligible, const Distance2& distance2) {
   std::uint32_t best = kNoName;
   double best_distance2 = kInfinity;
   for (const SurfacePieces::Piece& piece : pieces.all()) {
-    const std::vector<T>& all = (*piece).*list;
+    const std::span<const T> all = (*piece).*list;
     if (all.empty() || piece->box.distance2(p) >= best_distance2) continue;
     for (std::uint32_t i = 0; i < all.size(); ++i) {
       if (!eligible(all[i])) continue;
-      if (const double d2 = distance2(all[i]); d2 < best_distance2)
+      if (const double d2 = distance2(*piece, all[i]); d2 < best_distance2)
         best = surface_name(piece->id, i), best_distance2 = d2;
     }
   }
@@ -72,11 +73,12 @@ std::uint32_t closest_here(const SurfacePieces& pieces, std::vector<T> SurfacePi
 
 struct Surface::Impl {
   explicit Impl(BuiltSurface&& built)
-      : tables(std::move(built.tables)), pieces(std::move(built.pieces)), input(std::move(built.input)) {}
+      : tables(std::move(built.tables)), input(std::move(built.input)), cutter(std::move(built.cutter)) {}
 
   std::shared_ptr<const SurfaceTables> tables;
   SurfacePieces pieces;
   SurfaceInput input;
+  std::shared_ptr<const SurfaceCutter> cutter;  // until there are pieces
 
   OnModelFace closest_on_faces(PatchId patch, const Point& p, VertexKind kind, std::uint32_t& hint) const;
   OnSurface project_to_model(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
@@ -108,8 +110,8 @@ struct Surface::Impl {
 /// Whether the hint is a triangle of the patch.
 bool Surface::Impl::in_patch(PatchId patch, VertexKind kind, std::uint32_t hint) const {
   if (kind != VertexKind::surface) return false;
-  const SurfaceTriangle* t = pieces.triangle(hint);
-  return t && t->patch == patch;
+  const TriangleView t = pieces.triangle(hint);
+  return t && t.patch() == patch;
 }
 
 Surface::OnSurface Surface::Impl::project_to_plane(PatchId patch, const Point& p, VertexKind kind,
@@ -131,9 +133,9 @@ Place Surface::Impl::start(PatchId patch, const Point& p, VertexKind kind, std::
   Place best;
   const auto offer = [&](std::span<const std::uint32_t> names) {
     for (const std::uint32_t name : names) {
-      const SurfaceTriangle* t = pieces.triangle(name);
-      if (!t || t->patch != patch) continue;
-      if (const double d2 = closest_flat(*t, p).distance2; d2 < best.point.distance2) {
+      const TriangleView t = pieces.triangle(name);
+      if (!t || t.patch() != patch) continue;
+      if (const double d2 = closest_flat(t, p).distance2; d2 < best.point.distance2) {
         best = {name, t};
         best.point.distance2 = d2;
       }
@@ -147,7 +149,9 @@ Place Surface::Impl::start(PatchId patch, const Point& p, VertexKind kind, std::
   if (best.triangle) return best;
   return place_at(closest_here(
       pieces, &SurfacePiece::triangles, p, [&](const SurfaceTriangle& t) { return t.patch == patch; },
-      [&](const SurfaceTriangle& t) { return closest_flat(t, p).distance2; }));
+      [&](const SurfacePiece& piece, const SurfaceTriangle& t) {
+        return closest_flat({piece, t}, p).distance2;
+      }));
 }
 
 /// Moves to neighbours as long as one is closer. `closest(triangle, start)` is the closest point in a
@@ -175,36 +179,36 @@ Place Surface::Impl::descend(Place place, double margin, const Closest& closest)
 /// The closest place in the triangle across an edge.
 template <class Closest>
 Place Surface::Impl::closest_across(const Place& place, int edge, const Closest& closest) const {
-  Place n = place_at(place.triangle->neighbours[edge]);
+  Place n = place_at(place.triangle.neighbours()[edge]);
   if (!n.triangle) return {};
-  const auto& v = place.triangle->vertices;
+  const auto v = place.triangle.vertices(), w = n.triangle.vertices();
   const int j = (edge + 1) % 3, k = (edge + 2) % 3;
   const double share = place.point.at[k] / (place.point.at[j] + place.point.at[k]);
   Barycentric start{};
-  start[corner_of(n.triangle->vertices, v[j])] = 1 - share;
-  start[corner_of(n.triangle->vertices, v[k])] = share;
-  n.point = closest(*n.triangle, start);
+  start[corner_of(w, v[j])] = 1 - share;
+  start[corner_of(w, v[k])] = share;
+  n.point = closest(n.triangle, start);
   return n;
 }
 
 /// The closest place in the other triangles of the fan around a corner.
 template <class Closest>
 Place Surface::Impl::best_around(const Place& place, int corner, const Closest& closest) const {
-  const std::uint32_t vertex = place.triangle->vertices[corner];
+  const std::uint32_t vertex = place.triangle.vertices()[corner];
   Place best;
   for (int side : {1, 2}) {
-    const SurfaceTriangle* t = place.triangle;
+    TriangleView t = place.triangle;
     int i = corner;
     bool closed = false;
     for (;;) {
-      Place n = place_at(t->neighbours[(i + side) % 3]);
+      Place n = place_at(t.neighbours()[(i + side) % 3]);
       closed = n.name == place.name;
       if (!n.triangle || closed) break;
       t = n.triangle;
-      i = corner_of(t->vertices, vertex);
+      i = corner_of(t.vertices(), vertex);
       Barycentric start{};
       start[i] = 1;
-      n.point = closest(*t, start);
+      n.point = closest(t, start);
       if (n.point.distance2 < best.point.distance2) best = n;
     }
     if (closed) break;  // one way around has seen them all
@@ -214,18 +218,18 @@ Place Surface::Impl::best_around(const Place& place, int corner, const Closest& 
 
 Surface::OnSurface Surface::Impl::project_to_curved(PatchId patch, const Point& p, VertexKind kind,
                                                     std::uint32_t hint) const {
-  const auto flat = [&](const SurfaceTriangle& t, const Barycentric&) { return closest_flat(t, p); };
-  const auto bent = [&](const SurfaceTriangle& t, const Barycentric& start) {
+  const auto flat = [&](const TriangleView& t, const Barycentric&) { return closest_flat(t, p); };
+  const auto bent = [&](const TriangleView& t, const Barycentric& start) {
     return curved(t).closest(p, start);
   };
   Place place = start(patch, p, kind, hint);
   if (!place.triangle) return {p, {}, kNoName};
-  place.point = closest_flat(*place.triangle, p);
+  place.point = closest_flat(place.triangle, p);
   place = descend(place, 0, flat);
-  place.point = bent(*place.triangle, place.point.at);
+  place.point = bent(place.triangle, place.point.at);
   place = descend(place, kKinkMargin, bent);
-  const auto [x, normal] = curved(*place.triangle).frame(place.point.at);
-  return {x, normal == Vec{} ? place.triangle->normal : normal, place.name};
+  const auto [x, normal] = curved(place.triangle).frame(place.point.at);
+  return {x, normal == Vec{} ? place.triangle.lent_normal() : normal, place.name};
 }
 
 // ---- patches on faces of the model
@@ -247,11 +251,11 @@ Surface::OnModelFace Surface::Impl::closest_on_faces(PatchId patch, const Point&
     return best;
   }
   // The input's triangles tell where to begin.
-  const auto flat = [&](const SurfaceTriangle& t, const Barycentric&) { return closest_flat(t, p); };
+  const auto flat = [&](const TriangleView& t, const Barycentric&) { return closest_flat(t, p); };
   Place place = start(patch, p, kind, hint);
   hint = place.name;
   if (!place.triangle) return {faces[0], model.closest_on_face(faces[0], p)};
-  place.point = closest_flat(*place.triangle, p);
+  place.point = closest_flat(place.triangle, p);
   place = descend(place, 0, flat);
   hint = place.name;
   const auto& corners = pieces.piece_of(place.name)->parameters[place_of_name(place.name)];
@@ -270,9 +274,9 @@ Surface::OnSurface Surface::Impl::project_to_model(PatchId patch, const Point& p
   const OnModelFace q = closest_on_faces(patch, p, kind, hint);
   Vec normal = q.at.normal;
   if (normal == Vec{}) {
-    const SurfaceTriangle* near = pieces.triangle(hint);
+    TriangleView near = pieces.triangle(hint);
     if (!near) near = start(patch, p, kind, from).triangle;
-    normal = near ? near->normal : Vec{0, 0, 1};
+    normal = near ? near.lent_normal() : Vec{0, 0, 1};
   }
   return {q.at.x, normal, hint};
 }
@@ -358,7 +362,7 @@ std::uint32_t Surface::Impl::start_feature(CurveId curve, const Point& p, Vertex
   if (best != kNoName || !tables->curve_in_pieces[curve.value]) return best;
   return closest_here(
       pieces, &SurfacePiece::features, p, [&](const SurfaceFeature& f) { return f.curve == curve; },
-      [&](const SurfaceFeature& f) { return edge_distance2(f, p); });
+      [&](const SurfacePiece&, const SurfaceFeature& f) { return edge_distance2(f, p); });
 }
 
 Surface::OnCurve Surface::Impl::project_to_line(CurveId curve, const Point& p, VertexKind kind,
@@ -406,16 +410,30 @@ Surface::OnCurve Surface::Impl::project_to_arcs(CurveId curve, const Point& p, V
 // ---- the public face
 
 Surface::Surface(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Surface::Surface(const MeshData& mesh, const Options& options)
-    : impl_(std::make_unique<Impl>(build_surface(mesh, options, {}))) {}
+Surface::Surface(const MeshData& mesh, const Options& options) : Surface(mesh, options, {}) {}
 Surface::Surface(const MeshData& mesh, const Options& options, ModelClassification classification)
-    : impl_(std::make_unique<Impl>(build_surface(mesh, options, std::move(classification)))) {}
+    : impl_(std::make_unique<Impl>(build_surface(mesh, options, std::move(classification)))) {
+  std::vector<SurfacePieces::Piece> all;
+  std::exchange(impl_->cutter, nullptr)->cut([&](const SurfacePieces::Piece& piece) {
+    all.push_back(piece);
+  });
+  impl_->pieces.add(all);
+}
+Surface Surface::uncut(const MeshData& mesh, const Options& options, ModelClassification classification) {
+  return Surface(std::make_unique<Impl>(build_surface(mesh, options, std::move(classification))));
+}
+void Surface::cut(const std::function<void(const SurfacePieces::Piece&)>& take) {
+  impl_->input = {};
+  std::exchange(impl_->cutter, nullptr)->cut(take);
+}
 Surface::~Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
 Surface& Surface::operator=(Surface&&) noexcept = default;
 
 Surface Surface::part(SurfacePieces pieces) const {
-  return Surface(std::make_unique<Impl>(BuiltSurface{impl_->tables, std::move(pieces), {}}));
+  auto impl = std::make_unique<Impl>(BuiltSurface{impl_->tables, {}, {}});
+  impl->pieces = std::move(pieces);
+  return Surface(std::move(impl));
 }
 const SurfacePieces& Surface::pieces() const { return impl_->pieces; }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -73,6 +74,12 @@ class Surface {
   /// of different groups of faces and those on edges of the model, corners the vertices on its nodes; within
   /// a face and along an edge of the model angles mean nothing.
   Surface(const MeshData& mesh, const Options& options, ModelClassification classification);
+  /// The same, without pieces as yet: cut() is to make them, and the mesh must stay until then. Nothing can
+  /// be asked of what lies between.
+  static Surface uncut(const MeshData& mesh, const Options& options, ModelClassification classification);
+  /// Makes one piece after the other, ascending by id, for `take`, which may share it; no other is kept.
+  /// Gives back all but what part({}) has.
+  void cut(const std::function<void(const SurfacePieces::Piece&)>& take);
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;

@@ -63,12 +63,12 @@ class SurfaceBuilder {
     tables_.lines = std::move(shape_.lines);
     tables_.curves = topology_.curves;
     BuiltSurface built;
-    SurfaceCut cut = cut_surface({mesh_.points, topology_, shape_.handles,
-                                  on_model() ? &classification_ : nullptr, feature_t_, &turned_},
-                                 tables_);
-    built.pieces = std::move(cut.pieces);
-    built.input = {std::move(topology_.triangle_patch), std::move(topology_.features),
-                   std::move(topology_.vertex_kind), std::move(cut.vertex_hint)};
+    built.input = {topology_.triangle_patch, topology_.features, topology_.vertex_kind, {}};
+    built.cutter = std::make_shared<SurfaceCutter>(
+        WholeSurface{mesh_.points, std::move(topology_), std::move(shape_.handles),
+                     std::move(classification_), std::move(feature_t_), std::move(turned_)},
+        tables_);
+    built.input.vertex_hint = built.cutter->vertex_hints();
     built.tables = std::make_shared<SurfaceTables>(std::move(tables_));
     return built;
   }

@@ -7,9 +7,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "meshing/base/box.h"
@@ -21,23 +23,14 @@ namespace weft::meshing {
 
 inline constexpr std::uint32_t kNoName = 0xFFFFFFFFu;
 
-/// A triangle of a patch that has no formula, with all that makes it a curved one. Local index i names a
-/// corner and the edge opposite to it.
+/// A triangle of a patch that has no formula, as its piece keeps it. Local index i names a corner and the
+/// edge opposite to it.
 struct SurfaceTriangle {
-  Box box() const {
-    Box box;
-    for (const Point& p : corners) box.include(p);
-    return box;
-  }
-
-  std::array<Point, 3> corners;
-  /// Inner control points of edge i (from corner i + 1 to i + 2), relative to its two ends.
-  std::array<std::array<Vec, 2>, 3> handles;
-  Vec normal;                               ///< lent by a corner, for where the triangle has none
-  std::array<std::uint32_t, 3> vertices;    ///< of the boundary
+  std::array<std::uint16_t, 3> corners;     ///< places of its vertices in the piece
+  std::array<std::uint16_t, 3> edges;       ///< places of their handles in the piece
+  std::uint32_t normal;                     ///< place, in the piece, of one lent by a corner
   std::array<std::uint32_t, 3> neighbours;  ///< names; kNoName across feature edges
   PatchId patch;
-  std::uint32_t number;  ///< in the boundary
 };
 
 /// A feature edge.
@@ -65,33 +58,105 @@ struct SurfaceCorner {
   std::uint32_t first_triangle, num_triangles, first_feature, num_features;  ///< in the piece's lists
 };
 
-/// Plain arrays; either the triangles or the features are empty.
-struct SurfacePiece {
+/// What a piece is made of; either the triangles or the features are empty.
+struct SurfacePieceParts {
   std::uint32_t id = 0;
-  Box box;
+  std::vector<std::uint32_t> vertices;  ///< of the boundary, those of the triangles; ascending
+  std::vector<Point> points;            ///< theirs
+  std::vector<std::array<Vec, 2>>
+      handles;  ///< inner control points of an edge, relative to lower and upper end
+  std::vector<Vec> normals;
   std::vector<SurfaceTriangle> triangles;
   /// Of each triangle, where its corners lie on its face; empty where no face of a model asks for it.
   std::vector<std::array<Parameters, 3>> parameters;
   std::vector<SurfaceFeature> features;
   std::vector<SurfaceCorner> corners;
   std::vector<std::uint32_t> triangle_list, feature_list;  ///< names, of features and corners
+};
 
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(id, box, triangles, parameters, features, corners, triangle_list, feature_list);
-  }
+class TriangleView;
 
+/// The parts in one block of bytes, which is what travels: copies of a piece share it, and so do messages.
+struct SurfacePiece {
+  explicit SurfacePiece(const SurfacePieceParts& parts);
+  /// Of bytes() of another; `owner` keeps them, aligned as a double is. Throws std::runtime_error where they
+  /// are not a piece's.
+  SurfacePiece(std::span<const std::byte> bytes, std::shared_ptr<const void> owner);
+
+  std::uint32_t id = 0;
+  Box box;
+  // As in SurfacePieceParts:
+  std::span<const std::uint32_t> vertices;
+  std::span<const Point> points;
+  std::span<const std::array<Vec, 2>> handles;
+  std::span<const Vec> normals;
+  std::span<const SurfaceTriangle> triangles;
+  std::span<const std::array<Parameters, 3>> parameters;
+  std::span<const SurfaceFeature> features;
+  std::span<const SurfaceCorner> corners;
+  std::span<const std::uint32_t> triangle_list, feature_list;
+
+  TriangleView triangle(std::size_t place) const;
   std::span<const std::uint32_t> triangles_at(const SurfaceFeature& f) const {
-    return std::span(triangle_list).subspan(f.first_triangle, f.num_triangles);
+    return triangle_list.subspan(f.first_triangle, f.num_triangles);
   }
   std::span<const std::uint32_t> triangles_at(const SurfaceCorner& c) const {
-    return std::span(triangle_list).subspan(c.first_triangle, c.num_triangles);
+    return triangle_list.subspan(c.first_triangle, c.num_triangles);
   }
   std::span<const std::uint32_t> features_at(const SurfaceCorner& c) const {
-    return std::span(feature_list).subspan(c.first_feature, c.num_features);
+    return feature_list.subspan(c.first_feature, c.num_features);
   }
-  std::size_t bytes() const;
+  std::span<const std::byte> bytes() const { return bytes_; }
+  const std::shared_ptr<const void>& owner() const { return owner_; }
+
+ private:
+  void find_parts();
+
+  std::span<const std::byte> bytes_;
+  std::shared_ptr<const void> owner_;
 };
+
+/// A triangle with all that makes it a curved one, read from its piece; null where there is none.
+class TriangleView {
+ public:
+  TriangleView() = default;
+  TriangleView(const SurfacePiece& piece, const SurfaceTriangle& triangle)
+      : piece_(&piece), triangle_(&triangle) {}
+  explicit operator bool() const { return triangle_ != nullptr; }
+
+  PatchId patch() const { return triangle_->patch; }
+  const std::array<std::uint32_t, 3>& neighbours() const { return triangle_->neighbours; }
+  std::array<std::uint32_t, 3> vertices() const {
+    const auto& c = triangle_->corners;
+    return {piece_->vertices[c[0]], piece_->vertices[c[1]], piece_->vertices[c[2]]};
+  }
+  const Point& corner(std::size_t i) const { return piece_->points[triangle_->corners[i]]; }
+  std::array<Point, 3> corners() const { return {corner(0), corner(1), corner(2)}; }
+  /// Inner control points of edge i (from corner i + 1 to i + 2), relative to its two ends.
+  std::array<std::array<Vec, 2>, 3> handles() const {
+    return {handles_along(0), handles_along(1), handles_along(2)};
+  }
+  /// For where the triangle has none.
+  const Vec& lent_normal() const { return piece_->normals[triangle_->normal]; }
+  Box box() const {
+    Box box;
+    for (std::size_t i = 0; i < 3; ++i) box.include(corner(i));
+    return box;
+  }
+
+ private:
+  /// Vertices of a piece ascend, and so do their places.
+  std::array<Vec, 2> handles_along(std::size_t i) const {
+    const std::array<Vec, 2>& h = piece_->handles[triangle_->edges[i]];
+    return triangle_->corners[(i + 1) % 3] < triangle_->corners[(i + 2) % 3] ? h
+                                                                             : std::array<Vec, 2>{h[1], h[0]};
+  }
+
+  const SurfacePiece* piece_ = nullptr;
+  const SurfaceTriangle* triangle_ = nullptr;
+};
+
+inline TriangleView SurfacePiece::triangle(std::size_t place) const { return {*this, triangles[place]}; }
 
 /// Triangles or feature edges of a piece. Small enough that a part of a mesh takes little more than it needs.
 inline constexpr std::uint32_t kSurfacePieceSize = 128;
@@ -119,8 +184,10 @@ class SurfacePieces {
   const SurfacePiece* piece_of(std::uint32_t name) const {
     return name == kNoName ? nullptr : find(piece_of_name(name));
   }
-  const SurfaceTriangle* triangle(std::uint32_t name) const {
-    return place(piece_of(name), &SurfacePiece::triangles, name);
+  TriangleView triangle(std::uint32_t name) const {
+    const SurfacePiece* piece = piece_of(name);
+    const std::uint32_t at = place_of_name(name);
+    return piece && at < piece->triangles.size() ? piece->triangle(at) : TriangleView{};
   }
   const SurfaceFeature* feature(std::uint32_t name) const {
     return place(piece_of(name), &SurfacePiece::features, name);
@@ -138,7 +205,8 @@ class SurfacePieces {
     return row < row_of_.size() && row_of_[row] != kNoName ? rows_[row_of_[row]][id & kRowMask] : nullptr;
   }
   template <class T>
-  static const T* place(const SurfacePiece* piece, std::vector<T> SurfacePiece::*list, std::uint32_t name) {
+  static const T* place(const SurfacePiece* piece, std::span<const T> SurfacePiece::*list,
+                        std::uint32_t name) {
     const std::uint32_t at = place_of_name(name);
     return piece && at < (piece->*list).size() ? &(piece->*list)[at] : nullptr;
   }
@@ -149,18 +217,17 @@ class SurfacePieces {
   std::vector<Row> rows_;
 };
 
-/// Packs copies of shared pieces, or unpacks pieces to be shared.
+/// Messages share the pieces' bytes, and pieces that are unpacked share the message's.
 template <class Archive>
 void serialize_pieces(Archive& archive, std::vector<SurfacePieces::Piece>& pieces) {
   std::uint64_t count = pieces.size();
   archive(count);
   if constexpr (Archive::kPacks) {
-    for (const auto& piece : pieces) archive(*piece);
+    for (const auto& piece : pieces) archive.share(piece->bytes(), piece->owner());
   } else {
     for (std::uint64_t i = 0; i < count; ++i) {
-      auto piece = std::make_shared<SurfacePiece>();
-      archive(*piece);
-      pieces.push_back(std::move(piece));
+      auto [bytes, owner] = archive.shared();
+      pieces.push_back(std::make_shared<const SurfacePiece>(bytes, std::move(owner)));
     }
   }
 }

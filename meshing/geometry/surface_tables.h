@@ -38,10 +38,12 @@ struct SurfaceInput {
   std::vector<std::uint32_t> vertex_hint;
 };
 
+class SurfaceCutter;
+
 struct BuiltSurface {
   std::shared_ptr<const SurfaceTables> tables;
-  SurfacePieces pieces;
   SurfaceInput input;
+  std::shared_ptr<const SurfaceCutter> cutter;  ///< of the pieces; reads the mesh's points
 };
 
 /// See Surface's constructors; `classification` may be of no model.

@@ -237,12 +237,13 @@ Decomposition decompose_by_runs(Peers& peers, const Ranges& ranges, const Ranges
   return result;
 }
 
-/// All ranks classify the same boundary on the same model, each for itself.
+/// All ranks classify the same boundary on the same model, each for itself. The surface is not cut yet.
 std::shared_ptr<Geometry> build_geometry(WholeBoundary& boundary, const DecompositionOptions& options) {
   meshing::ModelClassification on_model;
   if (options.model) on_model = meshing::classify_on_model(boundary.data, options.model);
   boundary.warnings.insert(boundary.warnings.end(), on_model.warnings.begin(), on_model.warnings.end());
-  meshing::Surface surface(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
+  meshing::Surface surface =
+      meshing::Surface::uncut(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
   std::vector<bool> required(surface.patches().size(), false);
   for (const std::uint32_t t : boundary.data.required_triangles)
     required[surface.triangle_patch(t).value] = true;
@@ -372,11 +373,10 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
-    cover_surface(result.starts.back(), geometry->surface.pieces());
     begin = end;
   }
   find_inner_patches(peers, boundary, result.starts, *geometry);
-  geometry->surface = geometry->surface.part({});
+  cut_surface(result.starts, geometry->surface);
   mark_delicate(peers, result.starts);
   result.warnings = std::move(boundary.warnings);
   if (!decomposition.warning.empty()) result.warnings.push_back(decomposition.warning);

@@ -200,7 +200,7 @@ void Packing::add_pieces(std::span<const std::uint64_t> there) {
 
 void Packing::add_surface(std::span<const std::uint32_t> there) {
   if (s_.surface.all().empty()) return;
-  SurfaceCover cover(s_.surface);
+  SurfaceCover cover;
   const auto at = [&](std::uint32_t v) {
     return SurfaceCover::Vertex{parcel_.vertices[v].point, parcel_.vertices[v].surface_hint};
   };
@@ -211,7 +211,8 @@ void Packing::add_surface(std::span<const std::uint32_t> there) {
       const auto& face = meshing::kTetFaces[f];
       cover.add_face(at(t.vertices[face[0]]), at(t.vertices[face[1]]), at(t.vertices[face[2]]));
     }
-  for (auto& piece : cover.pieces())
+  cover.finish();
+  for (auto& piece : cover.pieces(s_.surface))
     if (!std::ranges::binary_search(there, piece->id)) parcel_.surface.push_back(std::move(piece));
 }
 

@@ -25,11 +25,12 @@ bool has_any_near(const meshing::SurfacePiece& piece, std::span<const Box> near)
   for (const Box& box : near)
     if (meet(piece.box, box)) boxes.push_back(box);
   if (boxes.empty()) return false;
-  const auto is_near = [&](const auto& thing) {
-    const Box its = thing.box();
+  const auto is_near = [&](const Box& its) {
     return std::ranges::any_of(boxes, [&](const Box& box) { return meet(its, box); });
   };
-  return std::ranges::any_of(piece.triangles, is_near) || std::ranges::any_of(piece.features, is_near);
+  for (std::size_t i = 0; i < piece.triangles.size(); ++i)
+    if (is_near(piece.triangle(i).box())) return true;
+  return std::ranges::any_of(piece.features, is_near, &meshing::SurfaceFeature::box);
 }
 
 }  // namespace
@@ -51,25 +52,31 @@ void SurfaceCover::add_face(const Vertex& a, const Vertex& b, const Vertex& c) {
   near_.push_back({box.lo - around, box.hi + around});
 }
 
-std::vector<meshing::SurfacePieces::Piece> SurfaceCover::pieces() const {
-  std::vector<std::uint32_t> ids = ids_;
-  std::ranges::sort(ids);
-  Box all;
+void SurfaceCover::finish() {
+  std::ranges::sort(ids_);
+  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
   for (const Box& box : near_) {
-    all.include(box.lo);
-    all.include(box.hi);
+    all_near_.include(box.lo);
+    all_near_.include(box.hi);
   }
-  std::vector<meshing::SurfacePieces::Piece> pieces;
-  for (const auto& piece : there_.all())
-    if (std::ranges::binary_search(ids, piece->id) || (meet(piece->box, all) && has_any_near(*piece, near_)))
-      pieces.push_back(piece);
-  return pieces;
+}
+
+bool SurfaceCover::wants(const meshing::SurfacePiece& piece) const {
+  return std::ranges::binary_search(ids_, piece.id) ||
+         (meet(piece.box, all_near_) && has_any_near(piece, near_));
+}
+
+std::vector<meshing::SurfacePieces::Piece> SurfaceCover::pieces(const meshing::SurfacePieces& there) const {
+  std::vector<meshing::SurfacePieces::Piece> wanted;
+  for (const auto& piece : there.all())
+    if (wants(*piece)) wanted.push_back(piece);
+  return wanted;
 }
 
 void drop_far_surface(Subdomain& s) {
   if (s.surface.all().empty()) return;
   const meshing::TetMesh& mesh = *s.mesh;
-  SurfaceCover cover(s.surface);
+  SurfaceCover cover;
   const auto at = [&](meshing::VertexId v) {
     return SurfaceCover::Vertex{mesh.point(v), mesh.surface_hint(v)};
   };
@@ -84,8 +91,9 @@ void drop_far_surface(Subdomain& s) {
       cover.add_face(at(mesh.vertex(t, face[0])), at(mesh.vertex(t, face[1])), at(mesh.vertex(t, face[2])));
     }
   }
+  cover.finish();
   meshing::SurfacePieces near;
-  near.add(cover.pieces());
+  near.add(cover.pieces(s.surface));
   s.surface = std::move(near);
 }
 
@@ -105,9 +113,8 @@ void SharedSurface::share(meshing::SurfacePieces& pieces) {
   pieces.add(shared);
 }
 
-void cover_surface(SubdomainStart& start, const meshing::SurfacePieces& whole) {
-  if (whole.all().empty()) return;
-  SurfaceCover cover(whole);
+SurfaceCover cover_of(const SubdomainStart& start) {
+  SurfaceCover cover;
   const auto at = [&](std::uint32_t v) {
     return SurfaceCover::Vertex{start.points[v], start.surface_hints[v]};
   };
@@ -117,7 +124,17 @@ void cover_surface(SubdomainStart& start, const meshing::SurfacePieces& whole) {
     const auto& face = meshing::kTetFaces[b.face];
     cover.add_face(at(tet[face[0]]), at(tet[face[1]]), at(tet[face[2]]));
   }
-  start.surface = cover.pieces();
+  cover.finish();
+  return cover;
+}
+
+void cut_surface(std::span<SubdomainStart> starts, meshing::Surface& uncut) {
+  std::vector<SurfaceCover> covers;
+  for (const SubdomainStart& start : starts) covers.push_back(cover_of(start));
+  uncut.cut([&](const meshing::SurfacePieces::Piece& piece) {
+    for (std::size_t s = 0; s < starts.size(); ++s)
+      if (covers[s].wants(*piece)) starts[s].surface.push_back(piece);
+  });
 }
 
 }  // namespace weft::partition

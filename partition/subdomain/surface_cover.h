@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "meshing/base/box.h"
 #include "meshing/base/point.h"
+#include "meshing/geometry/surface.h"
 #include "meshing/geometry/surface_piece.h"
 #include "partition/subdomain/subdomain.h"
 #include "partition/subdomain/subdomain_start.h"
@@ -21,9 +23,6 @@ namespace weft::partition {
 /// there.
 class SurfaceCover {
  public:
-  /// `there`: all that can be taken.
-  explicit SurfaceCover(const meshing::SurfacePieces& there) : there_(there) {}
-
   struct Vertex {
     meshing::Point x;
     std::uint32_t hint;
@@ -32,13 +31,16 @@ class SurfaceCover {
   /// A face with a vertex that has no hint lies in a plane, and asks for nothing.
   void add_face(const Vertex& a, const Vertex& b, const Vertex& c);
 
-  /// Ascending by id.
-  std::vector<meshing::SurfacePieces::Piece> pieces() const;
+  /// Once all have been added.
+  void finish();
+  bool wants(const meshing::SurfacePiece& piece) const;
+  /// Those of them that it wants.
+  std::vector<meshing::SurfacePieces::Piece> pieces(const meshing::SurfacePieces& there) const;
 
  private:
-  const meshing::SurfacePieces& there_;
   std::vector<std::uint32_t> ids_;
   std::vector<meshing::Box> near_;
+  meshing::Box all_near_;
 };
 
 /// Gives back the pieces that are no longer near the subdomain's mesh.
@@ -55,7 +57,11 @@ class SharedSurface {
   std::unordered_map<std::uint32_t, std::weak_ptr<const meshing::SurfacePiece>> known_;  ///< by id
 };
 
-/// Fills SubdomainStart::surface, from its vertices, hints, tets and boundary faces.
-void cover_surface(SubdomainStart& start, const meshing::SurfacePieces& whole);
+/// What a start's vertices, hints, tets and boundary faces ask for.
+SurfaceCover cover_of(const SubdomainStart& start);
+
+/// Makes the surface's pieces, and fills SubdomainStart::surface with those that each asks for: no other
+/// piece is kept.
+void cut_surface(std::span<SubdomainStart> starts, meshing::Surface& uncut);
 
 }  // namespace weft::partition

@@ -79,10 +79,7 @@ void expect_same(const Subdomain& a, const Subdomain& b) {
   expect_same_mesh(a, b);
   expect_same_background(a.background, b.background);
   EXPECT_TRUE(std::ranges::equal(a.surface.all(), b.surface.all(), [](const auto& x, const auto& y) {
-    return x->id == y->id && x->triangles.size() == y->triangles.size() &&
-           std::memcmp(x->triangles.data(), y->triangles.data(),
-                       x->triangles.size() * sizeof(meshing::SurfaceTriangle)) == 0 &&
-           x->features.size() == y->features.size() && x->triangle_list == y->triangle_list;
+    return std::ranges::equal(x->bytes(), y->bytes());
   }));
 }
 

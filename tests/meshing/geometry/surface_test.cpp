@@ -138,10 +138,11 @@ void turn_some(MeshData& mesh) {
 }
 
 /// The name of a triangle of the mesh; kNoName for one of a plane.
-std::uint32_t name_of(const Surface& surface, std::uint32_t triangle) {
+std::uint32_t name_of(const MeshData& mesh, const Surface& surface, std::uint32_t triangle) {
+  const auto& v = mesh.triangles[triangle];
   for (const auto& piece : surface.pieces().all())
     for (std::uint32_t i = 0; i < piece->triangles.size(); ++i)
-      if (piece->triangles[i].number == triangle) return surface_name(piece->id, i);
+      if (std::ranges::is_permutation(piece->triangle(i).vertices(), v)) return surface_name(piece->id, i);
   return kNoName;
 }
 
@@ -184,7 +185,8 @@ double deviation(const MeshData& mesh, const Distance& distance) {
     largest = std::max(
         largest,
         std::abs(distance(
-            surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(surface, s.triangle)).x)));
+            surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(mesh, surface, s.triangle))
+                .x)));
   }
   return largest;
 }
@@ -228,9 +230,9 @@ TEST(SurfaceTopology, OrientationsAreMadeToAgreeWithTheMajority) {
   ASSERT_EQ(turned.curves().size(), 2u);
   for (const Sample& s : samples(mesh, 2)) {
     const auto a = straight.project_to_patch(straight.triangle_patch(s.triangle), s.x, VertexKind::surface,
-                                             name_of(straight, s.triangle));
+                                             name_of(mesh, straight, s.triangle));
     const auto b = turned.project_to_patch(turned.triangle_patch(s.triangle), s.x, VertexKind::surface,
-                                           name_of(turned, s.triangle));
+                                           name_of(mesh, turned, s.triangle));
     EXPECT_LT(norm(a.normal - b.normal), 1e-9);
     EXPECT_LT(norm(a.x - b.x), 1e-12);
   }
@@ -325,9 +327,9 @@ TEST(SurfaceTopology, HintsNameWhatTheKindSays) {
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
     const std::uint32_t hint = surface.vertex_hint(v);
     if (surface.vertex_kind(v) == VertexKind::surface) {
-      const SurfaceTriangle* triangle = surface.pieces().triangle(hint);
-      ASSERT_NE(triangle, nullptr);
-      EXPECT_NE(std::ranges::find(triangle->vertices, v), triangle->vertices.end());
+      const TriangleView triangle = surface.pieces().triangle(hint);
+      ASSERT_TRUE(triangle);
+      EXPECT_EQ(std::ranges::count(triangle.vertices(), v), 1);
     } else {
       const SurfaceFeature* edge = surface.pieces().feature(hint);
       ASSERT_NE(edge, nullptr);
@@ -406,7 +408,8 @@ TEST(SurfaceShape, NormalsAreUnitAndNearlyTrue) {
   for (const Sample& s : samples(mesh, 10)) {
     const PatchId patch = surface.triangle_patch(s.triangle);
     if (surface.patches()[patch.value].planar) continue;
-    const auto q = surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(surface, s.triangle));
+    const auto q =
+        surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(mesh, surface, s.triangle));
     const double r = std::hypot(q.x.x, q.x.y);
     EXPECT_NEAR(norm(q.normal), 1, 1e-14);
     EXPECT_LT(norm(q.normal - Vec{q.x.x / r, q.x.y / r, 0}), 2e-3);
@@ -450,7 +453,7 @@ TEST(SurfaceShape, ProjectionIsContinuousAcrossTriangleEdges) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
     const Point a = mesh.points[v[0]], b = mesh.points[v[1]], c = mesh.points[v[2]];
-    const std::uint32_t name = name_of(surface, t);
+    const std::uint32_t name = name_of(mesh, surface, t);
     const Point edge = surface.project_to_patch(PatchId(0), a + 0.3 * (b - a), VertexKind::surface, name).x;
     const Vec inward = step * (c - edge);
     const auto in = surface.project_to_patch(PatchId(0), edge + inward, VertexKind::surface, name);
@@ -501,7 +504,7 @@ TEST(SurfaceWalk, HintsOfOtherPatchesFallBackToTheGlobalSearch) {
   ASSERT_NE(surface.triangle_patch(cap), mantle);
   const auto q = surface.project_to_patch(mantle, {0, 0.9, 1.1}, VertexKind::surface, cap);
   EXPECT_LT(norm(q.x - Point{0, 1, 1.1}), 1e-4);
-  EXPECT_EQ(surface.pieces().triangle(q.hint)->patch, mantle);
+  EXPECT_EQ(surface.pieces().triangle(q.hint).patch(), mantle);
 }
 
 TEST(SurfaceDegenerate, TrianglesWithoutAreaGiveNumbers) {
@@ -517,7 +520,7 @@ TEST(SurfaceDegenerate, TrianglesWithoutAreaGiveNumbers) {
   for (const Sample& s : samples(mesh, 5)) {
     const PatchId patch = surface.triangle_patch(s.triangle);
     const auto q = surface.project_to_patch(patch, s.x + Vec{1e-3, 0, 0}, VertexKind::surface,
-                                            name_of(surface, s.triangle));
+                                            name_of(mesh, surface, s.triangle));
     EXPECT_TRUE(std::isfinite(norm(q.x)));
     EXPECT_NEAR(norm(q.normal), 1, 1e-12);
   }
@@ -554,8 +557,9 @@ TEST(SurfaceDegenerate, NonOrientableStripIsBuilt) {
   EXPECT_EQ(surface.patches().size(), 1u);
   for (const Sample& s : samples(mesh, 3)) {
     EXPECT_NEAR(
-        norm(surface.project_to_patch(PatchId(0), s.x, VertexKind::surface, name_of(surface, s.triangle))
-                 .normal),
+        norm(
+            surface.project_to_patch(PatchId(0), s.x, VertexKind::surface, name_of(mesh, surface, s.triangle))
+                .normal),
         1, 1e-12);
   }
 }
@@ -571,7 +575,7 @@ TEST(SurfaceThreads, QueriesMayRunTogether) {
       const bool hinted = result.size() % 2 == 0;
       result.push_back(surface
                            .project_to_patch(patch, s.x, hinted ? VertexKind::surface : VertexKind::interior,
-                                             hinted ? name_of(surface, s.triangle) : kNoHint)
+                                             hinted ? name_of(mesh, surface, s.triangle) : kNoHint)
                            .x);
     }
     return result;

@@ -135,13 +135,16 @@ TEST(SharedSurface, HasOneCopyOfEachPiece) {
 /// A face far away that lies in a plane asks for nothing, however large it is.
 TEST(SurfaceCover, PlanarFacesTakeNothing) {
   const meshing::Surface surface(ball(4, 1), {});
-  const auto on_ball = surface.pieces().all().front()->triangles[0].corners[0];
-  SurfaceCover cover(surface.pieces());
-  cover.add_face({{0, 0, 10}, meshing::kNoName}, {{20, 0, 10}, meshing::kNoName}, {on_ball, 0});
-  EXPECT_TRUE(cover.pieces().empty());
-  cover.add({on_ball, meshing::surface_name(0, 0)});
-  ASSERT_EQ(cover.pieces().size(), 1u);
-  EXPECT_EQ(cover.pieces()[0]->id, 0u);
+  const auto on_ball = surface.pieces().all().front()->triangle(0).corner(0);
+  SurfaceCover nothing;
+  nothing.add_face({{0, 0, 10}, meshing::kNoName}, {{20, 0, 10}, meshing::kNoName}, {on_ball, 0});
+  nothing.finish();
+  EXPECT_TRUE(nothing.pieces(surface.pieces()).empty());
+  SurfaceCover one;
+  one.add({on_ball, meshing::surface_name(0, 0)});
+  one.finish();
+  ASSERT_EQ(one.pieces(surface.pieces()).size(), 1u);
+  EXPECT_EQ(one.pieces(surface.pieces())[0]->id, 0u);
 }
 
 }  // namespace
