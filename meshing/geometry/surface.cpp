@@ -129,7 +129,8 @@ Surface::OnSurface Surface::Impl::project_to_plane(PatchId patch, const Point& p
 
 /// Where a walk in a patch starts; no triangle where none of the patch is here.
 Place Surface::Impl::start(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const {
-  if (in_patch(patch, kind, hint)) return place_at(hint);
+  if (kind == VertexKind::surface)
+    if (const Place at = place_at(hint); at.triangle && at.triangle.patch() == patch) return at;
   Place best;
   const auto offer = [&](std::span<const std::uint32_t> names) {
     for (const std::uint32_t name : names) {
