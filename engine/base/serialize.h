@@ -116,6 +116,11 @@ class Packer {
   /// A segment of its own, whatever its size.
   void blob(Blob blob) { payload_.segments.push_back(std::move(blob)); }
 
+  /// A segment that stays where it is: `owner` keeps it, and nobody changes it.
+  void share(std::span<const std::byte> bytes, std::shared_ptr<const void> owner) {
+    blob(Blob::share(bytes, std::move(owner)));
+  }
+
   Payload take() { return std::move(payload_); }
 
  private:
@@ -250,6 +255,13 @@ class Unpacker {
   Blob blob() {
     if (segment_ == payload_.segments.size()) throw UnpackError("a large array is missing");
     return std::move(payload_.segments[segment_++]);
+  }
+
+  /// A segment, and who keeps it: within a process that of Packer::share().
+  std::pair<std::span<const std::byte>, std::shared_ptr<const void>> shared() {
+    auto segment = std::make_shared<const Blob>(blob());
+    const auto bytes = segment->bytes();
+    return {bytes, std::move(segment)};
   }
 
   /// Throws UnpackError unless everything has been read.

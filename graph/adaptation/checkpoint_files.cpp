@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using meshing::InputError;
 
-constexpr std::uint64_t kMagic = 0x31'54'50'4B'43'54'46'57;  // "WFTCKPT1"
+constexpr std::uint64_t kMagic = 0x32'54'50'4B'43'54'46'57;  // "WFTCKPT2"
 
 /// The last bytes of a rank's file.
 struct Trailer {

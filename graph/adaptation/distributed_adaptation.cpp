@@ -103,8 +103,9 @@ class CheckedRun {
     const partition::PiecesReport at_first = check("after the decomposition");
     double deviation = 0;
     dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
+      const Subdomain& s = task.subdomain();
       deviation = std::max(
-          deviation, meshing::largest_surface_deviation(*task.subdomain().mesh, rank_.geometry->surface));
+          deviation, meshing::largest_surface_deviation(*s.mesh, rank_.geometry->surface.part(s.surface)));
     });
     totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd + partition::max(peers_, deviation));
     runtime_.run([&](engine::Context& context) { start_tasks(context, made, rank_.plan); });
@@ -190,7 +191,7 @@ void account_on_model(engine::Runtime& runtime, EnginePeers& peers, const meshin
     meshing::ModelShare mine{share.on_nodes, share.on_model, share.triangles};
     for (const auto& more : {share.on_edges, share.on_faces})
       mine.records.insert(mine.records.end(), more.begin(), more.end());
-    result.on_model.push_back({s.id, meshing::sum_on_model(*s.mesh, surface, mine)});
+    result.on_model.push_back({s.id, meshing::sum_on_model(*s.mesh, surface.part(s.surface), mine)});
   });
 }
 
@@ -334,6 +335,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   plan.pauses = options.check;
   plan.home_ranks = options.resume.empty() ? peers.ranks() : options.resume[0].manifest.home_ranks;
   rank.geometry = d.geometry;
+  rank.surface = std::make_shared<partition::SharedSurface>();
   rank.interrupt = options.interrupt;
   rank.news = options.news;
 

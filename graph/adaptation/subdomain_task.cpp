@@ -248,6 +248,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   std::optional<partition::InterfaceSnapshot> interface;
   if (rank.plan.pauses) interface.emplace(subdomain_);
   options.progress = [&](const std::string&, double done, std::uint64_t) { tell_done(rank, round, done); };
+  rank.surface->share(subdomain_.surface);
   const meshing::AdaptReport report =
       partition::adapt_subdomain(subdomain_, rank.geometry->surface, limits, extent, options, before_level);
   if (interface) interface->check(subdomain_);

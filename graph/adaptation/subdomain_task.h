@@ -39,6 +39,7 @@
 #include "partition/shift/shift.h"
 #include "partition/subdomain/geometry.h"
 #include "partition/subdomain/subdomain.h"
+#include "partition/subdomain/surface_cover.h"
 #include "partition/verify/check_subdomains.h"
 
 namespace weft::graph::adaptation {
@@ -126,8 +127,9 @@ struct Pause {
 struct RankData {
   AdaptationPlan plan;
   std::shared_ptr<const partition::Geometry> geometry;
-  const std::atomic<bool>* interrupt = nullptr;  ///< when true, subdomains finish with what they have
-  ProgressBoard* news = nullptr;                 ///< where subdomains tell how far they are; null: nowhere
+  std::shared_ptr<partition::SharedSurface> surface;  ///< the pieces that its subdomains have
+  const std::atomic<bool>* interrupt = nullptr;       ///< when true, subdomains finish with what they have
+  ProgressBoard* news = nullptr;  ///< where subdomains tell how far they are; null: nowhere
 };
 
 /// One round of one subdomain, for the report.

@@ -1,11 +1,13 @@
 // The reference geometry: the input's boundary triangulation, cut into patches and feature curves. What a
 // patch or a curve is in between is told by a face or an edge of a CAD model, where the triangles have been
 // classified on one; else it is read from the triangles, as a curved surface where they are not planar.
-// Immutable; safe to read from many threads.
+// Immutable; safe to read from many threads. Triangles are kept in pieces (surface_piece.h): of a part of a
+// mesh those are enough that lie near its boundary.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
 #include "meshing/geometry/model_classification.h"
+#include "meshing/geometry/surface_piece.h"
 #include "meshing/geometry/vertex_kind.h"
 #include "meshing/mesh/mesh_data.h"
 
@@ -71,28 +74,45 @@ class Surface {
   /// of different groups of faces and those on edges of the model, corners the vertices on its nodes; within
   /// a face and along an edge of the model angles mean nothing.
   Surface(const MeshData& mesh, const Options& options, ModelClassification classification);
+  /// The same, without pieces as yet: cut() is to make them, and the mesh must stay until then. Nothing can
+  /// be asked of what lies between.
+  static Surface uncut(const MeshData& mesh, const Options& options, ModelClassification classification);
+  /// Makes one piece after the other, ascending by id, for `take`, which may share it; no other is kept.
+  /// Gives back all but what part({}) has.
+  void cut(const std::function<void(const SurfacePieces::Piece&)>& take);
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;
 
+  /// The same patches and curves, which it shares, with these pieces of what lies between: a walk ends where
+  /// they do. Of the mesh that the surface was built of it knows nothing.
+  Surface part(SurfacePieces pieces) const;
+  const SurfacePieces& pieces() const;
+
   std::span<const Patch> patches() const;
   std::span<const Curve> curves() const;
+
+  // --- the mesh that the surface was built of ---
   std::span<const FeatureEdge> feature_edges() const;
   PatchId triangle_patch(std::uint32_t triangle) const;
   /// Kind of an input vertex (interior for one that no boundary triangle touches).
   VertexKind vertex_kind(std::uint32_t vertex) const;
-  /// The hint of an input vertex: a triangle for `surface`, a feature edge for `ridge`, itself for `corner`.
+  /// The hint of an input vertex: the name of a triangle for `surface`, of a feature edge for `ridge`, of
+  /// itself for `corner`; kNoName where no query asks for it, as in a plane.
   std::uint32_t vertex_hint(std::uint32_t vertex) const;
 
+  // --- queries ---
   /// Closest point of patch `patch` near `p`, found by walking from `hint` (of a vertex of kind `kind`, on or
   /// at the border of the patch; invalid or not there: global search). Planar patch: the input's plane, i.e.
   /// `p` itself where it lies there to rounding, not clamped to the patch's border. Curved: a point on cubic
   /// triangles (PN triangles, Vlachos et al. 2001) through the input's, with the arcs of `project_to_curve`
   /// as the patch's border. They meet without gaps but with slight kinks: a point off the surface may jump by
   /// about the kink times its distance when it passes one. Allocates nothing; below 1 us from a near hint.
+  /// Where the patch is not planar and no piece here has any of it: `p`, and no normal.
   OnSurface project_to_patch(PatchId patch, const Point& p, VertexKind kind, std::uint32_t hint) const;
   /// Closest point of the curve near `p`. Straight: the line, `p` itself where it lies there to rounding, not
-  /// clamped to the curve's ends. Else cubic Hermite arcs through the input's feature vertices.
+  /// clamped to the curve's ends. Else cubic Hermite arcs through the input's feature vertices; where none of
+  /// them is here `p`, and no tangent.
   OnCurve project_to_curve(CurveId curve, const Point& p, VertexKind kind, std::uint32_t hint) const;
 
   // --- the CAD model ---
@@ -116,6 +136,7 @@ class Surface {
 
  private:
   struct Impl;
+  explicit Surface(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -30,6 +30,7 @@
 #include "partition/distribute/start_builder.h"
 #include "partition/distribute/whole_boundary.h"
 #include "partition/refine/refine_interface.h"
+#include "partition/subdomain/surface_cover.h"
 
 namespace weft::partition {
 namespace {
@@ -236,12 +237,13 @@ Decomposition decompose_by_runs(Peers& peers, const Ranges& ranges, const Ranges
   return result;
 }
 
-/// All ranks classify the same boundary on the same model, each for itself.
+/// All ranks classify the same boundary on the same model, each for itself. The surface is not cut yet.
 std::shared_ptr<Geometry> build_geometry(WholeBoundary& boundary, const DecompositionOptions& options) {
   meshing::ModelClassification on_model;
   if (options.model) on_model = meshing::classify_on_model(boundary.data, options.model);
   boundary.warnings.insert(boundary.warnings.end(), on_model.warnings.begin(), on_model.warnings.end());
-  meshing::Surface surface(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
+  meshing::Surface surface =
+      meshing::Surface::uncut(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
   std::vector<bool> required(surface.patches().size(), false);
   for (const std::uint32_t t : boundary.data.required_triangles)
     required[surface.triangle_patch(t).value] = true;
@@ -374,6 +376,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     begin = end;
   }
   find_inner_patches(peers, boundary, result.starts, *geometry);
+  cut_surface(result.starts, geometry->surface);
   mark_delicate(peers, result.starts);
   result.warnings = std::move(boundary.warnings);
   if (!decomposition.warning.empty()) result.warnings.push_back(decomposition.warning);

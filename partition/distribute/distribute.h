@@ -55,15 +55,14 @@ struct Distributed {
 
 /// Checks, completes, decomposes and distributes the mesh; all ranks call together. Subdomains, geometry,
 /// warnings, box and complexity do not depend on the number of ranks nor on the shares. The geometry, kinds,
-/// flags and hints are those that meshing::import_mesh finds in the whole mesh, but that vertices of the
-/// surface are numbered among those that the boundary lists (so are the hints of corners).
+/// flags and hints are those that meshing::import_mesh finds in the whole mesh.
 /// The work of a tet is the number of tets that is expected of it: 12 times its complexity, and a tenth for
 /// handling it.
 ///
 /// Throws on every rank alike: meshing::InputError (no file name) in the words of meshing::import_mesh where
 /// it would; std::invalid_argument where the shares do not make up the mesh, or the number of subdomains is
-/// 0, above 2^23 - 2 or not the partitioner's. A rank holds its share of points and tets, its subdomains and
-/// the whole boundary, with up to 350 bytes a tet of temporaries.
+/// 0, above 2^23 - 2 or not the partitioner's. A rank holds its share of points and tets, its subdomains and,
+/// until these have their pieces of it, the whole boundary, with up to 350 bytes a tet of temporaries.
 Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options);
 
 }  // namespace weft::partition

@@ -125,8 +125,8 @@ std::vector<PartParcel> divide(Subdomain& s, const DivisionOptions& options,
   for (std::uint32_t p = 1; p < options.num_parts; ++p) parts.push_back({0, SubdomainId(s.id.value + p)});
   const ReceiverOrder order({0, s.id}, parts);
   std::vector<Receiver> receivers;
-  for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}});
-  for (const Priority& part : parts) receivers.push_back({part.id, {}});
+  for (const SubdomainId neighbour : s.interface.neighbours()) receivers.push_back({neighbour, {}, {}});
+  for (const Priority& part : parts) receivers.push_back({part.id, {}, {}});
   std::ranges::sort(receivers, {}, &Receiver::id);
   std::vector<Parcel> parcels = hand_over(s, order, choose_parts(s, options, surface, order), receivers);
   std::vector<PartParcel> addressed;

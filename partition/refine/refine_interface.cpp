@@ -106,9 +106,9 @@ class Level {
       : vertices_(vertices),
         longest_(longest),
         mesh_(*s.mesh),
-        surface_(geometry.surface),
+        surface_(geometry.surface.part(s.surface)),
         background_(s.background.background()),
-        kernel_{mesh_, background_, geometry.surface, {}, {.mean = mean}},
+        kernel_{mesh_, background_, surface_, {}, {.mean = mean}},
         worker_(kernel_, 1, true),
         faces_(mesh_, geometry.patch_inner),
         index_of_(mesh_.vertex_slots(), RefinedVertices::kNone),
@@ -305,7 +305,7 @@ class Level {
   RefinedVertices& vertices_;
   const double longest_;
   TetMesh& mesh_;
-  const meshing::Surface& surface_;
+  meshing::Surface surface_;
   const meshing::Background& background_;
   meshing::Kernel kernel_;
   meshing::Worker worker_;

@@ -34,6 +34,12 @@ std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
   return near;
 }
 
+std::vector<std::uint32_t> surface_ids(const Subdomain& s) {
+  std::vector<std::uint32_t> ids;
+  for (const auto& piece : s.surface.all()) ids.push_back(piece->id);
+  return ids;
+}
+
 /// One for each neighbour, with nothing in it.
 std::vector<Parcel> empty_parcels(const Subdomain& s) {
   std::vector<Parcel> parcels(s.interface.neighbours().size());
@@ -62,7 +68,8 @@ std::vector<GlobalId> wanted(const Subdomain& s, std::uint64_t round) {
 
 std::vector<Proposal> propose(const Subdomain& s, const Priority& mine, std::span<const GlobalId> wanted) {
   const auto neighbours = s.interface.neighbours();
-  std::vector<Proposal> proposals(neighbours.size(), Proposal{mine, {}, s.background.piece_ids()});
+  std::vector<Proposal> proposals(neighbours.size(),
+                                  Proposal{mine, {}, s.background.piece_ids(), surface_ids(s)});
   std::uint32_t i = 0;
   for (const GlobalId id : wanted) {
     while (s.interface.id(i) < id) ++i;
@@ -84,7 +91,7 @@ std::vector<Parcel> gather(Subdomain& s, const Priority& mine, std::span<const G
   const auto neighbours = s.interface.neighbours();
   std::vector<Receiver> receivers;
   for (std::size_t n = 0; n < neighbours.size(); ++n)
-    receivers.push_back({neighbours[n], proposals[n].pieces});
+    receivers.push_back({neighbours[n], proposals[n].pieces, proposals[n].surface});
   return hand_over(s, choice.order(), chosen, receivers);
 }
 

@@ -40,7 +40,7 @@ std::vector<Parcel> pack(const Subdomain& s, const ReceiverOrder& order, const C
   for (const TetId t : chosen.leaving) packing_of[chosen.to[t.value]]->add(t);
   std::vector<Parcel> parcels;
   for (std::size_t n = 0; n < packing.size(); ++n)
-    parcels.push_back(packing[n].finish(chosen, departures, receivers[n].pieces));
+    parcels.push_back(packing[n].finish(chosen, departures, receivers[n].pieces, receivers[n].surface));
   return parcels;
 }
 

@@ -13,7 +13,8 @@ namespace weft::partition {
 /// Who gets a parcel.
 struct Receiver {
   SubdomainId id;
-  std::span<const std::uint64_t> pieces;  ///< of the background, that it has already; ascending
+  std::span<const std::uint64_t> pieces;   ///< of the background, that it has already; ascending
+  std::span<const std::uint32_t> surface;  ///< the same of the surface
 };
 
 /// A parcel for each receiver, in their order; removes what leaves from the mesh, and notes in

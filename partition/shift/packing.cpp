@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "partition/subdomain/surface_cover.h"
+
 namespace weft::partition {
 
 using meshing::TetFace;
@@ -58,13 +60,14 @@ void Packing::add(TetId t) {
 }
 
 Parcel Packing::finish(const Chosen& chosen, const std::vector<Departure>& departures,
-                       std::span<const std::uint64_t> pieces) {
+                       std::span<const std::uint64_t> pieces, std::span<const std::uint32_t> surface) {
   name_neighbours(chosen);
   for (const Departure& d : departures)
     if (concerns_receiver(d.vertex)) parcel_.now.push_back({d.id, d.to});
   for (const std::uint32_t v : vertices_) add_previous_holders(v);
   for (std::size_t i = 0; i < tets_.size(); ++i) add_background(i);
   add_pieces(pieces);
+  add_surface(surface);
   return std::move(parcel_);
 }
 
@@ -193,6 +196,24 @@ void Packing::add_pieces(std::span<const std::uint64_t> there) {
   std::vector<std::uint64_t> missing;
   std::set_difference(pieces.begin(), pieces.end(), there.begin(), there.end(), std::back_inserter(missing));
   parcel_.pieces = s_.background.pieces(missing);
+}
+
+void Packing::add_surface(std::span<const std::uint32_t> there) {
+  if (s_.surface.all().empty()) return;
+  SurfaceCover cover;
+  const auto at = [&](std::uint32_t v) {
+    return SurfaceCover::Vertex{parcel_.vertices[v].point, parcel_.vertices[v].surface_hint};
+  };
+  for (std::uint32_t v = 0; v < parcel_.vertices.size(); ++v) cover.add(at(v));
+  for (const Parcel::Tet& t : parcel_.tets)
+    for (std::size_t f = 0; f < 4; ++f) {
+      if (!t.patches[f].valid()) continue;
+      const auto& face = meshing::kTetFaces[f];
+      cover.add_face(at(t.vertices[face[0]]), at(t.vertices[face[1]]), at(t.vertices[face[2]]));
+    }
+  cover.finish();
+  for (auto& piece : cover.pieces(s_.surface))
+    if (!std::ranges::binary_search(there, piece->id)) parcel_.surface.push_back(std::move(piece));
 }
 
 }  // namespace weft::partition

@@ -11,7 +11,7 @@
 namespace weft::partition {
 
 /// Packs tets, and with them all that belongs to them: vertices, feature edges, the background that they
-/// cover.
+/// cover, the surface near their boundary faces.
 class Packing {
  public:
   /// `interface_index` as for find_departures(); `place_of_tet`, by slot, is shared by all packings: each tet
@@ -22,9 +22,10 @@ class Packing {
   void reserve(std::size_t tets);
   void add(meshing::TetId t);
 
-  /// `pieces`: of the background, those that the receiver has already; ascending.
+  /// `pieces`: of the background, those that the receiver has already; ascending. `surface`: the same of the
+  /// surface.
   Parcel finish(const Chosen& chosen, const std::vector<Departure>& departures,
-                std::span<const std::uint64_t> pieces);
+                std::span<const std::uint64_t> pieces, std::span<const std::uint32_t> surface);
 
  private:
   static constexpr std::uint32_t kNoPlace = 0xFFFFFFFFu;
@@ -44,6 +45,7 @@ class Packing {
   bool concerns_receiver(std::uint32_t vertex) const;
   void add_previous_holders(std::uint32_t vertex);
   void add_pieces(std::span<const std::uint64_t> there);
+  void add_surface(std::span<const std::uint32_t> there);
 
   const Subdomain& s_;
   const meshing::TetMesh& mesh_;

@@ -11,6 +11,7 @@
 #include "meshing/kernel/quality.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/adapt_subdomain.h"
+#include "partition/subdomain/surface_cover.h"
 #include "partition/subdomain/tets_at.h"
 
 namespace weft::partition {
@@ -391,6 +392,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
     for (auto& piece : p.pieces)
       if (!s.background.has(piece->id)) pieces.push_back(std::move(piece));
   if (!pieces.empty()) s.background.add(pieces);
+  for (const Parcel& p : parcels) s.surface.add(p.surface);
   std::uint64_t arriving = 0;
   for (const Parcel& p : parcels) arriving += std::max(p.tets.size(), 2 * p.vertices.size());
   make_room(s, arriving);
@@ -410,6 +412,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   s.departures.clear();
   result.thawed = thawed.size();
   freshen(s, thawed);
+  drop_far_surface(s);
   return result;
 }
 

@@ -30,10 +30,11 @@ struct Proposal {
   std::vector<GlobalId> wants;  ///< shared with the neighbour, to be freed; ascending
   /// Ids of the background pieces that the sender has, which need not be sent to it; ascending.
   std::vector<std::uint64_t> pieces;
+  std::vector<std::uint32_t> surface;  ///< of its surface pieces, likewise
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(priority, wants, pieces);
+    archive(priority, wants, pieces, surface);
   }
 };
 
@@ -68,6 +69,7 @@ struct Parcel {
   std::vector<FeatureEdge> feature_edges;
   /// Background pieces that the receiver lacks; immutable, so shared within a rank.
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
+  std::vector<meshing::SurfacePieces::Piece> surface;  ///< likewise
   /// Where the sender's tets around a vertex are now, for vertices of the parcel and those shared with the
   /// receiver. Left out where all of them stay with the sender, and where all go to the receiver and no
   /// other subdomain had any.
@@ -79,6 +81,7 @@ struct Parcel {
   void serialize(Archive& archive) {
     archive(from, vertices, tets, feature_edges, now, before);
     serialize_pieces(archive, pieces);
+    meshing::serialize_pieces(archive, surface);
   }
 };
 

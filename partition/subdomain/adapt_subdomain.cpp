@@ -112,12 +112,13 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   if (!has_tets(*s.mesh)) return report;
   if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
   make_room(s, s.mesh->tet_slots());
-  adapt_once(s, surface, limits, extent, options, before_level, report);
+  const meshing::Surface here = surface.part(s.surface);
+  adapt_once(s, here, limits, extent, options, before_level, report);
   // By now all holders have refined the interface to the last level.
   while (s.mesh->is_full() && !report.interrupted && grow(s)) {
     std::erase_if(report.warnings,
                   [](const std::string& w) { return w.starts_with("the mesh has room for "); });
-    adapt_once(s, surface, limits, meshing::Extent::everything, options, {}, report);
+    adapt_once(s, here, limits, meshing::Extent::everything, options, {}, report);
   }
   remember_who_was_free(*s.mesh);
   constexpr double kNearlyRight = 0.1;

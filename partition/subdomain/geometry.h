@@ -1,4 +1,4 @@
-// The geometry of the whole boundary: the one thing of the input that every rank holds.
+// What all subdomains know of the geometry of the whole boundary.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace weft::partition {
 
-/// Immutable; shared by the subdomains of a rank. Patches and curves are global objects, and a surface is
-/// small beside its volume.
+/// Immutable; shared by the subdomains of a rank. Patches and curves are global objects, and few; what lies
+/// between is in pieces, which each subdomain has of its own boundary (Subdomain::surface).
 struct Geometry {
-  meshing::Surface surface;
+  meshing::Surface surface;          ///< without pieces
   std::vector<bool> patch_required;  ///< patches made of required triangles
   std::vector<bool> patch_inner;     ///< patches with tets on both sides: material interfaces
 };

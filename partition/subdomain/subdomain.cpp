@@ -66,6 +66,7 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
       background(background_of(start)) {
   fill_vertices(start, *mesh);
   fill_tets(start, *mesh);
+  surface.add(start.surface);
   for (std::uint32_t v = 0; v < start.background_places.size(); ++v)
     mesh->set_background_hint(VertexId(v), background.tet_of(start.background_places[v]));
   std::vector<Holder> lines;
@@ -126,7 +127,7 @@ MeshPiece make_piece(Subdomain& s, const meshing::Surface& surface, const std::v
   locate_interface(s);
   MeshPiece piece;
   piece.subdomain = s.id;
-  meshing::export_mesh(*s.mesh, surface, patch_required, piece.mesh, piece.log_metrics);
+  meshing::export_mesh(*s.mesh, surface.part(s.surface), patch_required, piece.mesh, piece.log_metrics);
   for (std::uint32_t i = 0; i < piece.mesh.points.size(); ++i) piece.ids.push_back(s.global_id(VertexId(i)));
   for (std::uint32_t i = 0; i < s.interface.size(); ++i)
     for (const Holder& h : s.interface.others(i))

@@ -8,6 +8,7 @@
 
 #include "meshing/adapt/stages.h"
 #include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface_piece.h"
 #include "meshing/kernel/tet_mesh.h"
 #include "partition/subdomain/background_store.h"
 #include "partition/subdomain/interface.h"
@@ -36,6 +37,7 @@ struct Subdomain {
   std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
   std::unique_ptr<meshing::TetMesh> mesh;
   BackgroundStore background;
+  meshing::SurfacePieces surface;  ///< of the boundary's surface, what is near the mesh
   Interface interface;
   /// How often adaptation has begun anew (begin_next_phase). In later phases the interface's edges are longer
   /// than the background's when they are split.
@@ -63,7 +65,7 @@ void begin_next_phase(Subdomain& subdomain);
 /// left have no place (until scattering has found who holds them now).
 void locate_interface(Subdomain& subdomain);
 
-/// The subdomain as plain arrays. Numbers change: holes are closed.
+/// The subdomain as plain arrays. `surface`: any part of the whole mesh's. Numbers change: holes are closed.
 MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface,
                      const std::vector<bool>& patch_required);
 

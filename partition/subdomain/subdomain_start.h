@@ -10,6 +10,7 @@
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
 #include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface_piece.h"
 #include "meshing/metric/metric.h"
 #include "partition/subdomain/background_store.h"
 #include "partition/subdomain/global_id.h"
@@ -27,6 +28,8 @@ struct SubdomainStart {
   std::vector<meshing::VertexKind> kinds;  ///< by the whole surface
   std::vector<std::uint8_t> flags;         ///< meshing::VertexFlag
   std::vector<std::uint32_t> surface_hints;  ///< meshing::Surface::vertex_hint
+  /// The pieces of the surface near boundary faces; see partition/subdomain/surface_cover.h.
+  std::vector<meshing::SurfacePieces::Piece> surface;
 
   std::vector<std::array<std::uint32_t, 4>> tets;
   std::vector<std::int32_t> tet_refs;

@@ -62,6 +62,7 @@ MeshPiece piece_of(const Subdomain& s, const Geometry& geometry) {
   Subdomain copy;
   copy.id = s.id;
   copy.interface = s.interface;
+  copy.surface = s.surface;
   copy.mesh = meshing::from_arrays(meshing::to_arrays(*s.mesh), s.mesh->vertex_slots() + 1,
                                    s.mesh->tet_slots() + 1, meshing::Pages::small);
   return make_piece(copy, geometry.surface, geometry.patch_required);

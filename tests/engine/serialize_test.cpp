@@ -269,6 +269,30 @@ TEST(Serialize, ABlobThatIsNotConsumedStays) {
   EXPECT_EQ(std::memcmp(blob.data(), "ab", 2), 0);
 }
 
+TEST(Serialize, WhatIsSharedStaysWhereItIsForAllWhoReadIt) {
+  auto values = std::make_shared<const std::vector<double>>(3, 4.0);
+  const std::byte* data = std::as_bytes(std::span(*values)).data();
+  std::vector<std::shared_ptr<const void>> owners;
+  for (int reader = 0; reader < 2; ++reader) {
+    Packer packer(true);
+    packer.share(std::as_bytes(std::span(*values)), values);
+    Unpacker unpacker(packer.take());
+    auto [bytes, owner] = unpacker.shared();
+    unpacker.finish();
+    EXPECT_EQ(bytes.data(), data);
+    EXPECT_EQ(bytes.size(), 3 * sizeof(double));
+    owners.push_back(std::move(owner));
+  }
+  const std::weak_ptr<const std::vector<double>> left = values;
+  values.reset();
+  owners.pop_back();
+  EXPECT_FALSE(left.expired());
+  owners.clear();
+  EXPECT_TRUE(left.expired());
+  Unpacker empty{Payload{}};
+  EXPECT_THROW(empty.shared(), UnpackError);
+}
+
 TEST(Serialize, APayloadTravelsInAPayload) {
   Payload inner = packed_copies(std::vector<double>(kLarge, 3.0), std::string("text"));
   Packer packer(true);

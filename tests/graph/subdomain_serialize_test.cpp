@@ -78,6 +78,26 @@ void expect_same(const Subdomain& a, const Subdomain& b) {
     EXPECT_EQ(a.interface.local(i), b.interface.local(i));
   expect_same_mesh(a, b);
   expect_same_background(a.background, b.background);
+  EXPECT_TRUE(std::ranges::equal(a.surface.all(), b.surface.all(), [](const auto& x, const auto& y) {
+    return std::ranges::equal(x->bytes(), y->bytes());
+  }));
+}
+
+/// Within a rank parcels and subdomains have the pieces by reference, however often they are packed.
+TEST(SubdomainSerialize, TheSurfaceIsNotCopied) {
+  const meshing::Surface surface(support::ball(4, 1), {});
+  const auto all = surface.pieces().all();
+  ASSERT_GT(all.size(), 4u);
+  partition::Parcel parcel;
+  parcel.surface.assign(all.begin(), all.end());
+  for (int journey = 0; journey < 3; ++journey) {
+    parcel = engine::unpacked<partition::Parcel>(engine::packed(std::move(parcel)));
+    ASSERT_EQ(parcel.surface.size(), all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(parcel.surface[i]->id, all[i]->id);
+      EXPECT_EQ(parcel.surface[i]->bytes().data(), all[i]->bytes().data());
+    }
+  }
 }
 
 TEST(SubdomainSerialize, EveryStepGivesTheSameAfterAJourney) {

@@ -13,6 +13,7 @@
 #include "partition/refine/refine_interface.h"
 #include "partition/subdomain/geometry.h"
 #include "partition/subdomain/subdomain_start.h"
+#include "partition/subdomain/surface_cover.h"
 
 namespace weft::support {
 
@@ -47,6 +48,7 @@ class Cutting {
     for (std::uint32_t t = 0; t < part_.size(); ++t) add_tet(t);
     for (const auto& e : imported_.mesh->feature_edges()) add_feature_edge(e);
     for (auto& s : starts_) std::sort(s.shared.begin(), s.shared.end());
+    for (auto& s : starts_) s.surface = cover_of(s).pieces(imported_.surface->pieces());
     return {{std::move(*imported_.surface), imported_.patch_required, std::move(inner)}, std::move(starts_)};
   }
 

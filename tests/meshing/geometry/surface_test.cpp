@@ -137,6 +137,15 @@ void turn_some(MeshData& mesh) {
   }
 }
 
+/// The name of a triangle of the mesh; kNoName for one of a plane.
+std::uint32_t name_of(const MeshData& mesh, const Surface& surface, std::uint32_t triangle) {
+  const auto& v = mesh.triangles[triangle];
+  for (const auto& piece : surface.pieces().all())
+    for (std::uint32_t i = 0; i < piece->triangles.size(); ++i)
+      if (std::ranges::is_permutation(piece->triangle(i).vertices(), v)) return surface_name(piece->id, i);
+  return kNoName;
+}
+
 std::size_t count_kind(const Surface& surface, const MeshData& mesh, VertexKind kind) {
   std::size_t count = 0;
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v) count += surface.vertex_kind(v) == kind;
@@ -174,7 +183,10 @@ double deviation(const MeshData& mesh, const Distance& distance) {
     const PatchId patch = surface.triangle_patch(s.triangle);
     if (surface.patches()[patch.value].planar) continue;
     largest = std::max(
-        largest, std::abs(distance(surface.project_to_patch(patch, s.x, VertexKind::surface, s.triangle).x)));
+        largest,
+        std::abs(distance(
+            surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(mesh, surface, s.triangle))
+                .x)));
   }
   return largest;
 }
@@ -217,10 +229,10 @@ TEST(SurfaceTopology, OrientationsAreMadeToAgreeWithTheMajority) {
   ASSERT_EQ(turned.patches().size(), 3u);
   ASSERT_EQ(turned.curves().size(), 2u);
   for (const Sample& s : samples(mesh, 2)) {
-    const auto a =
-        straight.project_to_patch(straight.triangle_patch(s.triangle), s.x, VertexKind::surface, s.triangle);
-    const auto b =
-        turned.project_to_patch(turned.triangle_patch(s.triangle), s.x, VertexKind::surface, s.triangle);
+    const auto a = straight.project_to_patch(straight.triangle_patch(s.triangle), s.x, VertexKind::surface,
+                                             name_of(mesh, straight, s.triangle));
+    const auto b = turned.project_to_patch(turned.triangle_patch(s.triangle), s.x, VertexKind::surface,
+                                           name_of(mesh, turned, s.triangle));
     EXPECT_LT(norm(a.normal - b.normal), 1e-9);
     EXPECT_LT(norm(a.x - b.x), 1e-12);
   }
@@ -315,10 +327,13 @@ TEST(SurfaceTopology, HintsNameWhatTheKindSays) {
   for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
     const std::uint32_t hint = surface.vertex_hint(v);
     if (surface.vertex_kind(v) == VertexKind::surface) {
-      EXPECT_NE(std::ranges::find(mesh.triangles[hint], v), mesh.triangles[hint].end());
+      const TriangleView triangle = surface.pieces().triangle(hint);
+      ASSERT_TRUE(triangle);
+      EXPECT_EQ(std::ranges::count(triangle.vertices(), v), 1);
     } else {
-      const auto& ends = surface.feature_edges()[hint].vertices;
-      EXPECT_TRUE(ends[0] == v || ends[1] == v);
+      const SurfaceFeature* edge = surface.pieces().feature(hint);
+      ASSERT_NE(edge, nullptr);
+      EXPECT_TRUE(edge->vertices[0] == v || edge->vertices[1] == v);
     }
   }
 }
@@ -339,20 +354,29 @@ TEST(SurfacePlane, PointsOfThePlaneComeBackUnchanged) {
   const auto above = surface.project_to_patch(top, {0.3, 0.1, 1.25}, VertexKind::interior, kNoHint);
   EXPECT_EQ(above.x, (Point{0.3, 0.1, 1}));
   EXPECT_EQ(above.normal, (Vec{0, 0, 1}));
-  EXPECT_EQ(surface.triangle_patch(above.hint), top);
 }
 
 TEST(SurfacePlane, StraightCurvesKeepPointsAndWalkTheirHint) {
-  MeshData mesh = square(8, 1);
+  MeshData mesh = square(8, 4);
+  for (Point& p : mesh.points) p = {p.x, std::sin(p.y), 1 - std::cos(p.y)};  // of a cylinder
   const Surface surface(mesh, {});
   const std::uint32_t first = surface.vertex_hint(1);
-  const CurveId bottom = surface.feature_edges()[first].curve;
+  ASSERT_NE(surface.pieces().feature(first), nullptr);
+  const CurveId bottom = surface.pieces().feature(first)->curve;
+  ASSERT_TRUE(surface.curves()[bottom.value].straight);
   const auto on = surface.project_to_curve(bottom, {0.7, 0, 0}, VertexKind::ridge, first);
   EXPECT_EQ(on.x, (Point{0.7, 0, 0}));
-  EXPECT_EQ(surface.feature_edges()[on.hint].vertices, (std::array<std::uint32_t, 2>{5, 6}));
-  const auto off = surface.project_to_curve(bottom, {0.7, 0.2, 0.1}, VertexKind::corner, 0);
+  EXPECT_EQ(surface.pieces().feature(on.hint)->vertices, (std::array<std::uint32_t, 2>{5, 6}));
+  const auto off =
+      surface.project_to_curve(bottom, {0.7, 0.2, 0.1}, VertexKind::corner, surface.vertex_hint(0));
   EXPECT_EQ(off.x, (Point{0.7, 0, 0}));
   EXPECT_EQ(std::abs(off.tangent.x), 1);
+}
+
+TEST(SurfacePlane, TakesNoPieces) {
+  const Surface surface(cube(), {});
+  EXPECT_TRUE(surface.pieces().all().empty());
+  EXPECT_EQ(surface.vertex_hint(0), kNoName);
 }
 
 TEST(SurfaceShape, CylinderIsMetFarBetterThanByItsFacets) {
@@ -384,7 +408,8 @@ TEST(SurfaceShape, NormalsAreUnitAndNearlyTrue) {
   for (const Sample& s : samples(mesh, 10)) {
     const PatchId patch = surface.triangle_patch(s.triangle);
     if (surface.patches()[patch.value].planar) continue;
-    const auto q = surface.project_to_patch(patch, s.x, VertexKind::surface, s.triangle);
+    const auto q =
+        surface.project_to_patch(patch, s.x, VertexKind::surface, name_of(mesh, surface, s.triangle));
     const double r = std::hypot(q.x.x, q.x.y);
     EXPECT_NEAR(norm(q.normal), 1, 1e-14);
     EXPECT_LT(norm(q.normal - Vec{q.x.x / r, q.x.y / r, 0}), 2e-3);
@@ -398,7 +423,8 @@ TEST(SurfaceShape, CurvesMeetTheCircleAndStayInTheirPlane) {
     const auto& e = surface.feature_edges()[f];
     const Point &a = mesh.points[e.vertices[0]], &b = mesh.points[e.vertices[1]];
     for (double s : {0.0, 0.2, 0.5, 0.9}) {
-      const auto q = surface.project_to_curve(e.curve, a + s * (b - a), VertexKind::ridge, f);
+      const std::uint32_t near = surface.vertex_hint(e.vertices[0]);
+      const auto q = surface.project_to_curve(e.curve, a + s * (b - a), VertexKind::ridge, near);
       EXPECT_NEAR(std::hypot(q.x.x, q.x.y), 1, 1e-7);
       EXPECT_EQ(q.x.z, a.z);
       EXPECT_EQ(q.tangent.z, 0);
@@ -413,8 +439,9 @@ TEST(SurfaceShape, PatchesMeetInTheirCurveWithoutAGap) {
   for (std::uint32_t f = 0; f < surface.feature_edges().size(); ++f) {
     const auto& e = surface.feature_edges()[f];
     const Point p = midpoint(mesh.points[e.vertices[0]], mesh.points[e.vertices[1]]);
-    const auto on_curve = surface.project_to_curve(e.curve, p, VertexKind::ridge, f);
-    const auto on_patch = surface.project_to_patch(mantle, on_curve.x, VertexKind::ridge, f);
+    const std::uint32_t near = surface.vertex_hint(e.vertices[0]);
+    const auto on_curve = surface.project_to_curve(e.curve, p, VertexKind::ridge, near);
+    const auto on_patch = surface.project_to_patch(mantle, on_curve.x, VertexKind::ridge, on_curve.hint);
     EXPECT_LT(norm(on_curve.x - on_patch.x), 1e-14);
   }
 }
@@ -426,10 +453,11 @@ TEST(SurfaceShape, ProjectionIsContinuousAcrossTriangleEdges) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
     const Point a = mesh.points[v[0]], b = mesh.points[v[1]], c = mesh.points[v[2]];
-    const Point edge = surface.project_to_patch(PatchId(0), a + 0.3 * (b - a), VertexKind::surface, t).x;
+    const std::uint32_t name = name_of(mesh, surface, t);
+    const Point edge = surface.project_to_patch(PatchId(0), a + 0.3 * (b - a), VertexKind::surface, name).x;
     const Vec inward = step * (c - edge);
-    const auto in = surface.project_to_patch(PatchId(0), edge + inward, VertexKind::surface, t);
-    const auto out = surface.project_to_patch(PatchId(0), edge - inward, VertexKind::surface, t);
+    const auto in = surface.project_to_patch(PatchId(0), edge + inward, VertexKind::surface, name);
+    const auto out = surface.project_to_patch(PatchId(0), edge - inward, VertexKind::surface, name);
     EXPECT_LT(norm(in.x - out.x), 10 * step);
   }
 }
@@ -453,7 +481,7 @@ TEST(SurfaceWalk, AgreesWithTheGlobalSearch) {
 TEST(SurfaceWalk, FindsItsWayAlongACurve) {
   const MeshData mesh = frustum(40, 1);
   const Surface surface(mesh, {});
-  const CurveId bottom = surface.feature_edges()[surface.vertex_hint(0)].curve;
+  const CurveId bottom = surface.pieces().feature(surface.vertex_hint(0))->curve;
   for (int i = 0; i < 100; ++i) {
     const double f = 2 * kPi * (i + 0.3) / 100;
     const Point p{1.1 * std::cos(f), 1.1 * std::sin(f), 0.1};
@@ -476,7 +504,7 @@ TEST(SurfaceWalk, HintsOfOtherPatchesFallBackToTheGlobalSearch) {
   ASSERT_NE(surface.triangle_patch(cap), mantle);
   const auto q = surface.project_to_patch(mantle, {0, 0.9, 1.1}, VertexKind::surface, cap);
   EXPECT_LT(norm(q.x - Point{0, 1, 1.1}), 1e-4);
-  EXPECT_EQ(surface.triangle_patch(q.hint), mantle);
+  EXPECT_EQ(surface.pieces().triangle(q.hint).patch(), mantle);
 }
 
 TEST(SurfaceDegenerate, TrianglesWithoutAreaGiveNumbers) {
@@ -491,7 +519,8 @@ TEST(SurfaceDegenerate, TrianglesWithoutAreaGiveNumbers) {
   const Surface surface(mesh, {});
   for (const Sample& s : samples(mesh, 5)) {
     const PatchId patch = surface.triangle_patch(s.triangle);
-    const auto q = surface.project_to_patch(patch, s.x + Vec{1e-3, 0, 0}, VertexKind::surface, s.triangle);
+    const auto q = surface.project_to_patch(patch, s.x + Vec{1e-3, 0, 0}, VertexKind::surface,
+                                            name_of(mesh, surface, s.triangle));
     EXPECT_TRUE(std::isfinite(norm(q.x)));
     EXPECT_NEAR(norm(q.normal), 1, 1e-12);
   }
@@ -527,8 +556,11 @@ TEST(SurfaceDegenerate, NonOrientableStripIsBuilt) {
   const Surface surface(mesh, {});
   EXPECT_EQ(surface.patches().size(), 1u);
   for (const Sample& s : samples(mesh, 3)) {
-    EXPECT_NEAR(norm(surface.project_to_patch(PatchId(0), s.x, VertexKind::surface, s.triangle).normal), 1,
-                1e-12);
+    EXPECT_NEAR(
+        norm(
+            surface.project_to_patch(PatchId(0), s.x, VertexKind::surface, name_of(mesh, surface, s.triangle))
+                .normal),
+        1, 1e-12);
   }
 }
 
@@ -543,7 +575,7 @@ TEST(SurfaceThreads, QueriesMayRunTogether) {
       const bool hinted = result.size() % 2 == 0;
       result.push_back(surface
                            .project_to_patch(patch, s.x, hinted ? VertexKind::surface : VertexKind::interior,
-                                             hinted ? s.triangle : kNoHint)
+                                             hinted ? name_of(mesh, surface, s.triangle) : kNoHint)
                            .x);
     }
     return result;

@@ -56,12 +56,18 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
+bool same_pieces(const SubdomainStart& a, const SubdomainStart& b) {
+  return std::ranges::equal(a.surface, b.surface, [](const auto& x, const auto& y) {
+    return std::ranges::equal(x->bytes(), y->bytes());
+  });
+}
+
 bool same(const SubdomainStart& a, const SubdomainStart& b) {
   return a.subdomain == b.subdomain && same_bytes(a.points, b.points) && a.point_refs == b.point_refs &&
          same_bytes(a.log_metrics, b.log_metrics) && a.ids == b.ids && a.kinds == b.kinds &&
          a.flags == b.flags && a.surface_hints == b.surface_hints && a.tets == b.tets &&
          a.tet_refs == b.tet_refs && same_bytes(a.boundary_faces, b.boundary_faces) &&
-         same_bytes(a.feature_edges, b.feature_edges) && a.shared == b.shared;
+         same_bytes(a.feature_edges, b.feature_edges) && a.shared == b.shared && same_pieces(a, b);
 }
 
 std::uint32_t number(const SubdomainStart& start, std::uint32_t vertex) {
@@ -86,6 +92,37 @@ TEST_P(Distribute, DoesNotDependOnTheNumberOfRanks) {
       EXPECT_EQ(found.complexity, expected.complexity);
       EXPECT_EQ(found.box.lo, expected.box.lo);
       EXPECT_EQ(found.box.hi, expected.box.hi);
+    }
+  }
+}
+
+/// A curved surface of forty pieces: each rank keeps those near its subdomains, the same for any number of
+/// ranks, and all of them are kept by somebody.
+TEST(Distribute, KeepsTheSurfaceWhereItIsNeeded) {
+  MetricMesh whole{support::ball(4, 1), {}};
+  whole.log_metrics.assign(whole.mesh.points.size(), {});
+  const meshing::Surface surface(whole.mesh, {45});
+  std::size_t bytes = 0;
+  for (const auto& piece : surface.pieces().all()) bytes += piece->bytes().size();
+  const Distributed expected = distribute_on(1, whole, options_of(16));
+  for (const int ranks : {1, 2, 4, 8}) {
+    const Distributed d = distribute_on(ranks, whole, options_of(16));
+    EXPECT_TRUE(d.geometry->surface.pieces().all().empty());
+    std::vector<std::map<std::uint32_t, std::size_t>> kept(static_cast<std::size_t>(ranks));
+    std::set<std::uint32_t> anywhere;
+    for (std::uint32_t s = 0; s < 16; ++s) {
+      EXPECT_TRUE(same(d.starts[s], expected.starts[s]));
+      for (const auto& piece : d.starts[s].surface) {
+        kept[static_cast<std::size_t>(home_rank(SubdomainId(s), 16, ranks))][piece->id] =
+            piece->bytes().size();
+        anywhere.insert(piece->id);
+      }
+    }
+    EXPECT_EQ(anywhere.size(), surface.pieces().all().size());
+    for (const auto& of_rank : kept) {
+      std::size_t here = 0;
+      for (const auto& [id, size] : of_rank) here += size;
+      EXPECT_LE(here, ranks < 8 ? bytes : bytes * 3 / 5);
     }
   }
 }
@@ -148,8 +185,6 @@ class Comparison {
   explicit Comparison(const MetricMesh& whole)
       : whole_(whole),
         imported_(meshing::import_mesh(whole.mesh, 45, whole.mesh.points.size(), whole.mesh.tets.size())) {
-    for (std::uint32_t v = 0; v < whole.mesh.points.size(); ++v)
-      if (on_boundary(v)) boundary_numbers_.push_back(v);
     for (std::uint32_t t = 0; t < whole.mesh.tets.size(); ++t) tet_of_[whole.mesh.tets[t]] = t;
   }
 
@@ -169,15 +204,6 @@ class Comparison {
  private:
   using V = meshing::VertexId;
 
-  /// The points that the boundary lists.
-  bool on_boundary(std::uint32_t v) const {
-    const MeshData& m = whole_.mesh;
-    const auto listed = [&](const auto& list) {
-      return std::find(list.begin(), list.end(), v) != list.end();
-    };
-    return imported_.surface->vertex_kind(v) != meshing::VertexKind::interior || listed(m.corners) ||
-           listed(m.required_points);
-  }
   void check_geometry(const Distributed& d) const;
   void check_tets(const Distributed& d) const;
   void check_holders(const Distributed& d) const;
@@ -188,7 +214,6 @@ class Comparison {
 
   const MetricMesh& whole_;
   meshing::ImportedMesh imported_;
-  std::vector<std::uint32_t> boundary_numbers_;
   std::map<std::array<std::uint32_t, 4>, std::uint32_t> tet_of_;
 };
 
@@ -256,12 +281,7 @@ void Comparison::check_vertices(const SubdomainStart& start) const {
     EXPECT_EQ(start.log_metrics[v], whole_.log_metrics[whole]);
     EXPECT_EQ(start.kinds[v], imported_.mesh->kind(V(whole)));
     EXPECT_EQ(start.flags[v], imported_.mesh->flags(V(whole)));
-    std::uint32_t hint = imported_.mesh->surface_hint(V(whole));
-    if (start.kinds[v] == meshing::VertexKind::corner)
-      hint = static_cast<std::uint32_t>(
-          std::lower_bound(boundary_numbers_.begin(), boundary_numbers_.end(), whole) -
-          boundary_numbers_.begin());
-    EXPECT_EQ(start.surface_hints[v], hint);
+    EXPECT_EQ(start.surface_hints[v], imported_.mesh->surface_hint(V(whole)));
   }
 }
 

@@ -272,7 +272,7 @@ TEST(Shift, BackgroundTravelsWithTetsThatCoverThousandsOfTheInput) {
     s.interface = Interface(std::vector<Holder>{{shared, SubdomainId(1)}});
     s.interface.set_local(0, meshing::VertexId(i));
     s.mesh->freeze(meshing::VertexId(i));
-    const std::vector<Proposal> proposals{{{1, SubdomainId(1)}, {shared}, {}}};
+    const std::vector<Proposal> proposals{{{1, SubdomainId(1)}, {shared}, {}, {}}};
     const std::vector<Parcel> parcels = gather(s, {0, SubdomainId(0)}, {}, proposals, {0, false});
     BackgroundStore there;
     there.add(parcels[0].pieces);
