@@ -1,6 +1,7 @@
 // Folders, manifests and records.
 #include "graph/adaptation/checkpoint_files.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -10,7 +11,9 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <sstream>
+#include <string_view>
 
 #include "graph/adaptation/word_packing.h"
 #include "meshing/base/error.h"
@@ -36,11 +39,33 @@ std::optional<std::uint64_t> number_of(const fs::path& folder) {
   return number;
 }
 
+struct CloseFolder {
+  void operator()(DIR* folder) const { ::closedir(folder); }
+};
+
+/// What is in a folder; nothing where it cannot be read. (libstdc++'s iterators end the program where an
+/// allocation fails: they throw through functions that must not.)
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  const std::unique_ptr<DIR, CloseFolder> open(::opendir(folder.c_str()));
+  while (const dirent* entry = open ? ::readdir(open.get()) : nullptr) {
+    const std::string_view name = entry->d_name;
+    if (name != "." && name != "..") entries.push_back(folder / name);
+  }
+  return entries;
+}
+
+/// A folder of files, as far as that can be done.
+void remove_folder(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::path& file : entries_of(folder)) fs::remove(file, ignored);
+  fs::remove(folder, ignored);
+}
+
 std::vector<std::pair<std::uint64_t, fs::path>> numbered_folders(const fs::path& folder) {
   std::vector<std::pair<std::uint64_t, fs::path>> all;
-  std::error_code error;
-  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-    if (const auto number = number_of(at->path())) all.emplace_back(*number, at->path());
+  for (const fs::path& entry : entries_of(folder))
+    if (const auto number = number_of(entry)) all.emplace_back(*number, entry);
   std::sort(all.rbegin(), all.rend());
   return all;
 }
@@ -112,14 +137,13 @@ void remove_old_checkpoints(const fs::path& folder, std::size_t keep) {
     if (!complete && kept == 0) continue;  // it may be on its way
     std::error_code ignored;
     fs::remove(path / kManifestName, ignored);  // first: half of a checkpoint is none
-    fs::remove_all(path, ignored);
+    remove_folder(path);
   }
 }
 
 void remove_incomplete(const fs::path& folder, std::uint64_t after) {
-  std::error_code ignored;
   for (const auto& [number, path] : numbered_folders(folder))
-    if (number > after && !read_manifest(path)) fs::remove_all(path, ignored);
+    if (number > after && !read_manifest(path)) remove_folder(path);
 }
 
 fs::path checkpoint_folder(const fs::path& folder, std::uint64_t number) {

@@ -215,7 +215,7 @@ struct DistributedOptions {
   std::string balancer = "stealing";    ///< stealing, diffusion, none
   Freeze freeze = Freeze::vertices;     ///< what is frozen at an interface; tets as in the paper
   bool interface_refinement = true;     ///< before what it bounds is adapted; not where swaps are off
-  bool ghosts = false;  ///< results in parts get a layer of ghost tets
+  bool ghosts = false;                  ///< results in parts get a layer of ghost tets
 
   /// Whether a run in one process works in subdomains.
   bool asked() const { return subdomains > 0 || !partitioner.empty(); }
