@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
+#include <span>
 
 #include "tests/partition/scenes.h"
 #include "tests/partition/shift/rounds.h"
@@ -37,9 +39,8 @@ void expect_same(const Rounds& a, const Rounds& b) {
   const auto x = a.pieces(), y = b.pieces();
   for (std::size_t s = 0; s < x.size(); ++s) {
     ASSERT_EQ(x[s].mesh.tets, y[s].mesh.tets);
-    EXPECT_EQ(std::memcmp(x[s].mesh.points.data(), y[s].mesh.points.data(),
-                          x[s].mesh.points.size() * sizeof(Point)),
-              0);
+    EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(x[s].mesh.points)),
+                                   std::as_bytes(std::span(y[s].mesh.points))));
   }
 }
 
