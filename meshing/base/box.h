@@ -28,6 +28,12 @@ struct Box {
     return sum;
   }
   Vec size() const { return hi - lo; }
+  /// Whether they have a point in common.
+  bool meets(const Box& other) const {
+    for (int i = 0; i < 3; ++i)
+      if (lo[i] > other.hi[i] || other.lo[i] > hi[i]) return false;
+    return true;
+  }
 };
 
 }  // namespace weft::meshing

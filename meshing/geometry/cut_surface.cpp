@@ -8,31 +8,12 @@
 #include "meshing/base/box.h"
 #include "meshing/base/morton.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 
 namespace weft::meshing {
 namespace {
 
 using Names = std::vector<std::uint32_t>;
-
-/// The places of points along a Morton curve through their box.
-class MortonCurve {
- public:
-  explicit MortonCurve(const Box& box)
-      : lo_(box.lo), side_(std::max({box.size().x, box.size().y, box.size().z})) {}
-  std::uint64_t key(const Point& p) const {
-    constexpr double kCells = 1u << 21;
-    std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double cell = side_ > 0 ? (p[i] - lo_[i]) / side_ * kCells : 0;
-      key |= spread_bits(static_cast<std::uint64_t>(std::clamp(cell, 0.0, kCells - 1))) << i;
-    }
-    return key;
-  }
-
- private:
-  Point lo_;
-  double side_;
-};
 
 /// Those of `count` things that are needed, by their points' places along the curve.
 template <class Needed, class At>
@@ -67,11 +48,6 @@ Names at_corner(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& list
        ++i)
     all.push_back(i->second);
   return all;
-}
-
-void sort_unique(Names& list) {
-  std::ranges::sort(list);
-  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 }  // namespace

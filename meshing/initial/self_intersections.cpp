@@ -15,12 +15,6 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-bool overlap(const Box& a, const Box& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a.lo[i] > b.hi[i] || b.lo[i] > a.hi[i]) return false;
-  return true;
-}
-
 /// A balanced tree in the order of an array: the node of [begin, end) splits at the middle.
 class BoxTree {
  public:
@@ -62,10 +56,10 @@ class BoxTree {
   template <class Visit>
   void descend(std::size_t node, std::size_t begin, std::size_t end, const Box& box,
                const Visit& visit) const {
-    if (!overlap(nodes_[node], box)) return;
+    if (!nodes_[node].meets(box)) return;
     if (end - begin <= kLeaf) {
       for (std::size_t i = begin; i < end; ++i)
-        if (overlap(boxes_[order_[i]], box)) visit(order_[i]);
+        if (boxes_[order_[i]].meets(box)) visit(order_[i]);
       return;
     }
     const std::size_t middle = begin + (end - begin) / 2;

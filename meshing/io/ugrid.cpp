@@ -458,13 +458,16 @@ bool is_ugrid_for_parts(const fs::path& path) {
 
 namespace {
 
+/// Volume IDs are written where there are any.
+bool has_tet_refs(const WholeMesh& whole) {
+  return std::ranges::any_of(whole.tets, [](const auto& of_ref) { return of_ref.first != 0; });
+}
+
 /// Rows of one part, at their places.
 class UgridPartWriter final : public PartWriter {
  public:
   UgridPartWriter(const fs::path& file, const fs::path& name, const WholeMesh& whole)
-      : file_(file, name.string()),
-        encoding_(encoding_of(name)),
-        has_tet_refs_(std::ranges::any_of(whole.tets, [](const auto& r) { return r.first != 0; })) {
+      : file_(file, name.string()), encoding_(encoding_of(name)), has_tet_refs_(has_tet_refs(whole)) {
     const std::uint64_t integer = encoding_.integer_size;
     points_ = 7 * integer;
     triangles_ = points_ + 3 * whole.points * encoding_.real_size;
@@ -534,8 +537,7 @@ std::vector<std::string> ugrid_heads(const WholeMesh& whole) {
   std::vector<std::string> heads(4);  // points, triangles, their surface IDs, tets
   heads[0] = std::to_string(whole.points) + ' ' + std::to_string(whole.num_triangles()) + " 0 " +
              std::to_string(whole.num_tets()) + " 0 0 0\n";
-  const bool has_tet_refs = std::ranges::any_of(whole.tets, [](const auto& r) { return r.first != 0; });
-  if (has_tet_refs) heads.push_back("0\n");  // tets in boundary layers; volume IDs follow
+  if (has_tet_refs(whole)) heads.push_back("0\n");  // tets in boundary layers; volume IDs follow
   return heads;
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
-#include "partition/communication/sort_unique.h"
+#include "meshing/base/sort_unique.h"
 
 namespace weft::partition {
 
@@ -40,7 +40,7 @@ std::vector<std::uint32_t> distinct_vertices(std::span<const Tet> tets, const Ve
       met.number = v;
       numbers.push_back(v);
     }
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   return numbers;
 }
 

@@ -12,13 +12,13 @@
 #include <utility>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/metric/measure_lanes.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/communication/same_arithmetic.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/communication/vertex_numbers.h"
 #include "partition/decompose/decomposition.h"
 #include "partition/decompose/inertia.h"
@@ -148,7 +148,7 @@ std::vector<double> reaches(Peers& peers, const MeshSlice& slice, const Ranges& 
     throw std::invalid_argument("slabs along a coordinate of the boundary: the points have none");
   std::vector<std::uint32_t> numbers;
   for (const auto& tet : slice.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   const std::vector<double> values =
       fetch<double>(peers, points, numbers, [&](std::size_t i) { return coordinate[i]; });
   const auto value = [&](std::uint32_t v) { return values[meshing::place_in(numbers, v)]; };

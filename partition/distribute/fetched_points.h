@@ -9,9 +9,9 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/point.h"
+#include "meshing/base/sort_unique.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/distribute/mesh_slice.h"
 
 namespace weft::partition {
@@ -24,7 +24,7 @@ class FetchedPoints {
   FetchedPoints(Peers& peers, const MeshSlice& slice, const Ranges& points,
                 const std::vector<std::array<std::uint32_t, N>>& elements) {
     for (const auto& element : elements) numbers_.insert(numbers_.end(), element.begin(), element.end());
-    sort_unique(numbers_);
+    meshing::sort_unique(numbers_);
     points_ = fetch<meshing::Point>(peers, points, numbers_, [&](std::size_t i) { return slice.points[i]; });
   }
 

@@ -10,10 +10,10 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/io/files/point_merger.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 
 namespace weft::partition {
 namespace {
@@ -130,7 +130,7 @@ void JoinedPoints::number_by_first_copies(Peers& peers, const std::vector<std::u
       elsewhere.push_back(first_copies[i]);
     }
   }
-  sort_unique(elsewhere);
+  meshing::sort_unique(elsewhere);
   const std::vector<std::uint32_t> found = numbers_of(peers, elsewhere);
   for (std::size_t i = 0; i < numbers_.size(); ++i)
     if (!is_first_[i]) numbers_[i] = found[meshing::place_in(elsewhere, first_copies[i])];

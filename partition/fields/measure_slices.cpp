@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/metric/morton_shares.h"
 #include "partition/output/measure_pieces.h"
 
@@ -31,7 +31,7 @@ std::vector<std::uint32_t> numbers_here(const MeshSlice& slice) {
   for (const Tet& tet : slice.tets) numbers.insert(numbers.end(), tet.begin(), tet.end());
   for (std::size_t i = 0; i < slice.points.size(); ++i)
     numbers.push_back(static_cast<std::uint32_t>(slice.first_point + i));
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   return numbers;
 }
 
@@ -105,7 +105,7 @@ std::map<std::int32_t, double> areas(Peers& peers, const MeshSlice& slice) {
   std::vector<std::uint32_t> numbers;
   for (std::size_t t = begin; t < end; ++t)
     numbers.insert(numbers.end(), triangles[t].begin(), triangles[t].end());
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   const Ranges ranges(peers, slice.points.size());
   const auto points = fetch<Point>(peers, ranges, numbers, [&](std::size_t i) { return slice.points[i]; });
   std::map<std::int32_t, double> mine;

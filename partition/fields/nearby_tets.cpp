@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "meshing/base/place_in.h"
-#include "partition/communication/sort_unique.h"
+#include "meshing/base/sort_unique.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/metric/morton_shares.h"
 
@@ -92,7 +92,7 @@ void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::u
       for (std::uint32_t& v : tet) v = of.numbers()[v];
       tets[r].push_back(tet);
     }
-    sort_unique(given_[r]);
+    meshing::sort_unique(given_[r]);
     for (const std::uint32_t v : given_[r]) vertices[r].push_back({of.numbers()[v], of.mesh().points[v]});
   }
   std::vector<Tet> all = all_to_all_joined(peers_, std::move(tets));

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/fields/reading.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/distribute/point_records.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/tets_meet.h"
@@ -187,10 +187,9 @@ class StartIndex {
   }
 
   bool meets(const BackgroundPiece& piece) const {
-    return apart(box_of_points(piece.points), box_) ? false
-                                                    : std::ranges::any_of(piece.tets, [&](const Tet& tet) {
-                                                        return meets(corners_of(piece.points, tet));
-                                                      });
+    return box_.meets(box_of_points(piece.points)) && std::ranges::any_of(piece.tets, [&](const Tet& tet) {
+             return meets(corners_of(piece.points, tet));
+           });
   }
 
  private:
@@ -199,19 +198,14 @@ class StartIndex {
     for (const Point& p : points) box.include(p);
     return box;
   }
-  static bool apart(const Box& a, const Box& b) {
-    for (int i = 0; i < 3; ++i)
-      if (a.hi[i] < b.lo[i] || b.hi[i] < a.lo[i]) return true;
-    return false;
-  }
   bool meets(const TetCorners& tet) const {
     const Box box = box_of(tet);
-    if (apart(box, box_)) return false;
+    if (!box.meets(box_)) return false;
     bool found = false;
     grid_.for_each_cell(box, [&](std::uint32_t cell) {
       for (std::size_t i = 0; i < in_cell_[cell].size() && !found; ++i) {
         const TetCorners mine = corners_of(start_.points, start_.tets[in_cell_[cell][i]]);
-        found = !apart(box, box_of(mine)) && tets_meet(tet, mine);
+        found = box.meets(box_of(mine)) && tets_meet(tet, mine);
       }
     });
     return found;
@@ -258,7 +252,7 @@ void OwnBackground::cut(const PartDomain& domain, const MeshSlice& background) {
   tets_ = in_pieces(peers_, tets_here(peers_, domain));
   std::vector<std::uint32_t> numbers;
   for (const Tet& tet : tets_) numbers.insert(numbers.end(), tet.begin(), tet.end());
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   const Ranges ranges(peers_, background.points.size());
   const std::vector<PointRecord> records = fetch_points(peers_, background, ranges, numbers);
   std::vector<Point> points;
@@ -329,7 +323,7 @@ std::vector<std::vector<std::uint64_t>> OwnBackground::wanted_by_cells(
                              std::vector<std::uint32_t>& cells) {
     for (const Tet& tet : tets)
       grid.for_each_cell(box_of(corners_of(points, tet)), [&](std::uint32_t c) { cells.push_back(c); });
-    sort_unique(cells);
+    meshing::sort_unique(cells);
   };
   for (const SubdomainStart& s : starts) add_cells(s.points, s.tets, wanted);
   std::vector<std::vector<std::uint32_t>> cells(pieces_.size());
@@ -337,7 +331,7 @@ std::vector<std::vector<std::uint64_t>> OwnBackground::wanted_by_cells(
     add_cells(pieces_[p]->points, pieces_[p]->tets, cells[p]);
     had.insert(had.end(), cells[p].begin(), cells[p].end());
   }
-  sort_unique(had);
+  meshing::sort_unique(had);
   const std::vector<std::vector<int>> ranks = ranks_wanting(peers_, grid, had, wanted);
   std::vector<std::vector<std::uint64_t>> pieces(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t p = 0; p < pieces_.size(); ++p)
@@ -355,12 +349,12 @@ OwnBackground::Pieces OwnBackground::fetch_pieces(std::span<const SubdomainStart
   std::vector<std::vector<std::uint64_t>> asked(to_each.size());
   for (const SubdomainStart& s : starts)
     for (const BackgroundTet& place : s.background_places) asked[rank_of(place.piece)].push_back(place.piece);
-  for (auto& ids : asked) sort_unique(ids);
+  for (auto& ids : asked) meshing::sort_unique(ids);
   asked = partition::all_to_all(peers_, asked);
   std::vector<Bytes> parcels;
   for (std::size_t r = 0; r < to_each.size(); ++r) {
     for (const std::uint64_t id : asked[r]) to_each[r].push_back(id - pieces_.front()->id);
-    sort_unique(to_each[r]);
+    meshing::sort_unique(to_each[r]);
     Packer packer;
     for (const std::uint64_t p : to_each[r]) {
       BackgroundPiece copy = *pieces_[p];
@@ -382,7 +376,7 @@ void OwnBackground::deliver(std::span<SubdomainStart> starts) const {
   std::vector<std::uint64_t> numbers;
   for (const SubdomainStart& s : starts)
     for (const GlobalId id : s.ids) numbers.push_back(id.local());
-  sort_unique(numbers);
+  meshing::sort_unique(numbers);
   const auto places =
       fetch<BackgroundTet>(peers_, input_points_, numbers, [&](std::size_t i) { return places_[i]; });
   for (SubdomainStart& s : starts)
@@ -393,7 +387,7 @@ void OwnBackground::deliver(std::span<SubdomainStart> starts) const {
     if (s.tets.empty()) continue;
     std::vector<std::uint64_t> of_places;
     for (const BackgroundTet& place : s.background_places) of_places.push_back(place.piece);
-    sort_unique(of_places);
+    meshing::sort_unique(of_places);
     const StartIndex index(s);
     for (const auto& piece : near)
       if (std::ranges::binary_search(of_places, piece->id) || index.meets(*piece))

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/io/vtk/pvtu.h"
 #include "meshing/io/vtk/vtu.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/fields/by_components.h"
 #include "partition/output/new_files.h"
 
@@ -83,7 +83,7 @@ class PieceMaker {
       add(slice_.boundary.triangles);
       add(slice_.boundary.edges);
     }
-    sort_unique(used);
+    meshing::sort_unique(used);
     std::vector<std::vector<std::uint32_t>> to_owners(static_cast<std::size_t>(peers_.ranks()));
     for (const std::uint32_t v : used) to_owners[points_.rank_of(v)].push_back(v);
     used = {};
@@ -129,7 +129,7 @@ class PieceMaker {
     };
     for_each_vertex([&](std::uint32_t& v) { uses.push_back(v); });
     sorted_ = uses;
-    sort_unique(sorted_);
+    meshing::sort_unique(sorted_);
     ids_.clear();
     std::vector<std::uint32_t> numbers(sorted_.size(), kUnused);
     for (const std::uint32_t v : uses) {

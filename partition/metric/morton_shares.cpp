@@ -18,19 +18,10 @@ Box common_box(Peers& peers, const Box& box) {
 }
 
 std::vector<std::uint64_t> morton_keys(std::span<const Point> points, const Box& box) {
-  constexpr double kCells = 1u << 21;
-  const meshing::Vec size = box.size();
-  const double side = std::max({size.x, size.y, size.z});
+  const meshing::MortonCurve curve(box);
   std::vector<std::uint64_t> keys;
   keys.reserve(points.size());
-  for (const Point& p : points) {
-    std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double cell = side > 0 ? (p[i] - box.lo[i]) / side * kCells : 0;
-      key |= meshing::spread_bits(static_cast<std::uint64_t>(std::clamp(cell, 0.0, kCells - 1))) << i;
-    }
-    keys.push_back(key);
-  }
+  for (const Point& p : points) keys.push_back(curve.key(p));
   return keys;
 }
 

@@ -11,10 +11,10 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/distribute/slice_checks.h"
 #include "partition/metric/morton_shares.h"
 
@@ -70,7 +70,7 @@ void PartDomain::choose_owners(const MeshSlice& slice) {
 std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice) const {
   std::vector<std::uint32_t> vertices;
   for (const auto& tet : slice.tets) vertices.insert(vertices.end(), tet.begin(), tet.end());
-  sort_unique(vertices);
+  meshing::sort_unique(vertices);
   const auto owners =
       fetch<std::uint32_t>(peers_, points_, vertices, [&](std::size_t i) { return slice_owners_[i]; });
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
@@ -97,7 +97,7 @@ void PartDomain::add_ring(const std::vector<TetRecord>& first, std::vector<std::
       if (owner != me_ && !std::ranges::binary_search(asked[owner], v)) wanted[owner].push_back(v);
     }
   for (std::size_t r = 0; r < wanted.size(); ++r) {
-    sort_unique(wanted[r]);
+    meshing::sort_unique(wanted[r]);
     const auto old = static_cast<std::ptrdiff_t>(asked[r].size());
     asked[r].insert(asked[r].end(), wanted[r].begin(), wanted[r].end());
     std::inplace_merge(asked[r].begin(), asked[r].begin() + old, asked[r].end());
@@ -128,7 +128,7 @@ void PartDomain::build_mesh(const MeshSlice& slice, const std::vector<TetRecord>
   for (const TetRecord& tet : tets)
     for (std::size_t i = 0; i < 4; ++i)
       if (tet.owners[i] != me_) vertices.push_back({tet.vertices[i], tet.owners[i]});
-  sort_unique(vertices);
+  meshing::sort_unique(vertices);
   for (const auto& [number, owner] : vertices) {
     numbers_.push_back(number);
     owners_.push_back(owner);

@@ -13,20 +13,14 @@ using meshing::Point;
 
 namespace {
 
-bool meet(const Box& a, const Box& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a.lo[i] > b.hi[i] || b.lo[i] > a.hi[i]) return false;
-  return true;
-}
-
 /// A piece's box may be large where the curve that pieces follow jumps: what is in it is looked at.
 bool has_any_near(const meshing::SurfacePiece& piece, std::span<const Box> near) {
   std::vector<Box> boxes;
   for (const Box& box : near)
-    if (meet(piece.box, box)) boxes.push_back(box);
+    if (piece.box.meets(box)) boxes.push_back(box);
   if (boxes.empty()) return false;
   const auto is_near = [&](const Box& its) {
-    return std::ranges::any_of(boxes, [&](const Box& box) { return meet(its, box); });
+    return std::ranges::any_of(boxes, [&](const Box& box) { return its.meets(box); });
   };
   for (std::size_t i = 0; i < piece.triangles.size(); ++i)
     if (is_near(piece.triangle(i).box())) return true;
@@ -63,7 +57,7 @@ void SurfaceCover::finish() {
 
 bool SurfaceCover::wants(const meshing::SurfacePiece& piece) const {
   return std::ranges::binary_search(ids_, piece.id) ||
-         (meet(piece.box, all_near_) && has_any_near(piece, near_));
+         (piece.box.meets(all_near_) && has_any_near(piece, near_));
 }
 
 std::vector<meshing::SurfacePieces::Piece> SurfaceCover::pieces(const meshing::SurfacePieces& there) const {

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 
 namespace weft::partition {
 namespace {
@@ -23,7 +23,7 @@ class Forest {
   void contract(std::vector<Edge>& edges) const {
     std::vector<std::uint64_t> ends;
     for (const Edge& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
-    sort_unique(ends);
+    meshing::sort_unique(ends);
     const std::vector<std::uint64_t> roots = parents_of(ends);
     const auto root = [&](std::uint64_t end) { return roots[meshing::place_in(ends, end)]; };
     for (Edge& edge : edges) {
@@ -31,7 +31,7 @@ class Forest {
       std::ranges::sort(edge);
     }
     std::erase_if(edges, [](const Edge& edge) { return edge[0] == edge[1]; });
-    sort_unique(edges);
+    meshing::sort_unique(edges);
   }
 
   /// Links roots to the smallest ones that edges join them with.
@@ -50,7 +50,7 @@ class Forest {
     for (std::uint8_t changed = 1; changed != 0; changed = partition::max(peers_, changed)) {
       changed = 0;
       std::vector<std::uint64_t> wanted = parents_;
-      sort_unique(wanted);
+      meshing::sort_unique(wanted);
       const std::vector<std::uint64_t> grandparents = parents_of(wanted);
       for (std::uint64_t& parent : parents_) {
         const std::uint64_t next = grandparents[meshing::place_in(wanted, parent)];

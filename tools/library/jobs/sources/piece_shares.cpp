@@ -11,11 +11,11 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/communication/sort_unique.h"
 #include "partition/distribute/joined_points.h"
 #include "partition/fields/by_components.h"
 
@@ -136,7 +136,7 @@ class Renumbering {
   /// All ranks.
   Renumbering(Peers& peers, const JoinedPoints& points, const RowsRead& rows) {
     add(rows.tets), add(rows.triangles), add(rows.edges), add(rows.corners);
-    partition::sort_unique(copies_);
+    meshing::sort_unique(copies_);
     numbers_ = points.numbers_of(peers, copies_);
   }
   template <std::size_t N>
@@ -165,7 +165,7 @@ meshing::MeshData joined_boundary(Peers& peers, const RowsRead& rows, const Renu
   boundary.edges = joined(peers, numbers.of(rows.edges));
   boundary.edge_refs = joined(peers, rows.edge_refs);
   for (const auto& corner : joined(peers, numbers.of(rows.corners))) boundary.corners.push_back(corner[0]);
-  partition::sort_unique(boundary.corners);
+  meshing::sort_unique(boundary.corners);
   return boundary;
 }
 

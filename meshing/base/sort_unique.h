@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace weft::partition {
+namespace weft::meshing {
 
 template <class T>
 void sort_unique(std::vector<T>& values) {
@@ -13,4 +13,4 @@ void sort_unique(std::vector<T>& values) {
   values.erase(rest.begin(), rest.end());
 }
 
-}  // namespace weft::partition
+}  // namespace weft::meshing
