@@ -337,6 +337,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   rank.geometry = d.geometry;
   rank.surface = std::make_shared<partition::SharedSurface>();
   rank.interrupt = options.interrupt;
+  rank.out_of_memory = options.out_of_memory;
   rank.news = options.news;
 
   if (options.on_plan) options.on_plan();

@@ -244,6 +244,7 @@ void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uin
   options.repair_at_frozen =
       !coarse && next_shift >= std::min<std::uint64_t>(rank.plan.most_shifts, partition::kRoundsForQuality);
   options.interrupt = rank.interrupt;
+  options.out_of_memory = rank.out_of_memory;
   options.abandon = &context.stop_flag();
   std::optional<partition::InterfaceSnapshot> interface;
   if (rank.plan.pauses) interface.emplace(subdomain_);

@@ -31,7 +31,31 @@ MeshData live_part(const TetMesh& mesh) {
   return data;
 }
 
+bool links_hold(const TetMesh& mesh, TetId t) {
+  for (int i = 0; i < 4; ++i) {
+    const TetFace across = mesh.neighbour(t, i);
+    if (across.valid() &&
+        (!mesh.alive(across.tet()) || mesh.neighbour(across.tet(), across.face()).code != TetFace(t, i).code))
+      return false;
+    if (!mesh.alive(mesh.vertex(t, i))) return false;
+  }
+  return true;
+}
+
+bool links_hold(const TetMesh& mesh, VertexId v) {
+  const TetId t = mesh.tet_of(v);
+  return mesh.alive(t) && mesh.local_index(t, v) >= 0;
+}
+
 }  // namespace
+
+bool links_hold(const TetMesh& mesh) {
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    if (mesh.alive(TetId(i)) && !links_hold(mesh, TetId(i))) return false;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i)) && !links_hold(mesh, VertexId(i))) return false;
+  return true;
+}
 
 void check_live_mesh(const TetMesh& mesh, const char* when) {
   const CheckReport report = check_mesh(live_part(mesh), 1);

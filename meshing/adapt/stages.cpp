@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "meshing/adapt/check_whole.h"
 #include "meshing/adapt/passes.h"
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
@@ -114,13 +116,23 @@ class Adaptation {
   template <class F>
   double pass(F f) {
     if (replays()) return passes_[next_pass_++].value;
-    double value = 0;
-    if constexpr (std::is_void_v<std::invoke_result_t<F>>)
-      f();
-    else
-      value = static_cast<double>(f());
+    const double value = make(f);
     if (options_.states) note(value);
     return value;
+  }
+
+  /// An allocation that fails ends the adaptation, but loses nothing: operators take what they need before they
+  /// change anything.
+  template <class F>
+  double make(F f) try {
+    if constexpr (std::is_void_v<std::invoke_result_t<F>>)
+      return f(), 0;
+    else
+      return static_cast<double>(f());
+  } catch (const std::bad_alloc&) {
+    if (!options_.out_of_memory || !links_hold(mesh_)) throw;
+    options_.out_of_memory();
+    return 0;
   }
 
   bool replays() const { return next_pass_ < passes_.size(); }

@@ -108,6 +108,12 @@ struct Worker {
       if (!take_vertices()) return false;
     return true;
   }
+  /// Makes room in the lists for what an operator is about to free: a change that has begun must not fail for
+  /// want of memory.
+  void prepare_to_free(std::size_t tets, std::size_t vertices) {
+    make_room_for(free_tets, tets);
+    make_room_for(free_vertices, vertices);
+  }
   /// A slot of those secured.
   TetId new_tet() {
     const TetId t = free_tets.back();
@@ -133,6 +139,10 @@ struct Worker {
 
  private:
   static constexpr std::uint32_t kChunk = 64;
+  template <class T>
+  static void make_room_for(std::vector<T>& list, std::size_t more) {
+    if (list.capacity() - list.size() < more) list.reserve(2 * list.capacity() + more);
+  }
   bool take_tets() {
     const std::optional<std::uint32_t> first = mesh.try_take_tet_slots(kChunk);
     for (std::uint32_t i = kChunk; first && i-- > 0;) free_tets.push_back(TetId(*first + i));

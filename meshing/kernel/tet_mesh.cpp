@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -27,23 +29,39 @@ std::uint32_t granted(std::optional<std::uint32_t> first, std::size_t capacity, 
   return *first;
 }
 
-/// Permutes one member of an array's elements: that of element i goes to element map[i].
-template <class T, class Id, class Member>
-void permute_member(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size,
-                    const Member& member) {
-  std::vector<std::remove_cvref_t<decltype(member(array[0]))>> moved(new_size);
-  tbb::parallel_for(std::size_t{0}, old_to_new.size(), [&](std::size_t i) {
-    if (old_to_new[i].valid()) moved[old_to_new[i].value] = member(array[i]);
-  });
-  tbb::parallel_for(std::size_t{0}, moved.size(), [&](std::size_t i) { member(array[i]) = moved[i]; });
-}
+/// Puts elements of arrays to new places: element i to place map[i]; what has no place is dropped. The memory for
+/// it is taken before anything moves, so that an allocation that fails changes nothing.
+template <class Id>
+class Permutation {
+ public:
+  Permutation(const std::vector<Id>& old_to_new, std::uint32_t new_size, std::size_t largest_element)
+      : map_(old_to_new),
+        new_size_(new_size),
+        scratch_(std::make_unique_for_overwrite<std::byte[]>(new_size * largest_element)) {}
 
-/// Permutes one array: element i goes to map[i]; what has no new place is dropped.
-template <class T, class Id>
-void permute(StableArray<T>& array, const std::vector<Id>& old_to_new, std::uint32_t new_size) {
-  permute_member(array, old_to_new, new_size, [](T& x) -> T& { return x; });
-  array.release_from(new_size);
-}
+  /// One member of an array's elements.
+  template <class T, class Member>
+  void move_member(StableArray<T>& array, const Member& member) const {
+    using Value = std::remove_cvref_t<decltype(member(array[0]))>;
+    static_assert(std::is_trivially_copyable_v<Value> && alignof(Value) <= alignof(std::max_align_t));
+    const auto moved = reinterpret_cast<Value*>(scratch_.get());
+    tbb::parallel_for(std::size_t{0}, map_.size(), [&](std::size_t i) {
+      if (map_[i].valid()) moved[map_[i].value] = member(array[i]);
+    });
+    tbb::parallel_for(std::uint32_t{0}, new_size_, [&](std::uint32_t i) { member(array[i]) = moved[i]; });
+  }
+
+  template <class T>
+  void move(StableArray<T>& array) const {
+    move_member(array, [](T& x) -> T& { return x; });
+    array.release_from(new_size_);
+  }
+
+ private:
+  const std::vector<Id>& map_;
+  const std::uint32_t new_size_;
+  const std::unique_ptr<std::byte[]> scratch_;
+};
 
 }  // namespace
 
@@ -109,6 +127,17 @@ void TetMesh::set_curve(VertexId a, VertexId b, CurveId c) {
   place->second = c.value;
 }
 
+void TetMesh::divide_curve(VertexId a, VertexId p, VertexId b, CurveId c) {
+  set_curve(a, p, c);
+  try {
+    set_curve(p, b, c);
+  } catch (...) {
+    set_curve(a, p, CurveId());
+    throw;
+  }
+  set_curve(a, b, CurveId());
+}
+
 std::vector<TetMesh::FeatureEdge> TetMesh::feature_edges() const {
   std::vector<FeatureEdge> edges;
   edges.reserve(curves_.size());
@@ -122,7 +151,14 @@ std::vector<TetMesh::FeatureEdge> TetMesh::feature_edges() const {
 
 void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t num_vertices,
                        const std::vector<TetId>& new_tet, std::uint32_t num_tets) {
-  const std::vector<FeatureEdge> features = feature_edges();
+  // Large elements by their members: a copy of the whole array would be the peak of the whole run's memory.
+  constexpr std::size_t kOfTet = sizeof(Tet::v);
+  constexpr std::size_t kOfVertex = std::max({sizeof(VertexHead), sizeof(Metric), sizeof(LogMetric)});
+  const Permutation to_tets(new_tet, num_tets, kOfTet);
+  const Permutation to_vertices(new_vertex, num_vertices, kOfVertex);
+  decltype(curves_) curves;
+  for (const auto& [key, curve] : curves_)
+    curves.emplace(edge_key(new_vertex[key >> 32], new_vertex[static_cast<std::uint32_t>(key)]), curve);
   tbb::parallel_for(0u, tet_slots(), [&](std::uint32_t i) {
     if (!alive(TetId(i))) return;
     Tet& t = tets_[i];
@@ -133,28 +169,26 @@ void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t nu
   tbb::parallel_for(0u, vertex_slots(), [&](std::uint32_t i) {
     if (std::uint32_t& t = vertices_[i].tet; t != 0) t = new_tet[t - 1].value + 1;
   });
-  // Large elements by their members: a copy of the whole array would be the peak of the whole run's memory.
-  permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
-  permute_member(tets_, new_tet, num_tets, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
+  to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.v; });
+  to_tets.move_member(tets_, [](Tet& t) -> std::array<std::uint32_t, 4>& { return t.n; });
   tets_.release_from(num_tets);
-  permute(patches_, new_tet, num_tets);
-  permute(tet_refs_, new_tet, num_tets);
-  permute(quality_, new_tet, num_tets);
-  permute(marks_, new_tet, num_tets);
-  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> VertexHead& { return v; });
-  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> Metric& { return v.metric; });
-  permute_member(vertices_, new_vertex, num_vertices, [](Vertex& v) -> LogMetric& { return v.log_metric; });
+  to_tets.move(patches_);
+  to_tets.move(tet_refs_);
+  to_tets.move(quality_);
+  to_tets.move(marks_);
+  to_vertices.move_member(vertices_, [](Vertex& v) -> VertexHead& { return v; });
+  to_vertices.move_member(vertices_, [](Vertex& v) -> Metric& { return v.metric; });
+  to_vertices.move_member(vertices_, [](Vertex& v) -> LogMetric& { return v.log_metric; });
   vertices_.release_from(num_vertices);
-  permute(vertex_marks_, new_vertex, num_vertices);
-  permute(vertex_refs_, new_vertex, num_vertices);
-  permute(labels_, new_vertex, num_vertices);
-  permute(background_hints_, new_vertex, num_vertices);
-  permute(surface_hints_, new_vertex, num_vertices);
-  permute(claims_, new_vertex, num_vertices);
+  to_vertices.move(vertex_marks_);
+  to_vertices.move(vertex_refs_);
+  to_vertices.move(labels_);
+  to_vertices.move(background_hints_);
+  to_vertices.move(surface_hints_);
+  to_vertices.move(claims_);
   vertex_slots_ = num_vertices;
   tet_slots_ = num_tets;
-  curves_.clear();
-  for (const FeatureEdge& e : features) set_curve(new_vertex[e.a.value], new_vertex[e.b.value], e.curve);
+  curves_.swap(curves);
 }
 
 }  // namespace weft::meshing

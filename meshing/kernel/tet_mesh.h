@@ -201,6 +201,8 @@ class TetMesh {
   /// The curve of edge (a, b), invalid when it is no feature edge. Both ends must be claimed.
   CurveId curve(VertexId a, VertexId b) const;
   void set_curve(VertexId a, VertexId b, CurveId c);  ///< an invalid curve erases
+  /// (a, p) and (p, b) take the place of (a, b). An allocation that fails leaves (a, b).
+  void divide_curve(VertexId a, VertexId p, VertexId b, CurveId c);
   struct FeatureEdge {
     VertexId a, b;
     CurveId curve;

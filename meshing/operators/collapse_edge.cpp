@@ -243,14 +243,15 @@ void close_gap(Worker& w, TetId t, int removed_local, int kept_local) {
     if (i != removed_local) mesh.set_tet_of(mesh.vertex(t, i), home);
 }
 
+/// What may fail, for want of memory, comes before anything is changed.
 void keep_feature(TetMesh& mesh, const CollapsePlan& plan) {
   if (plan.edge.kind != VertexKind::ridge) return;
   for (const auto& [t, local] : plan.ball.tets)
     for (int i = 0; i < 4; ++i) {
       const VertexId v = mesh.vertex(t, i);
       if (i == local || v == plan.kept || !mesh.curve(plan.removed(), v).valid()) continue;
-      mesh.set_curve(plan.removed(), v, CurveId());
       mesh.set_curve(plan.kept, v, plan.edge.curve);
+      mesh.set_curve(plan.removed(), v, CurveId());
     }
   mesh.set_curve(plan.removed(), plan.kept, CurveId());
 }
@@ -258,6 +259,7 @@ void keep_feature(TetMesh& mesh, const CollapsePlan& plan) {
 void commit(Worker& w, const CollapsePlan& plan) {
   TetMesh& mesh = w.mesh;
   const VertexId kept = plan.kept;
+  w.prepare_to_free(plan.ball.tets.size(), 1);
   keep_feature(mesh, plan);
   for (const auto& [t, local] : plan.ball.tets)
     if (const int k = mesh.local_index(t, kept); k >= 0) close_gap(w, t, local, k);

@@ -137,11 +137,7 @@ void create(Worker& w, VertexId p, const NewVertex& n, const Shell& shell) {
   mesh.set_label(p, 0);
   mesh.set_background_hint(p, n.background_hint);
   mesh.set_surface_hint(p, n.surface_hint);
-  if (n.on.kind == VertexKind::ridge) {
-    mesh.set_curve(shell.a, shell.b, CurveId());
-    mesh.set_curve(shell.a, p, n.on.curve);
-    mesh.set_curve(p, shell.b, n.on.curve);
-  }
+  if (n.on.kind == VertexKind::ridge) mesh.divide_curve(shell.a, p, shell.b, n.on.curve);
 }
 
 void commit(Worker& w, const SplitPlan& plan, VertexId p) {

@@ -149,10 +149,12 @@ TEST(Guest, AnAbandonedNetworkIsUsedNoMoreButMpiAndTheOtherRanksGoOn) {
       EXPECT_THROW(player.poll(), TransportError);
       EXPECT_THROW(transport.close(), TransportError);
       transport.wake();
+      MPI_Barrier(all.get());
     } else {
       player.until([&] { return transport.lost_peer().has_value(); });
       EXPECT_EQ(transport.lost_peer()->rank, Rank(0));
       EXPECT_FALSE(transport.lost_peer()->will_close);
+      MPI_Barrier(all.get());  // one that leaves is lost too
       EXPECT_THROW(transport.close(), TransportError);
       // Neither closed nor abandoned: the destructor abandons.
     }

@@ -113,6 +113,19 @@ class Faults(CommandTest):
             done = self.run_with(f"read:{point}", "ranks")
             self.assert_nothing_is_lost(done, "read", True, f"read:{point}: exit {done.returncode}\n{done.stdout}{done.stderr}")
 
+    def test_an_allocation_that_fails_in_a_pass_leaves_a_mesh(self):
+        """The adaptation ends there; what it has is whole, and is written."""
+        for mode in ("one mesh", "subdomains", "ranks"):
+            count = self.calls(mode, 0)["new"]
+            self.take_results()
+            left = 0
+            for point in range(count // 24, count, count // 12):
+                done = self.run_with(f"new:{point}", mode)
+                told = f"new:{point} of {count} in {mode}: exit {done.returncode}\n{done.stdout}{done.stderr}"
+                left += done.returncode == 1 and "out of memory: this is the valid mesh" in done.stdout
+                self.assert_nothing_is_lost(done, "new", MODES[mode][0] > 0, told)
+            self.assertGreater(left, 0, mode)
+
     def test_what_is_late_changes_nothing(self):
         chance = random.Random(SEED)
         for mode in ("subdomains", "ranks"):

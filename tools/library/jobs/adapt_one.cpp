@@ -102,6 +102,7 @@ class OneMesh {
     kernel.model = model_;
     kernel.allowed = options_.allowed;
     kernel.interrupt = &monitor_.flag();
+    kernel.out_of_memory = [this] { monitor_.out_of_memory(); };
     kernel.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, work_->at_adaptation(done), tets);
     };

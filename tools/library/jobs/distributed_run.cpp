@@ -156,6 +156,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.check = options_.run.check;
   method.threads = threads_;
   method.interrupt = &monitor_.flag();
+  method.out_of_memory = [this] { monitor_.out_of_memory(); };
   if (checkpoints_) method.checkpoints = &*checkpoints_;
   method.resume = resume_;
   const std::string program = kVersion;

@@ -23,6 +23,8 @@ std::string text_of(EndReason reason) {
       return "memory limit";
     case EndReason::time_limit:
       return "time limit";
+    case EndReason::out_of_memory:
+      return "out of memory";
   }
   return {};
 }

@@ -14,9 +14,9 @@
 namespace weft::tools {
 
 /// Why a run has ended early. The greater counts where ranks have different reasons.
-enum class EndReason : std::uint8_t { none, interrupted, memory_limit, time_limit };
+enum class EndReason : std::uint8_t { none, interrupted, memory_limit, time_limit, out_of_memory };
 
-/// "interrupted", "memory limit", "time limit", or empty.
+/// "interrupted", "memory limit", "time limit", "out of memory", or empty.
 std::string text_of(EndReason reason);
 
 /// Passes progress to the caller's function, on the calling thread; where that returns false the run is
@@ -38,6 +38,8 @@ class Monitor {
   std::atomic<bool>& flag() { return options_.cancel ? *options_.cancel : own_; }
   bool cancelled() { return flag().load(); }
   EndReason reason();
+  /// Ends the run: an allocation has failed. From any thread.
+  void out_of_memory() { cancel(EndReason::out_of_memory); }
   /// Whether progress has to be told.
   bool wanted() const { return options_.progress || options_.time_limit > 0; }
 

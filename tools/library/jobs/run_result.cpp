@@ -20,8 +20,8 @@ std::vector<std::string> missed_goals(const meshing::Measures& after, double ask
   constexpr double kLeastUnitEdges = 0.5;
   constexpr double kComplexityTolerance = 0.2;
   std::vector<std::string> missed;
-  if (ended_by == "interrupted")
-    missed.push_back("interrupted: this is the valid mesh reached so far");
+  if (ended_by == "interrupted" || ended_by == "out of memory")
+    missed.push_back(ended_by + ": this is the valid mesh reached so far");
   else if (!ended_by.empty())
     missed.push_back("ended by its " + ended_by + ": this is the valid mesh reached so far");
   if (after.edges_unit < kLeastUnitEdges)

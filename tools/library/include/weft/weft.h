@@ -342,7 +342,8 @@ struct Report {
   bool complexity_asked = false;
   SizePrediction predicted;
   bool cancelled = false;
-  std::string ended_by;               ///< of a cancelled run: "interrupted", "time limit" or "memory limit"
+  /// Of a cancelled run: "interrupted", "time limit", "memory limit", or "out of memory" where an allocation failed.
+  std::string ended_by;
   std::vector<Mend> mends;            ///< of the input (RunOptions::repair)
   std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
   std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
