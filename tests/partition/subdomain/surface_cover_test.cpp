@@ -10,6 +10,7 @@
 
 #include "tests/partition/scenes.h"
 #include "tests/partition/shift/rounds.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::partition::surface_cover_test {
 namespace {
@@ -51,7 +52,7 @@ std::size_t pieces_in(Rounds& rounds) {
 }
 
 TEST(SurfaceCover, AdaptationsAndShiftsAskForNothingElse) {
-  for (unsigned seed = 0; seed < 2; ++seed) {
+  for (unsigned seed = 0; seed < repetitions(1, 2); ++seed) {
     SCOPED_TRACE(seed);
     const Scene scene = curved_scene(seed);
     const Cut cut = scene.cut(), whole = with_all_pieces(scene.cut());
