@@ -41,13 +41,13 @@ class Faults(CommandTest):
         self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.5", "-o", "out.cgns", "--threads", 1, "--quiet")
         self.old = {name: (self.folder / name).read_bytes() for name in ("out.meshb", "out.solb", "out.cgns")}
 
-    def run_with(self, fault, mode, rank=0):
+    def run_with(self, fault, mode, rank=0, words_beside=("--quiet",)):
         ranks, words = MODES[mode]
         fault_words = {"LD_PRELOAD": SHIM, "WEFT_FAULT": fault, "WEFT_FAULT_COUNT": str(self.folder / "count"), "WEFT_FAULT_RANK": str(rank)}
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
         out = () if "-o" in words else ("-o", "out.meshb")
         return subprocess.run([*launcher, "env", *(f"{name}={value}" for name, value in fault_words.items()), str(WEFT), "adapt", "box.meshb",
-                               "--metric-fn", "uniform:0.3", *out, "--quiet", *map(str, words)],
+                               "--metric-fn", "uniform:0.3", *out, *words_beside, *map(str, words)],
                               cwd=self.folder, capture_output=True, text=True, timeout=SECONDS)
 
     def calls(self, mode, rank):
@@ -115,15 +115,15 @@ class Faults(CommandTest):
 
     def test_an_allocation_that_fails_in_a_pass_leaves_a_mesh(self):
         """The adaptation ends there; what it has is whole, and is written."""
-        for mode in ("one mesh", "subdomains", "ranks"):
+        for mode in ("one mesh", "subdomains"):
             count = self.calls(mode, 0)["new"]
             self.take_results()
             left = 0
             for point in range(count // 24, count, count // 12):
-                done = self.run_with(f"new:{point}", mode)
+                done = self.run_with(f"new:{point}", mode, words_beside=("--progress", "none"))
                 told = f"new:{point} of {count} in {mode}: exit {done.returncode}\n{done.stdout}{done.stderr}"
                 left += done.returncode == 1 and "out of memory: this is the valid mesh" in done.stdout
-                self.assert_nothing_is_lost(done, "new", MODES[mode][0] > 0, told)
+                self.assert_nothing_is_lost(done, "new", False, told)
             self.assertGreater(left, 0, mode)
 
     def test_what_is_late_changes_nothing(self):
