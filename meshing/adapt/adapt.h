@@ -36,8 +36,8 @@ struct AdaptOptions {
   bool repair_at_frozen = true;  ///< the last improvement is of poor tets with frozen vertices too
   /// Set from a signal handler or another thread: the run ends soon, with the valid mesh it has.
   const std::atomic<bool>* interrupt = nullptr;
-  /// Called, from the calling thread, where an allocation has failed and the mesh is whole: sets `interrupt`. Empty:
-  /// std::bad_alloc is thrown.
+  /// Called, from the calling thread, where an allocation has failed and the mesh is whole: sets `interrupt`.
+  /// Empty: std::bad_alloc is thrown.
   std::function<void()> out_of_memory;
   /// The same as `interrupt`, of somebody who has no use for the mesh any more.
   const std::atomic<bool>* abandon = nullptr;

@@ -121,8 +121,8 @@ class Adaptation {
     return value;
   }
 
-  /// An allocation that fails ends the adaptation, but loses nothing: operators take what they need before they
-  /// change anything.
+  /// An allocation that fails ends the adaptation, but loses nothing: operators take what they need before
+  /// they change anything.
   template <class F>
   double make(F f) try {
     if constexpr (std::is_void_v<std::invoke_result_t<F>>)

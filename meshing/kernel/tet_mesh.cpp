@@ -29,22 +29,20 @@ std::uint32_t granted(std::optional<std::uint32_t> first, std::size_t capacity, 
   return *first;
 }
 
-/// Puts elements of arrays to new places: element i to place map[i]; what has no place is dropped. The memory for
-/// it is taken before anything moves, so that an allocation that fails changes nothing.
+/// Puts elements of arrays to new places: element i to place map[i]; what has no place is dropped. Takes no
+/// memory but `scratch`, which has room for new_size elements.
 template <class Id>
 class Permutation {
  public:
-  Permutation(const std::vector<Id>& old_to_new, std::uint32_t new_size, std::size_t largest_element)
-      : map_(old_to_new),
-        new_size_(new_size),
-        scratch_(std::make_unique_for_overwrite<std::byte[]>(new_size * largest_element)) {}
+  Permutation(const std::vector<Id>& old_to_new, std::uint32_t new_size, std::byte* scratch)
+      : map_(old_to_new), new_size_(new_size), scratch_(scratch) {}
 
   /// One member of an array's elements.
   template <class T, class Member>
   void move_member(StableArray<T>& array, const Member& member) const {
     using Value = std::remove_cvref_t<decltype(member(array[0]))>;
     static_assert(std::is_trivially_copyable_v<Value> && alignof(Value) <= alignof(std::max_align_t));
-    const auto moved = reinterpret_cast<Value*>(scratch_.get());
+    const auto moved = reinterpret_cast<Value*>(scratch_);
     tbb::parallel_for(std::size_t{0}, map_.size(), [&](std::size_t i) {
       if (map_[i].valid()) moved[map_[i].value] = member(array[i]);
     });
@@ -60,7 +58,7 @@ class Permutation {
  private:
   const std::vector<Id>& map_;
   const std::uint32_t new_size_;
-  const std::unique_ptr<std::byte[]> scratch_;
+  std::byte* const scratch_;
 };
 
 }  // namespace
@@ -152,10 +150,13 @@ std::vector<TetMesh::FeatureEdge> TetMesh::feature_edges() const {
 void TetMesh::renumber(const std::vector<VertexId>& new_vertex, std::uint32_t num_vertices,
                        const std::vector<TetId>& new_tet, std::uint32_t num_tets) {
   // Large elements by their members: a copy of the whole array would be the peak of the whole run's memory.
+  // All memory is taken before anything moves, so that an allocation that fails changes nothing.
   constexpr std::size_t kOfTet = sizeof(Tet::v);
   constexpr std::size_t kOfVertex = std::max({sizeof(VertexHead), sizeof(Metric), sizeof(LogMetric)});
-  const Permutation to_tets(new_tet, num_tets, kOfTet);
-  const Permutation to_vertices(new_vertex, num_vertices, kOfVertex);
+  const auto scratch =
+      std::make_unique_for_overwrite<std::byte[]>(std::max(num_tets * kOfTet, num_vertices * kOfVertex));
+  const Permutation to_tets(new_tet, num_tets, scratch.get());
+  const Permutation to_vertices(new_vertex, num_vertices, scratch.get());
   decltype(curves_) curves;
   for (const auto& [key, curve] : curves_)
     curves.emplace(edge_key(new_vertex[key >> 32], new_vertex[static_cast<std::uint32_t>(key)]), curve);

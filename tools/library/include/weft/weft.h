@@ -342,7 +342,8 @@ struct Report {
   bool complexity_asked = false;
   SizePrediction predicted;
   bool cancelled = false;
-  /// Of a cancelled run: "interrupted", "time limit", "memory limit", or "out of memory" where an allocation failed.
+  /// Of a cancelled run: "interrupted", "time limit", "memory limit", or "out of memory" where an allocation
+  /// failed.
   std::string ended_by;
   std::vector<Mend> mends;            ///< of the input (RunOptions::repair)
   std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
