@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "meshing/base/box.h"
@@ -127,23 +128,45 @@ std::vector<std::uint32_t> SurfaceCutter::vertex_hints() const {
   return hints;
 }
 
-void SurfaceCutter::cut(const std::function<void(const SurfacePieces::Piece&)>& take) const {
-  auto corner = corners_.begin();
-  for (std::uint32_t id = 0; id < triangle_pieces_ + feature_pieces_; ++id) {
-    SurfacePieceParts parts;
-    parts.id = id;
-    const bool of_triangles = id < triangle_pieces_;
-    const std::span all(of_triangles ? triangles_ : features_);
-    const std::size_t first = std::size_t{of_triangles ? id : id - triangle_pieces_} * kSurfacePieceSize;
-    const auto mine = all.subspan(first, std::min<std::size_t>(kSurfacePieceSize, all.size() - first));
-    if (of_triangles)
-      add_triangles(mine, parts);
+std::vector<std::uint32_t> SurfaceCutter::ids() const {
+  std::vector<std::uint32_t> all(triangle_pieces_ + feature_pieces_);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+/// The triangles or the features of a piece.
+std::span<const std::uint32_t> SurfaceCutter::members(std::uint32_t id) const {
+  const bool of_triangles = id < triangle_pieces_;
+  const std::span all(of_triangles ? triangles_ : features_);
+  const std::size_t first = std::size_t{of_triangles ? id : id - triangle_pieces_} * kSurfacePieceSize;
+  return all.subspan(first, std::min<std::size_t>(kSurfacePieceSize, all.size() - first));
+}
+
+SurfacePieces::Piece SurfaceCutter::piece(std::uint32_t id) const {
+  SurfacePieceParts parts;
+  parts.id = id;
+  if (id < triangle_pieces_)
+    add_triangles(members(id), parts);
+  else
+    for (const std::uint32_t f : members(id)) add_feature(f, parts);
+  for (auto corner = std::ranges::lower_bound(corners_, surface_name(id, 0), {}, &NamedCorner::name);
+       corner != corners_.end() && piece_of_name(corner->name) == id; ++corner)
+    add_corner(corner->vertex, parts);
+  return std::make_shared<const SurfacePiece>(parts);
+}
+
+Box SurfaceCutter::box(std::uint32_t id) const {
+  Box box;
+  for (const std::uint32_t i : members(id)) {
+    const auto include = [&](const auto& vertices) {
+      for (const std::uint32_t v : vertices) box.include(whole_.points[v]);
+    };
+    if (id < triangle_pieces_)
+      include(s_.triangles[i]);
     else
-      for (const std::uint32_t f : mine) add_feature(f, parts);
-    for (; corner != corners_.end() && piece_of_name(corner->name) == id; ++corner)
-      add_corner(corner->vertex, parts);
-    take(std::make_shared<const SurfacePiece>(parts));
+      include(s_.features[i].vertices);
   }
+  return box;
 }
 
 void SurfaceCutter::add_triangles(std::span<const std::uint32_t> triangles, SurfacePieceParts& parts) const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -34,8 +33,11 @@ class SurfaceCutter {
 
   /// The topology's, as names.
   std::vector<std::uint32_t> vertex_hints() const;
-  /// Makes one after the other, ascending by id.
-  void cut(const std::function<void(const SurfacePieces::Piece&)>& take) const;
+  /// Of the pieces, ascending.
+  std::vector<std::uint32_t> ids() const;
+  SurfacePieces::Piece piece(std::uint32_t id) const;
+  /// SurfacePiece::box of it, without making it.
+  Box box(std::uint32_t id) const;
 
  private:
   using Names = std::vector<std::uint32_t>;
@@ -46,6 +48,7 @@ class SurfaceCutter {
   void find_needed_curves(SurfaceTables& tables) const;
   std::uint32_t name(const Names& order, std::uint32_t first_piece, Names& names) const;
   void name_corners();
+  std::span<const std::uint32_t> members(std::uint32_t id) const;
   void add_triangles(std::span<const std::uint32_t> triangles, SurfacePieceParts& parts) const;
   SurfaceTriangle triangle(std::uint32_t t, const Names& edges, const Names& fans,
                            const SurfacePieceParts& parts) const;

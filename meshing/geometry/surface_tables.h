@@ -1,8 +1,10 @@
 // What all parts of a surface share: patches and curves with their formulas, and the CAD model.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "meshing/geometry/model.h"
@@ -29,6 +31,12 @@ struct SurfaceTables {
     return patch_faces[patch.value].size() == 1 && model->has_formula(patch_faces[patch.value][0]);
   }
 };
+
+/// The tables in bytes that another process reads, all but the model.
+std::vector<std::byte> bytes_of(const SurfaceTables& tables);
+/// Of bytes that bytes_of() has made.
+std::shared_ptr<const SurfaceTables> tables_of(std::span<const std::byte> bytes,
+                                               std::shared_ptr<const Model> model);
 
 /// What is known of the mesh that a surface was built of: by its triangles and vertices.
 struct SurfaceInput {

@@ -1,0 +1,98 @@
+// One rank builds the whole surface.
+#include "partition/distribute/surface_parts.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "meshing/geometry/model_classification.h"
+#include "meshing/geometry/surface_tables.h"
+#include "partition/communication/agreement.h"
+#include "partition/distribute/vertex_flags.h"
+
+namespace weft::partition {
+namespace {
+
+BoundaryRecords records_of(const WholeBoundary& boundary, const meshing::BuiltSurface& surface) {
+  BoundaryRecords records;
+  const auto number = [&](std::uint32_t v) { return boundary.numbers[v]; };
+  const std::vector<std::uint8_t> flags = vertex_flags(boundary.data, surface.input.vertex_kind,
+                                                       surface.input.triangle_patch, surface.tables->patches);
+  for (std::uint32_t v = 0; v < flags.size(); ++v)
+    records.vertices.push_back(
+        {number(v), surface.input.vertex_hint[v], surface.input.vertex_kind[v], flags[v]});
+  for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t) {
+    const auto& [a, b, c] = boundary.data.triangles[t];
+    records.faces.push_back({{number(a), number(b), number(c)}, surface.input.triangle_patch[t]});
+    std::ranges::sort(records.faces.back().vertices);
+  }
+  for (const auto& feature : surface.input.features)
+    records.edges.push_back({{number(feature.vertices[0]), number(feature.vertices[1])}, feature.curve});
+  return records;
+}
+
+/// What the rank that builds tells the others.
+struct Told {
+  std::vector<std::byte> tables;
+  std::vector<char> warnings;          ///< each ended by 0
+  std::vector<std::uint8_t> required;  ///< by patch
+  std::vector<std::uint64_t> triangles;
+};
+
+SurfaceParts build_here(WholeBoundary&& boundary, double ridge_angle_degrees,
+                        const std::shared_ptr<const meshing::Model>& model, Told& told) {
+  meshing::ModelClassification on_model;
+  if (model) on_model = meshing::classify_on_model(boundary.data, model);
+  for (const std::string& warning : on_model.warnings)
+    told.warnings.insert(told.warnings.end(), warning.c_str(), warning.c_str() + warning.size() + 1);
+  meshing::BuiltSurface surface =
+      meshing::build_surface(boundary.data, {ridge_angle_degrees}, std::move(on_model));
+  told.tables = bytes_of(*surface.tables);
+  told.required.resize(surface.tables->patches.size());
+  for (const std::uint32_t t : boundary.data.required_triangles)
+    told.required[surface.input.triangle_patch[t].value] = 1;
+  told.triangles.resize(told.required.size());
+  for (const meshing::PatchId patch : surface.input.triangle_patch) ++told.triangles[patch.value];
+  SurfaceParts parts;
+  parts.records = records_of(boundary, surface);
+  parts.cutter = std::move(surface.cutter);
+  return parts;
+}
+
+template <class T>
+void tell(Peers& peers, std::vector<T>& values) {
+  values = std::move(allgather(peers, values).back());
+}
+
+}  // namespace
+
+SurfaceParts build_surface_parts(Peers& peers, WholeBoundary&& boundary, double ridge_angle_degrees,
+                                 const std::shared_ptr<const meshing::Model>& model,
+                                 std::vector<std::string>& warnings) {
+  // The cutter refers to the points: they must not move from here on.
+  const auto kept = std::make_shared<WholeBoundary>(std::move(boundary));
+  SurfaceParts parts;
+  Told told;
+  agree_on(peers, [&] {
+    if (peers.rank() + 1 == peers.ranks())
+      parts = build_here(std::move(*kept), ridge_angle_degrees, model, told);
+    else
+      *kept = {};
+  });
+  parts.mesh = {kept, &kept->data};
+  tell(peers, told.tables), tell(peers, told.warnings), tell(peers, told.required),
+      tell(peers, told.triangles);
+  for (auto at = told.warnings.begin(); at != told.warnings.end();) {
+    const auto end = std::find(at, told.warnings.end(), '\0');
+    warnings.emplace_back(at, end);
+    at = end + 1;
+  }
+  parts.geometry =
+      std::make_shared<Geometry>(Geometry{meshing::Surface(meshing::tables_of(told.tables, model)),
+                                          {told.required.begin(), told.required.end()},
+                                          std::vector<bool>(told.required.size(), false)});
+  parts.triangles = std::move(told.triangles);
+  return parts;
+}
+
+}  // namespace weft::partition
