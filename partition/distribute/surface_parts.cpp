@@ -1,4 +1,4 @@
-// One rank builds the whole surface.
+// In shares where that can be; else one rank builds the whole surface.
 #include "partition/distribute/surface_parts.h"
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "meshing/geometry/model_classification.h"
 #include "meshing/geometry/surface_tables.h"
 #include "partition/communication/agreement.h"
+#include "partition/distribute/surface_shares.h"
 #include "partition/distribute/vertex_flags.h"
 
 namespace weft::partition {
@@ -64,11 +65,9 @@ void tell(Peers& peers, std::vector<T>& values) {
   values = std::move(allgather(peers, values).back());
 }
 
-}  // namespace
-
-SurfaceParts build_surface_parts(Peers& peers, WholeBoundary&& boundary, double ridge_angle_degrees,
-                                 const std::shared_ptr<const meshing::Model>& model,
-                                 std::vector<std::string>& warnings) {
+SurfaceParts build_on_one(Peers& peers, WholeBoundary&& boundary, double ridge_angle_degrees,
+                          const std::shared_ptr<const meshing::Model>& model,
+                          std::vector<std::string>& warnings) {
   // The cutter refers to the points: they must not move from here on.
   const auto kept = std::make_shared<WholeBoundary>(std::move(boundary));
   SurfaceParts parts;
@@ -93,6 +92,16 @@ SurfaceParts build_surface_parts(Peers& peers, WholeBoundary&& boundary, double 
                                           std::vector<bool>(told.required.size(), false)});
   parts.triangles = std::move(told.triangles);
   return parts;
+}
+
+}  // namespace
+
+SurfaceParts build_surface_parts(Peers& peers, WholeBoundary&& boundary, double ridge_angle_degrees,
+                                 const std::shared_ptr<const meshing::Model>& model,
+                                 std::vector<std::string>& warnings) {
+  if (!model)
+    if (auto parts = build_surface_in_shares(peers, boundary, ridge_angle_degrees)) return std::move(*parts);
+  return build_on_one(peers, std::move(boundary), ridge_angle_degrees, model, warnings);
 }
 
 }  // namespace weft::partition

@@ -207,13 +207,6 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
   return findings;
 }
 
-template <class T>
-std::vector<T> gather(Peers& peers, const std::vector<T>& mine) {
-  std::vector<T> all;
-  for (const auto& part : allgather(peers, mine)) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
 /// Copies the triangles without the repeated ones, and then those that were missing in the order of their
 /// tets.
 void take_triangles(const MeshData& m, std::vector<std::uint32_t> repeated, std::vector<Created> created,
@@ -261,7 +254,7 @@ void gather_points(Peers& peers, const MeshSlice& slice, const Ranges& points, W
   std::vector<meshing::Point> mine;
   for (auto number = begin; number != end; ++number)
     mine.push_back(slice.points[*number - slice.first_point]);
-  b.data.points = gather(peers, mine);
+  b.data.points = allgather_joined(peers, mine);
 }
 
 }  // namespace
@@ -278,9 +271,11 @@ WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Plac
   WholeBoundary b;
   b.data.corners = slice.boundary.corners;
   b.data.required_points = slice.boundary.required_points;
-  take_triangles(slice.boundary, gather(peers, findings.repeated), gather(peers, findings.created), b);
+  take_triangles(slice.boundary, allgather_joined(peers, findings.repeated),
+                 allgather_joined(peers, findings.created), b);
   meshing::take_boundary_edges(slice.boundary, b.data, b.warnings);
-  const std::size_t touching = meshing::require_touching_edges(gather(peers, findings.outer), b.data);
+  const std::size_t touching =
+      meshing::require_touching_edges(allgather_joined(peers, findings.outer), b.data);
   if (touching > 0) b.warnings.push_back(meshing::touching_edges_warning(touching));
   compress(b);
   gather_points(peers, slice, points, b);
