@@ -119,12 +119,12 @@ SurfaceCutter::SurfaceCutter(UncutSurface&& surface, SurfaceNames&& names)
 }
 
 bool SurfaceCutter::is_of_triangles(std::uint32_t id) const {
-  const PieceRange& range = names_.of_triangles;
+  const MadePieces& range = names_.of_triangles;
   return id >= range.first && id < range.first + pieces_of(range.members.size());
 }
 
 bool SurfaceCutter::is_own(std::uint32_t id) const {
-  const PieceRange& range = names_.of_features;
+  const MadePieces& range = names_.of_features;
   return is_of_triangles(id) || (id >= range.first && id < range.first + pieces_of(range.members.size()));
 }
 
@@ -159,14 +159,14 @@ std::vector<std::uint32_t> SurfaceCutter::vertex_hints() const {
 
 std::vector<std::uint32_t> SurfaceCutter::ids() const {
   Names all;
-  for (const PieceRange* range : {&names_.of_triangles, &names_.of_features})
+  for (const MadePieces* range : {&names_.of_triangles, &names_.of_features})
     for (std::uint32_t i = 0; i < pieces_of(range->members.size()); ++i) all.push_back(range->first + i);
   return all;
 }
 
 /// The triangles or the features of a piece.
 std::span<const std::uint32_t> SurfaceCutter::members(std::uint32_t id) const {
-  const PieceRange& range = is_of_triangles(id) ? names_.of_triangles : names_.of_features;
+  const MadePieces& range = is_of_triangles(id) ? names_.of_triangles : names_.of_features;
   const std::size_t first = std::size_t{id - range.first} * kSurfacePieceSize;
   return std::span(range.members)
       .subspan(first, std::min<std::size_t>(kSurfacePieceSize, range.members.size() - first));

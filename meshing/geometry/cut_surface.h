@@ -62,7 +62,7 @@ inline std::uint32_t name_in_order(std::size_t place, std::uint32_t first_piece)
 }
 
 /// Consecutive pieces that a cutter can make.
-struct PieceRange {
+struct MadePieces {
   std::uint32_t first = 0;             ///< piece
   std::vector<std::uint32_t> members;  ///< all of theirs, in order
 };
@@ -71,7 +71,7 @@ struct SurfaceNames {
   std::vector<std::uint32_t>
       triangles;  ///< names by triangle, of all that touch own ones; kNoName in no piece
   std::vector<std::uint32_t> features;   ///< names by feature of the whole surface
-  PieceRange of_triangles, of_features;  ///< their members are numbered as here
+  MadePieces of_triangles, of_features;  ///< their members are numbered as here
 };
 /// Of a whole surface. Sets SurfaceTables::curve_in_pieces.
 SurfaceNames name_surface(const UncutSurface& surface, SurfaceTables& tables);
