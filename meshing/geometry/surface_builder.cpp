@@ -44,8 +44,12 @@ Vec on_axes(const Vec& v) {
 
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification)
-      : mesh_(mesh), options_(options), classification_(std::move(classification)) {
+  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification,
+                 std::vector<std::uint32_t>&& vertex_numbers)
+      : mesh_(mesh),
+        options_(options),
+        classification_(std::move(classification)),
+        vertex_numbers_(std::move(vertex_numbers)) {
     tables_.model = classification_.model;
   }
 
@@ -89,6 +93,7 @@ class SurfaceBuilder {
   const MeshData& mesh_;
   const Surface::Options& options_;
   ModelClassification classification_;
+  std::vector<std::uint32_t> vertex_numbers_;
   JointRefs triangle_refs_, edge_refs_;
   SurfaceTopology topology_;
   SurfaceCurves curves_;
@@ -99,7 +104,7 @@ class SurfaceBuilder {
 
 /// All at once of what parts of a surface do one after the other.
 void SurfaceBuilder::build_topology(const MeshData& mesh, const KnownShapes& known) {
-  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known);
+  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known, {}, std::move(vertex_numbers_));
   std::vector<FlatTriangle> flat = builder.flat_triangles();
   lend_normals(flat);
   builder.take_normals(flat);
@@ -234,8 +239,8 @@ void SurfaceBuilder::take_curves_of_model() {
 }  // namespace
 
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification) {
-  return SurfaceBuilder(mesh, options, std::move(classification)).build();
+                           ModelClassification&& classification, std::vector<std::uint32_t> vertex_numbers) {
+  return SurfaceBuilder(mesh, options, std::move(classification), std::move(vertex_numbers)).build();
 }
 
 }  // namespace weft::meshing

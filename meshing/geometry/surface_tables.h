@@ -54,8 +54,10 @@ struct BuiltSurface {
   std::shared_ptr<const SurfaceCutter> cutter;  ///< of the pieces; reads the mesh's points
 };
 
-/// See Surface's constructors; `classification` may be of no model.
+/// See Surface's constructors; `classification` may be of no model. Pieces tell vertices by `vertex_numbers`,
+/// which ascend, or as the mesh does.
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification);
+                           ModelClassification&& classification,
+                           std::vector<std::uint32_t> vertex_numbers = {});
 
 }  // namespace weft::meshing

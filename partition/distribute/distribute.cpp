@@ -25,12 +25,12 @@
 #include "partition/decompose/runs.h"
 #include "partition/decompose/tet_measures.h"
 #include "partition/distribute/boundary_index.h"
+#include "partition/distribute/boundary_share.h"
 #include "partition/distribute/point_records.h"
 #include "partition/distribute/slice_checks.h"
 #include "partition/distribute/start_builder.h"
 #include "partition/distribute/surface_parts.h"
 #include "partition/distribute/surface_pieces.h"
-#include "partition/distribute/whole_boundary.h"
 #include "partition/refine/refine_interface.h"
 
 namespace weft::partition {
@@ -321,8 +321,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     for (double& c : measured.complexities) c *= factor;
     result.complexity = options.target_complexity;
   }
-  WholeBoundary boundary = complete_boundary(peers, slice, placed, points, tets);
-  slice.boundary = {};
+  BoundaryShare boundary = complete_boundary(peers, slice, placed, points, tets);
   result.box = measured.box;
   const std::uint32_t parts =
       options.parts_at_first
@@ -346,13 +345,17 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const std::vector<TetRecord> mine =
       send_tets_home(peers, slice, std::exchange(decomposition.subdomains, {}), options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
-  slice.points = {};
   slice.point_refs = {};
   slice.log_metrics = {};
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
   result.warnings = std::exchange(boundary.warnings, {});
-  SurfaceParts surface = build_surface_parts(peers, std::move(boundary), options.ridge_angle_degrees,
-                                             options.model, result.warnings);
+  SurfaceParts surface = build_surface_parts(
+      peers, std::move(boundary),
+      [&](const std::vector<std::uint32_t>& wanted) {
+        return fetch<Point>(peers, points, wanted, [&](std::size_t i) { return slice.points[i]; });
+      },
+      options.ridge_angle_degrees, options.model, result.warnings);
+  slice.points = {};
   result.geometry = surface.geometry;
   std::vector<std::uint32_t> numbers;
   for (const PointRecord& record : records) numbers.push_back(record.number);

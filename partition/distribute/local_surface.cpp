@@ -1,108 +1,158 @@
-// Rings by marking vertices and looking at all triangles.
+// Vertices are asked for at their homes, ring by ring.
 #include "partition/distribute/local_surface.h"
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+
+#include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 
 namespace weft::partition {
 namespace {
 
-using meshing::MeshData;
-
-constexpr std::uint32_t kAbsent = 0xFFFFFFFFu;
-constexpr std::uint8_t kFar = 3;
-
-/// By triangle of the boundary; kFar beyond the second.
-std::vector<std::uint8_t> rings_around(const MeshData& all, const std::vector<std::uint32_t>& own) {
-  std::vector<std::uint8_t> rings(all.triangles.size(), kFar);
-  for (const std::uint32_t t : own) rings[t] = 0;
-  std::vector<bool> touched(all.points.size());
-  for (std::uint8_t ring = 1; ring < kFar; ++ring) {
-    for (std::size_t t = 0; t < rings.size(); ++t)
-      if (rings[t] + 1 == ring)
-        for (const std::uint32_t v : all.triangles[t]) touched[v] = true;
-    for (std::size_t t = 0; t < rings.size(); ++t)
-      if (rings[t] == kFar &&
-          std::ranges::any_of(all.triangles[t], [&](std::uint32_t v) { return touched[v]; }))
-        rings[t] = ring;
-  }
-  return rings;
+template <class Triangles, class Vertices>
+std::vector<std::uint32_t> vertices_among(const Triangles& triangles, const Vertices& vertices) {
+  std::vector<std::uint32_t> all;
+  for (const auto& t : triangles)
+    for (const std::uint32_t v : vertices(t)) all.push_back(v);
+  meshing::sort_unique(all);
+  return all;
 }
 
-class Extractor {
- public:
-  Extractor(const WholeBoundary& boundary, const std::vector<std::uint32_t>& own)
-      : all_(boundary.data), numbers_(boundary.numbers), rings_(rings_around(all_, own)) {}
-
-  LocalSurface extract() {
-    take_vertices();
-    take_triangles();
-    take_edges();
-    take_listed(all_.corners, vertex_, s_.mesh.corners);
-    take_listed(all_.required_points, vertex_, s_.mesh.required_points);
-    return std::move(s_);
-  }
-
- private:
-  void take_vertices();
-  void take_triangles();
-  void take_edges();
-  static void take_listed(const std::vector<std::uint32_t>& listed, const std::vector<std::uint32_t>& places,
-                          std::vector<std::uint32_t>& taken) {
-    for (const std::uint32_t i : listed)
-      if (places[i] != kAbsent) taken.push_back(places[i]);
-  }
-
-  const MeshData& all_;
-  const std::vector<std::uint32_t>& numbers_;
-  std::vector<std::uint8_t> rings_;
-  std::vector<std::uint32_t> vertex_;  // place here by vertex of the boundary
-  LocalSurface s_;
-};
-
-void Extractor::take_vertices() {
-  vertex_.assign(all_.points.size(), kAbsent);
-  for (std::size_t t = 0; t < rings_.size(); ++t)
-    if (rings_[t] < kFar)
-      for (const std::uint32_t v : all_.triangles[t]) vertex_[v] = 0;
-  for (std::uint32_t v = 0; v < vertex_.size(); ++v) {
-    if (vertex_[v] == kAbsent) continue;
-    vertex_[v] = static_cast<std::uint32_t>(s_.vertices.size());
-    s_.vertices.push_back(numbers_[v]);
-    s_.mesh.points.push_back(all_.points[v]);
-  }
-}
-
-void Extractor::take_triangles() {
-  std::vector<std::uint32_t> place(rings_.size(), kAbsent);
-  for (std::uint32_t t = 0; t < rings_.size(); ++t) {
-    if (rings_[t] == kFar) continue;
-    place[t] = static_cast<std::uint32_t>(s_.triangles.size());
-    s_.triangles.push_back(t);
-    s_.rings.push_back(rings_[t]);
-    const auto& [a, b, c] = all_.triangles[t];
-    s_.mesh.triangles.push_back({vertex_[a], vertex_[b], vertex_[c]});
-    s_.mesh.triangle_refs.push_back(all_.triangle_refs[t]);
-  }
-  take_listed(all_.required_triangles, place, s_.mesh.required_triangles);
-}
-
-void Extractor::take_edges() {
-  std::vector<std::uint32_t> place(all_.edges.size(), kAbsent);
-  for (std::size_t e = 0; e < all_.edges.size(); ++e) {
-    const std::uint32_t a = vertex_[all_.edges[e][0]], b = vertex_[all_.edges[e][1]];
-    if (a == kAbsent || b == kAbsent) continue;
-    place[e] = static_cast<std::uint32_t>(s_.mesh.edges.size());
-    s_.mesh.edges.push_back({a, b});
-    s_.mesh.edge_refs.push_back(all_.edge_refs[e]);
-  }
-  take_listed(all_.required_edges, place, s_.mesh.required_edges);
+/// The listed vertices that are among these, as places.
+std::vector<std::uint32_t> listed_among(const std::vector<std::uint32_t>& listed,
+                                        const std::vector<std::uint32_t>& vertices) {
+  std::vector<std::uint32_t> places;
+  for (const std::uint32_t v : listed)
+    if (std::ranges::binary_search(vertices, v))
+      places.push_back(static_cast<std::uint32_t>(meshing::place_in(vertices, v)));
+  return places;
 }
 
 }  // namespace
 
-LocalSurface local_surface(const WholeBoundary& boundary, const std::vector<std::uint32_t>& own) {
-  return Extractor(boundary, own).extract();
+SurfaceNeighbours::SurfaceNeighbours(Peers& peers, const BoundaryShare& share, const FetchPoints& points)
+    : peers_(peers), share_(share), points_(points) {
+  if (peers.ranks() > 1) send_home();
+}
+
+/// A triangle goes to each home of a vertex once.
+void SurfaceNeighbours::send_home() {
+  const auto ranks = static_cast<std::uint32_t>(peers_.ranks()),
+             me = static_cast<std::uint32_t>(peers_.rank());
+  std::vector<std::vector<Owned>> to_each(ranks);
+  for (const BoundaryTriangle& t : share_.triangles) {
+    const std::array<std::uint32_t, 3> homes{t.vertices[0] % ranks, t.vertices[1] % ranks,
+                                             t.vertices[2] % ranks};
+    for (std::size_t i = 0; i < 3; ++i)
+      if (std::find(homes.begin(), homes.begin() + static_cast<std::ptrdiff_t>(i), homes[i]) ==
+          homes.begin() + static_cast<std::ptrdiff_t>(i))
+        to_each[homes[i]].push_back({t, me});
+  }
+  here_ = all_to_all_joined(peers_, std::move(to_each));
+  for (std::uint32_t i = 0; i < here_.size(); ++i)
+    for (const std::uint32_t v : here_[i].triangle.vertices)
+      if (v % ranks == me) at_vertex_.emplace_back(v, i);
+  std::ranges::sort(at_vertex_);
+}
+
+/// All triangles at these vertices, by number.
+std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
+    const std::vector<std::uint32_t>& vertices) const {
+  const auto ranks = static_cast<std::uint32_t>(peers_.ranks());
+  std::vector<std::vector<std::uint32_t>> asked(ranks);
+  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
+  asked = partition::all_to_all(peers_, std::move(asked));
+  std::vector<std::vector<Owned>> answers(ranks);
+  for (std::size_t r = 0; r < asked.size(); ++r) {
+    std::vector<std::uint32_t> places;
+    for (const std::uint32_t v : asked[r])
+      for (auto i = std::ranges::lower_bound(at_vertex_, std::pair{v, 0u});
+           i != at_vertex_.end() && i->first == v; ++i)
+        places.push_back(i->second);
+    meshing::sort_unique(places);
+    for (const std::uint32_t i : places) answers[r].push_back(here_[i]);
+  }
+  asked = {};
+  std::vector<Owned> found = all_to_all_joined(peers_, std::move(answers));
+  const auto number = [](const Owned& t) { return t.triangle.number; };
+  std::ranges::sort(found, {}, number);
+  const auto rest = std::ranges::unique(found, {}, number);
+  found.erase(rest.begin(), rest.end());
+  return found;
+}
+
+/// Those whose lower vertex is one of these.
+std::vector<BoundaryEdge> SurfaceNeighbours::edges_from(const std::vector<std::uint32_t>& vertices) const {
+  std::vector<BoundaryEdge> here = share_.edges;
+  std::ranges::sort(here, {}, &BoundaryEdge::vertices);
+  const auto ranks = static_cast<std::uint32_t>(peers_.ranks());
+  std::vector<std::vector<std::uint32_t>> asked(ranks);
+  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
+  asked = partition::all_to_all(peers_, std::move(asked));
+  std::vector<std::vector<BoundaryEdge>> answers(ranks);
+  const auto lower = [](const BoundaryEdge& e) { return e.vertices[0]; };
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t v : asked[r]) {
+      const auto found = std::ranges::equal_range(here, v, {}, lower);
+      answers[r].insert(answers[r].end(), found.begin(), found.end());
+    }
+  return all_to_all_joined(peers_, std::move(answers));
+}
+
+void SurfaceNeighbours::add_edges(LocalSurface& local) const {
+  meshing::MeshData& mesh = local.mesh;
+  for (const BoundaryEdge& e : edges_from(local.vertices)) {
+    if (!std::ranges::binary_search(local.vertices, e.vertices[1])) continue;
+    if (e.required) mesh.required_edges.push_back(static_cast<std::uint32_t>(mesh.edges.size()));
+    mesh.edges.push_back({static_cast<std::uint32_t>(meshing::place_in(local.vertices, e.vertices[0])),
+                          static_cast<std::uint32_t>(meshing::place_in(local.vertices, e.vertices[1]))});
+    mesh.edge_refs.push_back(e.ref);
+  }
+}
+
+LocalSurface SurfaceNeighbours::around(std::vector<BoundaryTriangle> own) const {
+  const auto of_own = [](const BoundaryTriangle& t) -> const auto& { return t.vertices; };
+  const auto of_owned = [](const Owned& t) -> const auto& { return t.triangle.vertices; };
+  std::ranges::sort(own, {}, &BoundaryTriangle::number);
+  LocalSurface local;
+  std::vector<Owned> all;
+  std::vector<std::uint32_t> touched = vertices_among(own, of_own);
+  if (peers_.ranks() == 1) {
+    for (const BoundaryTriangle& t : own) all.push_back({t, 0});
+    local.vertices = std::move(touched);
+  } else {
+    const std::vector<Owned> first = at(touched);
+    touched = vertices_among(first, of_owned);
+    all = at(touched);  // the first ring and what it has around it
+    for (const Owned& t : all) {
+      const auto is_in = [&](const auto& list, const auto& number) {
+        return std::ranges::binary_search(list, t.triangle.number, {}, number);
+      };
+      const bool near = is_in(first, [](const Owned& o) { return o.triangle.number; });
+      local.rings.push_back(is_in(own, &BoundaryTriangle::number) ? 0 : near ? 1 : 2);
+    }
+    local.vertices = vertices_among(all, of_owned);
+  }
+  own = {};
+  for (const auto& [t, owner] : all) {
+    const auto place = [&](std::uint32_t v) {
+      return static_cast<std::uint32_t>(meshing::place_in(local.vertices, v));
+    };
+    if (t.required)
+      local.mesh.required_triangles.push_back(static_cast<std::uint32_t>(local.triangles.size()));
+    local.triangles.push_back(t.number);
+    local.owners.push_back(owner);
+    local.mesh.triangles.push_back({place(t.vertices[0]), place(t.vertices[1]), place(t.vertices[2])});
+    local.mesh.triangle_refs.push_back(t.ref);
+  }
+  all = {};
+  add_edges(local);
+  local.mesh.corners = listed_among(share_.corners, local.vertices);
+  local.mesh.required_points = listed_among(share_.required_points, local.vertices);
+  local.mesh.points = points_(local.vertices);
+  return local;
 }
 
 }  // namespace weft::partition

@@ -9,7 +9,7 @@
 #include "meshing/geometry/model.h"
 #include "partition/communication/peers.h"
 #include "partition/distribute/boundary_index.h"
-#include "partition/distribute/whole_boundary.h"
+#include "partition/distribute/boundary_share.h"
 #include "partition/subdomain/geometry.h"
 
 namespace weft::partition {
@@ -26,7 +26,8 @@ struct SurfaceParts {
 /// Finds patches, curves and the shape of the surface: in shares (surface_shares.h); on the last rank, which
 /// tells the others, where it is classified on a model or a patch has one side only. Gives the boundary back.
 /// Adds to the warnings. All ranks call together, and throw alike.
-SurfaceParts build_surface_parts(Peers& peers, WholeBoundary&& boundary, double ridge_angle_degrees,
+SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const FetchPoints& points,
+                                 double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,
                                  std::vector<std::string>& warnings);
 

@@ -41,39 +41,35 @@ std::vector<T> added(Peers& peers, const std::vector<T>& mine) {
   });
 }
 
-meshing::Box box_of(const MeshData& boundary) {
+/// All ranks: the box of all triangles' points, of which each rank has some.
+meshing::Box box_of(Peers& peers, const std::vector<Point>& points) {
   meshing::Box box;
-  for (const auto& t : boundary.triangles)
-    for (const std::uint32_t v : t) box.include(boundary.points[v]);
-  return box;
+  for (const Point& p : points) box.include(p);
+  return reduce(peers, std::vector{box}, [](meshing::Box a, const meshing::Box& b) {
+    for (int i = 0; i < 3; ++i) a.lo[i] = std::min(a.lo[i], b.lo[i]), a.hi[i] = std::max(a.hi[i], b.hi[i]);
+    return a;
+  })[0];
 }
 
-/// Which rank owns a triangle: ranges of a Morton curve, by a sample of them.
-class TriangleOwners {
- public:
-  TriangleOwners(const MeshData& boundary, const meshing::PieceOrder& order, int ranks) {
-    constexpr std::size_t kSamples = 256;  // of each rank
-    if (ranks == 1) return;
-    const std::size_t all = boundary.triangles.size();
-    const std::size_t step = std::max<std::size_t>(1, all / (kSamples * static_cast<std::size_t>(ranks)));
-    std::vector<std::uint64_t> keys;
-    for (std::size_t t = 0; t < all; t += step)
-      keys.push_back(order.key(corners(boundary, boundary.triangles[t])));
-    std::ranges::sort(keys);
-    for (std::size_t r = 1; r < static_cast<std::size_t>(ranks) && !keys.empty(); ++r)
-      begins_.push_back(keys[keys.size() * r / static_cast<std::size_t>(ranks)]);
-  }
-  std::size_t of(std::uint64_t key) const {
-    return static_cast<std::size_t>(std::ranges::upper_bound(begins_, key) - begins_.begin());
-  }
+std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
+  return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+}
 
-  static std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
-    return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-  }
-
- private:
-  std::vector<std::uint64_t> begins_;  // keys, of all ranks but the first
-};
+/// All ranks: where ranges of the keys begin, of all ranks but the first, by a sample of them.
+std::vector<std::uint64_t> ranges_of_keys(Peers& peers, const std::vector<std::uint64_t>& mine) {
+  constexpr std::uint64_t kSamples = 256;  // of each rank
+  const auto ranks = static_cast<std::uint64_t>(peers.ranks());
+  const std::uint64_t all = partition::sum(peers, std::uint64_t{mine.size()});
+  const std::uint64_t step = std::max<std::uint64_t>(1, all / (kSamples * ranks));
+  std::vector<std::uint64_t> sample;
+  for (std::size_t i = 0; i < mine.size(); i += step) sample.push_back(mine[i]);
+  sample = allgather_joined(peers, sample);
+  std::ranges::sort(sample);
+  std::vector<std::uint64_t> begins;
+  for (std::uint64_t r = 1; r < ranks && !sample.empty(); ++r)
+    begins.push_back(sample[sample.size() * r / ranks]);
+  return begins;
+}
 
 /// Things in order, dealt to the ranks in pieces.
 class DealtPieces {
@@ -96,16 +92,13 @@ class DealtPieces {
 
 class ShareBuilder {
  public:
-  ShareBuilder(Peers& peers, WholeBoundary& boundary, double ridge_angle_degrees)
-      : peers_(peers),
-        boundary_(boundary),
-        ridge_angle_(ridge_angle_degrees),
-        order_(box_of(boundary.data)),
-        owners_(boundary.data, order_, peers.ranks()) {}
+  ShareBuilder(Peers& peers, BoundaryShare& boundary, const FetchPoints& points, double ridge_angle_degrees)
+      : peers_(peers), boundary_(boundary), points_(points), ridge_angle_(ridge_angle_degrees) {}
 
   std::optional<SurfaceParts> build() {
     take_share();
-    begin(own_);
+    neighbours_.emplace(peers_, boundary_, points_);
+    begin(boundary_.triangles);
     share_normals();
     if (!find_patches()) return {};
     find_curves();
@@ -130,7 +123,8 @@ class ShareBuilder {
   };
 
   void take_share();
-  void begin(const std::vector<std::uint32_t>& own);
+  std::vector<std::uint64_t> keys_of_triangles();
+  void begin(std::vector<BoundaryTriangle> own);
   void share_normals();
   void take_normals();
   bool find_patches();
@@ -144,24 +138,22 @@ class ShareBuilder {
   void add_vertices();
   void add_listed_vertices();
   void take_pieces();
-  std::vector<std::uint32_t> triangles_to_make();
+  std::vector<BoundaryTriangle> triangles_to_make();
   void cut();
   SurfaceParts finish();
 
   template <class T, class Entry>
-  std::vector<T> from_owners(const std::vector<std::uint32_t>& triangles, const Entry& entry);
-  std::size_t owner(std::uint32_t triangle) const {
-    const MeshData& all = boundary_.data;
-    return owners_.of(order_.key(TriangleOwners::corners(all, all.triangles[triangle])));
-  }
+  std::vector<T> from_owners(const Entry& entry);
+  BoundaryTriangle triangle(std::uint32_t place) const;
   bool alone() const { return peers_.ranks() == 1; }
   const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
 
   Peers& peers_;
-  WholeBoundary& boundary_;
+  BoundaryShare& boundary_;
+  const FetchPoints& points_;
   const double ridge_angle_;
-  const meshing::PieceOrder order_;
-  const TriangleOwners owners_;
+  meshing::PieceOrder order_{meshing::Box{}};
+  std::optional<SurfaceNeighbours> neighbours_;
   std::vector<std::uint32_t> own_;  // triangles of the share, ascending
   std::vector<ToldLater> own_told_;
 
@@ -179,29 +171,59 @@ class ShareBuilder {
   std::uint64_t named_ = 0;  // triangles
   std::shared_ptr<meshing::SurfaceTables> tables_ = std::make_shared<meshing::SurfaceTables>();
 
-  std::vector<std::uint32_t> my_order_;                  // own triangles in pieces, in their order
-  std::uint64_t my_first_ = 0;                           // place of the first of them
-  std::vector<std::vector<std::uint32_t>> at_features_;  // own features -> numbers of the triangles there
-  std::vector<std::uint8_t> required_;                   // by patch
+  std::vector<std::uint32_t> my_order_;     // places of own triangles in pieces, in their order
+  std::uint64_t my_first_ = 0;              // place of the first of them
+  std::vector<std::uint32_t> my_features_;  // numbers of own features
+  std::vector<std::vector<BoundaryTriangle>> at_features_;  // the triangles at them
+  std::vector<std::uint8_t> required_;                      // by patch
   meshing::SurfaceNames names_;
   SurfaceParts parts_;
 };
 
-void ShareBuilder::take_share() {
-  const auto me = static_cast<std::size_t>(peers_.rank());
-  for (std::uint32_t t = 0; t < boundary_.data.triangles.size(); ++t)
-    if (alone() || owner(t) == me) own_.push_back(t);
+/// Along the curve.
+std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
+  std::vector<std::uint32_t> vertices;
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    vertices.insert(vertices.end(), t.vertices.begin(), t.vertices.end());
+  meshing::sort_unique(vertices);
+  const std::vector<Point> points = points_(vertices);
+  order_ = meshing::PieceOrder(box_of(peers_, points));
+  std::vector<std::uint64_t> keys;
+  keys.reserve(boundary_.triangles.size());
+  const auto point = [&](std::uint32_t v) { return points[meshing::place_in(vertices, v)]; };
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    keys.push_back(order_.key({point(t.vertices[0]), point(t.vertices[1]), point(t.vertices[2])}));
+  return keys;
 }
 
-/// One rank has all, and does not copy it.
-void ShareBuilder::begin(const std::vector<std::uint32_t>& own) {
+/// Triangles go to the owners of their ranges.
+void ShareBuilder::take_share() {
+  const std::vector<std::uint64_t> keys = keys_of_triangles();
+  const std::vector<std::uint64_t> begins = ranges_of_keys(peers_, keys);
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
+        boundary_.triangles[i]);
+  boundary_.triangles = {};
+  boundary_.triangles = all_to_all_joined(peers_, std::move(to_each));
+  std::ranges::sort(boundary_.triangles, {}, &BoundaryTriangle::number);
+  for (const BoundaryTriangle& t : boundary_.triangles) own_.push_back(t.number);
+}
+
+void ShareBuilder::begin(std::vector<BoundaryTriangle> own) {
   builder_.reset();
-  local_ = std::make_shared<LocalSurface>();
-  if (alone())
-    *local_ = {std::move(boundary_.data), own, std::move(boundary_.numbers), {}};
-  else
-    *local_ = local_surface(boundary_, own);
+  local_ = std::make_shared<LocalSurface>(neighbours_->around(std::move(own)));
   builder_.emplace(local_->mesh, ridge_angle_, meshing::KnownShapes{}, local_->rings, local_->vertices);
+}
+
+/// As it came.
+BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
+  const auto& [a, b, c] = local_->mesh.triangles[place];
+  const bool required = std::ranges::binary_search(local_->mesh.required_triangles, place);
+  return {local_->triangles[place],
+          {local_->vertices[a], local_->vertices[b], local_->vertices[c]},
+          local_->mesh.triangle_refs[place],
+          required};
 }
 
 void ShareBuilder::share_normals() {
@@ -227,15 +249,12 @@ void ShareBuilder::take_normals() {
   builder_->take_normals(here);
 }
 
-/// All ranks: what the owners of these triangles (ascending) know of them; `entry(i)`: of own_[i].
+/// All ranks: what the owners of the triangles here know of them; `entry(i)`: of own_[i].
 template <class T, class Entry>
-std::vector<T> ShareBuilder::from_owners(const std::vector<std::uint32_t>& triangles, const Entry& entry) {
+std::vector<T> ShareBuilder::from_owners(const Entry& entry) {
   std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers_.ranks()));
-  std::vector<std::uint32_t> owners;
-  for (const std::uint32_t t : triangles) {
-    owners.push_back(static_cast<std::uint32_t>(alone() ? 0 : owner(t)));
-    asked[owners.back()].push_back(t);
-  }
+  for (std::size_t t = 0; t < local_->triangles.size(); ++t)
+    asked[local_->owners[t]].push_back(local_->triangles[t]);
   asked = partition::all_to_all(peers_, std::move(asked));
   std::vector<std::vector<T>> answers(asked.size());
   for (std::size_t r = 0; r < asked.size(); ++r)
@@ -243,8 +262,8 @@ std::vector<T> ShareBuilder::from_owners(const std::vector<std::uint32_t>& trian
   answers = partition::all_to_all(peers_, std::move(answers));
   std::vector<std::size_t> next(answers.size(), 0);
   std::vector<T> result;
-  result.reserve(owners.size());
-  for (const std::uint32_t r : owners) result.push_back(answers[r][next[r]++]);
+  result.reserve(local_->owners.size());
+  for (const std::uint32_t r : local_->owners) result.push_back(answers[r][next[r]++]);
   return result;
 }
 
@@ -272,7 +291,7 @@ bool ShareBuilder::find_patches() {
     std::vector<std::uint32_t> places;  // of own triangles here
     for (const std::uint32_t t : own_)
       places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
-    const auto told = from_owners<Told>(local_->triangles, [&](std::size_t i) {
+    const auto told = from_owners<Told>([&](std::size_t i) {
       return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
     });
     std::vector<ComponentLink> links;
@@ -283,10 +302,6 @@ bool ShareBuilder::find_patches() {
     }
     joined = join_patches(peers_, components(found), links);
     if (joined) take_patches(*joined, told);
-  }
-  if (!joined && alone()) {
-    boundary_.data = std::move(local_->mesh);
-    boundary_.numbers = std::move(local_->vertices);
   }
   return joined.has_value();
 }
@@ -307,9 +322,10 @@ void ShareBuilder::take_patches(const JoinedPatches& joined, const std::vector<T
 /// All ranks put all feature edges in order.
 void ShareBuilder::find_curves() {
   const std::vector<meshing::FoundFeature> mine = builder_->own_features();
-  at_features_ = builder_->triangles_at_own_features();
-  for (auto& triangles : at_features_)
-    for (std::uint32_t& t : triangles) t = local_->triangles[t];
+  for (const auto& triangles : builder_->triangles_at_own_features()) {
+    at_features_.emplace_back();
+    for (const std::uint32_t t : triangles) at_features_.back().push_back(triangle(t));
+  }
   const std::vector<meshing::FoundFeature> all = allgather_joined(peers_, mine);
   feature_at_.resize(all.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) feature_at_[i] = i;
@@ -319,6 +335,8 @@ void ShareBuilder::find_curves() {
   for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
   curves_ = std::make_shared<meshing::SurfaceCurves>(meshing::form_curves(sorted));
   builder_->take_curves(*curves_);
+  for (const meshing::FoundFeature& f : mine)
+    my_features_.push_back(static_cast<std::uint32_t>(meshing::place_in(curves_->features, f.vertices)));
 }
 
 void ShareBuilder::fit_planes() {
@@ -338,7 +356,7 @@ void ShareBuilder::name_triangles() {
   for (std::uint32_t t = 0; t < local_->triangles.size(); ++t) {
     if (topology().ring(t) > 0) continue;
     if (needs_triangles(*tables_, own_told_[i].patch))
-      keys.emplace_back(order_.key(TriangleOwners::corners(local_->mesh, topology().triangles[t])), i);
+      keys.emplace_back(order_.key(corners(local_->mesh, topology().triangles[t])), i);
     ++i;
   }
   std::ranges::sort(keys);
@@ -349,16 +367,17 @@ void ShareBuilder::name_triangles() {
   }
   for (std::size_t k = 0; k < keys.size(); ++k) {
     own_told_[keys[k].second].name = meshing::name_in_order(my_first_ + k, 0);
-    my_order_.push_back(own_[keys[k].second]);
+    my_order_.push_back(keys[k].second);
   }
 }
 
 void ShareBuilder::name_features() {
   std::vector<std::uint8_t> beside;
   for (const auto& triangles : at_features_)
-    beside.push_back(std::ranges::any_of(triangles, [&](std::uint32_t t) {
+    beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
       // All triangles at an edge have patches here, but names only where they are own ones.
-      return needs_triangles(*tables_, topology().triangle_patch[meshing::place_in(local_->triangles, t)]);
+      return needs_triangles(*tables_,
+                             topology().triangle_patch[meshing::place_in(local_->triangles, t.number)]);
     }));
   const std::vector<std::uint8_t> all = allgather_joined(peers_, beside);
   std::vector<std::uint8_t> sorted;
@@ -392,14 +411,12 @@ void ShareBuilder::add_vertices() {
 /// Listed vertices may be no triangle's.
 void ShareBuilder::add_listed_vertices() {
   if (peers_.rank() > 0) return;
-  const MeshData& all = alone() ? local_->mesh : boundary_.data;
-  const std::vector<std::uint32_t>& numbers = alone() ? local_->vertices : boundary_.numbers;
   const auto add = [&](const std::vector<std::uint32_t>& listed, std::uint8_t flags) {
     for (const std::uint32_t v : listed)
-      parts_.records.vertices.push_back({numbers[v], kNoName, VertexKind::interior, flags});
+      parts_.records.vertices.push_back({v, kNoName, VertexKind::interior, flags});
   };
-  add(all.corners, meshing::kFixed | meshing::kListedCorner);
-  add(all.required_points, meshing::kFixed | meshing::kListedRequired);
+  add(boundary_.corners, meshing::kFixed | meshing::kListedCorner);
+  add(boundary_.required_points, meshing::kFixed | meshing::kListedRequired);
 }
 
 void ShareBuilder::add_records() {
@@ -426,25 +443,23 @@ void ShareBuilder::add_records() {
   }
 }
 
-/// The triangles of this rank's pieces, in order, and then those at the features of its others.
-std::vector<std::uint32_t> ShareBuilder::triangles_to_make() {
+/// The triangles of this rank's pieces, and those at the features of its others.
+std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
+  const auto ranks = static_cast<std::size_t>(peers_.ranks());
   const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
-  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  std::vector<std::vector<BoundaryTriangle>> to_each(ranks), beside(ranks);
   for (std::size_t i = 0; i < my_order_.size(); ++i)
-    to_each[triangles.maker(my_first_ + i)].push_back(my_order_[i]);
-  names_.of_triangles = {triangles.first(peers_.rank()), all_to_all_joined(peers_, std::move(to_each))};
+    to_each[triangles.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
+  std::vector<BoundaryTriangle> all = all_to_all_joined(peers_, std::move(to_each));
+  names_.of_triangles.first = triangles.first(peers_.rank());
+  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
 
-  to_each.assign(static_cast<std::size_t>(peers_.ranks()), {});
   std::vector<std::uint32_t> place(curves_->features.size());
   for (std::uint32_t i = 0; i < feature_order_.size(); ++i) place[feature_order_[i]] = i;
-  std::size_t mine = 0;
-  for (std::uint32_t f = 0; f < topology().features.size(); ++f) {
-    if (topology().ring(topology().triangles_at(f)[0]) > 0) continue;
-    const std::uint32_t number = topology().feature_number[f];
-    const auto& at = at_features_[mine++];
+  for (std::size_t f = 0; f < at_features_.size(); ++f) {
+    const std::uint32_t number = my_features_[f];
     if (feature_names_[number] == kNoName) continue;
-    auto& list = to_each[features.maker(place[number])];
-    list.insert(list.end(), at.begin(), at.end());
+    for (const BoundaryTriangle& t : at_features_[f]) beside[features.maker(place[number])].push_back(t);
   }
   names_.of_features.first = triangles.count() + features.first(peers_.rank());
   const std::size_t begin = std::size_t{features.first(peers_.rank())} * meshing::kSurfacePieceSize;
@@ -452,21 +467,23 @@ std::vector<std::uint32_t> ShareBuilder::triangles_to_make() {
   for (std::size_t i = begin; i < std::min(end, feature_order_.size()); ++i)
     names_.of_features.members.push_back(feature_order_[i]);
 
-  std::vector<std::uint32_t> all = all_to_all_joined(peers_, std::move(to_each));
-  all.insert(all.end(), names_.of_triangles.members.begin(), names_.of_triangles.members.end());
-  meshing::sort_unique(all);
+  for (const auto& from : partition::all_to_all(peers_, std::move(beside)))
+    all.insert(all.end(), from.begin(), from.end());
+  std::ranges::sort(all, {}, &BoundaryTriangle::number);
+  const auto rest = std::ranges::unique(all, {}, &BoundaryTriangle::number);
+  all.erase(rest.begin(), rest.end());
   return all;
 }
 
 /// From the share to what is to be cut.
 void ShareBuilder::take_pieces() {
-  const std::vector<std::uint32_t> own = triangles_to_make();
+  std::vector<BoundaryTriangle> own = triangles_to_make();
   if (!alone()) {
-    begin(own);
+    begin(std::move(own));
     take_normals();
     builder_->components();
   }
-  const auto told = from_owners<ToldLater>(local_->triangles, [&](std::size_t i) { return own_told_[i]; });
+  const auto told = from_owners<ToldLater>([&](std::size_t i) { return own_told_[i]; });
   std::vector<PatchId> patches;
   std::vector<std::uint8_t> turned;
   for (const ToldLater& t : told) {
@@ -479,8 +496,8 @@ void ShareBuilder::take_pieces() {
     builder_->take_curves(*curves_);
   }
   own_told_ = {};
-  boundary_.data = {};
-  boundary_.numbers = {};
+  neighbours_.reset();
+  boundary_ = {};
 }
 
 void ShareBuilder::cut() {
@@ -511,9 +528,9 @@ SurfaceParts ShareBuilder::finish() {
 
 }  // namespace
 
-std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, WholeBoundary& boundary,
-                                                    double ridge_angle_degrees) {
-  return ShareBuilder(peers, boundary, ridge_angle_degrees).build();
+std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, BoundaryShare& boundary,
+                                                    const FetchPoints& points, double ridge_angle_degrees) {
+  return ShareBuilder(peers, boundary, points, ridge_angle_degrees).build();
 }
 
 }  // namespace weft::partition

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "partition/communication/peers.h"
+#include "partition/distribute/boundary_share.h"
 #include "partition/distribute/surface_parts.h"
-#include "partition/distribute/whole_boundary.h"
 
 namespace weft::partition {
 
@@ -14,9 +14,9 @@ namespace weft::partition {
 /// evenly, for patches, curves, planes and what is told of vertices; then by pieces of the surface, for the
 /// shape and the pieces. Patches, curves, names and pieces are those of the whole surface, for any number of
 /// ranks. All ranks know patches, curves and feature edges (some 150 bytes each). Takes the boundary; none,
-/// with the boundary as it was, where a patch does not agree with itself: what becomes of it depends on an
-/// order of all its triangles. All ranks call together.
-std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, WholeBoundary& boundary,
-                                                    double ridge_angle_degrees);
+/// and the boundary in other shares, where a patch does not agree with itself: what becomes of it depends on
+/// an order of all its triangles. All ranks call together.
+std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, BoundaryShare& boundary,
+                                                    const FetchPoints& points, double ridge_angle_degrees);
 
 }  // namespace weft::partition

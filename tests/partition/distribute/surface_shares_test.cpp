@@ -86,10 +86,27 @@ void add_moebius_strip(MeshData& mesh) {
   mesh.triangle_refs.resize(mesh.triangles.size(), 3);
 }
 
-WholeBoundary boundary_of(const MeshData& mesh) {
-  WholeBoundary boundary{mesh, std::vector<std::uint32_t>(mesh.points.size()), {}};
-  std::iota(boundary.numbers.begin(), boundary.numbers.end(), 0u);
-  return boundary;
+/// As a rank may have it of a completed boundary: some of the triangles in any order, its edges, and lists.
+BoundaryShare share_of(const MeshData& mesh, const Peers& peers) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks()), me = static_cast<std::uint32_t>(peers.rank());
+  BoundaryShare share;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if ((t * 2654435761u >> 8) % ranks == me)
+      share.triangles.push_back(
+          {t, mesh.triangles[t], mesh.triangle_refs[t], std::ranges::count(mesh.required_triangles, t) > 0});
+  std::ranges::reverse(share.triangles);
+  std::map<std::array<std::uint32_t, 2>, BoundaryEdge> edges;
+  const auto add = [&](std::uint32_t e, std::uint32_t required) {
+    const auto [a, b] = std::minmax(mesh.edges[e][0], mesh.edges[e][1]);
+    edges[{a, b}] = {{a, b}, mesh.edge_refs[e], required};
+  };
+  for (std::uint32_t e = 0; e < mesh.edges.size(); ++e) add(e, 0);
+  for (const std::uint32_t e : mesh.required_edges) add(e, 1);
+  for (const auto& [vertices, edge] : edges)
+    if (vertices[0] % ranks == me) share.edges.push_back(edge);
+  share.corners = mesh.corners;
+  share.required_points = mesh.required_points;
+  return share;
 }
 
 std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> v) {
@@ -109,8 +126,15 @@ class Comparison {
     makers_ = 0;
     support::run_ranks(ranks, [&](Peers& peers) {
       std::vector<std::string> warnings;
-      SurfaceParts parts = build_surface_parts(peers, boundary_of(mesh_), 45, nullptr, warnings);
-      const BoundaryIndex index(peers, std::exchange(parts.records, {}), boundary_of(mesh_).numbers);
+      const FetchPoints points = [&](const std::vector<std::uint32_t>& numbers) {
+        std::vector<Point> found;
+        for (const std::uint32_t v : numbers) found.push_back(mesh_.points[v]);
+        return found;
+      };
+      SurfaceParts parts = build_surface_parts(peers, share_of(mesh_, peers), points, 45, nullptr, warnings);
+      std::vector<std::uint32_t> all(mesh_.points.size());
+      std::iota(all.begin(), all.end(), 0u);
+      const BoundaryIndex index(peers, std::exchange(parts.records, {}), all);
       const std::lock_guard lock(mutex_);  // all ranks look at all
       check_tables(parts);
       check_index(index);
