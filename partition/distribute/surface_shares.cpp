@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "meshing/geometry/surface_shape.h"
 #include "meshing/geometry/surface_tables.h"
 #include "meshing/geometry/surface_topology.h"
+#include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/joined_patches.h"
 #include "partition/distribute/local_surface.h"
@@ -25,7 +27,6 @@
 namespace weft::partition {
 namespace {
 
-using meshing::CurveId;
 using meshing::kNoName;
 using meshing::MeshData;
 using meshing::PatchId;
@@ -128,6 +129,7 @@ class ShareBuilder {
   void share_normals();
   void take_normals();
   bool find_patches();
+  std::vector<Told> tell_components(const meshing::SurfaceComponents& found, std::uint32_t first);
   std::vector<PatchComponent> components(const meshing::SurfaceComponents& found) const;
   void take_patches(const JoinedPatches& joined, const std::vector<Told>& told);
   void find_curves();
@@ -139,6 +141,8 @@ class ShareBuilder {
   void add_listed_vertices();
   void take_pieces();
   std::vector<BoundaryTriangle> triangles_to_make();
+  std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
+  std::vector<BoundaryTriangle> deal_features(const DealtPieces& dealt);
   void cut();
   SurfaceParts finish();
 
@@ -278,31 +282,32 @@ std::vector<PatchComponent> ShareBuilder::components(const meshing::SurfaceCompo
   return all;
 }
 
+/// All ranks: of all triangles here; `first`: the number of this rank's first component.
+std::vector<ShareBuilder::Told> ShareBuilder::tell_components(const meshing::SurfaceComponents& found,
+                                                              std::uint32_t first) {
+  std::vector<std::uint32_t> places;  // of own triangles here
+  for (const std::uint32_t t : own_)
+    places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
+  return from_owners<Told>([&](std::size_t i) {
+    return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
+  });
+}
+
 /// False on all ranks where some patch does not agree with itself.
 bool ShareBuilder::find_patches() {
   const meshing::SurfaceComponents& found = builder_->components();
-  const auto counts =
-      allgather(peers_, std::vector<std::uint32_t>{found.count, static_cast<std::uint32_t>(found.one_sided)});
-  std::uint32_t first = 0;
-  for (int r = 0; r < peers_.rank(); ++r) first += counts[static_cast<std::size_t>(r)][0];
-  const bool agree = std::ranges::none_of(counts, [](const auto& c) { return c[1] != 0; });
-  std::optional<JoinedPatches> joined;
-  if (agree) {
-    std::vector<std::uint32_t> places;  // of own triangles here
-    for (const std::uint32_t t : own_)
-      places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
-    const auto told = from_owners<Told>([&](std::size_t i) {
-      return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
-    });
-    std::vector<ComponentLink> links;
-    for (const auto& crossing : builder_->crossings()) {
-      const Told &a = told[crossing.own], &b = told[crossing.other];
-      links.push_back({std::min(a.component, b.component), std::max(a.component, b.component),
-                       a.turned ^ b.turned ^ static_cast<std::uint32_t>(crossing.turned)});
-    }
-    joined = join_patches(peers_, components(found), links);
-    if (joined) take_patches(*joined, told);
+  if (partition::max(peers_, std::uint8_t{found.one_sided}) != 0) return false;
+  const Ranges numbers(peers_, found.count);
+  const std::vector<Told> told =
+      tell_components(found, static_cast<std::uint32_t>(numbers.first(peers_.rank())));
+  std::vector<ComponentLink> links;
+  for (const auto& crossing : builder_->crossings()) {
+    const Told &a = told[crossing.own], &b = told[crossing.other];
+    links.push_back({std::min(a.component, b.component), std::max(a.component, b.component),
+                     a.turned ^ b.turned ^ static_cast<std::uint32_t>(crossing.turned)});
   }
+  const auto joined = join_patches(peers_, components(found), links);
+  if (joined) take_patches(*joined, told);
   return joined.has_value();
 }
 
@@ -375,7 +380,7 @@ void ShareBuilder::name_features() {
   std::vector<std::uint8_t> beside;
   for (const auto& triangles : at_features_)
     beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
-      // All triangles at an edge have patches here, but names only where they are own ones.
+      // All triangles at an edge have patches here; names are known of own ones alone.
       return needs_triangles(*tables_,
                              topology().triangle_patch[meshing::place_in(local_->triangles, t.number)]);
     }));
@@ -443,32 +448,45 @@ void ShareBuilder::add_records() {
   }
 }
 
-/// The triangles of this rank's pieces, and those at the features of its others.
-std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
-  const auto ranks = static_cast<std::size_t>(peers_.ranks());
-  const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
-  std::vector<std::vector<BoundaryTriangle>> to_each(ranks), beside(ranks);
+/// All ranks: the triangles of this rank's pieces, in order.
+std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& dealt) {
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t i = 0; i < my_order_.size(); ++i)
-    to_each[triangles.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
-  std::vector<BoundaryTriangle> all = all_to_all_joined(peers_, std::move(to_each));
-  names_.of_triangles.first = triangles.first(peers_.rank());
-  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
+    to_each[dealt.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
+  return all_to_all_joined(peers_, std::move(to_each));
+}
 
+/// All ranks: the triangles at the features of this rank's pieces.
+std::vector<BoundaryTriangle> ShareBuilder::deal_features(const DealtPieces& dealt) {
   std::vector<std::uint32_t> place(curves_->features.size());
   for (std::uint32_t i = 0; i < feature_order_.size(); ++i) place[feature_order_[i]] = i;
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t f = 0; f < at_features_.size(); ++f) {
     const std::uint32_t number = my_features_[f];
     if (feature_names_[number] == kNoName) continue;
-    for (const BoundaryTriangle& t : at_features_[f]) beside[features.maker(place[number])].push_back(t);
+    auto& list = to_each[dealt.maker(place[number])];
+    list.insert(list.end(), at_features_[f].begin(), at_features_[f].end());
   }
-  names_.of_features.first = triangles.count() + features.first(peers_.rank());
-  const std::size_t begin = std::size_t{features.first(peers_.rank())} * meshing::kSurfacePieceSize;
-  const std::size_t end = std::size_t{features.first(peers_.rank() + 1)} * meshing::kSurfacePieceSize;
-  for (std::size_t i = begin; i < std::min(end, feature_order_.size()); ++i)
-    names_.of_features.members.push_back(feature_order_[i]);
+  at_features_ = {};
+  return all_to_all_joined(peers_, std::move(to_each));
+}
 
-  for (const auto& from : partition::all_to_all(peers_, std::move(beside)))
-    all.insert(all.end(), from.begin(), from.end());
+/// The triangles of this rank's pieces, and those at the features of its others.
+std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
+  const int me = peers_.rank();
+  const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
+  std::vector<BoundaryTriangle> all = deal_triangles(triangles);
+  names_.of_triangles.first = triangles.first(me);
+  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
+  names_.of_features.first = triangles.count() + features.first(me);
+  const auto place_of = [&](std::uint32_t piece) {
+    return std::min(std::size_t{piece} * meshing::kSurfacePieceSize, feature_order_.size());
+  };
+  names_.of_features.members.assign(
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me))),
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me + 1))));
+  const std::vector<BoundaryTriangle> beside = deal_features(features);
+  all.insert(all.end(), beside.begin(), beside.end());
   std::ranges::sort(all, {}, &BoundaryTriangle::number);
   const auto rest = std::ranges::unique(all, {}, &BoundaryTriangle::number);
   all.erase(rest.begin(), rest.end());
