@@ -2,11 +2,10 @@
 #include "meshing/geometry/cut_surface.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <utility>
 
-#include "meshing/base/box.h"
-#include "meshing/base/morton.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 
@@ -15,30 +14,21 @@ namespace {
 
 using Names = std::vector<std::uint32_t>;
 
-/// Those of `count` things that are needed, by their points' places along the curve.
-template <class Needed, class At>
-Names in_order(const MortonCurve& curve, std::size_t count, const Needed& needed, const At& at) {
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (needed(i)) keys.emplace_back(curve.key(at(i)), i);
-  std::sort(keys.begin(), keys.end());
+/// In the order of their keys.
+Names by_keys(std::vector<std::pair<std::uint64_t, std::uint32_t>> keys) {
+  std::ranges::sort(keys);
   Names order;
   order.reserve(keys.size());
   for (const auto& [key, i] : keys) order.push_back(i);
   return order;
 }
 
-/// A planar patch, or one on a face with a formula, asks for no triangle.
-bool needs_triangles(const SurfaceTables& tables, PatchId patch) {
-  if (!tables.patches[patch.value].planar) return true;
-  return tables.is_on_model(patch) && !tables.has_formula(patch);
-}
-
 /// Appends the names of those that are in pieces; returns how many.
-std::uint32_t append(std::span<const std::uint32_t> of, const Names& names, Names& list) {
+template <class Name>
+std::uint32_t append(std::span<const std::uint32_t> of, const Name& name, Names& list) {
   const std::size_t before = list.size();
   for (const std::uint32_t i : of)
-    if (names[i] != kNone) list.push_back(names[i]);
+    if (const std::uint32_t n = name(i); n != kNone) list.push_back(n);
   return static_cast<std::uint32_t>(list.size() - before);
 }
 
@@ -52,66 +42,106 @@ Names at_corner(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& list
 
 }  // namespace
 
-SurfaceCutter::SurfaceCutter(WholeSurface&& whole, SurfaceTables& tables)
-    : whole_(std::move(whole)),
-      s_(whole_.topology),
-      triangle_name_(s_.triangles.size(), kNone),
-      feature_name_(s_.features.size(), kNone) {
-  const auto point = [&](std::uint32_t v) { return whole_.points[v]; };
+std::uint64_t PieceOrder::key(const std::array<Point, 3>& corners) const {
+  Point sum;
+  for (int i = 0; i < 3; ++i) {
+    std::array<double, 3> x{corners[0][i], corners[1][i], corners[2][i]};
+    std::ranges::sort(x);
+    sum[i] = x[0] + x[1] + x[2];
+  }
+  return curve_.key((1.0 / 3) * sum);
+}
+
+bool needs_triangles(const SurfaceTables& tables, PatchId patch) {
+  if (!tables.patches[patch.value].planar) return true;
+  return tables.is_on_model(patch) && !tables.has_formula(patch);
+}
+
+std::vector<std::uint8_t> curves_in_pieces(const SurfaceTables& tables, const SurfaceCurves& curves,
+                                           std::span<const std::uint8_t> beside) {
+  std::vector<std::uint8_t> in_pieces(tables.curves.size(), 0);
+  for (std::uint32_t c = 0; c < in_pieces.size(); ++c)
+    in_pieces[c] = !tables.curves[c].straight || (tables.model && tables.curve_edge[c] != kNoEntity);
+  for (std::size_t f = 0; f < beside.size(); ++f)
+    if (beside[f]) in_pieces[curves.curve_of[f].value] = 1;
+  return in_pieces;
+}
+
+std::vector<std::uint32_t> features_in_order(const PieceOrder& order, const SurfaceCurves& curves,
+                                             std::span<const std::uint8_t> curve_in_pieces) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  for (std::uint32_t f = 0; f < curves.features.size(); ++f) {
+    const std::uint32_t c = curves.curve_of[f].value;
+    if (!curve_in_pieces[c]) continue;
+    const std::size_t first = curves.place_of[f] + c;
+    keys.emplace_back(order.key(std::array{curves.chain_points[first], curves.chain_points[first + 1]}), f);
+  }
+  return by_keys(std::move(keys));
+}
+
+SurfaceNames name_surface(const UncutSurface& surface, SurfaceTables& tables) {
+  const SurfaceTopology& s = surface.topology;
   Box box;
-  for (const auto& t : s_.triangles)
-    for (const std::uint32_t v : t) box.include(point(v));
-  const MortonCurve curve(box);
-  triangles_ = in_order(
-      curve, s_.triangles.size(),
-      [&](std::uint32_t t) { return needs_triangles(tables, s_.triangle_patch[t]); },
-      [&](std::uint32_t t) {
-        const auto& v = s_.triangles[t];
-        return (1.0 / 3) * (point(v[0]) + point(v[1]) + point(v[2]));
-      });
-  triangle_pieces_ = name(triangles_, 0, triangle_name_);
-  find_needed_curves(tables);
-  features_ = in_order(
-      curve, s_.features.size(),
-      [&](std::uint32_t f) { return tables.curve_in_pieces[s_.features[f].curve.value] != 0; },
-      [&](std::uint32_t f) {
-        const auto& v = s_.features[f].vertices;
-        return midpoint(point(v[0]), point(v[1]));
-      });
-  feature_pieces_ = name(features_, triangle_pieces_, feature_name_);
+  for (const auto& t : s.triangles)
+    for (const std::uint32_t v : t) box.include(surface.points[v]);
+  const PieceOrder order(box);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  for (std::uint32_t t = 0; t < s.triangles.size(); ++t) {
+    if (!needs_triangles(tables, s.triangle_patch[t])) continue;
+    const auto& v = s.triangles[t];
+    keys.emplace_back(order.key({surface.points[v[0]], surface.points[v[1]], surface.points[v[2]]}), t);
+  }
+  SurfaceNames names;
+  names.triangles.assign(s.triangles.size(), kNone);
+  names.of_triangles.members = by_keys(std::move(keys));
+  for (std::size_t i = 0; i < names.of_triangles.members.size(); ++i)
+    names.triangles[names.of_triangles.members[i]] = name_in_order(i, 0);
+
+  std::vector<std::uint8_t> beside(s.features.size());
+  for (std::uint32_t f = 0; f < beside.size(); ++f)
+    beside[f] =
+        std::ranges::any_of(s.triangles_at(f), [&](std::uint32_t t) { return names.triangles[t] != kNone; });
+  tables.curve_in_pieces = curves_in_pieces(tables, *surface.curves, beside);
+  names.features.assign(s.features.size(), kNone);
+  names.of_features.first = pieces_of(names.of_triangles.members.size());
+  names.of_features.members = features_in_order(order, *surface.curves, tables.curve_in_pieces);
+  for (std::size_t i = 0; i < names.of_features.members.size(); ++i)
+    names.features[names.of_features.members[i]] = name_in_order(i, names.of_features.first);
+  return names;
+}
+
+SurfaceCutter::SurfaceCutter(UncutSurface&& surface, SurfaceNames&& names)
+    : surface_(std::move(surface)),
+      s_(surface_.topology),
+      curves_(*surface_.curves),
+      names_(std::move(names)) {
   name_corners();
 }
 
-void SurfaceCutter::find_needed_curves(SurfaceTables& tables) const {
-  tables.curve_in_pieces.assign(s_.curves.size(), 0);
-  for (std::uint32_t f = 0; f < s_.features.size(); ++f) {
-    const std::uint32_t c = s_.features[f].curve.value;
-    const bool on_edge = tables.model && tables.curve_edge[c] != kNoEntity;
-    if (!s_.curves[c].straight || on_edge ||
-        std::ranges::any_of(s_.triangles_at(f), [&](std::uint32_t t) { return triangle_name_[t] != kNone; }))
-      tables.curve_in_pieces[c] = 1;
-  }
+bool SurfaceCutter::is_of_triangles(std::uint32_t id) const {
+  const MadePieces& range = names_.of_triangles;
+  return id >= range.first && id < range.first + pieces_of(range.members.size());
 }
 
-/// Returns for how many pieces.
-std::uint32_t SurfaceCutter::name(const Names& order, std::uint32_t first_piece, Names& names) const {
-  for (std::uint32_t i = 0; i < order.size(); ++i)
-    names[order[i]] = surface_name(first_piece + i / kSurfacePieceSize, i % kSurfacePieceSize);
-  return (static_cast<std::uint32_t>(order.size()) + kSurfacePieceSize - 1) / kSurfacePieceSize;
+bool SurfaceCutter::is_own(std::uint32_t id) const {
+  const MadePieces& range = names_.of_features;
+  return is_of_triangles(id) || (id >= range.first && id < range.first + pieces_of(range.members.size()));
 }
 
 /// Each is in the piece of the first thing at it.
 void SurfaceCutter::name_corners() {
-  std::vector<std::uint32_t> corners_of(triangle_pieces_ + feature_pieces_, 0);
+  std::map<std::uint32_t, std::uint32_t> corners_of;  // piece -> how many
   std::uint32_t last = kNone;
   for (const auto& [v, t] : s_.corner_triangles) {
     if (v == std::exchange(last, v)) continue;
     Names named;
-    append(at_corner(s_.corner_features, v), feature_name_, named);
-    append(at_corner(s_.corner_triangles, v), triangle_name_, named);
+    append(
+        at_corner(s_.corner_features, v), [&](std::uint32_t f) { return feature_name(f); }, named);
+    append(
+        at_corner(s_.corner_triangles, v), [&](std::uint32_t i) { return names_.triangles[i]; }, named);
     if (named.empty()) continue;
     const std::uint32_t piece = piece_of_name(named.front());
-    corners_.push_back({v, surface_name(piece, corners_of[piece]++)});
+    if (is_own(piece)) corners_.push_back({v, surface_name(piece, corners_of[piece]++)});
   }
   std::ranges::sort(corners_, {}, &NamedCorner::name);
 }
@@ -120,30 +150,53 @@ std::vector<std::uint32_t> SurfaceCutter::vertex_hints() const {
   Names hints(s_.vertex_hint.size(), kNone);
   for (std::uint32_t v = 0; v < hints.size(); ++v) {
     const std::uint32_t at = s_.vertex_hint[v];
-    if (s_.vertex_kind[v] == VertexKind::surface) hints[v] = triangle_name_[at];
-    if (s_.vertex_kind[v] == VertexKind::ridge) hints[v] = feature_name_[at];
+    if (s_.vertex_kind[v] == VertexKind::surface) hints[v] = names_.triangles[at];
+    if (s_.vertex_kind[v] == VertexKind::ridge) hints[v] = feature_name(at);
   }
   for (const NamedCorner& c : corners_) hints[c.vertex] = c.name;
   return hints;
 }
 
-void SurfaceCutter::cut(const std::function<void(const SurfacePieces::Piece&)>& take) const {
-  auto corner = corners_.begin();
-  for (std::uint32_t id = 0; id < triangle_pieces_ + feature_pieces_; ++id) {
-    SurfacePieceParts parts;
-    parts.id = id;
-    const bool of_triangles = id < triangle_pieces_;
-    const std::span all(of_triangles ? triangles_ : features_);
-    const std::size_t first = std::size_t{of_triangles ? id : id - triangle_pieces_} * kSurfacePieceSize;
-    const auto mine = all.subspan(first, std::min<std::size_t>(kSurfacePieceSize, all.size() - first));
-    if (of_triangles)
-      add_triangles(mine, parts);
+std::vector<std::uint32_t> SurfaceCutter::ids() const {
+  Names all;
+  for (const MadePieces* range : {&names_.of_triangles, &names_.of_features})
+    for (std::uint32_t i = 0; i < pieces_of(range->members.size()); ++i) all.push_back(range->first + i);
+  return all;
+}
+
+/// The triangles or the features of a piece.
+std::span<const std::uint32_t> SurfaceCutter::members(std::uint32_t id) const {
+  const MadePieces& range = is_of_triangles(id) ? names_.of_triangles : names_.of_features;
+  const std::size_t first = std::size_t{id - range.first} * kSurfacePieceSize;
+  return std::span(range.members)
+      .subspan(first, std::min<std::size_t>(kSurfacePieceSize, range.members.size() - first));
+}
+
+SurfacePieces::Piece SurfaceCutter::piece(std::uint32_t id) const {
+  SurfacePieceParts parts;
+  parts.id = id;
+  if (is_of_triangles(id))
+    add_triangles(members(id), parts);
+  else
+    for (const std::uint32_t f : members(id)) add_feature(f, parts);
+  for (auto corner = std::ranges::lower_bound(corners_, surface_name(id, 0), {}, &NamedCorner::name);
+       corner != corners_.end() && piece_of_name(corner->name) == id; ++corner)
+    add_corner(corner->vertex, parts);
+  return std::make_shared<const SurfacePiece>(parts);
+}
+
+Box SurfaceCutter::box(std::uint32_t id) const {
+  Box box;
+  for (const std::uint32_t i : members(id)) {
+    const auto include = [&](const auto& vertices) {
+      for (const std::uint32_t v : vertices) box.include(surface_.points[v]);
+    };
+    if (is_of_triangles(id))
+      include(s_.triangles[i]);
     else
-      for (const std::uint32_t f : mine) add_feature(f, parts);
-    for (; corner != corners_.end() && piece_of_name(corner->name) == id; ++corner)
-      add_corner(corner->vertex, parts);
-    take(std::make_shared<const SurfacePiece>(parts));
+      include(s_.features[i].vertices);
   }
+  return box;
 }
 
 void SurfaceCutter::add_triangles(std::span<const std::uint32_t> triangles, SurfacePieceParts& parts) const {
@@ -154,14 +207,15 @@ void SurfaceCutter::add_triangles(std::span<const std::uint32_t> triangles, Surf
     fans.push_back(lending_fan(t));
   }
   for (Names* list : {&parts.vertices, &edges, &fans}) sort_unique(*list);
-  for (const std::uint32_t v : parts.vertices) parts.points.push_back(whole_.points[v]);
+  for (const std::uint32_t v : parts.vertices) parts.points.push_back(surface_.points[v]);
   for (const std::uint32_t e : edges)
-    parts.handles.push_back(whole_.handles.empty() ? std::array<Vec, 2>{} : whole_.handles[e]);
+    parts.handles.push_back(surface_.handles.empty() ? std::array<Vec, 2>{} : surface_.handles[e]);
   for (const std::uint32_t f : fans) parts.normals.push_back(f == kNone ? Vec{0, 0, 1} : s_.fans[f].normal);
   for (const std::uint32_t t : triangles) {
     parts.triangles.push_back(triangle(t, edges, fans, parts));
-    if (!whole_.classification.parameters.empty()) parts.parameters.push_back(parameters(t));
+    if (!surface_.classification.parameters.empty()) parts.parameters.push_back(parameters(t));
   }
+  for (std::uint32_t& v : parts.vertices) v = s_.vertex_number(v);
 }
 
 SurfaceTriangle SurfaceCutter::triangle(std::uint32_t t, const Names& edges, const Names& fans,
@@ -174,7 +228,7 @@ SurfaceTriangle SurfaceCutter::triangle(std::uint32_t t, const Names& edges, con
     r.corners[i] = place(parts.vertices, s_.triangles[t][i]);
     r.edges[i] = place(edges, s_.triangle_edges[t][i]);
     const std::uint32_t n = s_.neighbors[t][i];
-    r.neighbours[i] = n == kNone ? kNone : triangle_name_[n];
+    r.neighbours[i] = n == kNone ? kNone : names_.triangles[n];
   }
   r.normal = place(fans, lending_fan(t));
   r.patch = s_.triangle_patch[t];
@@ -190,43 +244,50 @@ std::uint32_t SurfaceCutter::lending_fan(std::uint32_t t) const {
 
 /// Triangles may have been turned since they were classified; parameters stand in the input's order.
 std::array<Parameters, 3> SurfaceCutter::parameters(std::uint32_t t) const {
-  const auto& q = whole_.classification.parameters[t];
-  return whole_.turned[t] ? std::array<Parameters, 3>{q[0], q[2], q[1]} : q;
+  const auto& q = surface_.classification.parameters[t];
+  return surface_.turned[t] ? std::array<Parameters, 3>{q[0], q[2], q[1]} : q;
 }
 
 void SurfaceCutter::add_feature(std::uint32_t f, SurfacePieceParts& parts) const {
   SurfaceFeature r{};
-  r.vertices = s_.features[f].vertices;
-  for (std::size_t i = 0; i < 2; ++i) r.ends[i] = whole_.points[r.vertices[i]];
-  if (!whole_.handles.empty()) r.handles = whole_.handles[s_.feature_edge[f]];
-  if (!whole_.feature_t.empty()) r.t = whole_.feature_t[f];
+  for (std::size_t i = 0; i < 2; ++i) {
+    r.ends[i] = surface_.points[s_.features[f].vertices[i]];
+    r.vertices[i] = s_.vertex_number(s_.features[f].vertices[i]);
+  }
+  if (!surface_.handles.empty()) r.handles = surface_.handles[s_.feature_edge[f]];
+  if (!surface_.feature_t.empty()) r.t = surface_.feature_t[f];
   r.curve = s_.features[f].curve;
-  const std::uint32_t place = s_.feature_place[f], c = r.curve.value;
-  const std::uint32_t begin = s_.chain_begin[c], end = s_.chain_begin[c + 1];
-  const bool closed = s_.closed(r.curve);
-  const auto name_at = [&](std::uint32_t at) { return feature_name_[s_.chain_features[at]]; };
+  const std::uint32_t number = s_.feature_number[f], place = curves_.place_of[number], c = r.curve.value;
+  const std::uint32_t begin = curves_.chain_begin[c], end = curves_.chain_begin[c + 1];
+  const bool closed = curves_.endless[c] != 0;
+  const auto name_at = [&](std::uint32_t at) { return names_.features[curves_.chain_features[at]]; };
   r.previous = place > begin ? name_at(place - 1) : closed ? name_at(end - 1) : kNone;
   r.next = place + 1 < end ? name_at(place + 1) : closed ? name_at(begin) : kNone;
-  r.forward = s_.chain_vertices[place + c] == r.vertices[0];
+  r.forward = curves_.forward(number);
   r.first_triangle = static_cast<std::uint32_t>(parts.triangle_list.size());
-  r.num_triangles = append(s_.triangles_at(f), triangle_name_, parts.triangle_list);
+  r.num_triangles = append(
+      s_.triangles_at(f), [&](std::uint32_t t) { return names_.triangles[t]; }, parts.triangle_list);
   parts.features.push_back(r);
 }
 
 void SurfaceCutter::add_corner(std::uint32_t corner, SurfacePieceParts& parts) const {
-  SurfaceCorner r{corner,
+  SurfaceCorner r{s_.vertex_number(corner),
                   node(corner),
                   static_cast<std::uint32_t>(parts.triangle_list.size()),
                   0,
                   static_cast<std::uint32_t>(parts.feature_list.size()),
                   0};
-  r.num_triangles = append(at_corner(s_.corner_triangles, corner), triangle_name_, parts.triangle_list);
-  r.num_features = append(at_corner(s_.corner_features, corner), feature_name_, parts.feature_list);
+  r.num_triangles = append(
+      at_corner(s_.corner_triangles, corner), [&](std::uint32_t t) { return names_.triangles[t]; },
+      parts.triangle_list);
+  r.num_features = append(
+      at_corner(s_.corner_features, corner), [&](std::uint32_t f) { return feature_name(f); },
+      parts.feature_list);
   parts.corners.push_back(r);
 }
 
 std::uint32_t SurfaceCutter::node(std::uint32_t corner) const {
-  const auto& nodes = whole_.classification.nodes;
+  const auto& nodes = surface_.classification.nodes;
   const auto at = std::ranges::lower_bound(nodes, std::pair{corner, 0u});
   return at != nodes.end() && at->first == corner ? at->second : kNoEntity;
 }

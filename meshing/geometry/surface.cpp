@@ -414,19 +414,13 @@ Surface::Surface(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Surface::Surface(const MeshData& mesh, const Options& options) : Surface(mesh, options, {}) {}
 Surface::Surface(const MeshData& mesh, const Options& options, ModelClassification classification)
     : impl_(std::make_unique<Impl>(build_surface(mesh, options, std::move(classification)))) {
+  const std::shared_ptr<const SurfaceCutter> cutter = std::exchange(impl_->cutter, nullptr);
   std::vector<SurfacePieces::Piece> all;
-  std::exchange(impl_->cutter, nullptr)->cut([&](const SurfacePieces::Piece& piece) {
-    all.push_back(piece);
-  });
+  for (const std::uint32_t id : cutter->ids()) all.push_back(cutter->piece(id));
   impl_->pieces.add(all);
 }
-Surface Surface::uncut(const MeshData& mesh, const Options& options, ModelClassification classification) {
-  return Surface(std::make_unique<Impl>(build_surface(mesh, options, std::move(classification))));
-}
-void Surface::cut(const std::function<void(const SurfacePieces::Piece&)>& take) {
-  impl_->input = {};
-  std::exchange(impl_->cutter, nullptr)->cut(take);
-}
+Surface::Surface(std::shared_ptr<const SurfaceTables> tables)
+    : impl_(std::make_unique<Impl>(BuiltSurface{std::move(tables), {}, {}})) {}
 Surface::~Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
 Surface& Surface::operator=(Surface&&) noexcept = default;

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -35,6 +34,8 @@ struct Curve {
   bool straight = false;  ///< all its points on one line, to 1e-6 of its length
   bool required = false;  ///< its edges must stay as they are
 };
+
+struct SurfaceTables;
 
 class Surface {
  public:
@@ -74,12 +75,9 @@ class Surface {
   /// of different groups of faces and those on edges of the model, corners the vertices on its nodes; within
   /// a face and along an edge of the model angles mean nothing.
   Surface(const MeshData& mesh, const Options& options, ModelClassification classification);
-  /// The same, without pieces as yet: cut() is to make them, and the mesh must stay until then. Nothing can
-  /// be asked of what lies between.
-  static Surface uncut(const MeshData& mesh, const Options& options, ModelClassification classification);
-  /// Makes one piece after the other, ascending by id, for `take`, which may share it; no other is kept.
-  /// Gives back all but what part({}) has.
-  void cut(const std::function<void(const SurfacePieces::Piece&)>& take);
+  /// Patches and curves alone, as build_surface() finds them: what lies between is in pieces, which part()
+  /// takes.
+  explicit Surface(std::shared_ptr<const SurfaceTables> tables);
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;

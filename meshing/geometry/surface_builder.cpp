@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "meshing/geometry/cut_surface.h"
+#include "meshing/geometry/surface_curves.h"
 #include "meshing/geometry/surface_shape.h"
 #include "meshing/geometry/surface_tables.h"
 #include "meshing/geometry/surface_topology.h"
@@ -43,8 +44,12 @@ Vec on_axes(const Vec& v) {
 
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification)
-      : mesh_(mesh), options_(options), classification_(std::move(classification)) {
+  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification,
+                 std::vector<std::uint32_t>&& vertex_numbers)
+      : mesh_(mesh),
+        options_(options),
+        classification_(std::move(classification)),
+        vertex_numbers_(std::move(vertex_numbers)) {
     tables_.model = classification_.model;
   }
 
@@ -52,22 +57,23 @@ class SurfaceBuilder {
     if (on_model())
       build_on_model();
     else
-      topology_ = build_surface_topology(mesh_, options_.ridge_angle_degrees);
-    shape_ = build_surface_shape(mesh_.points, topology_);
+      build_topology(mesh_, {});
+    find_patches();
+    auto handles = control_points(mesh_.points, tables_.patches, curves_, topology_);
     if (on_model()) {
       take_patches_of_model();
       take_curves_of_model();
     }
-    tables_.patches = std::move(shape_.patches);
-    tables_.planes = std::move(shape_.planes);
-    tables_.lines = std::move(shape_.lines);
-    tables_.curves = topology_.curves;
+    tables_.curves = curves_.curves;
+    tables_.lines = curves_.lines;
     BuiltSurface built;
     built.input = {topology_.triangle_patch, topology_.features, topology_.vertex_kind, {}};
-    built.cutter = std::make_shared<SurfaceCutter>(
-        WholeSurface{mesh_.points, std::move(topology_), std::move(shape_.handles),
-                     std::move(classification_), std::move(feature_t_), std::move(turned_)},
-        tables_);
+    UncutSurface uncut{
+        mesh_.points,       std::move(topology_),       std::make_shared<SurfaceCurves>(std::move(curves_)),
+        std::move(handles), std::move(classification_), std::move(feature_t_),
+        std::move(turned_)};
+    SurfaceNames names = name_surface(uncut, tables_);
+    built.cutter = std::make_shared<SurfaceCutter>(std::move(uncut), std::move(names));
     built.input.vertex_hint = built.cutter->vertex_hints();
     built.tables = std::make_shared<SurfaceTables>(std::move(tables_));
     return built;
@@ -75,7 +81,9 @@ class SurfaceBuilder {
 
  private:
   bool on_model() const { return classification_.model != nullptr; }
+  void build_topology(const MeshData& mesh, const KnownShapes& known);
   void build_on_model();
+  void find_patches();
   MeshData with_joint_refs();
   void take_patches_of_model();
   void take_curves_of_model();
@@ -85,18 +93,39 @@ class SurfaceBuilder {
   const MeshData& mesh_;
   const Surface::Options& options_;
   ModelClassification classification_;
+  std::vector<std::uint32_t> vertex_numbers_;
   JointRefs triangle_refs_, edge_refs_;
   SurfaceTopology topology_;
-  SurfaceShape shape_;
+  SurfaceCurves curves_;
   SurfaceTables tables_;
   std::vector<std::array<double, 2>> feature_t_;  // feature edge -> parameters at its lower and upper vertex
   std::vector<bool> turned_;                      // triangles whose order is not the input's
 };
 
+/// All at once of what parts of a surface do one after the other.
+void SurfaceBuilder::build_topology(const MeshData& mesh, const KnownShapes& known) {
+  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known, {}, std::move(vertex_numbers_));
+  std::vector<FlatTriangle> flat = builder.flat_triangles();
+  lend_normals(flat);
+  builder.take_normals(flat);
+  take_components_as_patches(mesh, builder);
+  curves_ = form_curves(builder.own_features());
+  builder.take_curves(curves_);
+  topology_ = builder.take();
+}
+
+void SurfaceBuilder::find_patches() {
+  const PlaneFits fits(mesh_.points, topology_);
+  const std::vector<PatchExtent> extents = fits.extents({});
+  const std::vector<PatchSums> sums = fits.sums(extents);
+  tables_.planes = planes_of(extents, sums);
+  tables_.patches =
+      patches_of(topology_.patch_refs, extents, sums, fits.heights(tables_.planes), tables_.planes);
+}
+
 void SurfaceBuilder::build_on_model() {
   const MeshData joint = with_joint_refs();
-  topology_ = build_surface_topology(joint, options_.ridge_angle_degrees,
-                                     {triangle_refs_.on_model(), edge_refs_.on_model()});
+  build_topology(joint, {triangle_refs_.on_model(), edge_refs_.on_model()});
   for (std::size_t t = 0; t < topology_.triangles.size(); ++t)
     turned_.push_back(topology_.triangles[t] != mesh_.triangles[t]);
 }
@@ -132,8 +161,8 @@ MeshData SurfaceBuilder::with_joint_refs() {
 
 /// The plane of the model in the place of one through the points.
 void SurfaceBuilder::take_plane(std::uint32_t patch) {
-  Patch& p = shape_.patches[patch];
-  Plane& plane = shape_.planes[patch];
+  Patch& p = tables_.patches[patch];
+  Plane& plane = tables_.planes[patch];
   const std::vector<std::uint32_t>& faces = tables_.patch_faces[patch];
   const std::optional<Frame>* frame = faces.size() == 1 ? &tables_.model->plane(faces[0]) : nullptr;
   p.planar = frame && *frame;
@@ -148,71 +177,70 @@ void SurfaceBuilder::take_plane(std::uint32_t patch) {
 
 void SurfaceBuilder::take_patches_of_model() {
   const ModelClassification& c = classification_;
-  tables_.patch_faces.resize(shape_.patches.size());
+  tables_.patch_faces.resize(tables_.patches.size());
   for (std::uint32_t t = 0; t < topology_.triangles.size(); ++t) {
     auto& faces = tables_.patch_faces[topology_.triangle_patch[t].value];
     const std::uint32_t face = c.triangle_face[t];
     if (face != kNoEntity && std::ranges::find(faces, face) == faces.end()) faces.push_back(face);
   }
-  for (std::uint32_t p = 0; p < shape_.patches.size(); ++p) {
-    shape_.patches[p].ref = triangle_refs_.ref(shape_.patches[p].ref);
+  for (std::uint32_t p = 0; p < tables_.patches.size(); ++p) {
+    tables_.patches[p].ref = triangle_refs_.ref(tables_.patches[p].ref);
     std::ranges::sort(tables_.patch_faces[p]);
     for (const std::uint32_t f : tables_.patch_faces[p])
-      shape_.patches[p].detail = std::min(shape_.patches[p].detail, tables_.model->detail(f));
+      tables_.patches[p].detail = std::min(tables_.patches[p].detail, tables_.model->detail(f));
     if (!tables_.patch_faces[p].empty()) take_plane(p);
   }
 }
 
 void SurfaceBuilder::take_line(std::uint32_t curve) {
   const std::optional<Frame>& frame = tables_.model->line(tables_.curve_edge[curve]);
-  topology_.curves[curve].straight = frame.has_value();
+  curves_.curves[curve].straight = frame.has_value();
   if (!frame) return;
-  Line& line = shape_.lines[curve];
-  const auto vertices = topology_.vertices_along(CurveId(curve));
-  const Vec chord = mesh_.points[vertices.back()] - mesh_.points[vertices.front()];
+  Line& line = curves_.lines[curve];
+  const auto points = curves_.points_along(CurveId(curve));
+  const Vec chord = points.back() - points.front();
   line.point = frame->origin;
   line.direction = on_axes((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
   double length = 0;
-  for (std::size_t i = 1; i < vertices.size(); ++i)
-    length += norm(mesh_.points[vertices[i]] - mesh_.points[vertices[i - 1]]);
+  for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
   line.rounding = 1e-12 * length;
 }
 
 void SurfaceBuilder::take_curves_of_model() {
   const ModelClassification& c = classification_;
-  tables_.curve_edge.resize(topology_.curves.size());
-  tables_.curve_patch.assign(topology_.curves.size(), kNone);
+  tables_.curve_edge.resize(curves_.curves.size());
+  tables_.curve_patch.assign(curves_.curves.size(), kNone);
   feature_t_.resize(topology_.features.size());
   for (std::uint32_t f = 0; f < topology_.features.size(); ++f) {
     const auto at = std::ranges::lower_bound(c.edges, topology_.features[f].vertices, {},
                                              &ModelClassification::Edge::vertices);
     if (at != c.edges.end() && at->vertices == topology_.features[f].vertices) feature_t_[f] = at->t;
   }
-  for (std::uint32_t i = 0; i < topology_.curves.size(); ++i) {
-    const std::int32_t number = topology_.curves[i].ref;
-    topology_.curves[i].ref = edge_refs_.ref(number);
+  for (std::uint32_t i = 0; i < curves_.curves.size(); ++i) {
+    const std::int32_t number = curves_.curves[i].ref;
+    curves_.curves[i].ref = edge_refs_.ref(number);
     tables_.curve_edge[i] = edge_refs_.entity(number);
     if (tables_.curve_edge[i] != kNoEntity) {
       take_line(i);
       continue;
     }
     // A curve that the user has drawn on a face: its vertices stay on the face.
-    const auto at = topology_.triangles_at(topology_.chain(CurveId(i)).front());
+    const auto at = topology_.triangles_at(curves_.chain(CurveId(i)).front());
     const PatchId patch = topology_.triangle_patch[at[0]];
     const bool amid = std::ranges::all_of(at, [&](std::uint32_t t) {
       return tables_.patch_faces[topology_.triangle_patch[t].value] == tables_.patch_faces[patch.value];
     });
-    if (!amid || !tables_.is_on_model(patch) || shape_.patches[patch.value].planar) continue;
+    if (!amid || !tables_.is_on_model(patch) || tables_.patches[patch.value].planar) continue;
     tables_.curve_patch[i] = patch.value;
-    topology_.curves[i].straight = false;
+    curves_.curves[i].straight = false;
   }
 }
 
 }  // namespace
 
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification) {
-  return SurfaceBuilder(mesh, options, std::move(classification)).build();
+                           ModelClassification&& classification, std::vector<std::uint32_t> vertex_numbers) {
+  return SurfaceBuilder(mesh, options, std::move(classification), std::move(vertex_numbers)).build();
 }
 
 }  // namespace weft::meshing

@@ -1,4 +1,4 @@
-// Fits planes and lines, and derives the control points of curved patches from vertex normals and curve
+// Fits planes, and derives the control points of curved patches from vertex normals and curve
 // tangents.
 #include "meshing/geometry/surface_shape.h"
 
@@ -6,23 +6,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "meshing/geometry/closest_tree.h"
 #include "meshing/geometry/normal_fit.h"
 
 namespace weft::meshing {
 namespace {
-
-constexpr double kFlatness = 1e-6, kRounding = 1e-12;
-
-/// Unit vector whose components lost in rounding are exactly zero, so that axis-aligned planes and lines are
-/// exact.
-Vec snapped(const Vec& v) {
-  Vec u = normalized(v);
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(u[i]) < kRounding) u[i] = 0;
-  }
-  return normalized(u);
-}
 
 /// The third of the chord that makes the arc leaving along unit tangent `t` closest to a circle's: a circular
 /// arc that turns by 2 alpha has inner control points at 2 / (3 (1 + cos alpha)) of its chord.
@@ -35,160 +22,52 @@ Vec circle_handle(const Vec& chord, const Vec& t) {
 
 class ShapeBuilder {
  public:
-  ShapeBuilder(std::span<const Point> points, SurfaceTopology& topology) : points_(points), s_(topology) {}
+  ShapeBuilder(std::span<const Point> points, std::span<const Patch> patches, const SurfaceCurves& curves,
+               SurfaceTopology& topology)
+      : points_(points), patches_(patches), curves_(curves), s_(topology) {}
 
-  SurfaceShape build() {
-    fit_planes();
-    fit_lines();
-    if (all_flat()) return std::move(shape_);
-    shape_.handles.assign(s_.edges.size(), {});
-    find_tangents();
+  std::vector<std::array<Vec, 2>> build() {
+    if (all_flat()) return {};
+    handles_.assign(s_.edges.size(), {});
     set_feature_handles();
     fit_normals();
     adjust_normals();
     set_inner_handles();
-    return std::move(shape_);
+    return std::move(handles_);
   }
 
  private:
-  void fit_planes();
-  void fit_lines();
-  bool fit_line(CurveId c, Line& line) const;
   bool all_flat() const {
-    return std::all_of(shape_.patches.begin(), shape_.patches.end(),
-                       [](const Patch& p) { return p.planar; }) &&
-           std::all_of(s_.curves.begin(), s_.curves.end(), [](const Curve& c) { return c.straight; });
+    return std::ranges::all_of(patches_, &Patch::planar) &&
+           std::ranges::all_of(curves_.curves, &Curve::straight);
   }
-  void find_tangents();
-  Vec tangent_inside(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
-  const Vec* tangent_at(std::uint32_t feature, std::uint32_t vertex) const;
+  const Vec* tangent_at(std::uint32_t feature, std::uint32_t vertex) const {
+    return curves_.tangent_at(s_.feature_number[feature], s_.vertex_number(vertex));
+  }
   void set_feature_handles();
   void fit_normals();
   void collect_ring(const Fan& fan);
   void adjust_normals();
   void set_inner_handles();
   std::array<Vec, 2> inner_handles(std::uint32_t edge, const Fan& a, const Fan& b) const;
-  void set_handle(std::uint32_t edge, std::uint32_t vertex, const Vec& handle) {
-    shape_.handles[edge][s_.edges[edge][0] == vertex ? 0 : 1] = handle;
-  }
 
   std::span<const Point> points_;
+  std::span<const Patch> patches_;
+  const SurfaceCurves& curves_;
   SurfaceTopology& s_;
-  SurfaceShape shape_;
-  std::vector<Vec> tangents_;  // of chain_vertices, along the chain
-  std::vector<Vec> ring_;      // of one fan, relative to its vertex
+  std::vector<std::array<Vec, 2>> handles_;
+  std::vector<Vec> ring_;  // of one fan, relative to its vertex
 };
 
-void ShapeBuilder::fit_planes() {
-  struct Fit {
-    Box box;
-    Vec sum;
-    double area = 0, lo = 0, hi = 0;
-    std::uint32_t reference = kNone;
-  };
-  std::vector<Fit> fits(s_.patch_refs.size());
-  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
-    const auto& v = s_.triangles[t];
-    Fit& fit = fits[s_.triangle_patch[t].value];
-    const Vec n = cross(points_[v[1]] - points_[v[0]], points_[v[2]] - points_[v[0]]);
-    fit.sum += n;
-    fit.area += norm(n);
-    for (std::uint32_t i : v) fit.box.include(points_[i]);
-    if (fit.reference == kNone) fit.reference = v[0];
-  }
-  for (const Fit& fit : fits) {
-    shape_.planes.push_back({points_[fit.reference], snapped(fit.sum), kRounding * norm(fit.box.size())});
-  }
-  for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
-    Fit& fit = fits[s_.triangle_patch[t].value];
-    const Plane& plane = shape_.planes[s_.triangle_patch[t].value];
-    for (std::uint32_t i : s_.triangles[t]) {
-      const double height = dot(plane.normal, points_[i] - plane.point);
-      fit.lo = std::min(fit.lo, height);
-      fit.hi = std::max(fit.hi, height);
-    }
-  }
-  for (std::size_t p = 0; p < fits.size(); ++p) {
-    const Fit& fit = fits[p];
-    Plane& plane = shape_.planes[p];
-    // A folded patch (a closed one) has a sum of normals that means nothing.
-    const bool planar =
-        norm(fit.sum) > 0.5 * fit.area && fit.hi - fit.lo <= 2 * kFlatness * norm(fit.box.size());
-    plane.point += 0.5 * (fit.lo + fit.hi) * plane.normal;
-    shape_.patches.push_back({s_.patch_refs[p], planar, planar ? plane.normal : Vec{}});
-  }
-}
-
-void ShapeBuilder::fit_lines() {
-  shape_.lines.resize(s_.curves.size());
-  for (std::uint32_t c = 0; c < s_.curves.size(); ++c) {
-    s_.curves[c].straight = fit_line(CurveId(c), shape_.lines[c]);
-  }
-}
-
-bool ShapeBuilder::fit_line(CurveId c, Line& line) const {
-  const auto vertices = s_.vertices_along(c);
-  const Point& a = points_[vertices.front()];
-  double length = 0;
-  for (std::size_t i = 1; i < vertices.size(); ++i)
-    length += norm(points_[vertices[i]] - points_[vertices[i - 1]]);
-  const Vec chord = points_[vertices.back()] - a;
-  if (norm(chord) < 0.5 * length) return false;
-  line = {a, snapped(chord), kRounding * length};
-  return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) {
-    return norm(cross(line.direction, points_[v] - a)) <= kFlatness * length;
-  });
-}
-
-/// Tangent in b of the circle through a, b and c.
-Vec ShapeBuilder::tangent_inside(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-  const Vec in = points_[b] - points_[a], out = points_[c] - points_[b];
-  return normalized(norm2(out) * in + norm2(in) * out);
-}
-
-void ShapeBuilder::find_tangents() {
-  tangents_.resize(s_.chain_vertices.size());
-  for (std::uint32_t c = 0; c < s_.curves.size(); ++c) {
-    const auto v = s_.vertices_along(CurveId(c));
-    const std::size_t n = v.size() - 1;
-    Vec* t = tangents_.data() + s_.chain_begin[c] + c;
-    if (s_.curves[c].straight) {
-      std::fill(t, t + n + 1, shape_.lines[c].direction);
-      continue;
-    }
-    for (std::size_t i = 1; i < n; ++i) t[i] = tangent_inside(v[i - 1], v[i], v[i + 1]);
-    if (s_.closed(CurveId(c))) {
-      t[0] = t[n] = tangent_inside(v[n - 1], v[0], v[1]);
-      continue;
-    }
-    // At an end the circle through the last three vertices goes on: it meets a chord's ends at equal angles.
-    const auto mirror = [&](const Vec& tangent, std::uint32_t a, std::uint32_t b) {
-      const Vec chord = normalized(points_[b] - points_[a]);
-      return 2 * dot(tangent, chord) * chord - tangent;
-    };
-    t[0] = n > 1 ? mirror(t[1], v[0], v[1]) : normalized(points_[v[1]] - points_[v[0]]);
-    t[n] = n > 1 ? mirror(t[n - 1], v[n - 1], v[n]) : t[0];
-  }
-}
-
-/// The curve's tangent at an end of its edge `feature`, or none where the curve is a single edge of an
-/// unknown shape.
-const Vec* ShapeBuilder::tangent_at(std::uint32_t feature, std::uint32_t vertex) const {
-  const std::uint32_t c = s_.features[feature].curve.value, place = s_.feature_place[feature];
-  if (s_.chain_begin[c + 1] - s_.chain_begin[c] == 1) return nullptr;
-  const std::uint32_t first = place + c;
-  return &tangents_[s_.chain_vertices[first] == vertex ? first : first + 1];
-}
-
 void ShapeBuilder::set_feature_handles() {
-  for (std::uint32_t c = 0; c < s_.curves.size(); ++c) {
-    for (std::uint32_t place = s_.chain_begin[c]; place < s_.chain_begin[c + 1]; ++place) {
-      const std::uint32_t a = s_.chain_vertices[place + c], b = s_.chain_vertices[place + c + 1];
-      const std::uint32_t edge = s_.feature_edge[s_.chain_features[place]];
-      const Vec chord = points_[b] - points_[a];
-      set_handle(edge, a, circle_handle(chord, tangents_[place + c]));
-      set_handle(edge, b, circle_handle(-1.0 * chord, -1.0 * tangents_[place + c + 1]));
-    }
+  for (std::uint32_t f = 0; f < s_.features.size(); ++f) {
+    const std::uint32_t number = s_.feature_number[f];
+    const std::size_t first = curves_.place_of[number] + curves_.curve_of[number].value;
+    const Vec chord = curves_.chain_points[first + 1] - curves_.chain_points[first];
+    const Vec from = circle_handle(chord, curves_.tangents[first]);
+    const Vec to = circle_handle(-1.0 * chord, -1.0 * curves_.tangents[first + 1]);
+    std::array<Vec, 2>& handles = handles_[s_.feature_edge[f]];
+    handles = curves_.forward(number) ? std::array{from, to} : std::array{to, from};
   }
 }
 
@@ -196,8 +75,7 @@ void ShapeBuilder::set_feature_handles() {
 // feature edge, all on one side. A local fit gains an order, and is exact on spheres and cylinders.
 void ShapeBuilder::fit_normals() {
   for (Fan& fan : s_.fans) {
-    if (fan.peaked || fan.normal == Vec{} || shape_.patches[s_.triangle_patch[fan.first].value].planar)
-      continue;
+    if (fan.peaked || fan.normal == Vec{} || patches_[s_.triangle_patch[fan.first].value].planar) continue;
     collect_ring(fan);
     std::array<Vec, 2> tangents;
     std::size_t count = 0;
@@ -252,13 +130,14 @@ void ShapeBuilder::adjust_normals() {
 
 void ShapeBuilder::set_inner_handles() {
   for (std::uint32_t t = 0; t < s_.triangles.size(); ++t) {
-    if (shape_.patches[s_.triangle_patch[t].value].planar) continue;
+    if (patches_[s_.triangle_patch[t].value].planar) continue;
     for (int i = 0; i < 3; ++i) {
       if (s_.neighbors[t][i] == kNone || s_.neighbors[t][i] < t) continue;
-      const Fan& a = s_.fans[s_.triangle_fans[t][(i + 1) % 3]];
-      const Fan& b = s_.fans[s_.triangle_fans[t][(i + 2) % 3]];
+      const std::uint32_t from = s_.triangle_fans[t][(i + 1) % 3], to = s_.triangle_fans[t][(i + 2) % 3];
+      if (from == kNone || to == kNone) continue;
+      const Fan &a = s_.fans[from], &b = s_.fans[to];
       const std::uint32_t edge = s_.triangle_edges[t][i];
-      shape_.handles[edge] = a.vertex < b.vertex ? inner_handles(edge, a, b) : inner_handles(edge, b, a);
+      handles_[edge] = a.vertex < b.vertex ? inner_handles(edge, a, b) : inner_handles(edge, b, a);
     }
   }
 }
@@ -279,10 +158,108 @@ std::array<Vec, 2> ShapeBuilder::inner_handles(std::uint32_t edge, const Fan& a,
   return {handle(a, 1), handle(b, -1)};
 }
 
+/// f(triangle, its patch) of the own triangles.
+template <class F>
+void for_each_own(const SurfaceTopology& s, const F& f) {
+  for (std::uint32_t t = 0; t < s.triangles.size(); ++t)
+    if (s.ring(t) == 0) f(t, s.triangle_patch[t].value);
+}
+
+Vec twice_area(std::span<const Point> points, const std::array<std::uint32_t, 3>& v) {
+  return cross(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]);
+}
+
+Vec normals_of(const PatchExtent& extent, const PatchSums& sums) {
+  const int exponent = exponent_above(extent.greatest);
+  return {sums.sums[0].value(exponent), sums.sums[1].value(exponent), sums.sums[2].value(exponent)};
+}
+
+/// A folded patch (a closed one) has a sum of normals that means nothing.
+bool has_direction(const PatchExtent& extent, const PatchSums& sums) {
+  return norm(normals_of(extent, sums)) > 0.5 * sums.sums[3].value(exponent_above(extent.greatest));
+}
+
 }  // namespace
 
-SurfaceShape build_surface_shape(std::span<const Point> points, SurfaceTopology& topology) {
-  return ShapeBuilder(points, topology).build();
+void PatchExtent::add(const PatchExtent& other) {
+  if (other.first_triangle == kNone) return;  // and its box is none
+  box.include(other.box.lo);
+  box.include(other.box.hi);
+  greatest = std::max(greatest, other.greatest);
+  if (other.first_triangle >= first_triangle) return;
+  first_triangle = other.first_triangle;
+  reference = other.reference;
+}
+
+void PatchSums::add(const PatchSums& other) {
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i].add(other.sums[i]);
+}
+
+void PatchHeights::add(const PatchHeights& other) {
+  lo = std::min(lo, other.lo);
+  hi = std::max(hi, other.hi);
+}
+
+std::vector<PatchExtent> PlaneFits::extents(std::span<const std::uint32_t> numbers) const {
+  std::vector<PatchExtent> extents(s_.patch_refs.size());
+  for_each_own(s_, [&](std::uint32_t t, std::uint32_t patch) {
+    PatchExtent& extent = extents[patch];
+    extent.greatest = std::max(extent.greatest, norm(twice_area(points_, s_.triangles[t])));
+    for (const std::uint32_t v : s_.triangles[t]) extent.box.include(points_[v]);
+    if (extent.first_triangle != kNone) return;
+    extent.first_triangle = numbers.empty() ? t : numbers[t];
+    extent.reference = points_[s_.triangles[t][0]];
+  });
+  return extents;
+}
+
+std::vector<PatchSums> PlaneFits::sums(std::span<const PatchExtent> extents) const {
+  std::vector<PatchSums> sums(extents.size());
+  for_each_own(s_, [&](std::uint32_t t, std::uint32_t patch) {
+    const Vec n = twice_area(points_, s_.triangles[t]);
+    const int exponent = exponent_above(extents[patch].greatest);
+    for (int i = 0; i < 3; ++i) sums[patch].sums[static_cast<std::size_t>(i)].add(n[i], exponent);
+    sums[patch].sums[3].add(norm(n), exponent);
+  });
+  return sums;
+}
+
+std::vector<PatchHeights> PlaneFits::heights(std::span<const Plane> planes) const {
+  std::vector<PatchHeights> heights(planes.size());
+  for_each_own(s_, [&](std::uint32_t t, std::uint32_t patch) {
+    for (const std::uint32_t v : s_.triangles[t]) {
+      const double height = dot(planes[patch].normal, points_[v] - planes[patch].point);
+      heights[patch].add({height, height});
+    }
+  });
+  return heights;
+}
+
+std::vector<Plane> planes_of(std::span<const PatchExtent> extents, std::span<const PatchSums> sums) {
+  std::vector<Plane> planes;
+  for (std::size_t p = 0; p < extents.size(); ++p)
+    planes.push_back({extents[p].reference, snapped(normals_of(extents[p], sums[p])),
+                      kRounding * norm(extents[p].box.size())});
+  return planes;
+}
+
+std::vector<Patch> patches_of(std::span<const std::int32_t> refs, std::span<const PatchExtent> extents,
+                              std::span<const PatchSums> sums, std::span<const PatchHeights> heights,
+                              std::vector<Plane>& planes) {
+  std::vector<Patch> patches;
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    const auto [lo, hi] = heights[p];
+    const bool planar =
+        has_direction(extents[p], sums[p]) && hi - lo <= 2 * kFlatness * norm(extents[p].box.size());
+    planes[p].point += 0.5 * (lo + hi) * planes[p].normal;
+    patches.push_back({refs[p], planar, planar ? planes[p].normal : Vec{}});
+  }
+  return patches;
+}
+
+std::vector<std::array<Vec, 2>> control_points(std::span<const Point> points, std::span<const Patch> patches,
+                                               const SurfaceCurves& curves, SurfaceTopology& topology) {
+  return ShapeBuilder(points, patches, curves, topology).build();
 }
 
 }  // namespace weft::meshing

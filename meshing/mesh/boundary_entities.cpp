@@ -43,8 +43,7 @@ void take_boundary_edges(const MeshData& input, MeshData& boundary, std::vector<
   take_listed(input.ridges, new_index, boundary.ridges);
   take_listed(input.required_edges, new_index, boundary.required_edges);
   if (boundary.edges.size() < input.edges.size())
-    warnings.push_back(fmt::format("{} edges that lie on no boundary triangle were dropped",
-                                   input.edges.size() - boundary.edges.size()));
+    warnings.push_back(dropped_edges_warning(input.edges.size() - boundary.edges.size()));
 }
 
 void take_required_triangles(const MeshData& input, const std::vector<std::uint32_t>& new_index,
@@ -59,6 +58,10 @@ std::string repeated_triangles_warning(std::size_t count) {
 std::string created_triangles_warning(std::size_t count) {
   return fmt::format("{} boundary or interface triangles were missing and have been created with reference 0",
                      count);
+}
+
+std::string dropped_edges_warning(std::size_t count) {
+  return fmt::format("{} edges that lie on no boundary triangle were dropped", count);
 }
 
 std::string triangle_name(std::uint64_t index, const std::array<std::uint32_t, 3>& v) {

@@ -13,18 +13,23 @@ using Edge = std::array<std::uint32_t, 2>;
 Edge sorted_edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 std::vector<Edge> touching_edges(std::span<const std::array<std::uint32_t, 3>> outer) {
-  std::vector<Edge> sides, touching;
+  std::vector<Edge> sides;
   sides.reserve(3 * outer.size());
   for (const auto& t : outer)
     for (std::size_t i = 0; i < 3; ++i) sides.push_back(sorted_edge(t[i], t[(i + 1) % 3]));
   std::sort(sides.begin(), sides.end());
+  return edges_of_several(sides);
+}
+
+}  // namespace
+
+std::vector<Edge> edges_of_several(std::span<const Edge> sides) {
+  std::vector<Edge> touching;
   for (std::size_t i = 2; i < sides.size(); ++i)
     if (sides[i] == sides[i - 2] && (touching.empty() || touching.back() != sides[i]))
       touching.push_back(sides[i]);
   return touching;
 }
-
-}  // namespace
 
 std::size_t require_touching_edges(std::span<const std::array<std::uint32_t, 3>> outer, MeshData& boundary) {
   const std::vector<Edge> touching = touching_edges(outer);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "meshing/mesh/mesh_data.h"
 
@@ -16,6 +17,9 @@ namespace weft::meshing {
 /// round an edge from tet to tet and would change one of the sets only, so that the other would lose its
 /// ridge. Returns how many there are. O(n log n).
 std::size_t require_touching_edges(std::span<const std::array<std::uint32_t, 3>> outer, MeshData& boundary);
+/// Those of sorted sides of outer triangles that are there more than twice, each once.
+std::vector<std::array<std::uint32_t, 2>> edges_of_several(
+    std::span<const std::array<std::uint32_t, 2>> sorted_sides);
 /// What a user is told of them.
 std::string touching_edges_warning(std::size_t count);
 

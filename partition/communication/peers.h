@@ -112,4 +112,12 @@ std::vector<std::vector<T>> allgather(Peers& peers, const std::vector<T>& mine) 
   return values_of_each<T>(peers.allgather(bytes_of(mine)));
 }
 
+/// The same, joined in the order of the ranks.
+template <class T>
+std::vector<T> allgather_joined(Peers& peers, const std::vector<T>& mine) {
+  std::vector<T> all;
+  for (const auto& of_rank : allgather(peers, mine)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  return all;
+}
+
 }  // namespace weft::partition

@@ -1,68 +1,117 @@
-// The classification of meshing::import_mesh, looked up by vertices.
+// Records meet at the home of their lowest vertex, where whoever has that vertex asks.
 #include "partition/distribute/boundary_index.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
-#include "meshing/kernel/tet_mesh.h"
+#include "meshing/geometry/surface_piece.h"
 
 namespace weft::partition {
 
 using meshing::CurveId;
 using meshing::PatchId;
-using FeatureEdge = meshing::Surface::FeatureEdge;
 
-BoundaryIndex::BoundaryIndex(const WholeBoundary& boundary, const Geometry& geometry)
-    : boundary_(boundary), geometry_(geometry), flags_(boundary.numbers.size(), 0) {
-  const auto& triangles = boundary.data.triangles;
-  faces_.reserve(triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    faces_.emplace_back(triangles[i], geometry.surface.triangle_patch(i));
-    std::sort(faces_.back().first.begin(), faces_.back().first.end());
-  }
-  std::sort(faces_.begin(), faces_.end());
-  edges_.assign(geometry.surface.feature_edges().begin(), geometry.surface.feature_edges().end());
-  std::sort(edges_.begin(), edges_.end(),
-            [](const FeatureEdge& a, const FeatureEdge& b) { return a.vertices < b.vertices; });
-  set_flags();
+namespace {
+
+std::uint32_t home_vertex(const BoundaryRecords::Vertex& v) { return v.number; }
+std::uint32_t home_vertex(const BoundaryRecords::Face& f) { return f.vertices[0]; }
+std::uint32_t home_vertex(const BoundaryRecords::Edge& e) { return e.vertices[0]; }
+
+template <class T>
+void sort_by_home_vertex(std::vector<T>& records) {
+  std::ranges::sort(records, {}, [](const T& record) { return home_vertex(record); });
 }
 
-void BoundaryIndex::set_flags() {
-  const meshing::MeshData& d = boundary_.data;
-  const auto add = [&](std::uint32_t v, int flags) {
-    flags_[v] = static_cast<std::uint8_t>(flags_[v] | flags);
-  };
-  for (std::uint32_t v = 0; v < flags_.size(); ++v)
-    if (kind(v) == meshing::VertexKind::corner) add(v, meshing::kFixed);
-  for (std::uint32_t i = 0; i < d.triangles.size(); ++i)
-    if (!geometry_.surface.patches()[geometry_.surface.triangle_patch(i).value].planar)
-      for (const std::uint32_t v : d.triangles[i]) add(v, meshing::kOnCurved);
-  for (const std::uint32_t t : d.required_triangles)
-    for (const std::uint32_t v : d.triangles[t]) add(v, meshing::kFixed);
-  for (const std::uint32_t e : d.required_edges)
-    for (const std::uint32_t v : d.edges[e]) add(v, meshing::kFixed);
-  for (const std::uint32_t v : d.required_points) add(v, meshing::kFixed | meshing::kListedRequired);
-  for (const std::uint32_t v : d.corners) add(v, meshing::kFixed | meshing::kListedCorner);
+/// All ranks: the records whose home this is, in the order of their vertices.
+template <class T>
+std::vector<T> sent_home(Peers& peers, std::vector<T> mine) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks());
+  if (ranks > 1) {
+    std::vector<std::vector<T>> to_each(ranks);
+    for (const T& record : mine) to_each[home_vertex(record) % ranks].push_back(record);
+    mine = {};
+    mine = all_to_all_joined(peers, std::move(to_each));
+  }
+  sort_by_home_vertex(mine);
+  return mine;
+}
+
+/// All ranks: the records at the vertices that each rank has `asked` for here.
+template <class T>
+std::vector<T> told(Peers& peers, const std::vector<std::vector<std::uint32_t>>& asked, std::vector<T> here) {
+  const auto key = [](const T& record) { return home_vertex(record); };
+  std::vector<std::vector<T>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t v : asked[r]) {
+      const auto found = std::ranges::equal_range(here, v, {}, key);
+      answers[r].insert(answers[r].end(), found.begin(), found.end());
+    }
+  here = {};
+  return all_to_all_joined(peers, std::move(answers));
+}
+
+void merge(std::vector<BoundaryRecords::Vertex>& vertices) {
+  sort_by_home_vertex(vertices);
+  std::size_t end = 0;
+  for (const BoundaryRecords::Vertex& v : vertices) {
+    if (end == 0 || vertices[end - 1].number != v.number) {
+      vertices[end++] = v;
+      continue;
+    }
+    BoundaryRecords::Vertex& known = vertices[end - 1];
+    known.kind = std::max(known.kind, v.kind);
+    known.flags = static_cast<std::uint8_t>(known.flags | v.flags);
+    known.hint = std::min(known.hint, v.hint);
+  }
+  vertices.resize(end);
+}
+
+/// Sorts by all vertices, and drops what has one that is not among the ascending `vertices`.
+template <class T>
+void keep_between(std::span<const std::uint32_t> vertices, std::vector<T>& records) {
+  std::erase_if(records, [&](const T& record) {
+    return !std::ranges::all_of(record.vertices,
+                                [&](std::uint32_t v) { return std::ranges::binary_search(vertices, v); });
+  });
+  std::ranges::sort(records, {}, &T::vertices);
+}
+
+}  // namespace
+
+BoundaryIndex::BoundaryIndex(Peers& peers, BoundaryRecords mine, const std::vector<std::uint32_t>& vertices) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks());
+  std::vector<std::vector<std::uint32_t>> asked(ranks);
+  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
+  asked = partition::all_to_all(peers, std::move(asked));
+  merge(mine.vertices);
+  std::vector<BoundaryRecords::Vertex> here = sent_home(peers, std::exchange(mine.vertices, {}));
+  merge(here);
+  records_.vertices = told(peers, asked, std::move(here));
+  sort_by_home_vertex(records_.vertices);
+  records_.faces = told(peers, asked, sent_home(peers, std::exchange(mine.faces, {})));
+  keep_between(vertices, records_.faces);
+  records_.edges = told(peers, asked, sent_home(peers, std::exchange(mine.edges, {})));
+  keep_between(vertices, records_.edges);
 }
 
 std::uint32_t BoundaryIndex::vertex(std::uint32_t number) const {
-  const auto& numbers = boundary_.numbers;
-  const auto found = std::lower_bound(numbers.begin(), numbers.end(), number);
-  return found != numbers.end() && *found == number ? static_cast<std::uint32_t>(found - numbers.begin())
-                                                    : kNone;
+  const auto& all = records_.vertices;
+  const auto found = std::ranges::lower_bound(all, number, {}, &BoundaryRecords::Vertex::number);
+  return found != all.end() && found->number == number ? static_cast<std::uint32_t>(found - all.begin())
+                                                       : kNone;
 }
 
-PatchId BoundaryIndex::patch(Face face) const {
-  std::sort(face.begin(), face.end());
-  const auto found = std::lower_bound(faces_.begin(), faces_.end(), face,
-                                      [](const auto& entry, const Face& f) { return entry.first < f; });
-  return found != faces_.end() && found->first == face ? found->second : PatchId{};
+PatchId BoundaryIndex::patch(std::array<std::uint32_t, 3> face) const {
+  std::ranges::sort(face);
+  const auto found = std::ranges::lower_bound(records_.faces, face, {}, &BoundaryRecords::Face::vertices);
+  return found != records_.faces.end() && found->vertices == face ? found->patch : PatchId{};
 }
 
 CurveId BoundaryIndex::curve(std::uint32_t a, std::uint32_t b) const {
   const std::array<std::uint32_t, 2> edge{std::min(a, b), std::max(a, b)};
-  const auto found = std::lower_bound(edges_.begin(), edges_.end(), edge,
-                                      [](const FeatureEdge& e, const auto& v) { return e.vertices < v; });
-  return found != edges_.end() && found->vertices == edge ? found->curve : CurveId{};
+  const auto found = std::ranges::lower_bound(records_.edges, edge, {}, &BoundaryRecords::Edge::vertices);
+  return found != records_.edges.end() && found->vertices == edge ? found->curve : CurveId{};
 }
 
 }  // namespace weft::partition

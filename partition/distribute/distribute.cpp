@@ -25,12 +25,13 @@
 #include "partition/decompose/runs.h"
 #include "partition/decompose/tet_measures.h"
 #include "partition/distribute/boundary_index.h"
+#include "partition/distribute/boundary_share.h"
 #include "partition/distribute/point_records.h"
 #include "partition/distribute/slice_checks.h"
 #include "partition/distribute/start_builder.h"
-#include "partition/distribute/whole_boundary.h"
+#include "partition/distribute/surface_parts.h"
+#include "partition/distribute/surface_pieces.h"
 #include "partition/refine/refine_interface.h"
-#include "partition/subdomain/surface_cover.h"
 
 namespace weft::partition {
 namespace {
@@ -237,29 +238,13 @@ Decomposition decompose_by_runs(Peers& peers, const Ranges& ranges, const Ranges
   return result;
 }
 
-/// All ranks classify the same boundary on the same model, each for itself. The surface is not cut yet.
-std::shared_ptr<Geometry> build_geometry(WholeBoundary& boundary, const DecompositionOptions& options) {
-  meshing::ModelClassification on_model;
-  if (options.model) on_model = meshing::classify_on_model(boundary.data, options.model);
-  boundary.warnings.insert(boundary.warnings.end(), on_model.warnings.begin(), on_model.warnings.end());
-  meshing::Surface surface =
-      meshing::Surface::uncut(boundary.data, {options.ridge_angle_degrees}, std::move(on_model));
-  std::vector<bool> required(surface.patches().size(), false);
-  for (const std::uint32_t t : boundary.data.required_triangles)
-    required[surface.triangle_patch(t).value] = true;
-  std::vector<bool> inner(surface.patches().size(), false);
-  return std::make_shared<Geometry>(Geometry{std::move(surface), std::move(required), std::move(inner)});
-}
-
 /// Inner patches have two tets at every triangle. Patches are cut at features, so they are all inner or all
 /// outer.
-void find_inner_patches(Peers& peers, const WholeBoundary& boundary, std::span<const SubdomainStart> starts,
-                        Geometry& geometry) {
-  std::vector<std::int64_t> faces(geometry.patch_inner.size(), 0), triangles(faces.size(), 0);
+void find_inner_patches(Peers& peers, std::span<const std::uint64_t> triangles,
+                        std::span<const SubdomainStart> starts, Geometry& geometry) {
+  std::vector<std::uint64_t> faces(geometry.patch_inner.size(), 0);
   for (const SubdomainStart& s : starts)
     for (const auto& face : s.boundary_faces) ++faces[face.patch.value];
-  for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t)
-    ++triangles[geometry.surface.triangle_patch(t).value];
   faces = partition::sum(peers, faces);
   for (std::size_t p = 0; p < faces.size(); ++p) geometry.patch_inner[p] = faces[p] > triangles[p];
 }
@@ -336,8 +321,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     for (double& c : measured.complexities) c *= factor;
     result.complexity = options.target_complexity;
   }
-  WholeBoundary boundary = complete_boundary(peers, slice, placed, points, tets);
-  slice.boundary = {};
+  BoundaryShare boundary = complete_boundary(peers, slice, placed, points, tets);
   result.box = measured.box;
   const std::uint32_t parts =
       options.parts_at_first
@@ -361,13 +345,21 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   const std::vector<TetRecord> mine =
       send_tets_home(peers, slice, std::exchange(decomposition.subdomains, {}), options.num_subdomains);
   const std::vector<PointRecord> records = fetch_points(peers, slice, points, vertices_of(mine));
-  slice.points = {};
   slice.point_refs = {};
   slice.log_metrics = {};
   const Holders holders = find_holders(peers, mine, options.num_subdomains);
-  const std::shared_ptr<Geometry> geometry = build_geometry(boundary, options);
-  result.geometry = geometry;
-  const BoundaryIndex index(boundary, *geometry);
+  result.warnings = std::exchange(boundary.warnings, {});
+  SurfaceParts surface = build_surface_parts(
+      peers, std::move(boundary),
+      [&](const std::vector<std::uint32_t>& wanted) {
+        return fetch<Point>(peers, points, wanted, [&](std::size_t i) { return slice.points[i]; });
+      },
+      options.ridge_angle_degrees, options.model, result.warnings);
+  slice.points = {};
+  result.geometry = surface.geometry;
+  std::vector<std::uint32_t> numbers;
+  for (const PointRecord& record : records) numbers.push_back(record.number);
+  const BoundaryIndex index(peers, std::exchange(surface.records, {}), numbers);
   auto begin = mine.begin();
   for (SubdomainId s(0); s.value < options.num_subdomains; ++s.value) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
@@ -375,10 +367,10 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
     result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
     begin = end;
   }
-  find_inner_patches(peers, boundary, result.starts, *geometry);
-  cut_surface(result.starts, geometry->surface);
+  find_inner_patches(peers, surface.triangles, result.starts, *surface.geometry);
+  hand_out_pieces(peers, surface.cutter.get(), result.starts);
+  surface = {};
   mark_delicate(peers, result.starts);
-  result.warnings = std::move(boundary.warnings);
   if (!decomposition.warning.empty()) result.warnings.push_back(decomposition.warning);
   if (holders.used < slice.num_points)
     result.warnings.push_back(

@@ -26,8 +26,8 @@ struct MeshSlice {
   std::vector<std::int32_t> tet_refs;
 
   /// The whole mesh's triangles, edges, references, ridges, corners and required entities, vertices numbered
-  /// as in the whole mesh; no points and no tets. The same on every rank: patches and curves are global
-  /// objects.
+  /// as in the whole mesh; no points and no tets. The same on every rank, until it is completed
+  /// (boundary_share.h).
   meshing::MeshData boundary;
 };
 

@@ -39,7 +39,7 @@ class StartBuilder {
   std::span<const TetRecord> tets_;
   const BoundaryIndex& boundary_;
   std::vector<std::uint32_t> numbers_;  // of the vertices in the input, ascending
-  std::vector<std::uint32_t> known_;    // their indices in the boundary
+  std::vector<std::uint32_t> known_;    // their places in the index
   SubdomainStart start_;
 };
 
@@ -82,17 +82,18 @@ void StartBuilder::add_tets() {
 void StartBuilder::add_boundary(std::uint32_t t) {
   const auto& tet = start_.tets[t];
   const auto known = [&](int i) { return known_[tet[i]]; };
+  const auto number = [&](int i) { return numbers_[tet[i]]; };
   for (std::uint32_t f = 0; f < 4; ++f) {
     const auto& face = meshing::kTetFaces[f];
-    const std::array<std::uint32_t, 3> v{known(face[0]), known(face[1]), known(face[2])};
-    if (std::find(v.begin(), v.end(), kNone) != v.end()) continue;
-    if (const meshing::PatchId patch = boundary_.patch(v); patch.valid())
+    if (std::ranges::any_of(face, [&](int i) { return known(i) == kNone; })) continue;
+    if (const meshing::PatchId patch = boundary_.patch({number(face[0]), number(face[1]), number(face[2])});
+        patch.valid())
       start_.boundary_faces.push_back({t, f, patch});
   }
   const auto on_feature = [&](int i) { return start_.kinds[tet[i]] >= meshing::VertexKind::ridge; };
   for (const auto& edge : meshing::kTetEdges) {
     if (!on_feature(edge[0]) || !on_feature(edge[1])) continue;
-    const meshing::CurveId curve = boundary_.curve(known(edge[0]), known(edge[1]));
+    const meshing::CurveId curve = boundary_.curve(number(edge[0]), number(edge[1]));
     if (!curve.valid()) continue;
     const auto [a, b] = std::minmax(tet[edge[0]], tet[edge[1]]);
     start_.feature_edges.push_back({{a, b}, curve});

@@ -60,6 +60,11 @@ bool SurfaceCover::wants(const meshing::SurfacePiece& piece) const {
          (piece.box.meets(all_near_) && has_any_near(piece, near_));
 }
 
+bool SurfaceCover::may_want(std::uint32_t id, const Box& box) const {
+  return std::ranges::binary_search(ids_, id) ||
+         (box.meets(all_near_) && std::ranges::any_of(near_, [&](const Box& n) { return n.meets(box); }));
+}
+
 std::vector<meshing::SurfacePieces::Piece> SurfaceCover::pieces(const meshing::SurfacePieces& there) const {
   std::vector<meshing::SurfacePieces::Piece> wanted;
   for (const auto& piece : there.all())
@@ -120,15 +125,6 @@ SurfaceCover cover_of(const SubdomainStart& start) {
   }
   cover.finish();
   return cover;
-}
-
-void cut_surface(std::span<SubdomainStart> starts, meshing::Surface& uncut) {
-  std::vector<SurfaceCover> covers;
-  for (const SubdomainStart& start : starts) covers.push_back(cover_of(start));
-  uncut.cut([&](const meshing::SurfacePieces::Piece& piece) {
-    for (std::size_t s = 0; s < starts.size(); ++s)
-      if (covers[s].wants(*piece)) starts[s].surface.push_back(piece);
-  });
 }
 
 }  // namespace weft::partition

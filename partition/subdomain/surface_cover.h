@@ -34,6 +34,8 @@ class SurfaceCover {
   /// Once all have been added.
   void finish();
   bool wants(const meshing::SurfacePiece& piece) const;
+  /// False where it does not want the piece of this id and box whatever is in it.
+  bool may_want(std::uint32_t id, const meshing::Box& box) const;
   /// Those of them that it wants.
   std::vector<meshing::SurfacePieces::Piece> pieces(const meshing::SurfacePieces& there) const;
 
@@ -59,9 +61,5 @@ class SharedSurface {
 
 /// What a start's vertices, hints, tets and boundary faces ask for.
 SurfaceCover cover_of(const SubdomainStart& start);
-
-/// Makes the surface's pieces, and fills SubdomainStart::surface with those that each asks for: no other
-/// piece is kept.
-void cut_surface(std::span<SubdomainStart> starts, meshing::Surface& uncut);
 
 }  // namespace weft::partition

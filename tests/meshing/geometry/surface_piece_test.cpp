@@ -12,7 +12,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "meshing/geometry/cut_surface.h"
 #include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface_tables.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::surface_piece_test {
@@ -169,26 +171,29 @@ TEST(SurfacePieces, AreTakenOnceAndFoundInAnyOrder) {
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(copy.all()[i], all[i]);
 }
 
-/// What a surface that is cut later gives out are the pieces that it would have had at once.
+/// Pieces made later, in any order, are those that a surface has at once, and its tables travel.
 TEST(SurfacePieces, AreTheSameWhenTheyAreMadeLater) {
   for (unsigned seed = 0; seed < 2; ++seed) {
     const MeshData mesh = body(seed);
     const Surface at_once(mesh, {});
-    Surface later = Surface::uncut(mesh, {}, {});
+    const BuiltSurface later = build_surface(mesh, {}, {});
     for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
-      EXPECT_EQ(later.vertex_kind(v), at_once.vertex_kind(v));
-      EXPECT_EQ(later.vertex_hint(v), at_once.vertex_hint(v));
+      EXPECT_EQ(later.input.vertex_kind[v], at_once.vertex_kind(v));
+      EXPECT_EQ(later.input.vertex_hint[v], at_once.vertex_hint(v));
     }
-    std::size_t i = 0;
-    std::weak_ptr<const SurfacePiece> last;
-    later.cut([&](const Piece& piece) {
-      EXPECT_TRUE(last.expired()) << "nobody has taken it";
-      last = piece;
-      ASSERT_LT(i, at_once.pieces().all().size());
-      EXPECT_TRUE(std::ranges::equal(piece->bytes(), at_once.pieces().all()[i++]->bytes()));
-    });
-    EXPECT_EQ(i, at_once.pieces().all().size());
-    EXPECT_TRUE(later.pieces().all().empty());
+    const std::vector<std::uint32_t> ids = later.cutter->ids();
+    ASSERT_EQ(ids.size(), at_once.pieces().all().size());
+    for (std::size_t i = ids.size(); i-- > 0;) {
+      const Piece piece = later.cutter->piece(ids[i]), &expected = at_once.pieces().all()[i];
+      EXPECT_TRUE(std::ranges::equal(piece->bytes(), expected->bytes()));
+      EXPECT_EQ(later.cutter->box(ids[i]).lo, expected->box.lo);
+      EXPECT_EQ(later.cutter->box(ids[i]).hi, expected->box.hi);
+    }
+    const Surface of_tables(tables_of(bytes_of(*later.tables), nullptr));
+    EXPECT_TRUE(of_tables.pieces().all().empty());
+    EXPECT_EQ(bytes_of(*later.tables).size(), bytes_of(*tables_of(bytes_of(*later.tables), nullptr)).size());
+    EXPECT_EQ(of_tables.patches().size(), at_once.patches().size());
+    EXPECT_EQ(of_tables.curves().size(), at_once.curves().size());
   }
 }
 

@@ -38,7 +38,7 @@ class DistributedRun {
   bool first() const { return runtime_->rank().value == 0; }
   Monitor& monitor() { return monitor_; }
 
-  /// Reads the CAD model that the options name, on every rank: each has the whole boundary too. `mesh` of
+  /// Reads the CAD model that the options name, on every rank. `mesh` of
   /// rank 0 may carry it; errors call it `name`. To be called before adapt(). Throws on all ranks where one
   /// fails.
   std::shared_ptr<const meshing::Model> read_model(const meshing::MeshData& mesh, const std::string& name);

@@ -1,5 +1,5 @@
 // The boundary's work of meshing::import_mesh, with faces matched across ranks.
-#include "partition/distribute/whole_boundary.h"
+#include "partition/distribute/boundary_share.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "meshing/base/error.h"
-#include "meshing/base/place_in.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/touching_edges.h"
@@ -145,8 +145,8 @@ struct Created {
 
 /// What this rank finds out about the triangles whose lowest vertex is its.
 struct TriangleFindings {
-  std::vector<std::uint32_t> repeated;  ///< indices of triangles
-  std::vector<Triangle> outer;          ///< of one tet
+  std::vector<std::uint32_t> kept, repeated;  ///< indices of triangles
+  std::vector<Triangle> outer;                ///< of one tet
   std::vector<Created> created;
 };
 
@@ -195,7 +195,7 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
     pass_strangers(&face.vertices);
     bool covered = false;
     for (; triangle != mine.end() && triangle->vertices == face.vertices; ++triangle) {
-      if (covered) findings.repeated.push_back(triangle->index);
+      (covered ? findings.repeated : findings.kept).push_back(triangle->index);
       covered = true;
     }
     if (covered || !needed) continue;
@@ -207,66 +207,117 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
   return findings;
 }
 
-template <class T>
-std::vector<T> gather(Peers& peers, const std::vector<T>& mine) {
-  std::vector<T> all;
-  for (const auto& part : allgather(peers, mine)) all.insert(all.end(), part.begin(), part.end());
-  return all;
+using Edge = std::array<std::uint32_t, 2>;
+
+Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// All ranks: the missing triangles, in the order of their tets over all ranks.
+std::vector<Created> in_order_of_tets(Peers& peers, const Ranges& tets, const std::vector<Created>& created) {
+  std::vector<std::vector<Created>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const Created& c : created) to_each[tets.rank_of(c.code >> 5)].push_back(c);
+  std::vector<Created> mine = all_to_all_joined(peers, std::move(to_each));
+  std::ranges::sort(mine, {}, &Created::code);
+  return mine;
 }
 
-/// Copies the triangles without the repeated ones, and then those that were missing in the order of their
-/// tets.
-void take_triangles(const MeshData& m, std::vector<std::uint32_t> repeated, std::vector<Created> created,
-                    WholeBoundary& b) {
-  std::sort(repeated.begin(), repeated.end());
-  std::sort(created.begin(), created.end(),
-            [](const Created& x, const Created& y) { return x.code < y.code; });
-  std::vector<std::uint32_t> new_index(m.triangles.size(), meshing::kDropped);
-  for (std::uint32_t i = 0; i < m.triangles.size(); ++i) {
-    if (std::binary_search(repeated.begin(), repeated.end(), i)) continue;
-    new_index[i] = static_cast<std::uint32_t>(b.data.triangles.size());
-    b.data.triangles.push_back(m.triangles[i]);
-    b.data.triangle_refs.push_back(m.triangle_refs[i]);
+/// The triangles without the repeated ones, and then those that were missing.
+void take_triangles(Peers& peers, const MeshData& m, const TriangleFindings& findings, const Ranges& tets,
+                    BoundaryShare& b) {
+  std::vector<std::uint32_t> repeated = allgather_joined(peers, findings.repeated);
+  std::ranges::sort(repeated);
+  std::vector<bool> required(m.triangles.size());
+  for (const std::uint32_t t : m.required_triangles) required[t] = true;
+  for (const std::uint32_t t : findings.kept) {
+    const auto before = std::ranges::lower_bound(repeated, t) - repeated.begin();
+    b.triangles.push_back(
+        {t - static_cast<std::uint32_t>(before), m.triangles[t], m.triangle_refs[t], required[t]});
   }
   if (!repeated.empty()) b.warnings.push_back(meshing::repeated_triangles_warning(repeated.size()));
-  meshing::take_required_triangles(m, new_index, b.data);
-  for (const Created& c : created) {
-    b.data.triangles.push_back(c.vertices);
-    b.data.triangle_refs.push_back(0);
+  const std::vector<Created> created = in_order_of_tets(peers, tets, findings.created);
+  const Ranges numbers(peers, created.size());
+  const std::uint64_t first = m.triangles.size() - repeated.size() + numbers.first(peers.rank());
+  for (std::size_t i = 0; i < created.size(); ++i)
+    b.triangles.push_back({static_cast<std::uint32_t>(first + i), created[i].vertices, 0, 0});
+  if (numbers.total() > 0) b.warnings.push_back(meshing::created_triangles_warning(numbers.total()));
+}
+
+/// All ranks: the sides of triangles that each rank has some of, where their lower vertices say; sorted.
+template <class Triangles, class Vertices>
+std::vector<Edge> sides_at_home(Peers& peers, const Triangles& triangles, const Vertices& vertices) {
+  std::vector<std::vector<Edge>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const auto& triangle : triangles) {
+    const Triangle& v = vertices(triangle);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Edge side = edge_of(v[i], v[(i + 1) % 3]);
+      to_each[side[0] % to_each.size()].push_back(side);
+    }
   }
-  if (!created.empty()) b.warnings.push_back(meshing::created_triangles_warning(created.size()));
+  std::vector<Edge> sides = all_to_all_joined(peers, std::move(to_each));
+  std::ranges::sort(sides);
+  return sides;
 }
 
-/// Renumbers by the points that occur, in their order, so that whatever goes by order stays as it is.
-void compress(WholeBoundary& b) {
-  MeshData& d = b.data;
-  for (const Triangle& t : d.triangles) b.numbers.insert(b.numbers.end(), t.begin(), t.end());
-  for (const auto* list : {&d.corners, &d.required_points})
-    b.numbers.insert(b.numbers.end(), list->begin(), list->end());
-  std::sort(b.numbers.begin(), b.numbers.end());
-  b.numbers.erase(std::unique(b.numbers.begin(), b.numbers.end()), b.numbers.end());
-  const auto renumber = [&](std::span<std::uint32_t> vertices) {
-    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(meshing::place_in(b.numbers, v));
+/// A listed edge, and when the lists name it last: edges in their order, then required ones in theirs.
+struct ListedEdge {
+  Edge vertices;
+  std::uint64_t named;
+  std::uint32_t index;
+};
+
+/// Those of this rank's edges that are sides, by vertices and then as they are named. Counts the others.
+std::vector<ListedEdge> listed_edges(const Peers& peers, const MeshData& m, const std::vector<Edge>& sides,
+                                     std::uint64_t& dropped) {
+  const auto ranks = static_cast<std::uint32_t>(peers.ranks()), me = static_cast<std::uint32_t>(peers.rank());
+  std::vector<ListedEdge> listed;
+  const auto add = [&](std::uint32_t index, std::uint64_t named) {
+    const Edge edge = edge_of(m.edges[index][0], m.edges[index][1]);
+    if (edge[0] % ranks != me) return;
+    if (std::ranges::binary_search(sides, edge))
+      listed.push_back({edge, named, index});
+    else
+      dropped += named < m.edges.size();
   };
-  for (auto& t : d.triangles) renumber(t);
-  for (auto& e : d.edges) renumber(e);
-  renumber(d.corners);
-  renumber(d.required_points);
+  for (std::uint32_t e = 0; e < m.edges.size(); ++e) add(e, e);
+  for (std::size_t i = 0; i < m.required_edges.size(); ++i) add(m.required_edges[i], m.edges.size() + i);
+  std::ranges::sort(listed, {}, [](const ListedEdge& e) { return std::pair{e.vertices, e.named}; });
+  return listed;
 }
 
-/// Every rank contributes the points of its share.
-void gather_points(Peers& peers, const MeshSlice& slice, const Ranges& points, WholeBoundary& b) {
-  const auto begin = std::lower_bound(b.numbers.begin(), b.numbers.end(), points.first(peers.rank()));
-  const auto end = std::lower_bound(begin, b.numbers.end(), points.first(peers.rank() + 1));
-  std::vector<meshing::Point> mine;
-  for (auto number = begin; number != end; ++number)
-    mine.push_back(slice.points[*number - slice.first_point]);
-  b.data.points = gather(peers, mine);
+/// Each once. What is named last counts; of edges at which the mesh touches itself, what is listed first.
+void take_edges(const MeshData& m, std::span<const ListedEdge> listed, std::span<const Edge> touching,
+                BoundaryShare& b) {
+  for (std::size_t begin = 0, end = 0; begin < listed.size(); begin = end) {
+    while (end < listed.size() && listed[end].vertices == listed[begin].vertices) ++end;
+    const bool touches = std::ranges::binary_search(touching, listed[begin].vertices);
+    const ListedEdge& last = listed[touches ? begin : end - 1];
+    b.edges.push_back(
+        {last.vertices, m.edge_refs[last.index], touches || listed[end - 1].named >= m.edges.size()});
+  }
+  const std::size_t known = b.edges.size();
+  for (const Edge& edge : touching)
+    if (!std::ranges::binary_search(std::span(b.edges).first(known), edge, {}, &BoundaryEdge::vertices))
+      b.edges.push_back({edge, 0, 1});
+}
+
+void complete_edges(Peers& peers, const MeshData& m, const std::vector<Triangle>& outer, BoundaryShare& b) {
+  std::uint64_t dropped = 0;
+  std::vector<ListedEdge> listed;
+  if (!m.edges.empty()) {
+    const auto sides = sides_at_home(peers, b.triangles,
+                                     [](const BoundaryTriangle& t) -> const Triangle& { return t.vertices; });
+    listed = listed_edges(peers, m, sides, dropped);
+  }
+  const std::vector<Edge> touching = meshing::edges_of_several(
+      sides_at_home(peers, outer, [](const Triangle& t) -> const Triangle& { return t; }));
+  take_edges(m, listed, touching, b);
+  const auto counts = partition::sum(peers, std::vector<std::uint64_t>{dropped, touching.size()});
+  if (counts[0] > 0) b.warnings.push_back(meshing::dropped_edges_warning(counts[0]));
+  if (counts[1] > 0) b.warnings.push_back(meshing::touching_edges_warning(counts[1]));
 }
 
 }  // namespace
 
-WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const PlacedTets& placed,
+BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets& placed,
                                 const Ranges& points, const Ranges& tets) {
   TriangleFindings findings;
   {
@@ -275,15 +326,14 @@ WholeBoundary complete_boundary(Peers& peers, const MeshSlice& slice, const Plac
     refuse_overlaps(peers, slice, tets, faces);
     findings = match_triangles(peers, faces, slice.boundary.triangles);
   }
-  WholeBoundary b;
-  b.data.corners = slice.boundary.corners;
-  b.data.required_points = slice.boundary.required_points;
-  take_triangles(slice.boundary, gather(peers, findings.repeated), gather(peers, findings.created), b);
-  meshing::take_boundary_edges(slice.boundary, b.data, b.warnings);
-  const std::size_t touching = meshing::require_touching_edges(gather(peers, findings.outer), b.data);
-  if (touching > 0) b.warnings.push_back(meshing::touching_edges_warning(touching));
-  compress(b);
-  gather_points(peers, slice, points, b);
+  MeshData whole = std::exchange(slice.boundary, {});
+  BoundaryShare b;
+  take_triangles(peers, whole, findings, tets, b);
+  whole.triangles = {};
+  whole.triangle_refs = {};
+  complete_edges(peers, whole, findings.outer, b);
+  b.corners = std::move(whole.corners);
+  b.required_points = std::move(whole.required_points);
   return b;
 }
 
