@@ -8,7 +8,7 @@
 
 namespace weft::meshing {
 
-/// CGAL's exact sign (-1, 0, 1) of det(b-a, c-a, d-a).
+/// CGAL's exact sign (-1, 0, 1) of det(b-a, c-a, d-a); 0 where a coordinate is not finite.
 int orientation_exact(const Point& a, const Point& b, const Point& c, const Point& d);
 /// CGAL's exact side of `e` to the circumsphere of the positive tet (a, b, c, d): 1 inside, -1 outside.
 int in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e);
@@ -22,7 +22,7 @@ bool triangles_meet(const std::array<Point, 3>& s, const std::array<Point, 3>& t
 bool segment_meets_triangle(const Point& a, const Point& b, const std::array<Point, 3>& t);
 
 /// Sign of det(b-a, c-a, d-a): from doubles where a forward error bound (Shewchuk 1997, stage A:
-/// 7.8e-16 times the permanent) proves it, from CGAL otherwise.
+/// 7.8e-16 times the permanent) proves it, from CGAL otherwise; 0 where a coordinate is not finite.
 inline int orientation(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Vec u = b - a, v = c - a, w = d - a;
   const double yz = v.y * w.z, zy = v.z * w.y, zx = v.z * w.x, xz = v.x * w.z, xy = v.x * w.y, yx = v.y * w.x;

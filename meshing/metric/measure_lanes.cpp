@@ -11,6 +11,7 @@ namespace weft::meshing {
 namespace {
 
 typedef std::int64_t LongLanes __attribute__((vector_size(8 * kLanes)));
+typedef std::uint64_t BitLanes __attribute__((vector_size(8 * kLanes)));
 
 TensorLanes square(const TensorLanes& a) {
   return {a.xx * a.xx + a.xy * a.xy + a.xz * a.xz, a.xx * a.xy + a.xy * a.yy + a.xz * a.yz,
@@ -83,11 +84,11 @@ Lanes squared_lengths(const TensorLanes& m, const VecLanes& v) { return dot(v, a
 Lanes log_of_lanes(const Lanes& x) {
   // x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh(s), s = (m - 1) / (m + 1), of which the series
   // has converged after the power 21.
-  constexpr std::int64_t kHalfRoot = 0x3FE6A09E667F3BCD;  // sqrt(1/2)
-  LongLanes bits;
+  constexpr std::uint64_t kHalfRoot = 0x3FE6A09E667F3BCD;  // sqrt(1/2)
+  BitLanes bits;
   std::memcpy(&bits, &x, sizeof bits);
-  const LongLanes exponent = (bits - kHalfRoot) >> 52;
-  bits -= exponent << 52;
+  const LongLanes exponent = reinterpret_cast<LongLanes>(bits - kHalfRoot) >> 52;
+  bits -= reinterpret_cast<BitLanes>(exponent) << 52;
   Lanes m;
   std::memcpy(&m, &bits, sizeof m);
   const Lanes s = (m - 1) / (m + 1), s2 = s * s;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "meshing/mesh/predicates.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::check_mesh_test {
@@ -307,6 +308,18 @@ TEST(CheckMesh, SaysTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(report.volume, expected.volume);
     EXPECT_EQ(report.num_components, expected.num_components);
   }
+}
+
+TEST(Orientation, IsNoneWhereACoordinateIsNotFinite) {
+  const Point o{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  EXPECT_EQ(orientation(o, x, y, z), 1);
+  for (const double bad : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    for (int i = 0; i < 3; ++i) {
+      Point p = z;
+      (i == 0 ? p.x : i == 1 ? p.y : p.z) = bad;
+      EXPECT_EQ(orientation(o, x, y, p), 0);
+      EXPECT_EQ(orientation(p, x, y, o), 0);
+    }
 }
 
 }  // namespace
