@@ -130,7 +130,7 @@ struct RankData {
   std::shared_ptr<const partition::Geometry> geometry;
   std::shared_ptr<partition::SharedSurface> surface;  ///< the pieces that its subdomains have
   const std::atomic<bool>* interrupt = nullptr;       ///< when true, subdomains finish with what they have
-  std::function<void()> out_of_memory;  ///< sets `interrupt`
+  std::function<void()> out_of_memory;                ///< sets `interrupt`
   ProgressBoard* news = nullptr;  ///< where subdomains tell how far they are; null: nowhere
 };
 
