@@ -19,6 +19,12 @@ struct Box {
       hi[i] = std::max(hi[i], p[i]);
     }
   }
+  void unite(const Box& box) {
+    for (int i = 0; i < 3; ++i) {
+      lo[i] = std::min(lo[i], box.lo[i]);
+      hi[i] = std::max(hi[i], box.hi[i]);
+    }
+  }
   double distance2(const Point& p) const {
     double sum = 0;
     for (int i = 0; i < 3; ++i) {

@@ -33,6 +33,10 @@ inline Point midpoint(const Point& a, const Point& b) {
   return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y), 0.5 * (a.z + b.z)};
 }
 
+inline bool is_finite(const Point& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
 /// Six times the signed volume of tet (a,b,c,d): positive when d sees a,b,c counter-clockwise from
 /// the outside of face abc, i.e. det(b-a, c-a, d-a) > 0, CGAL's POSITIVE.
 inline double six_volume(const Point& a, const Point& b, const Point& c, const Point& d) {

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace weft::meshing {
 
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::ranges::sort(values);
-  const auto rest = std::ranges::unique(values);
+/// By their keys, where some are given.
+template <class T, class Key = std::identity>
+void sort_unique(std::vector<T>& values, Key key = {}) {
+  std::ranges::sort(values, {}, key);
+  const auto rest = std::ranges::unique(values, {}, key);
   values.erase(rest.begin(), rest.end());
 }
 

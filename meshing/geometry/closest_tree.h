@@ -49,8 +49,7 @@ inline std::uint32_t ClosestForest::add(std::vector<Item>& items) {
 inline void ClosestForest::split(std::uint32_t node, Item* begin, Item* end) {
   Box box, centers;
   for (const Item* i = begin; i != end; ++i) {
-    box.include(i->box.lo);
-    box.include(i->box.hi);
+    box.unite(i->box);
     centers.include(midpoint(i->box.lo, i->box.hi));
   }
   nodes_[node].box = box;

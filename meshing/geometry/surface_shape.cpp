@@ -182,9 +182,7 @@ bool has_direction(const PatchExtent& extent, const PatchSums& sums) {
 }  // namespace
 
 void PatchExtent::add(const PatchExtent& other) {
-  if (other.first_triangle == kNone) return;  // and its box is none
-  box.include(other.box.lo);
-  box.include(other.box.hi);
+  box.unite(other.box);
   greatest = std::max(greatest, other.greatest);
   if (other.first_triangle >= first_triangle) return;
   first_triangle = other.first_triangle;

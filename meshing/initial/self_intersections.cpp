@@ -36,7 +36,7 @@ class BoxTree {
     Box all, centres;
     for (std::size_t i = begin; i < end; ++i) {
       const Box& b = boxes_[order_[i]];
-      all.include(b.lo), all.include(b.hi);
+      all.unite(b);
       centres.include(midpoint(b.lo, b.hi));
     }
     nodes_[node] = all;

@@ -83,8 +83,7 @@ inline void check_list(const char* list, const std::vector<std::uint32_t>& indic
 inline void check_coordinates(const std::vector<Point>& points, Problems& problems,
                               std::uint64_t passed = 0) {
   for (std::size_t p = 0; p < points.size(); ++p)
-    if (!std::isfinite(points[p].x) || !std::isfinite(points[p].y) || !std::isfinite(points[p].z))
-      problems.add("vertex ", passed + p + 1, ": a coordinate is not finite");
+    if (!is_finite(points[p])) problems.add("vertex ", passed + p + 1, ": a coordinate is not finite");
 }
 
 /// The sign of a tet's orientation; one that is not positive is a problem of the tet with this number.

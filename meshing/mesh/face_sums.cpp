@@ -107,8 +107,7 @@ class Sum {
     });
     for (const FaceSums& part : parts) sums += part;
     sums.faults += triangles_.faults();
-    for (const Point& p : mesh_.points)
-      sums.faults += !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    for (const Point& p : mesh_.points) sums.faults += !is_finite(p);
     return sums;
   }
 

@@ -3,8 +3,6 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
-#include <cmath>
-
 namespace weft::meshing {
 namespace {
 
@@ -13,13 +11,10 @@ using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 K::Point_3 cgal(const Point& p) { return {p.x, p.y, p.z}; }
 K::Triangle_3 cgal(const std::array<Point, 3>& t) { return {cgal(t[0]), cgal(t[1]), cgal(t[2])}; }
 
-/// CGAL's numbers are finite.
-bool finite(const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
 }  // namespace
 
 int orientation_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
-  if (!(finite(a) && finite(b) && finite(c) && finite(d))) return 0;
+  if (!(is_finite(a) && is_finite(b) && is_finite(c) && is_finite(d))) return 0;  // CGAL's numbers are
   return static_cast<int>(CGAL::orientation(cgal(a), cgal(b), cgal(c), cgal(d)));
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "meshing/geometry/surface_piece.h"
+#include "partition/communication/at_home.h"
 
 namespace weft::partition {
 
@@ -18,9 +19,11 @@ std::uint32_t home_vertex(const BoundaryRecords::Vertex& v) { return v.number; }
 std::uint32_t home_vertex(const BoundaryRecords::Face& f) { return f.vertices[0]; }
 std::uint32_t home_vertex(const BoundaryRecords::Edge& e) { return e.vertices[0]; }
 
+constexpr auto kHomeVertex = [](const auto& record) { return home_vertex(record); };
+
 template <class T>
 void sort_by_home_vertex(std::vector<T>& records) {
-  std::ranges::sort(records, {}, [](const T& record) { return home_vertex(record); });
+  std::ranges::sort(records, {}, kHomeVertex);
 }
 
 /// All ranks: the records whose home this is, in the order of their vertices.
@@ -35,20 +38,6 @@ std::vector<T> sent_home(Peers& peers, std::vector<T> mine) {
   }
   sort_by_home_vertex(mine);
   return mine;
-}
-
-/// All ranks: the records at the vertices that each rank has `asked` for here.
-template <class T>
-std::vector<T> told(Peers& peers, const std::vector<std::vector<std::uint32_t>>& asked, std::vector<T> here) {
-  const auto key = [](const T& record) { return home_vertex(record); };
-  std::vector<std::vector<T>> answers(asked.size());
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t v : asked[r]) {
-      const auto found = std::ranges::equal_range(here, v, {}, key);
-      answers[r].insert(answers[r].end(), found.begin(), found.end());
-    }
-  here = {};
-  return all_to_all_joined(peers, std::move(answers));
 }
 
 void merge(std::vector<BoundaryRecords::Vertex>& vertices) {
@@ -80,18 +69,16 @@ void keep_between(std::span<const std::uint32_t> vertices, std::vector<T>& recor
 }  // namespace
 
 BoundaryIndex::BoundaryIndex(Peers& peers, BoundaryRecords mine, const std::vector<std::uint32_t>& vertices) {
-  const auto ranks = static_cast<std::uint32_t>(peers.ranks());
-  std::vector<std::vector<std::uint32_t>> asked(ranks);
-  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
-  asked = partition::all_to_all(peers, std::move(asked));
+  const auto asked = asked_at_home(peers, vertices);
+  const auto told = [&](auto here) { return told_at_home(peers, asked, std::move(here), kHomeVertex); };
   merge(mine.vertices);
   std::vector<BoundaryRecords::Vertex> here = sent_home(peers, std::exchange(mine.vertices, {}));
   merge(here);
-  records_.vertices = told(peers, asked, std::move(here));
+  records_.vertices = told(std::move(here));
   sort_by_home_vertex(records_.vertices);
-  records_.faces = told(peers, asked, sent_home(peers, std::exchange(mine.faces, {})));
+  records_.faces = told(sent_home(peers, std::exchange(mine.faces, {})));
   keep_between(vertices, records_.faces);
-  records_.edges = told(peers, asked, sent_home(peers, std::exchange(mine.edges, {})));
+  records_.edges = told(sent_home(peers, std::exchange(mine.edges, {})));
   keep_between(vertices, records_.edges);
 }
 

@@ -7,6 +7,7 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "partition/communication/at_home.h"
 
 namespace weft::partition {
 namespace {
@@ -60,11 +61,8 @@ void SurfaceNeighbours::send_home() {
 /// All triangles at these vertices, by number.
 std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
     const std::vector<std::uint32_t>& vertices) const {
-  const auto ranks = static_cast<std::uint32_t>(peers_.ranks());
-  std::vector<std::vector<std::uint32_t>> asked(ranks);
-  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
-  asked = partition::all_to_all(peers_, std::move(asked));
-  std::vector<std::vector<Owned>> answers(ranks);
+  auto asked = asked_at_home(peers_, vertices);
+  std::vector<std::vector<Owned>> answers(asked.size());
   for (std::size_t r = 0; r < asked.size(); ++r) {
     std::vector<std::uint32_t> places;
     for (const std::uint32_t v : asked[r])
@@ -76,10 +74,7 @@ std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
   }
   asked = {};
   std::vector<Owned> found = all_to_all_joined(peers_, std::move(answers));
-  const auto number = [](const Owned& t) { return t.triangle.number; };
-  std::ranges::sort(found, {}, number);
-  const auto rest = std::ranges::unique(found, {}, number);
-  found.erase(rest.begin(), rest.end());
+  meshing::sort_unique(found, [](const Owned& t) { return t.triangle.number; });
   return found;
 }
 
@@ -87,18 +82,8 @@ std::vector<SurfaceNeighbours::Owned> SurfaceNeighbours::at(
 std::vector<BoundaryEdge> SurfaceNeighbours::edges_from(const std::vector<std::uint32_t>& vertices) const {
   std::vector<BoundaryEdge> here = share_.edges;
   std::ranges::sort(here, {}, &BoundaryEdge::vertices);
-  const auto ranks = static_cast<std::uint32_t>(peers_.ranks());
-  std::vector<std::vector<std::uint32_t>> asked(ranks);
-  for (const std::uint32_t v : vertices) asked[v % ranks].push_back(v);
-  asked = partition::all_to_all(peers_, std::move(asked));
-  std::vector<std::vector<BoundaryEdge>> answers(ranks);
-  const auto lower = [](const BoundaryEdge& e) { return e.vertices[0]; };
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t v : asked[r]) {
-      const auto found = std::ranges::equal_range(here, v, {}, lower);
-      answers[r].insert(answers[r].end(), found.begin(), found.end());
-    }
-  return all_to_all_joined(peers_, std::move(answers));
+  return told_at_home(peers_, asked_at_home(peers_, vertices), std::move(here),
+                      [](const BoundaryEdge& e) { return e.vertices[0]; });
 }
 
 void SurfaceNeighbours::add_edges(LocalSurface& local) const {

@@ -27,11 +27,11 @@ struct PieceBox {
 
 /// Ascending by id.
 std::vector<PieceBox> all_boxes(Peers& peers, const meshing::SurfaceCutter* cutter) {
-  std::vector<PieceBox> mine, all;
+  std::vector<PieceBox> mine;
   if (cutter)
     for (const std::uint32_t id : cutter->ids())
       mine.push_back({id, static_cast<std::uint32_t>(peers.rank()), cutter->box(id)});
-  for (const auto& of_rank : allgather(peers, mine)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<PieceBox> all = allgather_joined(peers, mine);
   std::ranges::sort(all, {}, &PieceBox::id);
   return all;
 }

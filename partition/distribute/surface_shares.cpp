@@ -18,6 +18,7 @@
 #include "meshing/geometry/surface_shape.h"
 #include "meshing/geometry/surface_tables.h"
 #include "meshing/geometry/surface_topology.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/joined_patches.h"
@@ -42,34 +43,8 @@ std::vector<T> added(Peers& peers, const std::vector<T>& mine) {
   });
 }
 
-/// All ranks: the box of all triangles' points, of which each rank has some.
-meshing::Box box_of(Peers& peers, const std::vector<Point>& points) {
-  meshing::Box box;
-  for (const Point& p : points) box.include(p);
-  return reduce(peers, std::vector{box}, [](meshing::Box a, const meshing::Box& b) {
-    for (int i = 0; i < 3; ++i) a.lo[i] = std::min(a.lo[i], b.lo[i]), a.hi[i] = std::max(a.hi[i], b.hi[i]);
-    return a;
-  })[0];
-}
-
 std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-}
-
-/// All ranks: where ranges of the keys begin, of all ranks but the first, by a sample of them.
-std::vector<std::uint64_t> ranges_of_keys(Peers& peers, const std::vector<std::uint64_t>& mine) {
-  constexpr std::uint64_t kSamples = 256;  // of each rank
-  const auto ranks = static_cast<std::uint64_t>(peers.ranks());
-  const std::uint64_t all = partition::sum(peers, std::uint64_t{mine.size()});
-  const std::uint64_t step = std::max<std::uint64_t>(1, all / (kSamples * ranks));
-  std::vector<std::uint64_t> sample;
-  for (std::size_t i = 0; i < mine.size(); i += step) sample.push_back(mine[i]);
-  sample = allgather_joined(peers, sample);
-  std::ranges::sort(sample);
-  std::vector<std::uint64_t> begins;
-  for (std::uint64_t r = 1; r < ranks && !sample.empty(); ++r)
-    begins.push_back(sample[sample.size() * r / ranks]);
-  return begins;
 }
 
 /// Things in order, dealt to the ranks in pieces.
@@ -148,6 +123,12 @@ class ShareBuilder {
 
   template <class T, class Entry>
   std::vector<T> from_owners(const Entry& entry);
+  /// f(triangle here, its place in own_), ascending. Before pieces are taken.
+  template <class F>
+  void for_each_own(const F& f) const {
+    for (std::uint32_t t = 0, i = 0; t < local_->triangles.size(); ++t)
+      if (topology().ring(t) == 0) f(t, i++);
+  }
   BoundaryTriangle triangle(std::uint32_t place) const;
   bool alone() const { return peers_.ranks() == 1; }
   const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
@@ -191,7 +172,9 @@ std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
     vertices.insert(vertices.end(), t.vertices.begin(), t.vertices.end());
   meshing::sort_unique(vertices);
   const std::vector<Point> points = points_(vertices);
-  order_ = meshing::PieceOrder(box_of(peers_, points));
+  meshing::Box box;
+  for (const Point& p : points) box.include(p);
+  order_ = meshing::PieceOrder(common_box(peers_, box));
   std::vector<std::uint64_t> keys;
   keys.reserve(boundary_.triangles.size());
   const auto point = [&](std::uint32_t v) { return points[meshing::place_in(vertices, v)]; };
@@ -203,7 +186,7 @@ std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
 /// Triangles go to the owners of their ranges.
 void ShareBuilder::take_share() {
   const std::vector<std::uint64_t> keys = keys_of_triangles();
-  const std::vector<std::uint64_t> begins = ranges_of_keys(peers_, keys);
+  const std::vector<std::uint64_t> begins = first_keys(peers_, keys);
   std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t i = 0; i < keys.size(); ++i)
     to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
@@ -317,9 +300,10 @@ void ShareBuilder::take_patches(const JoinedPatches& joined, const std::vector<T
   for (std::size_t t = 0; t < told.size(); ++t) {
     patches.emplace_back(joined.patch[told[t].component]);
     turned.push_back(static_cast<std::uint8_t>(told[t].turned ^ joined.turned[told[t].component]));
-    if (local_->rings.empty() || local_->rings[t] == 0)
-      own_told_.push_back({patches.back(), turned.back(), kNoName});
   }
+  for_each_own([&](std::uint32_t t, std::uint32_t) {
+    own_told_.push_back({patches[t], turned[t], kNoName});
+  });
   patch_refs_ = joined.refs;
   builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
 }
@@ -357,13 +341,10 @@ void ShareBuilder::fit_planes() {
 
 void ShareBuilder::name_triangles() {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;  // and places among own triangles
-  std::uint32_t i = 0;
-  for (std::uint32_t t = 0; t < local_->triangles.size(); ++t) {
-    if (topology().ring(t) > 0) continue;
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
     if (needs_triangles(*tables_, own_told_[i].patch))
       keys.emplace_back(order_.key(corners(local_->mesh, topology().triangles[t])), i);
-    ++i;
-  }
+  });
   std::ranges::sort(keys);
   const auto counts = allgather(peers_, std::vector<std::uint64_t>{keys.size()});
   for (std::size_t r = 0; r < counts.size(); ++r) {
@@ -428,14 +409,13 @@ void ShareBuilder::add_records() {
   add_vertices();
   add_listed_vertices();
   parts_.triangles.assign(patch_refs_.size(), 0);
-  for (std::uint32_t t = 0, i = 0; t < local_->triangles.size(); ++t) {
-    if (topology().ring(t) > 0) continue;
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
     const auto& [a, b, c] = local_->mesh.triangles[t];
-    const PatchId patch = own_told_[i++].patch;
+    const PatchId patch = own_told_[i].patch;
     parts_.records.faces.push_back({{local_->vertices[a], local_->vertices[b], local_->vertices[c]}, patch});
     std::ranges::sort(parts_.records.faces.back().vertices);
     ++parts_.triangles[patch.value];
-  }
+  });
   parts_.triangles = partition::sum(peers_, parts_.triangles);
   required_.assign(patch_refs_.size(), 0);
   for (const std::uint32_t t : local_->mesh.required_triangles)
@@ -487,9 +467,7 @@ std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
       feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me + 1))));
   const std::vector<BoundaryTriangle> beside = deal_features(features);
   all.insert(all.end(), beside.begin(), beside.end());
-  std::ranges::sort(all, {}, &BoundaryTriangle::number);
-  const auto rest = std::ranges::unique(all, {}, &BoundaryTriangle::number);
-  all.erase(rest.begin(), rest.end());
+  meshing::sort_unique(all, &BoundaryTriangle::number);
   return all;
 }
 

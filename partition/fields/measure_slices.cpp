@@ -9,9 +9,9 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/metric/morton_shares.h"
 #include "partition/output/measure_pieces.h"
 
 namespace weft::partition {

@@ -7,8 +7,8 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/fields/cell_homes.h"
-#include "partition/metric/morton_shares.h"
 
 namespace weft::partition {
 namespace {

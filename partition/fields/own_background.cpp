@@ -12,11 +12,11 @@
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/fields/reading.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/point_records.h"
 #include "partition/fields/cell_homes.h"
 #include "partition/fields/tets_meet.h"
-#include "partition/metric/morton_shares.h"
 
 namespace weft::partition {
 namespace {

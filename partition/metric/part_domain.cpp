@@ -14,9 +14,9 @@
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/predicates.h"
 #include "partition/communication/input_issue.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/reduce.h"
 #include "partition/distribute/slice_checks.h"
-#include "partition/metric/morton_shares.h"
 
 namespace weft::partition {
 namespace {

@@ -163,9 +163,7 @@ void add_extremes(Peers& peers, Sums& sums) {
 
 /// By subdomain, so that rounding does not depend on who has which.
 void add_reals(Peers& peers, Sums& sums) {
-  std::vector<PieceSums> all;
-  for (const auto& of_rank : allgather(peers, sums.pieces))
-    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<PieceSums> all = allgather_joined(peers, sums.pieces);
   std::ranges::sort(all, {}, &PieceSums::subdomain);
   sums.tets.volume = sums.tets.complexity = sums.tets.quality = sums.edges.length = 0;
   for (const PieceSums& piece : all) {

@@ -74,8 +74,7 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
   std::vector<SubdomainCounts> here;
   for (std::size_t p = 0; p < mine.size(); ++p)
     here.push_back({mine[p].subdomain.value, own_counts(mine[p].mesh, numbering.pieces[p].share)});
-  std::vector<SubdomainCounts> all;
-  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<SubdomainCounts> all = allgather_joined(peers, here);
   std::ranges::sort(all, {}, &SubdomainCounts::subdomain);
   std::unordered_map<std::uint64_t, MeshCounts> firsts;
   for (const SubdomainCounts& part : all) {
@@ -87,9 +86,9 @@ void sum_counts(Peers& peers, std::span<const MeshPiece> mine, Numbering& number
 }
 
 void refuse_twins(Peers& peers, std::span<const MeshPiece> mine) {
-  std::vector<std::uint64_t> here, all;
+  std::vector<std::uint64_t> here;
   for (const MeshPiece& piece : mine) here.push_back(piece.subdomain.value);
-  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<std::uint64_t> all = allgather_joined(peers, here);
   std::ranges::sort(all);
   const auto twin = std::ranges::adjacent_find(all);
   agree(peers,

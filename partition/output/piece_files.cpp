@@ -91,9 +91,9 @@ void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers&
 
 /// The subdomains of all pieces, ascending.
 std::vector<SubdomainId> all_subdomains(Peers& peers, std::span<const MeshPiece> mine) {
-  std::vector<SubdomainId> here, all;
+  std::vector<SubdomainId> here;
   for (const MeshPiece& piece : mine) here.push_back(piece.subdomain);
-  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<SubdomainId> all = allgather_joined(peers, here);
   std::ranges::sort(all);
   return all;
 }

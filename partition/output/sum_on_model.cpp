@@ -25,8 +25,7 @@ struct TotalRecord {
 /// Rounding follows the order.
 template <class Record, class Key>
 std::vector<Record> gathered(Peers& peers, const std::vector<Record>& mine, const Key& key) {
-  std::vector<Record> all;
-  for (const auto& of_rank : allgather(peers, mine)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<Record> all = allgather_joined(peers, mine);
   std::ranges::sort(all, {}, key);
   return all;
 }

@@ -18,11 +18,11 @@ struct TextLength {
 TextPlaces place_text(Peers& peers, const std::vector<std::uint64_t>& heads,
                       const std::vector<TextLengths>& parts) {
   const auto rank = static_cast<std::uint64_t>(peers.rank());
-  std::vector<TextLength> mine, all;
+  std::vector<TextLength> mine;
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (std::size_t s = 0; s < heads.size(); ++s)
       mine.push_back({s, parts[p].order, parts[p].sections[s], rank, p});
-  for (const auto& of_rank : allgather(peers, mine)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<TextLength> all = allgather_joined(peers, mine);
   std::ranges::sort(all, {}, [](const TextLength& l) { return std::pair(l.section, l.order); });
   TextPlaces places;
   places.rows.assign(parts.size(), std::vector<std::uint64_t>(heads.size(), 0));

@@ -46,8 +46,7 @@ void add_counts(const MeshPiece& piece, const PieceShare& share, std::vector<Ref
 /// The rows of all ranks in the order of the subdomains.
 template <class Row>
 std::vector<Row> gathered(Peers& peers, const std::vector<Row>& here) {
-  std::vector<Row> all;
-  for (const auto& of_rank : allgather(peers, here)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<Row> all = allgather_joined(peers, here);
   std::ranges::stable_sort(all, {}, &Row::subdomain);
   return all;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <span>
 
+#include "meshing/base/sort_unique.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::partition {
@@ -47,12 +48,8 @@ void SurfaceCover::add_face(const Vertex& a, const Vertex& b, const Vertex& c) {
 }
 
 void SurfaceCover::finish() {
-  std::ranges::sort(ids_);
-  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-  for (const Box& box : near_) {
-    all_near_.include(box.lo);
-    all_near_.include(box.hi);
-  }
+  meshing::sort_unique(ids_);
+  for (const Box& box : near_) all_near_.unite(box);
 }
 
 bool SurfaceCover::wants(const meshing::SurfacePiece& piece) const {

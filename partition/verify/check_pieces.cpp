@@ -208,10 +208,10 @@ std::vector<Part> parts_of(const MeshPiece& piece, const PieceShare& own) {
 
 void sum_sizes(Peers& peers, std::span<const MeshPiece> mine, PiecesReport& report) {
   const std::vector<PieceShare> shares = shares_of(peers, mine);
-  std::vector<Part> parts, all;
+  std::vector<Part> parts;
   for (std::size_t p = 0; p < mine.size(); ++p)
     std::ranges::copy(parts_of(mine[p], shares[p]), std::back_inserter(parts));
-  for (const auto& of_rank : allgather(peers, parts)) std::ranges::copy(of_rank, std::back_inserter(all));
+  std::vector<Part> all = allgather_joined(peers, parts);
   std::ranges::stable_sort(all, {}, &Part::subdomain);
   CompensatedSum volume;
   std::map<std::int32_t, CompensatedSum> areas;

@@ -209,13 +209,17 @@ class Comparison {
   std::size_t makers_ = 0;
 };
 
+void expect_all_ranks_make_pieces(Comparison& comparison) {
+  for (const int ranks : support::kNumbersOfRanks)
+    EXPECT_EQ(comparison.check(ranks), static_cast<std::size_t>(ranks));
+}
+
 TEST(SurfaceShares, AreTheWholeSurface) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
     const MeshData mesh = body(seed);
     Comparison comparison(mesh);
-    for (const int ranks : support::kNumbersOfRanks)
-      EXPECT_EQ(comparison.check(ranks), static_cast<std::size_t>(ranks));
+    expect_all_ranks_make_pieces(comparison);
   }
 }
 
@@ -226,8 +230,7 @@ TEST(SurfaceShares, KeepFeaturesOfAllKinds) {
     add_features(mesh, seed);
     Comparison comparison(mesh);
     EXPECT_GT(comparison.whole().curves().size(), 100u);
-    for (const int ranks : support::kNumbersOfRanks)
-      EXPECT_EQ(comparison.check(ranks), static_cast<std::size_t>(ranks));
+    expect_all_ranks_make_pieces(comparison);
   }
 }
 

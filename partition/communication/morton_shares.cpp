@@ -1,5 +1,5 @@
 // Keys, and where the shares begin.
-#include "partition/metric/morton_shares.h"
+#include "partition/communication/morton_shares.h"
 
 #include <algorithm>
 
@@ -31,8 +31,7 @@ std::vector<std::uint64_t> first_keys(Peers& peers, std::vector<std::uint64_t> k
   std::vector<std::uint64_t> samples;
   for (std::size_t i = 0; i < kSamples && !keys.empty(); ++i)
     samples.push_back(keys[keys.size() * i / kSamples]);
-  std::vector<std::uint64_t> all;
-  for (const auto& of_rank : allgather(peers, samples)) all.insert(all.end(), of_rank.begin(), of_rank.end());
+  std::vector<std::uint64_t> all = allgather_joined(peers, samples);
   std::sort(all.begin(), all.end());
   const auto ranks = static_cast<std::size_t>(peers.ranks());
   std::vector<std::uint64_t> firsts;
