@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -345,8 +343,9 @@ void write_integer(File& file, const Encoding& encoding, std::int64_t number) {
 class UgridWriter {
  public:
   UgridWriter(const fs::path& path, const MeshData& mesh)
-      : name_(path.string()), file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
-    check_integers(name_, encoding_, std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
+      : file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
+    check_integers(path.string(), encoding_,
+                   std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
   }
 
   void write() {
@@ -378,9 +377,6 @@ class UgridWriter {
   void real(double number) {
     if (encoding_.ascii) return text_.number(number);
     if (encoding_.real_size == 8) return write_value(file_, encoding_, number);
-    if (std::abs(number) > std::numeric_limits<float>::max()) {
-      throw InputError(name_, "", "a coordinate is too large for 32-bit reals");
-    }
     write_value(file_, encoding_, static_cast<float>(number));
   }
   void end_row() {
@@ -401,7 +397,6 @@ class UgridWriter {
     }
   }
 
-  std::string name_;
   AtomicFile file_;
   TextOutput<> text_;
   Encoding encoding_;
@@ -446,7 +441,7 @@ MeshContents read_ugrid_range(const fs::path& path, const MeshRange& range) {
 void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
   const Encoding encoding = encoding_of(path);
-  if (!encoding.ascii && encoding.real_size == 4) refuse_rounded_tets(contents.mesh, path.string());
+  if (!encoding.ascii && encoding.real_size == 4) refuse_if_rounding_breaks(contents.mesh, path.string());
   UgridWriter(path, contents.mesh).write();
 }
 

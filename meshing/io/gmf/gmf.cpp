@@ -139,7 +139,7 @@ SolutionData read_gmf_solution(const std::filesystem::path& path) {
 
 void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int version) {
   check_lengths(mesh);
-  if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
+  if (version == 1 && !is_text(path)) refuse_if_rounding_breaks(mesh, path.string());
   const MeshCounts counts = counts_of(mesh, is_text(path));
   write_file(path, version, mesh_shapes(counts),
              [&](auto& out, Keyword code) { write_section_rows(out, mesh, code, counts.model_in_words); });
@@ -148,7 +148,7 @@ void write_gmf_mesh(const std::filesystem::path& path, const MeshData& mesh, int
 void write_gmf_part(const std::filesystem::path& path, const MeshData& mesh,
                     std::span<const GmfCommunicator> communicators, int version) {
   check_lengths(mesh);
-  if (version == 1 && !is_text(path)) refuse_rounded_tets(mesh, path.string());
+  if (version == 1 && !is_text(path)) refuse_if_rounding_breaks(mesh, path.string());
   const MeshCounts counts = counts_of(mesh, is_text(path));
   std::vector<SectionShape> shapes = mesh_shapes(counts);
   add_communicator_shapes(communicators, shapes);

@@ -86,7 +86,7 @@ TEST_F(Ugrid, ErrorsNameTheEntity) {
   expect_contains(message_of([] { read_ugrid("x.r8.ugrid"); }), "Fortran records (.r8)");
   MeshContents c = contents(false);
   expect_contains(message_of([&] { write_ugrid(directory / "m.b4.ugrid", c); }),
-                  "too large for 32-bit reals");
+                  "a coordinate is too large for 32-bit reals");
 }
 
 TEST_F(Ugrid, DamageIsRefusedOrHarmless) {
