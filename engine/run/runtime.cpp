@@ -538,6 +538,7 @@ void Runtime::Implementation::accept_verdict(Rank from, Verdict verdict) {
   reported_ = reported_ || from == (failure_ ? failure_->reporter : verdict.reporter);
   if (failure_) return;
   failure_ = std::move(verdict);
+  scheduler_.stop();  // at once: no handler may begin after run() has thrown
   if (failure_->reporter != rank()) return;
   if (options_.on_failure) options_.on_failure(failure_->what);
   if (failure_->broken) tell_verdict();  // which confirms that it is reported

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -336,6 +337,33 @@ TEST_P(FailureOnRanks, RequestStopEndsTheRunOnAllRanks) {
       EXPECT_STREQ(failure.what(), "enough");
     }
     if (stopper.joinable()) stopper.join();
+  });
+}
+
+/// Keeps its rank's worker busy beyond the end of the run in which it dies.
+struct Heavy {
+  ~Heavy() { std::this_thread::sleep_for(std::chrono::milliseconds(100)); }
+  template <class Archive>
+  void serialize(Archive&) {}
+  void tick(Context&) {}
+};
+
+TEST_P(FailureOnRanks, NothingBeginsOnceTheRunHasFailed) {
+  on_ranks(GetParam(), [&](Transport& transport) {
+    Registry registry;
+    registry.type<Heavy>("Heavy").method<&Heavy::tick>("tick");
+    const auto over = std::make_shared<std::atomic<bool>>(false);
+    const auto late = std::make_shared<std::atomic<bool>>(false);
+    {
+      Runtime runtime(transport, registry, {.on_failure = [](const std::string&) {}});
+      runtime.run([](Context& context) { context.destroy(context.create<Heavy>()); });
+      if (runtime.rank() == Rank(0)) runtime.request_stop("enough");
+      // The root function's own variables are gone when the worker is free.
+      EXPECT_THROW(runtime.run([=](Context&) { *late = over->load(); }), RunFailure);
+      *over = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    }
+    EXPECT_FALSE(*late);
   });
 }
 
