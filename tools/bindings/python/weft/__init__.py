@@ -109,8 +109,9 @@ def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields
         too, any tets of it on any rank, with its `background_ids` and (optional) `background_tet_ids`.
     threads=1 gives the same bytes every time, those of the command.
 
-    A run that is ended early returns the valid mesh that it has, with `cancelled` set; measure=False, which leaves out
-    the figures of quality, makes that three times as quick. Raises InputError for data, OptionError for options,
+    A run that is ended early returns the valid mesh that it has, with `cancelled` set. A whole mesh is not measured
+    before that, nor is one with measure=False: goal_met, missed, summary() and json() of the result take the measures
+    when they are first asked for. Raises InputError for data, OptionError for options,
     UsageError for arguments of a wrong kind, OutOfMemory, and RunError where ranks fail.
     """
     if comm is not None:
