@@ -289,6 +289,41 @@ TEST_F(CInterface, ACallbackCancelsWithAValidMeshAndTheOptionsServeAgain) {
   EXPECT_GT(calls, 0);
 }
 
+TEST_F(CInterface, MeasuresAreTakenWhenTheyAreAskedFor) {
+  weft_mesh* mesh = box(3);
+  weft_options* asked = options();
+  weft_options_set(asked, "measure", "no");
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt(mesh, sizes(mesh, 0.2), asked, nullptr, &result), WEFT_OK) << weft_last_error();
+  keep(result);
+  int goal_met = -1;
+  ASSERT_EQ(weft_result_verdict(result, &goal_met, nullptr), WEFT_OK);
+  EXPECT_EQ(goal_met, 1);
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  ASSERT_EQ(weft_result_measures(result, &measures), WEFT_OK) << weft_last_error();
+  EXPECT_NEAR(measures.volume, 1, 1e-12);
+  EXPECT_GT(measures.edges_unit, 0.5);
+}
+
+TEST_F(CInterface, FilesThatWereNotMeasuredHaveNoMeasures) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", fine = folder / "fine.meshb";
+  ASSERT_EQ(weft_mesh_write(box(3), start.c_str()), WEFT_OK);
+  weft_options* asked = options();
+  weft_options_set(asked, "measure", "no");
+  weft_options_set(asked, "metric-fn", "uniform:0.3");
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_files(start.c_str(), fine.c_str(), asked, &result), WEFT_OK) << weft_last_error();
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  EXPECT_EQ(weft_result_measures(keep(result), &measures), WEFT_MISUSE);
+  EXPECT_THAT(weft_last_error(), HasSubstr("result: has no measures"));
+  int goal_met = -1;
+  ASSERT_EQ(weft_result_verdict(result, &goal_met, nullptr), WEFT_OK);
+  EXPECT_EQ(goal_met, 0);
+}
+
 TEST_F(CInterface, AnotherThreadCancels) {
   weft_mesh* mesh = box(4);
   weft_options* asked = options();
@@ -299,6 +334,13 @@ TEST_F(CInterface, AnotherThreadCancels) {
   int cancelled = 0;
   weft_result_verdict(result, nullptr, &cancelled);
   EXPECT_EQ(cancelled, 1);
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  ASSERT_EQ(weft_result_measures(result, &measures), WEFT_OK) << weft_last_error();
+  EXPECT_NEAR(measures.volume, 1, 1e-12);
+  const char* text = nullptr;
+  ASSERT_EQ(weft_result_json(result, &text), WEFT_OK);
+  EXPECT_THAT(text, HasSubstr("of the edges are unit"));
 }
 
 TEST_F(CInterface, AnotherThreadAsksForACheckpoint) {

@@ -16,7 +16,9 @@
 namespace weft {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 Mesh box_of(std::uint32_t cells) {
@@ -56,7 +58,7 @@ TEST(Door, AdaptsOneMeshToAMetric) {
   const Result fine = adapt(start, sizes(start, 0.15), one_thread());
   EXPECT_TRUE(verify(fine.mesh).ok());
   EXPECT_EQ(fine.metric.size(), fine.mesh.points.size());
-  EXPECT_GT(fine.after.edges_unit, 0.9);
+  EXPECT_GT(fine.after->edges_unit, 0.9);
   EXPECT_TRUE(fine.goal_met());
   EXPECT_NEAR(measure_geometry(fine.mesh).volume_by_ref.at(1), 1, 1e-12);
 }
@@ -81,7 +83,7 @@ TEST(Door, ScalesToTheComplexityThatOptionsAskFor) {
   Options options = one_thread();
   options.metric.complexity = 500;
   const Result fine = adapt(start, sizes(start, 1), options);
-  EXPECT_NEAR(fine.after.complexity, 500, 50);
+  EXPECT_NEAR(fine.after->complexity, 500, 50);
   EXPECT_TRUE(fine.complexity_asked);
 }
 
@@ -192,11 +194,31 @@ TEST(Door, CancelsByTheProgressFunctionWithAValidMesh) {
     Options options = one_thread();
     options.distributed.subdomains = subdomains;
     options.run.progress = [](const Progress& now) { return now.tets == 0 || now.stage == "reading"; };
-    const Result result = adapt(start, sizes(start, 0.03), options);
+    Result result = adapt(start, sizes(start, 0.03), options);
     EXPECT_TRUE(result.cancelled);
     EXPECT_FALSE(result.goal_met());
     EXPECT_TRUE(verify(result.mesh).ok());
+    EXPECT_FALSE(result.after.has_value());
+    EXPECT_THAT(result.missed, ElementsAre(HasSubstr("interrupted")));
+    EXPECT_THAT(summary(result), Not(HasSubstr("GOAL MET")));
+    EXPECT_EQ(measures(result).num_tets, result.mesh.tets.size());
+    EXPECT_EQ(to_json(*result.after), to_json(measure(result.mesh, result.metric)));
+    EXPECT_THAT(result.missed, ElementsAre(HasSubstr("interrupted"), HasSubstr("of the edges are unit")));
   }
+}
+
+TEST(Door, MeasuresAreTakenWhenTheyAreAskedForWhereTheRunLeavesThemOut) {
+  const Mesh start = box_of(3);
+  Options options = one_thread();
+  const Result measured = adapt(start, sizes(start, 0.2), options);
+  options.run.measure = false;
+  Result result = adapt(start, sizes(start, 0.2), options);
+  EXPECT_FALSE(result.after.has_value());
+  EXPECT_FALSE(result.goal_met());
+  EXPECT_THAT(summary(result), StartsWith("NOT MEASURED"));
+  EXPECT_THAT(to_json(result), HasSubstr("\"after\": null"));
+  EXPECT_EQ(to_json(measures(result)), to_json(*measured.after));
+  EXPECT_TRUE(result.goal_met());
 }
 
 TEST(Door, CancelsByAFlagOfAnotherThread) {
@@ -248,15 +270,15 @@ TEST(Door, ReadsAMetricFromAnotherMesh) {
   for (const Point& p : background.points) h.push_back(0.1 + 0.2 * p.x);
   const Result fine = adapt(start, background, Metric::from_sizes(h), one_thread());
   EXPECT_TRUE(verify(fine.mesh).ok());
-  EXPECT_GT(fine.after.edges_unit, 0.85);
+  EXPECT_GT(fine.after->edges_unit, 0.85);
   EXPECT_FALSE(fine.before);
   Options options = one_thread();
   options.distributed.subdomains = 4;
   const Result parts = adapt(start, background, Metric::from_sizes(h), options);
   EXPECT_TRUE(verify(parts.mesh).ok());
-  EXPECT_GT(parts.after.edges_unit, 0.85);
+  EXPECT_GT(parts.after->edges_unit, 0.85);
   EXPECT_NEAR(parts.target_complexity, fine.target_complexity, 1e-9 * fine.target_complexity);
-  EXPECT_NEAR(parts.after.complexity, fine.after.complexity, 0.05 * fine.after.complexity);
+  EXPECT_NEAR(parts.after->complexity, fine.after->complexity, 0.05 * fine.after->complexity);
   EXPECT_FALSE(parts.before);
 }
 

@@ -20,6 +20,6 @@ int main() {
   if (!weft::verify(fine.mesh).ok()) return 1;
   weft::write_result("fine.meshb", fine.mesh, fine.metric);
   std::printf("weft %s: %zu tets, %.1f %% of the edges are unit\n", weft::version(), fine.mesh.tets.size(),
-              100 * fine.after.edges_unit);
+              100 * fine.after->edges_unit);
   return fine.goal_met() ? 0 : 1;
 }

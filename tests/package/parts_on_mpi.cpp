@@ -49,8 +49,8 @@ int main(int argc, char** argv) {
   std::printf("rank %d: %zu tets, %zu ghosts\n", rank, fine.part.num_own_tets,
               fine.part.mesh.tets.size() - fine.part.num_own_tets);
   if (rank == 0)
-    std::printf("all: %llu tets, volume %.12g\n", static_cast<unsigned long long>(fine.after.num_tets),
-                fine.after.volume);
+    std::printf("all: %llu tets, volume %.12g\n", static_cast<unsigned long long>(fine.after->num_tets),
+                fine.after->volume);
   MPI_Comm_free(&solvers);
   MPI_Finalize();
   return fine.goal_met() ? 0 : 1;

@@ -15,6 +15,7 @@ program reach
   real(c_double), pointer :: x(:, :)
   real(c_double), allocatable :: values(:, :)
   integer(c_int), pointer :: owners(:)
+  integer(c_int) :: goal_met = -1, cancelled = -1
   integer :: status
 
   call check(weft_options_create(options))
@@ -85,7 +86,15 @@ program reach
   call check(weft_part_create(mesh, [(count, count=1, points)], c_null_ptr, part))
   call check(weft_part_ghosts(part, count, owners))
   if (count /= 162 .or. associated(owners)) error stop "ghosts of a part that has none"
+
+  ! A run that is ended early is measured when that is asked for.
   call check(weft_options_cancel(options, 1))
+  call check(weft_adapt(mesh, c_null_ptr, options, c_null_ptr, result))
+  call check(weft_result_verdict(result, goal_met, cancelled))
+  if (goal_met /= 0 .or. cancelled /= 1) error stop "it is not cancelled"
+  call check(weft_result_measures(result, measures))
+  if (abs(measures%volume - 1) > 1d-12) error stop "it is not measured"
+  call check(weft_free(result))
   call check(weft_options_checkpoint(options))
   status = weft_free(mesh) + weft_free(other) + weft_free(metric) + weft_free(options) + weft_free(ball) + &
     weft_free(filled) + weft_free(sizes) + weft_free(fields) + weft_free(there) + weft_free(part)

@@ -7,6 +7,7 @@
      -h H         wanted size                 -overlap N   layers of tets that ranks have twice
      -distribute 0   all stays on the first rank
      -bd NAME     label of the boundary       -regions     a label with two regions, and the faces between them
+     -marked      label `bd` is made on the parts: 1 where those of a rank end, 2 at z = 1/2 by who is below
      -rounds N    adaptations, one after another
      -values      the values that each rank has of the label of the boundary
      -checks      PETSc's checks of the result, and the coordinates and owners of what ranks share */
@@ -17,7 +18,7 @@ typedef struct {
   char      metric[32], bd[64];
   PetscReal h;
   PetscInt  cells, overlap, rounds;
-  PetscBool regions, checks, has_bd, distribute, values;
+  PetscBool regions, checks, has_bd, distribute, values, marked;
 } Options;
 
 static PetscErrorCode get_options(Options *o)
@@ -30,7 +31,7 @@ static PetscErrorCode get_options(Options *o)
   o->cells   = 4;
   o->overlap = 0;
   o->rounds  = 1;
-  o->regions = o->checks = o->has_bd = o->values = PETSC_FALSE;
+  o->regions = o->checks = o->has_bd = o->values = o->marked = PETSC_FALSE;
   PetscCall(PetscOptionsGetString(NULL, NULL, "-metric", o->metric, sizeof o->metric, NULL));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-bd", o->bd, sizeof o->bd, &o->has_bd));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-h", &o->h, NULL));
@@ -40,6 +41,7 @@ static PetscErrorCode get_options(Options *o)
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-regions", &o->regions, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-checks", &o->checks, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-values", &o->values, NULL));
+  PetscCall(PetscOptionsGetBool(NULL, NULL, "-marked", &o->marked, NULL));
   PetscFunctionReturn(0);
 }
 
@@ -137,6 +139,33 @@ static PetscErrorCode label_cube(DM dm)
   PetscFunctionReturn(0);
 }
 
+/* As PETSc's ex60 labels what it has distributed: faces between ranks have two values where z = 1/2. */
+static PetscErrorCode mark_parts(DM dm, const char *bd)
+{
+  DMLabel  label;
+  PetscInt f, faces, faces_end, size;
+
+  PetscFunctionBeginUser;
+  PetscCall(DMCreateLabel(dm, bd));
+  PetscCall(DMGetLabel(dm, bd, &label));
+  PetscCall(DMPlexMarkBoundaryFaces(dm, 1, label));
+  PetscCall(DMPlexGetHeightStratum(dm, 1, &faces, &faces_end));
+  for (f = faces; f < faces_end; ++f) {
+    const PetscInt *support;
+    PetscReal       measure, face[3], cell[3];
+
+    PetscCall(DMPlexComputeCellGeometryFVM(dm, f, &measure, face, NULL));
+    if (PetscAbsReal(face[2] - 0.5) > 1e-9) continue;
+    PetscCall(DMPlexGetSupportSize(dm, f, &size));
+    PetscCall(DMPlexGetSupport(dm, f, &support));
+    while (size-- > 0) {
+      PetscCall(DMPlexComputeCellGeometryFVM(dm, support[size], &measure, cell, NULL));
+      if (cell[2] < 0.5) PetscCall(DMLabelSetValue(label, f, 2));
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode create_mesh(const Options *o, DM *dm)
 {
   DM distributed = NULL;
@@ -157,6 +186,7 @@ static PetscErrorCode create_mesh(const Options *o, DM *dm)
     PetscCall(DMDestroy(dm));
     *dm = distributed;
   }
+  if (o->marked) PetscCall(mark_parts(*dm, o->bd));
   PetscFunctionReturn(0);
 }
 

@@ -122,6 +122,14 @@ class Adaptor(unittest.TestCase):
         self.assertEqual(len(set(map(tuple, after.values))), 1, after.values)
         self.assertEqual(sorted(after.values[0]), list("123456"))
 
+    def test_a_face_keeps_all_values_of_a_label_that_any_rank_gives_it(self):
+        for ranks in (1, 2, 4):  # in slabs across z
+            with self.subTest(ranks=ranks):
+                before, after = self.check(ranks, "-bd", "marks", "-marked", "-values", "-petscpartitioner_type", "simple")
+                self.assertAlmostEqual(after.labels["marks", 1][1], 6 + ranks - 1, 7)
+                self.assertAlmostEqual(after.labels["marks", 2][1], 1, 7)
+                self.assertEqual(after.values, [["1", "2"]] * ranks)
+
     def test_no_insert_keeps_all_vertices(self):
         code, text = run(2, "-metric", "layer", "-dm_plex_metric_no_insert", "-checks", "-dm_plex_metric_verbosity", "1")
         self.assertEqual(code, 0, text)

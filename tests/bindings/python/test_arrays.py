@@ -78,6 +78,10 @@ def test_wrong_metrics_are_refused(values, more, error, text):
         weft.Metric(values, **more)
 
 
+def test_a_box_takes_whole_numbers_of_numpy():
+    assert len(weft.box(np.int64(2)).points) == len(weft.box(np.array([2, 2, 2])).points) == 27
+
+
 @pytest.mark.parametrize("values, text", [
     (lambda n: np.zeros(n - 1), "not one row for each of the 64 points"),
     (lambda n: np.full(n, np.nan), r"u\[0\]: is not finite"),
@@ -104,7 +108,11 @@ def test_wrong_fields_are_refused(box, sizes, values, text):
     (lambda m, h: weft.adapt(7, h), weft.UsageError, "mesh: is a int"),
     (lambda m, h: weft.adapt(m, h, ids=[1]), weft.UsageError, "need comm="),
     (lambda m, h: weft.read("none.meshb"), weft.InputError, "none.meshb: cannot read"),
+    (lambda m, h: weft.adapt(m, h, progress=3), weft.UsageError, "progress: is a int, not a function"),
+    (lambda m, h: weft.adapt(m, h, cancel=3), weft.UsageError, "cancel: is a int, not a weft.Cancel"),
     (lambda m, h: weft.box(0), weft.OptionError, "--cells"),
+    (lambda m, h: weft.box(2.5), weft.UsageError, "cells: 2.5 is neither a whole number nor three of them"),
+    (lambda m, h: weft.box(("a", 1, 2)), weft.UsageError, "cells: .'a', 1, 2. is neither"),
     (lambda m, h: weft.ball_surface(radius=-1), weft.OptionError, "--radius"),
     (lambda m, h: weft.draw("none.gif", m), weft.Error, "none.gif"),
     (lambda m, h: weft.draw("none.png", m, colour=3), weft.OptionError, "--colour"),

@@ -1,5 +1,6 @@
 """Runs beside other threads, ended early, told of."""
 
+import json
 import os
 import signal
 import subprocess
@@ -55,6 +56,16 @@ def test_progress_is_told_and_false_cancels_with_a_valid_mesh(box, sizes):
     assert all(isinstance(stage, str) and 0 <= done <= 1 for stage, done, tets in told)
     ended = weft.adapt(box, np.full(len(box.points), 0.03), progress=lambda stage, done, tets: False)
     assert ended.cancelled and not ended.goal_met and weft.verify(ended.mesh, against=box)
+
+
+def test_measures_are_taken_when_they_are_asked_for_where_the_run_leaves_them_out(box, sizes):
+    measured = json.loads(weft.adapt(box, sizes, threads=1).json())
+    result = weft.adapt(box, sizes, threads=1, measure=False)
+    assert result.goal_met and result.missed == []
+    assert json.loads(result.json())["after"] == measured["after"]
+    ended = weft.adapt(box, np.full(len(box.points), 0.03), progress=lambda stage, done, tets: False)
+    assert "of the edges are unit" in " ".join(ended.missed) and "interrupted" in ended.summary()
+    assert json.loads(ended.json())["after"]["tets"] == len(ended.mesh.tets)
 
 
 def test_another_thread_cancels_with_a_valid_mesh(box):

@@ -64,7 +64,7 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   tools::add_engine(simulated.summary, account);
   account.subdomains = rules.subdomains;
   account.partitioner = "bisection";
-  account.former_interface = run.after;
+  account.former_interface = *run.after;
   run.distributed = std::make_shared<DistributedStats>(std::move(account));
   return run;
 }

@@ -47,7 +47,7 @@ struct ResultObject {
   std::shared_ptr<Result> whole;
   std::shared_ptr<PartResult> part;
   std::shared_ptr<FilesResult> files;
-  std::mutex mutex;  ///< of the two texts
+  std::mutex mutex;  ///< of the two texts, the measures and what was missed
   std::string summary, json;
 
   const Report& report() const;

@@ -44,6 +44,13 @@ std::shared_ptr<Fields> fields_in(const ResultObject& result) {
   return fields;
 }
 
+/// The report of a result, whose mutex the caller holds. A whole mesh that its run has not measured, because
+/// it was ended early or told not to, is measured now.
+const Report& measured(const ResultObject& result) {
+  if (result.whole) weft::measures(*result.whole);
+  return result.report();
+}
+
 weft_measures measures_of(const Measures& m) {
   weft_measures all{};
   all.size = sizeof all;
@@ -116,8 +123,10 @@ weft_status weft_result_write(const weft_result* result, const char* path) {
 weft_status weft_result_verdict(const weft_result* result, int* goal_met, int* cancelled) {
   return guarded([&] {
     const auto known = result_of(result);
-    if (goal_met) *goal_met = known->report().goal_met() ? 1 : 0;
-    if (cancelled) *cancelled = known->report().cancelled ? 1 : 0;
+    const std::lock_guard lock(known->mutex);
+    const bool ended = known->report().cancelled;  // and so has not met its goal
+    if (goal_met) *goal_met = !ended && measured(*known).goal_met() ? 1 : 0;
+    if (cancelled) *cancelled = ended ? 1 : 0;
   });
 }
 
@@ -127,7 +136,7 @@ weft_status weft_result_summary(const weft_result* result, const char** text) {
     const auto known = result_of(result);
     const std::lock_guard lock(known->mutex);
     if (known->summary.empty())
-      known->summary = known->files ? weft::summary(*known->files) : weft::summary(known->report());
+      known->summary = known->files ? weft::summary(*known->files) : weft::summary(measured(*known));
     *text = known->summary.c_str();
   });
 }
@@ -137,7 +146,7 @@ weft_status weft_result_json(const weft_result* result, const char** text) {
     require_place(text, "text");
     const auto known = result_of(result);
     const std::lock_guard lock(known->mutex);
-    if (known->json.empty()) known->json = weft::to_json(known->report());
+    if (known->json.empty()) known->json = weft::to_json(measured(*known));
     *text = known->json.c_str();
   });
 }
@@ -145,7 +154,11 @@ weft_status weft_result_json(const weft_result* result, const char** text) {
 weft_status weft_result_measures(const weft_result* result, weft_measures* measures) {
   return guarded([&] {
     require_place(measures, "measures");
-    fill_sized(*measures, measures_of(result_of(result)->report().after), "measures");
+    const auto known = result_of(result);
+    const std::lock_guard lock(known->mutex);
+    const weft::Report& report = measured(*known);
+    require(report.after.has_value(), "result: has no measures: the option measure was no");
+    fill_sized(*measures, measures_of(*report.after), "measures");
   });
 }
 

@@ -68,9 +68,10 @@ PetscErrorCode adapt_plex(DM dm, Vec metric, DMLabel bd_label, DMLabel rg_label,
   PetscCall(read_plex(dm, metric, bd_label, rg_label, input));
   if (options.boundary_stays) require_boundary(input.part.mesh);
   PetscCall(run(comm, input, options.weft, result));
-  input = {};
+  input.part = {};
+  input.metric = {};
   PetscCall(tell(comm, dm, options.verbosity, result));
-  PetscCall(make_plex(dm, result.part, bd_label, rg_label, adapted));
+  PetscCall(make_plex(dm, result.part, bd_label, input.faces, rg_label, input.regions, adapted));
   PetscFunctionReturn(0);
 }
 

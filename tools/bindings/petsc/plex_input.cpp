@@ -79,7 +79,7 @@ PetscErrorCode foreign_points(DM dm, const Strata& strata, std::vector<char>& fo
 /// Fills a part. Every member function is one step, in the order of read().
 class Reader {
  public:
-  Reader(DM dm, PlexInput& input) : dm_(dm), part_(input.part), metric_(input.metric) {}
+  Reader(DM dm, PlexInput& input) : dm_(dm), input_(input), part_(input.part), metric_(input.metric) {}
 
   PetscErrorCode read(Vec metric, DMLabel bd_label, DMLabel rg_label) {
     PetscFunctionBegin;
@@ -120,7 +120,11 @@ class Reader {
 
   /// Numbers the vertices as they come.
   PetscErrorCode add_tets(DMLabel rg_label) {
+    std::vector<std::int32_t> regions;
+    PetscInt unset = 0;
     PetscFunctionBegin;
+    if (rg_label) PetscCall(DMLabelGetDefaultValue(rg_label, &unset));
+    PetscCall(references_of(dm_, rg_label, strata_.cells, strata_.cells_end, unset, regions, input_.regions));
     local_.assign(static_cast<std::size_t>(strata_.vertices_end - strata_.vertices), kUnused);
     for (PetscInt c = strata_.cells; c < strata_.cells_end; ++c) {
       if (!own_cell(c)) continue;
@@ -135,10 +139,8 @@ class Reader {
         }
         tet[i] = number;
       }
-      PetscInt region = 0;
-      if (rg_label) PetscCall(DMLabelGetValue(rg_label, c, &region));
       part_.mesh.tets.push_back(tet);
-      part_.mesh.tet_refs.push_back(static_cast<std::int32_t>(region));
+      part_.mesh.tet_refs.push_back(regions[static_cast<std::size_t>(c - strata_.cells)]);
     }
     PetscFunctionReturn(0);
   }
@@ -184,8 +186,6 @@ class Reader {
 
   /// All ranks: of each point that is a face, the owned tets that it has here and on all ranks.
   PetscErrorCode count_tets(std::vector<PetscInt>& here, std::vector<PetscInt>& everywhere) const {
-    PetscSF sf = nullptr;
-    PetscInt roots = -1;
     PetscFunctionBegin;
     here.assign(static_cast<std::size_t>(strata_.end), 0);
     for (PetscInt f = strata_.faces; f < strata_.faces_end; ++f) {
@@ -196,15 +196,7 @@ class Reader {
       for (PetscInt i = 0; i < size; ++i) here[static_cast<std::size_t>(f)] += own_cell(cells[i]);
     }
     everywhere = here;
-    PetscCall(DMGetPointSF(dm_, &sf));
-    PetscCall(PetscSFGetGraph(sf, &roots, nullptr, nullptr, nullptr));
-    if (roots >= 0) {
-      PetscCall(PetscSFReduceBegin(sf, MPIU_INT, here.data(), everywhere.data(), MPI_SUM));
-      PetscCall(PetscSFReduceEnd(sf, MPIU_INT, here.data(), everywhere.data(), MPI_SUM));
-      std::vector<PetscInt> sums = everywhere;
-      PetscCall(PetscSFBcastBegin(sf, MPIU_INT, sums.data(), everywhere.data(), MPI_REPLACE));
-      PetscCall(PetscSFBcastEnd(sf, MPIU_INT, sums.data(), everywhere.data(), MPI_REPLACE));
-    }
+    PetscCall(combine_shared(dm_, MPI_SUM, everywhere));
     PetscFunctionReturn(0);
   }
 
@@ -214,15 +206,16 @@ class Reader {
     PetscCall(count_tets(here, everywhere));
     PetscInt unset = 0;
     if (bd_label) PetscCall(DMLabelGetDefaultValue(bd_label, &unset));
+    std::vector<std::int32_t> refs;
+    PetscCall(references_of(dm_, bd_label, strata_.faces, strata_.faces_end, unset, refs, input_.faces));
     for (PetscInt f = strata_.faces; f < strata_.faces_end; ++f) {
       const auto at = static_cast<std::size_t>(f);
-      PetscInt value = unset;
-      if (bd_label) PetscCall(DMLabelGetValue(bd_label, f, &value));
-      if (here[at] == 0 || (everywhere[at] != 1 && value == unset)) continue;
+      const std::int32_t ref = refs[static_cast<std::size_t>(f - strata_.faces)];
+      if (here[at] == 0 || (everywhere[at] != 1 && ref == unset)) continue;
       std::array<PetscInt, 3> vertices{};
       PetscCall(vertices_of(f, vertices));
       part_.mesh.triangles.push_back({local(vertices[0]), local(vertices[1]), local(vertices[2])});
-      part_.mesh.triangle_refs.push_back(static_cast<std::int32_t>(value));
+      part_.mesh.triangle_refs.push_back(ref);
     }
     PetscFunctionReturn(0);
   }
@@ -311,6 +304,7 @@ class Reader {
   }
 
   DM dm_;
+  PlexInput& input_;
   Part& part_;
   Metric& metric_;
   Strata strata_;

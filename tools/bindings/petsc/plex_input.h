@@ -3,6 +3,7 @@
 
 #include <petscdmplex.h>
 
+#include "tools/bindings/petsc/label_sets.h"
 #include "weft/weft.h"
 
 namespace weft::petsc {
@@ -10,11 +11,12 @@ namespace weft::petsc {
 struct PlexInput {
   Part part;
   Metric metric;
+  LabelSets faces, regions;  ///< what references of triangles and tets stand for
 };
 
 /// All ranks: the tets that the rank owns (of an overlap none twice), the faces of the boundary and those
-/// within that `bd_label` has, with its values as references, regions by `rg_label`. `metric`: a local vector
-/// as of DMPlexMetricCreate(). Either label may be null.
+/// within that `bd_label` has, and regions by `rg_label`, with references as of references_of(). `metric`: a
+/// local vector as of DMPlexMetricCreate(). Either label may be null.
 PetscErrorCode read_plex(DM dm, Vec metric, DMLabel bd_label, DMLabel rg_label, PlexInput& input);
 
 /// All triangles of the mesh stay as they are.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -89,25 +90,21 @@ PetscErrorCode make_mesh(DM old, const Part& part, const Numbering& numbering,
 /// All ranks: every rank gets all values that any has, in the same order, where it has no such points with an
 /// empty stratum: a program that asks a label for its values, or goes through them with collective calls,
 /// does the same everywhere.
-PetscErrorCode add_values(DM dm, const std::vector<std::int32_t>& refs, PetscInt unset, DMLabel label) {
-  IS mine = nullptr, all = nullptr;
+PetscErrorCode add_values(DM dm, const std::set<std::int32_t>& refs, const LabelSets& sets, PetscInt unset,
+                          DMLabel label) {
   PetscFunctionBegin;
-  std::vector<PetscInt> values(refs.begin(), refs.end());
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  values.erase(std::remove(values.begin(), values.end(), unset), values.end());
-  PetscCall(ISCreateGeneral(comm_of(dm), static_cast<PetscInt>(values.size()), values.data(),
-                            PETSC_COPY_VALUES, &mine));
-  PetscCall(ISAllGather(mine, &all));
-  PetscCall(DMLabelAddStrataIS(label, all));
-  PetscCall(ISDestroy(&mine));
-  PetscCall(ISDestroy(&all));
+  std::vector<PetscInt> mine, all;
+  for (const std::int32_t ref : refs)
+    for (const PetscInt value : values_of(sets, ref)) mine.push_back(value);
+  PetscCall(gather_values(comm_of(dm), mine, all));
+  all.erase(std::remove(all.begin(), all.end(), unset), all.end());
+  PetscCall(DMLabelAddStrata(label, static_cast<PetscInt>(all.size()), all.data()));
   PetscFunctionReturn(0);
 }
 
 /// All ranks: a label of the name and with the default value of `like`, for the values `refs`.
-PetscErrorCode create_label(DM dm, DMLabel like, const std::vector<std::int32_t>& refs, DMLabel* label,
-                            PetscInt* unset) {
+PetscErrorCode create_label(DM dm, DMLabel like, const std::vector<std::int32_t>& refs, const LabelSets& sets,
+                            DMLabel* label, PetscInt* unset) {
   const char* name = nullptr;
   PetscFunctionBegin;
   PetscCall(PetscObjectGetName(reinterpret_cast<PetscObject>(like), &name));
@@ -115,7 +112,7 @@ PetscErrorCode create_label(DM dm, DMLabel like, const std::vector<std::int32_t>
   PetscCall(DMGetLabel(dm, name, label));
   PetscCall(DMLabelGetDefaultValue(like, unset));
   PetscCall(DMLabelSetDefaultValue(*label, *unset));
-  PetscCall(add_values(dm, refs, *unset, *label));
+  PetscCall(add_values(dm, {refs.begin(), refs.end()}, sets, *unset, *label));
   PetscFunctionReturn(0);
 }
 
@@ -155,13 +152,14 @@ PetscErrorCode labels_corners(DM dm, DMLabel label, bool& any) {
 
 /// The faces of the part's triangles get their references. Edges and vertices follow where they did in the
 /// old mesh.
-PetscErrorCode label_faces(DM old, DMLabel bd_label, const Part& part, const Numbering& numbering,
-                           const std::unordered_map<PetscInt, PetscInt>& vertices, DM made) {
+PetscErrorCode label_faces(DM old, DMLabel bd_label, const LabelSets& sets, const Part& part,
+                           const Numbering& numbering, const std::unordered_map<PetscInt, PetscInt>& vertices,
+                           DM made) {
   DMLabel label = nullptr;
   PetscInt unset = -1;
   bool corners = false;
   PetscFunctionBegin;
-  PetscCall(create_label(made, bd_label, part.mesh.triangle_refs, &label, &unset));
+  PetscCall(create_label(made, bd_label, part.mesh.triangle_refs, sets, &label, &unset));
   for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
     if (part.mesh.triangle_refs[t] == unset) continue;
     std::array<PetscInt, 3> points{};
@@ -169,7 +167,8 @@ PetscErrorCode label_faces(DM old, DMLabel bd_label, const Part& part, const Num
     PetscInt count = 0;
     const PetscInt* faces = nullptr;
     PetscCall(DMPlexGetFullJoin(made, 3, points.data(), &count, &faces));
-    if (count == 1) PetscCall(DMLabelSetValue(label, faces[0], part.mesh.triangle_refs[t]));
+    for (const PetscInt value : values_of(sets, part.mesh.triangle_refs[t]))
+      if (count == 1) PetscCall(DMLabelSetValue(label, faces[0], value));
     PetscCall(DMPlexRestoreJoin(made, 3, points.data(), &count, &faces));
   }
   PetscCall(labels_corners(old, bd_label, corners));
@@ -178,22 +177,24 @@ PetscErrorCode label_faces(DM old, DMLabel bd_label, const Part& part, const Num
 }
 
 /// The cells of a rank are those of its part, in their order.
-PetscErrorCode label_cells(DMLabel rg_label, const Part& part, DM made) {
+PetscErrorCode label_cells(DMLabel rg_label, const LabelSets& sets, const Part& part, DM made) {
   DMLabel label = nullptr;
   PetscInt unset = -1, start = 0, end = 0;
   PetscFunctionBegin;
-  PetscCall(create_label(made, rg_label, part.mesh.tet_refs, &label, &unset));
+  PetscCall(create_label(made, rg_label, part.mesh.tet_refs, sets, &label, &unset));
   PetscCall(DMPlexGetHeightStratum(made, 0, &start, &end));
   for (PetscInt c = start; c < end; ++c) {
-    const PetscInt region = part.mesh.tet_refs[static_cast<std::size_t>(c - start)];
-    if (region != unset) PetscCall(DMLabelSetValue(label, c, region));
+    const std::int32_t region = part.mesh.tet_refs[static_cast<std::size_t>(c - start)];
+    if (region == unset) continue;
+    for (const PetscInt value : values_of(sets, region)) PetscCall(DMLabelSetValue(label, c, value));
   }
   PetscFunctionReturn(0);
 }
 
 }  // namespace
 
-PetscErrorCode make_plex(DM old, const Part& part, DMLabel bd_label, DMLabel rg_label, DM* made) {
+PetscErrorCode make_plex(DM old, const Part& part, DMLabel bd_label, const LabelSets& faces, DMLabel rg_label,
+                         const LabelSets& regions, DM* made) {
   Numbering numbering;
   std::unordered_map<PetscInt, PetscInt> vertices;
   PetscFunctionBegin;
@@ -202,8 +203,8 @@ PetscErrorCode make_plex(DM old, const Part& part, DMLabel bd_label, DMLabel rg_
   const char* prefix = nullptr;
   PetscCall(PetscObjectGetOptionsPrefix(reinterpret_cast<PetscObject>(old), &prefix));
   PetscCall(PetscObjectSetOptionsPrefix(reinterpret_cast<PetscObject>(*made), prefix));
-  if (bd_label) PetscCall(label_faces(old, bd_label, part, numbering, vertices, *made));
-  if (rg_label) PetscCall(label_cells(rg_label, part, *made));
+  if (bd_label) PetscCall(label_faces(old, bd_label, faces, part, numbering, vertices, *made));
+  if (rg_label) PetscCall(label_cells(rg_label, regions, part, *made));
   PetscFunctionReturn(0);
 }
 

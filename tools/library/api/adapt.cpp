@@ -45,13 +45,14 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
     result.warnings = std::move(made.warnings);
     partition::MeshSlice of_metric = tools::deal_out(run.peers(), owner, made.field), of_mesh;
     if (input.background) of_mesh = tools::deal_out(run.peers(), input.mesh, {});
+    if (options.run.measure && !input.background) {
+      if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);
+      result.before = meshing::measure(input.mesh, made.field);
+    }
+    made.field = {};
     run.adapt(std::move(input.background ? of_mesh : of_metric), target, input.name, result,
               input.background ? &of_metric : nullptr);
-    if (options.run.measure) {
-      if (target > 0) meshing::scale_to_complexity(input.mesh, target, made.field);
-      if (!input.background) result.before = meshing::measure(input.mesh, made.field);
-      run.measure(result);
-    }
+    if (options.run.measure && !result.cancelled) run.measure(result);
     partition::MergedMesh merged = partition::merge_pieces(run.pieces());
     result.mesh = std::move(merged.mesh);
     if (!options.geometry.model.empty()) {
@@ -145,6 +146,18 @@ Result adapt(const Mesh& mesh, const Mesh& background, const Options& options, c
   const WholeMesh whole(mesh), whole_background(background);
   check_fields(mesh, fields);
   return adapt_input({*whole, "", &*whole_background, "", nullptr, fields}, options);
+}
+
+const Measures& measures(Result& result) {
+  if (!result.after) {
+    tools::Stopwatch watch;
+    result.after = tools::with_threads(
+        result.threads, [&] { return meshing::measure(result.mesh, result.metric.logarithms()); });
+    result.missed = tools::missed_goals(result.after, result.complexity_asked ? result.target_complexity : 0,
+                                        result.ended_by);
+    result.times.measure += watch.lap();
+  }
+  return *result.after;
 }
 
 bool under_mpirun() { return engine::under_mpirun(); }

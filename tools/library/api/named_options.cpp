@@ -240,8 +240,8 @@ void add_run(std::vector<Row>& rows) {
       "no-verify", "give the result away without checking that it conforms",
       [](Options & o) -> auto& { return o.run.verify; }));
   rows.push_back(flag(
-      "measure", "fill the measures of the result", [](Options & o) -> auto& { return o.run.measure; },
-      false));
+      "measure", "measure the result before it is returned, not when measures are asked for",
+      [](Options & o) -> auto& { return o.run.measure; }, false));
 }
 
 void add_subdomains(std::vector<Row>& rows) {

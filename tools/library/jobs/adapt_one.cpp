@@ -53,7 +53,7 @@ class OneMesh {
     check_size(input_.name, result_.target_complexity, options_.run, result_.input_counts, result_.predicted);
     if (options_.run.measure) measure_before();
     adapt();
-    if (options_.run.measure) measure_after();
+    judge();
     if (!input_.fields.fields.empty()) carry_fields();
     return std::move(result_);
   }
@@ -151,11 +151,16 @@ class OneMesh {
     checkpoints_.reset();
   }
 
+  /// Who ends a run early wants what there is at once, and measures it if he wants to know: measures().
+  void judge() {
+    if (options_.run.measure && !result_.cancelled) measure_after();
+    field_ = {};
+    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
+  }
+
   void measure_after() {
     monitor_.update("measuring", work_->at_adaptation(1), result_.output_counts.tets);
     result_.after = measures_of_result();
-    field_ = {};
-    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
     result_.times.measure += watch_.lap();
   }
 

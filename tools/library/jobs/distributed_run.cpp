@@ -227,6 +227,10 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
       static_cast<EndReason>(partition::max(*peers_, static_cast<std::uint8_t>(monitor_.reason())));
   report.cancelled = reason != EndReason::none;
   report.ended_by = text_of(reason);
+  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
+  if (model_)
+    report.model = std::make_shared<const ModelAccount>(
+        meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model)));
   gather_statistics(report);
 }
 
@@ -291,10 +295,7 @@ void DistributedRun::measure(Report& report) {
   if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, record_);
   report.after = partition::measure_pieces(*peers_, result_.pieces);
   stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
-  report.output_counts = {report.after.num_vertices, report.after.num_tets, report.after.num_triangles, 0};
-  if (model_)
-    report.model = std::make_shared<const ModelAccount>(
-        meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model)));
+  report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
 }
 

@@ -46,7 +46,7 @@ class DistributedRun {
   /// of another mesh that has the metric, with which nothing is to be done any more; null: the mesh has it.
   void adapt(partition::MeshSlice&& slice, double target_complexity, const std::string& name, Report& report,
              partition::MeshSlice* background = nullptr);
-  /// Fills the measures of the result.
+  /// Fills the measures of the result, and what they say of the goal.
   void measure(Report& report);
 
   std::vector<partition::MeshPiece>& pieces() { return result_.pieces; }

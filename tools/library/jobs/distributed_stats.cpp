@@ -224,9 +224,10 @@ std::string subdomains_text(const DistributedStats& a) {
         "it, {} after\n",
         line(a.exchanged_before), line(a.exchanged_in_loop), line(a.exchanged_after));
   }
-  text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",
-                      a.former_interface.quality_mean, a.former_interface.quality_q01,
-                      a.former_interface.quality_min, percent(a.former_interface.edges_unit));
+  if (a.former_interface.num_tets > 0)
+    text += fmt::format("former interface: Q mean {:.4f}, 1 % {:.4f}, min {:.4f}; unit edges {}\n",
+                        a.former_interface.quality_mean, a.former_interface.quality_q01,
+                        a.former_interface.quality_min, percent(a.former_interface.edges_unit));
   return text;
 }
 

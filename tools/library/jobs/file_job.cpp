@@ -39,6 +39,7 @@ class FileJob {
     with_threads(number_of_threads(options_.run.threads), [this] { read(); });
     adapt();
     write();
+    measure();
     finish();
     return files_result(run_, report_error_);
   }
@@ -71,24 +72,27 @@ class FileJob {
                            files_.background,
                            source_ ? &*source_ : nullptr,
                            fields_};
-    Result result = adapt_one(input, options_, monitor_);
-    static_cast<Report&>(run_) = std::move(static_cast<Report&>(result));
-    run_.times.read = read_seconds_;
-    run_.mends = std::move(mends_);
-    mesh_ = std::move(result.mesh);
-    metric_ = std::move(result.metric);
-    fields_ = std::move(result.fields);
+    result_ = adapt_one(input, options_, monitor_);
+    result_.times.read = read_seconds_;
+    result_.mends = std::move(mends_);
+    fields_ = {};
     watch_.lap();
   }
 
   void write() {
-    RunWork work = RunWork::to_complexity(static_cast<double>(run_.input_counts.tets), run_.target_complexity,
-                                          !fields_.fields.empty());
-    work.adapted(static_cast<double>(run_.output_counts.tets));
-    monitor_.update("writing", work.at_writing(), run_.output_counts.tets);
-    write_mesh_with_solution(run_.outputs, mesh_, metric_.fields(), fields_, names_);
+    RunWork work = RunWork::to_complexity(static_cast<double>(result_.input_counts.tets),
+                                          result_.target_complexity, !result_.fields.fields.empty());
+    work.adapted(static_cast<double>(result_.output_counts.tets));
+    monitor_.update("writing", work.at_writing(), result_.output_counts.tets);
+    write_mesh_with_solution(run_.outputs, result_.mesh, result_.metric.fields(), result_.fields, names_);
     meshing::copy_mapbc(files_.input, run_.outputs.mesh);
-    run_.times.write = watch_.lap();
+    result_.times.write = watch_.lap();
+  }
+
+  /// What was ended early has not been: who interrupts a run may soon kill it, so the mesh came first.
+  void measure() {
+    if (options_.run.measure || !run_.report_path.empty()) measures(result_);
+    static_cast<Report&>(run_) = std::move(static_cast<Report&>(result_));
   }
 
   /// The mesh is safe by now: a report that cannot be written costs the goal, not the mesh.
@@ -98,7 +102,8 @@ class FileJob {
     if (run_.report_path.empty()) return;
     try {
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
-      if (files_.page) write_record(run_, record_of(mesh_, metric_.logarithms()), files_.case_name);
+      if (files_.page)
+        write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);
     } catch (const InputError& error) {
       report_error_ = error.what();
     }
@@ -111,13 +116,13 @@ class FileJob {
   RunResult run_;
   double read_seconds_ = 0;
   std::string report_error_;
-  MeshData input_, mesh_;
+  MeshData input_;
   std::optional<meshing::LogMetricField> source_;  ///< the metric that was mended with the input
   std::vector<Mend> mends_;
   meshing::RefNames names_;             ///< of the input's references, which the result keeps
   std::optional<MeshData> background_;  ///< empty: the input
-  Metric metric_;
-  meshing::SolutionData fields_;  ///< carried along; of the input, then of the result
+  meshing::SolutionData fields_;        ///< of the input, to be carried along
+  Result result_;
 };
 
 }  // namespace

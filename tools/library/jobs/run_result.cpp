@@ -15,7 +15,7 @@ MeshCounts count(const meshing::MeshData& mesh) {
   return {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()};
 }
 
-std::vector<std::string> missed_goals(const meshing::Measures& after, double asked_complexity,
+std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
                                       const std::string& ended_by) {
   constexpr double kLeastUnitEdges = 0.5;
   constexpr double kComplexityTolerance = 0.2;
@@ -24,14 +24,15 @@ std::vector<std::string> missed_goals(const meshing::Measures& after, double ask
     missed.push_back(ended_by + ": this is the valid mesh reached so far");
   else if (!ended_by.empty())
     missed.push_back("ended by its " + ended_by + ": this is the valid mesh reached so far");
-  if (after.edges_unit < kLeastUnitEdges)
-    missed.push_back(fmt::format("only {} of the edges are unit", percent(after.edges_unit)));
+  if (!after) return missed;
+  if (after->edges_unit < kLeastUnitEdges)
+    missed.push_back(fmt::format("only {} of the edges are unit", percent(after->edges_unit)));
   // Without --complexity the target is the metric's own on the background, and a coarse background samples it
   // only roughly.
-  const double off = asked_complexity > 0 ? after.complexity / asked_complexity - 1 : 0;
+  const double off = asked_complexity > 0 ? after->complexity / asked_complexity - 1 : 0;
   if (!(std::abs(off) <= kComplexityTolerance))
     missed.push_back(fmt::format("the result's complexity {} is {} off the target {}",
-                                 grouped(after.complexity), percent(std::abs(off)),
+                                 grouped(after->complexity), percent(std::abs(off)),
                                  grouped(asked_complexity)));
   return missed;
 }

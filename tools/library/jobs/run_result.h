@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,8 @@ struct RunResult : Report {
 };
 
 /// Reasons to call the goal missed: ended before it was done (`ended_by`: Report::ended_by), less than half
-/// of the edges unit, complexity off by more than 20 %.
-std::vector<std::string> missed_goals(const meshing::Measures& after, double asked_complexity,
+/// of the edges unit, complexity off by more than 20 %. Without measures the first alone.
+std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
                                       const std::string& ended_by);
 
 /// How often an operator was tried, done, refused and rolled back (another thread was there).

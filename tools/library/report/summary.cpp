@@ -20,15 +20,16 @@ using meshing::Verdict;
 std::string significant(double x) { return fmt::format("{:.3g}", x); }
 
 std::string verdict_line(const Report& run) {
+  if (run.missed.empty() && !run.after) return "NOT MEASURED: whether the goal is met is not known\n";
   if (run.missed.empty() && run.complexity_asked)
     return fmt::format("GOAL MET: {} of the edges are unit, complexity {} for a target of {}\n",
-                       percent(run.after.edges_unit), grouped(run.after.complexity),
+                       percent(run.after->edges_unit), grouped(run.after->complexity),
                        grouped(run.target_complexity));
   if (run.missed.empty())
     return fmt::format(
         "GOAL MET: {} of the edges are unit (no --complexity was given)\n"
         "complexity {}; the metric sampled on the background mesh has {}, no target for the result\n",
-        percent(run.after.edges_unit), grouped(run.after.complexity), grouped(run.target_complexity));
+        percent(run.after->edges_unit), grouped(run.after->complexity), grouped(run.target_complexity));
   std::string text;
   for (const std::string& reason : run.missed) text += "GOAL NOT MET: " + reason + "\n";
   return text;
@@ -55,7 +56,7 @@ std::string times_text(const Report& run) {
 }
 
 std::string speed_text(const Report& run) {
-  const double tets = static_cast<double>(run.after.num_tets);
+  const double tets = static_cast<double>(run.output_counts.tets);
   return fmt::format("{} with {} thread{}: {} tets/s; peak memory {}\n", seconds_text(run.times.adapt),
                      run.threads, run.threads == 1 ? "" : "s",
                      grouped(tets / std::max(run.times.adapt, 1e-9)), bytes_text(run.peak_memory));
@@ -99,7 +100,9 @@ std::string operations_text(const meshing::OperationCounts& counts) {
 std::string summary_text(const Report& run) {
   std::string text = verdict_line(run);
   text += speed_text(run) + "\n";
-  text += measures_table({{"before", run.before ? &*run.before : nullptr}, {"after", &run.after}}) + "\n";
+  text += measures_table({{"before", run.before ? &*run.before : nullptr},
+                          {"after", run.after ? &*run.after : nullptr}}) +
+          "\n";
   text += times_text(run) + "\n";
   if (run.distributed) text += subdomains_text(*run.distributed) + "\n";
   if (run.checkpoints) text += checkpoints_text(*run.checkpoints) + "\n";

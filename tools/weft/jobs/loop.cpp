@@ -174,11 +174,11 @@ class Loop {
     };
     const FilesResult run = adapt_files(files, options);
     if (run.cancelled) return false;
-    marker["goal_met"] = run.missed.empty();
-    marker["complexity"] = run.after.complexity;
-    marker["vertices"] = run.after.num_vertices;
-    marker["tets"] = run.after.num_tets;
-    marker["unit_edges"] = run.after.edges_unit;
+    marker["goal_met"] = run.goal_met();
+    marker["complexity"] = run.after->complexity;
+    marker["vertices"] = run.after->num_vertices;
+    marker["tets"] = run.after->num_tets;
+    marker["unit_edges"] = run.after->edges_unit;
     marker["adapt_seconds"] = run.times.total;
     return true;
   }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -223,10 +224,21 @@ std::shared_ptr<Member> member(const std::shared_ptr<Owner>& owner, Member& of) 
   return {owner, &of};
 }
 
+/// A result with its measures: those that its run has left out, because it was ended early or told not to
+/// measure, are taken now, while other threads of Python work.
+const Result& measured(Result& result) {
+  static std::mutex mutex;
+  const py::gil_scoped_release released;
+  const std::lock_guard lock(mutex);
+  measures(result);
+  return result;
+}
+
 void add_reports(py::module_& module) {
   py::class_<Report, std::shared_ptr<Report>>(module, "Report", "What is known after an adaptation.")
-      .def_property_readonly("goal_met", &Report::goal_met, "Whether the mesh is what was asked for.")
-      .def_readonly("missed", &Report::missed, "Why it is not; empty when it is.")
+      .def_property_readonly("goal_met", &Report::goal_met,
+                             "Whether the mesh is known to be what was asked for.")
+      .def_readonly("missed", &Report::missed, "Why it is not; empty when it is, or was not measured.")
       .def_readonly("cancelled", &Report::cancelled, "Whether the run was ended early.")
       .def_readonly("warnings", &Report::warnings)
       .def_property_readonly(
@@ -237,6 +249,18 @@ void add_reports(py::module_& module) {
       .def(
           "json", [](const Report& report) { return to_json(report); }, "JSON of schema weft-report-1.");
   py::class_<Result, Report, std::shared_ptr<Result>>(module, "Result", "A mesh that has been adapted.")
+      .def_property_readonly(
+          "goal_met", [](Result& r) { return !r.cancelled && measured(r).goal_met(); },
+          "Whether the mesh is what was asked for. Measures it where that has not been done.")
+      .def_property_readonly(
+          "missed", [](Result& r) { return measured(r).missed; },
+          "Why it is not; empty when it is. Measures it where that has not been done.")
+      .def(
+          "summary", [](Result& r) { return summary(measured(r)); },
+          "What the command prints. Measures the mesh where that has not been done.")
+      .def(
+          "json", [](Result& r) { return to_json(measured(r)); },
+          "JSON of schema weft-report-1. Measures the mesh where that has not been done.")
       .def_property_readonly(
           "mesh", [](const std::shared_ptr<Result>& r) { return member(r, r->mesh); }, "weft.Mesh.")
       .def_property_readonly(

@@ -17,6 +17,7 @@ from __future__ import annotations
 import json as _json
 import os as _os
 from dataclasses import dataclass as _dataclass, field as _field
+from operator import index as _index
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _errors, _weft
@@ -85,6 +86,13 @@ def _as_metric(metric: MetricLike, order: Optional[str]) -> Optional[Metric]:
     return metric if metric is None or isinstance(metric, Metric) else Metric(metric, order=order)
 
 
+def _check_watch(progress: Any, cancel: Any) -> None:
+    if progress is not None and not callable(progress):
+        raise UsageError(f"progress: is a {type(progress).__name__}, not a function")
+    if cancel is not None and not isinstance(cancel, Cancel):
+        raise UsageError(f"cancel: is a {type(cancel).__name__}, not a weft.Cancel")
+
+
 def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields] = None,
           solutions: Optional[_Fields] = None, background: MeshLike = None, order: Optional[str] = None,
           progress: Optional[Progress] = None, cancel: Optional[Cancel] = None, comm: Any = None, ids: Any = None,
@@ -109,15 +117,20 @@ def adapt(mesh: MeshLike, metric: MetricLike = None, *, fields: Optional[_Fields
         too, any tets of it on any rank, with its `background_ids` and (optional) `background_tet_ids`.
     threads=1 gives the same bytes every time, those of the command.
 
-    A run that is ended early returns the valid mesh that it has, with `cancelled` set; measure=False, which leaves out
-    the figures of quality, makes that three times as quick. Raises InputError for data, OptionError for options,
-    UsageError for arguments of a wrong kind, OutOfMemory, and RunError where ranks fail.
+    A run that is ended early returns the valid mesh that it has, with `cancelled` set. A whole mesh is not measured
+    before that, nor is one with measure=False: goal_met, missed, summary() and json() of the result take the measures
+    when they are first asked for.
+
+    Raises InputError for data, OptionError for options, UsageError for arguments of a wrong kind, OutOfMemory, and
+    RunError where ranks fail. Errors name arrays by argument and index; what they call a vertex, tet or triangle with
+    a number counts from 1, as in files.
     """
     if comm is not None:
         return _adapt_parts(comm, (mesh, ids, tet_ids), (background, background_ids, background_tet_ids), metric,
                             fields, solutions, order, progress, cancel, options)
     if any(numbers is not None for numbers in (ids, tet_ids, background_ids, background_tet_ids)):
         raise UsageError("ids: are those of a mesh in parts, and need comm=")
+    _check_watch(progress, cancel)
     return _weft.adapt(as_mesh(mesh), _as_metric(metric, order), options, fields, solutions, order,
                        _as_background(background), progress, cancel)
 
@@ -158,6 +171,7 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
     handle = _handle(comm)
     issue, cause, prepared = "", None, None
     try:
+        _check_watch(progress, cancel)
         mesh, ids, tet_ids = part
         other, *of_other = background
         if other is None and any(numbers is not None for numbers in of_other):
@@ -184,6 +198,7 @@ def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), ba
     graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
     this thread simulates, on a network and with processors slower by a factor; the result is a SimulatedFilesResult.
     """
+    _check_watch(progress, cancel)
     texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)
     return _weft.adapt_files({name: _os.fspath(text) for name, text in texts.items()}, [_os.fspath(f) for f in fields],
                              page, options, simulate_ranks, simulate_network, simulate_slowdown, progress, cancel)
@@ -318,6 +333,7 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
     Of the options threads, hausd, ridge_angle, repair and, with remesh_surface, geometry and geometry_scale have a
     meaning.
     """
+    _check_watch(progress, cancel)
     return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, _as_background(background),
                       _as_metric(metric, order), options, progress, cancel)
 
@@ -334,7 +350,10 @@ def tessellate(geometry: _Path, *, geometry_scale: float = 1, hausd: float = 0, 
 def box(cells: Union[int, Sequence[int]] = 8, *, min: Sequence[float] = (0, 0, 0),
         max: Sequence[float] = (1, 1, 1)) -> Mesh:
     """A structured box: `cells` in x, y and z (or in each), of 6 tets. Its sides have the references 1 to 6."""
-    counts = [cells] * 3 if isinstance(cells, int) else list(cells)
+    try:
+        counts = [_index(count) for count in (cells if hasattr(cells, "__len__") else [cells] * 3)]
+    except TypeError:
+        raise UsageError(f"cells: {cells!r} is neither a whole number nor three of them") from None
     if len(counts) != 3 or any(count < 1 for count in counts):
         raise OptionError(f"--cells: {cells} are not three numbers above 0")
     return _weft.box(counts, list(min), list(max))

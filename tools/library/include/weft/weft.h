@@ -174,7 +174,7 @@ struct RunOptions {
   /// Check that the result conforms before it is given away, by a sum over all faces (less than a hundredth
   /// of the time). RunError names what is wrong: a fault of weft, not of the input.
   bool verify = true;
-  bool measure = true;  ///< fill the measures of the result
+  bool measure = true;  ///< measure before the result is given away; see Report::after
   /// SIGUSR1 makes every rank tell on_state what it does. The command's; a library handles no signals else.
   bool state_on_signal = false;
   std::function<void(const std::string&)> on_state;
@@ -336,7 +336,9 @@ struct DistributedStats {
 /// ranks it is complete on rank 0, and the measures on all.
 struct Report {
   std::optional<Measures> before;  ///< empty when the metric belongs to another mesh than the input
-  Measures after;
+  /// Of the result. Empty where it was not measured: RunOptions::measure is off, or adapt() of a whole mesh
+  /// was ended early and gave what it had at once. measures() takes them then.
+  std::optional<Measures> after;
   MeshCounts input_counts, output_counts;
   double target_complexity = 0;  ///< that was asked for, else that of the metric on its mesh
   bool complexity_asked = false;
@@ -346,7 +348,7 @@ struct Report {
   /// failed.
   std::string ended_by;
   std::vector<Mend> mends;            ///< of the input (RunOptions::repair)
-  std::vector<std::string> missed;    ///< why the goal was not met; empty when it was
+  std::vector<std::string> missed;    ///< why the goal was not met, as far as that is known without measures
   std::vector<std::string> warnings;  ///< such as boundary triangles that were missing and have been created
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
@@ -361,7 +363,8 @@ struct Report {
   int threads = 1;
   double peak_memory = 0;  ///< bytes, of this process
 
-  bool goal_met() const { return missed.empty(); }
+  /// Whether it is known to be met: by measures.
+  bool goal_met() const { return after && missed.empty(); }
 };
 
 /// The readable account: what the command prints.
@@ -378,6 +381,9 @@ struct Result : Report {
   Metric metric;  ///< at the vertices of `mesh`
   Fields fields;  ///< those that were to be carried along, at the vertices of `mesh`
 };
+
+/// The measures of a result: those of its run, else taken now and kept, with what they say of the goal.
+WEFT_API const Measures& measures(Result& result);
 
 /// Adapts `mesh` to `metric`, at its vertices, processed as options.metric says (scaled, limited, graded).
 /// `fields` are carried along. Throws InputError for a mesh that does not conform and a metric of the wrong
@@ -425,9 +431,10 @@ struct PartResult : Report {
 /// initialised by the caller, is used by the calling thread only, and is not finalised. `metric`: at the
 /// vertices of the part. The result's tets are spread evenly over the ranks. With options.run.threads = 1 it
 /// does not depend on the number of ranks nor, with tet_ids, on who had which tets. Fields are carried along
-/// as options.transfer says; where ranks have different values at a vertex, those of the lowest count. Throws
-/// the same InputError on all ranks, naming the rank, the entity and the reason: ids that mean different
-/// points, holes between parts, wrong lengths, and whatever adapt() refuses.
+/// as options.transfer says; where ranks have different values at a vertex, those of the lowest count. A
+/// result that was ended early is measured all the same: it takes all ranks. Throws the same InputError on
+/// all ranks, naming the rank, the entity and the reason: ids that mean different points, holes between
+/// parts, wrong lengths, and whatever adapt() refuses.
 WEFT_API PartResult adapt(MPI_Comm communicator, const Part& part, const Metric& metric,
                           const Options& options = {});
 

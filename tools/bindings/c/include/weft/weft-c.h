@@ -331,6 +331,11 @@ WEFT_C_API weft_status weft_result_fields(const weft_result* result, weft_fields
 WEFT_C_API weft_status weft_result_part(const weft_result* result, weft_part** part);
 /* Mesh, metric beside it, and fields, as `weft adapt` writes them. */
 WEFT_C_API weft_status weft_result_write(const weft_result* result, const char* path);
+/* A run that is ended early gives a whole mesh at once, without measuring it, as one does with the option
+   measure=no. The goal (of a run that was not ended early), summary, JSON and measures take the measures when
+   they are first asked for. A mesh in parts is measured by all ranks together or, with measure=no, not at
+   all, and the goal then counts as not met. */
+
 /* 1 or 0: whether the goal was met (else the summary says why), and whether the run was cancelled. Either may
    be NULL. */
 WEFT_C_API weft_status weft_result_verdict(const weft_result* result, int* goal_met, int* cancelled);
@@ -347,7 +352,7 @@ typedef struct weft_measures {
   double length_mean, length_min, length_max;
   double edges_unit, edges_short, edges_long; /* shares */
 } weft_measures;
-/* Of the result; of any mesh. */
+/* Of the result, WEFT_MISUSE where one in parts or in files has not been measured; of any mesh. */
 WEFT_C_API weft_status weft_result_measures(const weft_result* result, weft_measures* measures);
 WEFT_C_API weft_status weft_measure(const weft_mesh* mesh, const weft_metric* metric,
                                     weft_measures* measures);
