@@ -46,7 +46,7 @@ PARTITION = {
     "partition/decompose": ["communication", "subdomain"],
     "partition/refine": ["subdomain"],
     "partition/distribute": ["communication", "decompose", "refine", "subdomain"],
-    "partition/metric": ["communication", "distribute"],
+    "partition/metric": ["communication", "distribute", "subdomain"],
     "partition/coordinate": ["communication", "decompose", "distribute", "metric"],
     "partition/shift": ["subdomain"],
     "partition/divide": ["communication", "coordinate", "decompose", "distribute", "shift", "subdomain"],

@@ -484,6 +484,7 @@ MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange&
   RefNames names;
   ZoneRefs refs(names);
   MeshContents contents = ZoneReader(open.library, 1, open.size, refs).read(range);
+  keep_part(range, contents.mesh);
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));
   return contents;

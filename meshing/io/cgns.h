@@ -23,8 +23,8 @@ MeshContents read_cgns(const std::filesystem::path& path);
 /// sections of mixed elements.
 std::optional<MeshSize> cgns_size(const std::filesystem::path& path);
 
-/// The points and tets of `range`, all triangles, edges and names, as read_cgns() reads them, but no fields;
-/// indices are those of the whole mesh. Of a file that cgns_size() has sized; reads no more of it.
+/// What `range` says, and all names, as read_cgns() reads them, but no fields; indices are those of the whole
+/// mesh. Of a file that cgns_size() has sized; reads no more of it but all triangles and edges.
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range);
 
 // Parts of the zones (see mesh_file.h). Names and their references are those of the whole file on every

@@ -87,7 +87,7 @@ std::optional<MeshSize> gmf_size(const fs::path& path) {
 MeshContents read_gmf_range(const fs::path& path, const MeshRange& range) {
   const GmfLayout layout = read_gmf_layout(path);
   MeshContents contents;
-  contents.mesh = read_gmf_boundary(path, layout);
+  contents.mesh = read_gmf_boundary(path, layout, range);
   GmfPoints points = read_gmf_points(path, layout, range.first_point, range.num_points);
   contents.mesh.points = std::move(points.points);
   contents.mesh.point_refs = std::move(points.refs);
@@ -364,32 +364,45 @@ std::unique_ptr<TextPart> open_text_part(const fs::path& name, const WholeMesh& 
   return format_of(name).open_text_part(whole, part);
 }
 
-std::vector<Dropped> lost_in(const fs::path& path, const MeshView& contents, const WriteOptions& options) {
+MeshCounts counts_of(const MeshData& mesh) {
+  const Association& on_model = mesh.association;
+  return {.tets = mesh.tets.size(),
+          .edges = mesh.edges.size(),
+          .corners = mesh.corners.size(),
+          .ridges = mesh.ridges.size(),
+          .required_points = mesh.required_points.size(),
+          .required_edges = mesh.required_edges.size(),
+          .required_triangles = mesh.required_triangles.size(),
+          .point_refs = count_nonzero(mesh.point_refs),
+          .tet_refs = count_nonzero(mesh.tet_refs),
+          .on_model = on_model.nodes.size() + on_model.edges.size() + on_model.faces.size(),
+          .models = on_model.model.empty() ? 0u : 1u};
+}
+
+std::vector<Dropped> lost_in(const fs::path& path, const MeshCounts& mesh, const SolutionData& fields,
+                             const RefNames& names, const WriteOptions& options) {
   const unsigned keeps = format_of(path).keeps;
-  const MeshData& mesh = contents.mesh;
   MeshContents lost;
   if (!(keeps & kTets)) {
-    lost.drop("tets", mesh.tets.size());
+    lost.drop("tets", mesh.tets);
   } else if (!(keeps & kTetRefs)) {
-    lost.drop("references of tets", count_nonzero(mesh.tet_refs));
+    lost.drop("references of tets", mesh.tet_refs);
   }
-  if (!(keeps & kEdges)) lost.drop("edges", mesh.edges.size());
-  if (!(keeps & kCorners)) lost.drop("corners", mesh.corners.size());
+  if (!(keeps & kEdges)) lost.drop("edges", mesh.edges);
+  if (!(keeps & kCorners)) lost.drop("corners", mesh.corners);
   if (!(keeps & kMarks)) {
-    lost.drop("ridges (among the edges)", mesh.ridges.size());
-    lost.drop("marks of required vertices", mesh.required_points.size());
-    lost.drop("marks of required edges", mesh.required_edges.size());
-    lost.drop("marks of required triangles", mesh.required_triangles.size());
+    lost.drop("ridges (among the edges)", mesh.ridges);
+    lost.drop("marks of required vertices", mesh.required_points);
+    lost.drop("marks of required edges", mesh.required_edges);
+    lost.drop("marks of required triangles", mesh.required_triangles);
   }
   if (!(keeps & kAssociation)) {
-    const Association& on_model = mesh.association;
-    lost.drop("records of vertices on a CAD model",
-              on_model.nodes.size() + on_model.edges.size() + on_model.faces.size());
-    lost.drop("carried CAD models", on_model.model.empty() ? 0 : 1);
+    lost.drop("records of vertices on a CAD model", mesh.on_model);
+    lost.drop("carried CAD models", mesh.models);
   }
-  if (!(keeps & kPointRefs)) lost.drop("vertex references", count_nonzero(mesh.point_refs));
-  if (!(keeps & kNames)) lost.drop("names of references", contents.names.all().size());
-  lost.drop("fields", count_lost_fields(keeps, contents.fields));
+  if (!(keeps & kPointRefs)) lost.drop("vertex references", mesh.point_refs);
+  if (!(keeps & kNames)) lost.drop("names of references", names.all().size());
+  lost.drop("fields", count_lost_fields(keeps, fields));
   if (path.extension() == ".stl" && options.encoding != WriteOptions::Encoding::ascii) {
     lost.dropped.push_back({"digits of coordinates beyond 32 bits (ASCII keeps them)", 0});
   }

@@ -33,9 +33,9 @@ enum class OtherVolumes { refused, dropped };
 /// .vtu of one piece, binary .msh 4.1 with nodes tagged in order. Nothing for any other.
 std::optional<MeshSize> size_for_ranges(const std::filesystem::path& path);
 
-/// Part of such a file: the points and tets of `range`, with indices of the whole mesh; all triangles, edges,
-/// marks and names; no fields. Reads (but of text) and allocates no more. Refuses what read_mesh refuses, as
-/// far as it reads it.
+/// Part of such a file: what `range` says, with indices of the whole mesh, and all names; no fields. Reads
+/// (but of text) and allocates no more; of .vtu and CGNS all triangles and edges meanwhile. Refuses what
+/// read_mesh refuses, as far as it reads it.
 MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange& range,
                              OtherVolumes others = OtherVolumes::refused);
 
@@ -104,8 +104,19 @@ std::vector<std::string> text_heads(const std::filesystem::path& name, const Who
 std::unique_ptr<TextPart> open_text_part(const std::filesystem::path& name, const WholeMesh& whole,
                                          const MeshPart& part);
 
-/// What write_mesh_contents would leave out. Fields do not count where they can go into a file beside.
-std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshView& contents,
+/// How much a mesh has of what formats may have no place for.
+struct MeshCounts {
+  std::uint64_t tets = 0, edges = 0, corners = 0, ridges = 0;
+  std::uint64_t required_points = 0, required_edges = 0, required_triangles = 0;
+  std::uint64_t point_refs = 0, tet_refs = 0;  ///< that are not 0
+  std::uint64_t on_model = 0, models = 0;      ///< records of vertices on a CAD model
+};
+MeshCounts counts_of(const MeshData& mesh);
+
+/// What write_mesh_contents would leave out. Fields (their values are not looked at) do not count where they
+/// can go into a file beside.
+std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshCounts& mesh,
+                             const SolutionData& fields, const RefNames& names,
                              const WriteOptions& options = {});
 
 /// Writes .solb or .sol.

@@ -259,10 +259,12 @@ class RangeReader {
     const std::uint64_t integer = encoding_.integer_size, real = 3 * encoding_.real_size;
     at(points_ + range.first_point * real, range.num_points, real, out,
        [&](UgridReader& in) { in.read_points(range.num_points, range.first_point); });
-    at(triangles_, counts_.triangles, 3 * integer, out,
-       [&](UgridReader& in) { in.read_elements("triangle", counts_.triangles, out.mesh.triangles); });
-    at(triangle_ids_, counts_.triangles, integer, out,
-       [&](UgridReader& in) { in.read_refs("surface ID", counts_.triangles, out.mesh.triangle_refs); });
+    const std::uint64_t first = range.part_begin(counts_.triangles);
+    const std::uint64_t count = range.part_end(counts_.triangles) - first;
+    at(triangles_ + first * 3 * integer, count, 3 * integer, out,
+       [&](UgridReader& in) { in.read_elements("triangle", count, out.mesh.triangles, first); });
+    at(triangle_ids_ + first * integer, count, integer, out,
+       [&](UgridReader& in) { in.read_refs("surface ID", count, out.mesh.triangle_refs, first); });
     at(tets_ + range.first_tet * 4 * integer, range.num_tets, 4 * integer, out,
        [&](UgridReader& in) { in.read_elements("tet", range.num_tets, out.mesh.tets, range.first_tet); });
     if (volume_ids_ > 0)

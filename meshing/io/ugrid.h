@@ -28,8 +28,8 @@ bool is_ascii_ugrid(const std::filesystem::path& path);
 /// How many points and tets a binary file has; nothing for ASCII, of which no range can be found.
 std::optional<MeshSize> ugrid_size(const std::filesystem::path& path);
 
-/// The points and tets of `range`, all triangles and all names, as read_ugrid() reads them; indices are those
-/// of the whole mesh. Of a binary file; reads no more of it.
+/// What `range` says, and all names, as read_ugrid() reads them; indices are those of the whole mesh. Of a
+/// binary file; reads no more of it.
 MeshContents read_ugrid_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Writes tets, triangles and their references, whole or not at all.

@@ -35,18 +35,4 @@ StarsReport check_stars(const Stars& stars, std::size_t max_problems) {
   return report;
 }
 
-std::vector<std::uint8_t> find_edges(const MeshData& boundary, const std::vector<Tet>& tets,
-                                     bool with_triangles) {
-  EdgeCheck edges(boundary);
-  edges.mark(tets);
-  if (with_triangles) edges.mark(boundary.triangles);
-  return edges.found();
-}
-
-void report_unmatched(const MeshData& boundary, std::span<const std::uint8_t> matched,
-                      std::span<const std::uint8_t> found, Problems& problems) {
-  report_triangles(sorted_triangles(boundary.triangles), matched, problems);
-  EdgeCheck::report(found, problems);
-}
-
 }  // namespace weft::meshing

@@ -16,8 +16,8 @@ namespace weft::meshing {
 /// All tets at the vertices of a range. What is checked here belongs to these vertices: a face or an edge to
 /// its least one.
 struct Stars {
-  const MeshData& mesh;                ///< vertices numbered as in the whole mesh; all triangles; no points
-  std::span<const std::int8_t> signs;  ///< of the tets' orientations
+  const MeshData& mesh;  ///< vertices numbered as in the whole mesh; triangles at the vertices; no points
+  std::span<const std::int8_t> signs;          ///< of the tets' orientations
   std::span<const std::uint64_t> tet_numbers;  ///< in the whole mesh, ascending
   std::uint32_t first, end;                    ///< the vertices
 };
@@ -33,15 +33,5 @@ struct StarsReport {
 
 /// 100 bytes a tet of temporaries; multithreaded.
 StarsReport check_stars(const Stars& stars, std::size_t max_problems);
-
-/// Marks the listed edges of `boundary` that are edges of these tets, and of its triangles where
-/// `with_triangles`.
-std::vector<std::uint8_t> find_edges(const MeshData& boundary,
-                                     const std::vector<std::array<std::uint32_t, 4>>& tets,
-                                     bool with_triangles);
-
-/// What check_mesh() says of triangles and edges, when the marks of all parts are put together.
-void report_unmatched(const MeshData& boundary, std::span<const std::uint8_t> matched,
-                      std::span<const std::uint8_t> found, Problems& problems);
 
 }  // namespace weft::meshing

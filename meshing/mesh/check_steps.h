@@ -73,11 +73,11 @@ inline void check_references(const char* entity, std::size_t num_refs, std::size
 }
 
 inline void check_list(const char* list, const std::vector<std::uint32_t>& indices, std::size_t limit,
-                       Problems& problems) {
+                       Problems& problems, std::uint64_t passed = 0) {
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= limit)
-      problems.add(list, ' ', i + 1, ": index ", std::uint64_t{indices[i]} + 1, " is out of range (", limit,
-                   " entities)");
+      problems.add(list, ' ', passed + i + 1, ": index ", std::uint64_t{indices[i]} + 1, " is out of range (",
+                   limit, " entities)");
 }
 
 inline void check_coordinates(const std::vector<Point>& points, Problems& problems,
@@ -187,15 +187,24 @@ inline std::vector<FaceRecord> sorted_triangles(const std::vector<Triangle>& tri
   return records;
 }
 
+inline void report_no_face(std::uint64_t triangle, Problems& problems) {
+  problems.add("triangle ", triangle + 1, ": is not a face of any tet");
+}
+inline void report_repeated(std::uint64_t triangle, std::uint64_t next, Problems& problems) {
+  problems.add("triangles ", triangle + 1, " and ", next + 1, ": have the same vertices");
+}
+inline void report_no_edge(std::uint64_t edge, Problems& problems) {
+  problems.add("edge ", edge + 1, ": is not an edge of any tet or triangle");
+}
+
 /// Triangles, sorted, of which some are not marked as faces or have the same vertices.
 inline void report_triangles(const std::vector<FaceRecord>& triangles, std::span<const std::uint8_t> matched,
                              Problems& problems) {
   for (std::size_t i = 0; i < matched.size(); ++i)
-    if (!matched[i]) problems.add("triangle ", i + 1, ": is not a face of any tet");
+    if (!matched[i]) report_no_face(i, problems);
   for (std::size_t i = 1; i < triangles.size(); ++i)
     if (triangles[i].same_face(triangles[i - 1]))
-      problems.add("triangles ", triangles[i - 1].place() + 1, " and ", triangles[i].place() + 1,
-                   ": have the same vertices");
+      report_repeated(triangles[i - 1].place(), triangles[i].place(), problems);
 }
 
 /// Sets of tets connected through faces: lock-free union-find. Larger roots are linked to smaller ones, so
@@ -441,7 +450,7 @@ class EdgeCheck {
   const std::vector<std::uint8_t>& found() const { return found_; }
   static void report(std::span<const std::uint8_t> found, Problems& problems) {
     for (std::size_t e = 0; e < found.size(); ++e)
-      if (!found[e]) problems.add("edge ", e + 1, ": is not an edge of any tet or triangle");
+      if (!found[e]) report_no_edge(e, problems);
   }
 
  private:

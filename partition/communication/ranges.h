@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "partition/communication/peers.h"
@@ -30,6 +32,22 @@ class Ranges {
  private:
   std::vector<std::uint64_t> firsts_;
 };
+
+/// All ranks: the same entries in the same order, of which each rank gets an equal share.
+template <class T>
+std::vector<T> dealt_evenly(Peers& peers, const std::vector<T>& mine) {
+  const Ranges ranges(peers, mine.size());
+  const auto ranks = static_cast<std::uint64_t>(peers.ranks());
+  const std::uint64_t first = ranges.first(peers.rank()), last = first + mine.size();
+  std::vector<std::vector<T>> to_each(ranks);
+  for (std::uint64_t r = 0; r < ranks; ++r) {
+    const std::uint64_t begin = std::clamp(ranges.total() * r / ranks, first, last);
+    const std::uint64_t end = std::clamp(ranges.total() * (r + 1) / ranks, first, last);
+    to_each[r].assign(mine.begin() + static_cast<std::ptrdiff_t>(begin - first),
+                      mine.begin() + static_cast<std::ptrdiff_t>(end - first));
+  }
+  return all_to_all_joined(peers, std::move(to_each));
+}
 
 /// The entries of these numbers (ascending) from the ranks that have them. `entry(i)` is entry i of this
 /// rank's range; all ranks call together.

@@ -25,27 +25,28 @@ namespace {
 
 using meshing::Point;
 
-/// Every rank has all triangles, so all throw alike.
-void check_references(const MeshSlice& slice, const BoundaryCoordinate& coordinate) {
+/// All ranks throw alike.
+void check_references(Peers& peers, const MeshSlice& slice, const BoundaryCoordinate& coordinate) {
+  const std::vector<std::int32_t>& refs = slice.boundary.triangle_refs;
   for (const std::int32_t ref : coordinate.refs)
-    if (std::ranges::find(slice.boundary.triangle_refs, ref) == slice.boundary.triangle_refs.end())
+    if (partition::max(peers, int{std::ranges::find(refs, ref) != refs.end()}) == 0)
       throw meshing::InputError("", "partitioner " + text_of(coordinate),
                                 fmt::format("no triangle has the reference {}", ref));
 }
 
-/// Marks the vertices of the part that triangles of this reference have.
-std::vector<std::uint8_t> vertices_of_reference(const MeshSlice& slice, std::int32_t ref,
+/// All ranks: marks the vertices of the part that triangles of this reference have.
+std::vector<std::uint8_t> vertices_of_reference(Peers& peers, const MeshSlice& slice, std::int32_t ref,
                                                 const PartDomain& domain) {
-  std::vector<std::uint8_t> marks(domain.numbers().size(), 0);
-  for (std::size_t t = 0; t < slice.boundary.triangles.size(); ++t) {
-    if (slice.boundary.triangle_refs[t] != ref) continue;
-    for (const std::uint32_t number : slice.boundary.triangles[t]) {
-      const auto at = std::ranges::lower_bound(domain.numbers(), number);
-      if (at != domain.numbers().end() && *at == number)
-        marks[static_cast<std::size_t>(at - domain.numbers().begin())] = 1;
-    }
-  }
-  return marks;
+  const Ranges points(peers, slice.points.size());
+  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t t = 0; t < slice.boundary.triangles.size(); ++t)
+    if (slice.boundary.triangle_refs[t] == ref)
+      for (const std::uint32_t number : slice.boundary.triangles[t])
+        to_each[points.rank_of(number)].push_back(number);
+  std::vector<std::uint8_t> marks(slice.points.size(), 0);
+  for (const std::uint32_t number : all_to_all_joined(peers, std::move(to_each)))
+    marks[number - slice.first_point] = 1;
+  return domain.from_slices(marks);
 }
 
 /// Marks spread along edges through the whole mesh: within a part at once, to the next ones in rounds. An
@@ -95,7 +96,7 @@ CoordinateValues harmonic(Peers& peers, const MeshSlice& slice, const BoundaryCo
   {
     const auto neighbours = meshing::vertex_neighbours(domain.mesh().tets, domain.mesh().points.size());
     for (std::size_t i = 0; i < 2; ++i) {
-      ends[i] = vertices_of_reference(slice, coordinate.refs[i], domain);
+      ends[i] = vertices_of_reference(peers, slice, coordinate.refs[i], domain);
       check_joined(peers, domain, neighbours, ends[i], coordinate, coordinate.refs[i]);
     }
   }
@@ -123,6 +124,7 @@ class Walls {
     for (std::size_t t = 0; t < all.triangles.size(); ++t)
       if (std::ranges::find(coordinate.refs, all.triangle_refs[t]) != coordinate.refs.end())
         walls.push_back(all.triangles[t]);
+    walls = allgather_joined(peers, walls);
     const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), walls);
     std::vector<meshing::ClosestForest::Item> items(walls.size());
     for (std::uint32_t t = 0; t < items.size(); ++t) {
@@ -162,7 +164,7 @@ CoordinateValues distance_from_wall(Peers& peers, const MeshSlice& slice,
 
 CoordinateValues boundary_coordinate(Peers& peers, const MeshSlice& slice,
                                      const BoundaryCoordinate& coordinate) {
-  check_references(slice, coordinate);
+  check_references(peers, slice, coordinate);
   if (coordinate.kind == BoundaryCoordinate::Kind::wall) return distance_from_wall(peers, slice, coordinate);
   return harmonic(peers, slice, coordinate);
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "meshing/base/ids.h"
@@ -51,6 +52,9 @@ class BoundaryIndex {
   meshing::VertexKind kind(std::uint32_t place) const { return records_.vertices[place].kind; }
   std::uint32_t hint(std::uint32_t place) const { return records_.vertices[place].hint; }
   std::uint8_t flags(std::uint32_t place) const { return records_.vertices[place].flags; }
+
+  /// All that have triangles, by numbers of vertices.
+  std::span<const BoundaryRecords::Face> faces() const { return records_.faces; }
 
   // By numbers of vertices:
   /// Patch of a face; invalid where it has no triangle.

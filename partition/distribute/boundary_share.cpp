@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
 #include "meshing/mesh/touching_edges.h"
@@ -24,20 +25,40 @@ using meshing::MeshData;
 using Tet = std::array<std::uint32_t, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// All ranks: which of these vertices tets of other ranks have too. Whoever has the point knows who asks.
-std::vector<std::uint8_t> used_elsewhere(Peers& peers, const Ranges& points,
-                                         const std::vector<std::uint32_t>& numbers) {
+/// All ranks: the numbers that each rank sends to whoever has the point.
+std::vector<std::vector<std::uint32_t>> at_points(Peers& peers, const Ranges& points,
+                                                  const std::vector<std::uint32_t>& numbers) {
   std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
   for (const std::uint32_t number : numbers) to_each[points.rank_of(number)].push_back(number);
-  const auto asked = partition::all_to_all(peers, std::move(to_each));
+  return partition::all_to_all(peers, std::move(to_each));
+}
+
+enum VertexMark : std::uint8_t {
+  kUsedElsewhere = 1,  ///< tets of other ranks have the vertex too
+  kOnTriangle = 2,     ///< a triangle of any rank has it
+};
+
+/// All ranks: the marks of these vertices. Whoever has the point knows who has the vertex.
+std::vector<std::uint8_t> vertex_marks(Peers& peers, const Ranges& points,
+                                       const std::vector<std::uint32_t>& numbers,
+                                       const std::vector<Triangle>& triangles) {
   const std::uint64_t first = points.first(peers.rank());
-  std::vector<std::uint8_t> users(points.first(peers.rank() + 1) - first, 0);
+  std::vector<std::uint8_t> users(points.first(peers.rank() + 1) - first, 0), marks(users.size(), 0);
+  {
+    std::vector<std::uint32_t> corners;
+    for (const Triangle& t : triangles) corners.insert(corners.end(), t.begin(), t.end());
+    meshing::sort_unique(corners);
+    for (const auto& of_rank : at_points(peers, points, corners))
+      for (const std::uint32_t number : of_rank) marks[number - first] = kOnTriangle;
+  }
+  const auto asked = at_points(peers, points, numbers);
   for (const auto& of_rank : asked)
     for (const std::uint32_t number : of_rank)
-      if (std::uint8_t& known = users[number - first]; known < 2) ++known;
+      if (std::uint8_t& known = users[number - first]; known < 2 && ++known == 2)
+        marks[number - first] |= kUsedElsewhere;
   std::vector<std::vector<std::uint8_t>> answers(asked.size());
   for (std::size_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t number : asked[r]) answers[r].push_back(users[number - first] > 1);
+    for (const std::uint32_t number : asked[r]) answers[r].push_back(marks[number - first]);
   return all_to_all_joined(peers, std::move(answers));
 }
 
@@ -46,12 +67,9 @@ class SliceFaces {
  public:
   /// All ranks call together.
   SliceFaces(Peers& peers, const MeshSlice& slice, const PlacedTets& placed, const Ranges& points)
-      : slice_(slice), tets_(placed.tets), marks_(used_elsewhere(peers, points, placed.numbers)) {
-    for (const Triangle& triangle : slice.boundary.triangles)
-      for (const std::uint32_t v : triangle) {
-        const auto at = std::ranges::lower_bound(placed.numbers, v);
-        if (at != placed.numbers.end() && *at == v) marks_[at - placed.numbers.begin()] |= kOnTriangle;
-      }
+      : slice_(slice),
+        tets_(placed.tets),
+        marks_(vertex_marks(peers, points, placed.numbers, slice.boundary.triangles)) {
     try {
       neighbours_ = meshing::build_adjacency(tets_, placed.numbers.size()).neighbours;
     } catch (const meshing::InputError&) {
@@ -72,8 +90,6 @@ class SliceFaces {
   }
 
  private:
-  static constexpr std::uint8_t kOnTriangle = 2;  ///< beside 1: tets of other ranks have the vertex too
-
   Triangle corners(std::uint32_t t, std::size_t f) const {
     const auto& c = meshing::kTetFaces[f];
     return {tets_[t][c[0]], tets_[t][c[1]], tets_[t][c[2]]};
@@ -145,44 +161,76 @@ struct Created {
 
 /// What this rank finds out about the triangles whose lowest vertex is its.
 struct TriangleFindings {
-  std::vector<std::uint32_t> kept, repeated;  ///< indices of triangles
-  std::vector<Triangle> outer;                ///< of one tet
+  std::vector<BoundaryTriangle> kept;   ///< numbered as in the input
+  std::vector<std::uint32_t> repeated;  ///< numbers in the input
+  std::vector<Triangle> outer;          ///< of one tet
   std::vector<Created> created;
 };
 
 struct SortedTriangle {
-  Triangle vertices;
-  std::uint32_t index;
-  friend auto operator<=>(const SortedTriangle&, const SortedTriangle&) = default;
+  Triangle sorted;
+  BoundaryTriangle triangle;  ///< numbered as in the input
 };
 
-std::vector<SortedTriangle> my_triangles(const Peers& peers, const std::vector<Triangle>& triangles) {
-  std::vector<SortedTriangle> mine;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    SortedTriangle triangle{triangles[i], i};
-    std::sort(triangle.vertices.begin(), triangle.vertices.end());
-    if (triangle.vertices[0] % static_cast<std::uint32_t>(peers.ranks()) ==
-        static_cast<std::uint32_t>(peers.rank()))
-      mine.push_back(triangle);
+/// An entity of this rank that a list names.
+struct Named {
+  std::uint32_t place;    ///< among this rank's
+  std::uint64_t in_list;  ///< place in the whole list
+};
+
+/// All ranks: which entities of this rank's range are on the list, of which each rank has a share.
+std::vector<Named> named_here(Peers& peers, const Ranges& ranges, const std::vector<std::uint32_t>& list) {
+  struct Entry {
+    std::uint64_t number, in_list;
+  };
+  const Ranges places(peers, list.size());
+  std::vector<std::vector<Entry>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    to_each[ranges.rank_of(list[i])].push_back({list[i], places.first(peers.rank()) + i});
+  std::vector<Named> named;
+  for (const Entry& entry : all_to_all_joined(peers, std::move(to_each)))
+    named.push_back({static_cast<std::uint32_t>(entry.number - ranges.first(peers.rank())), entry.in_list});
+  return named;
+}
+
+/// All ranks: this rank's triangles.
+std::vector<BoundaryTriangle> listed_triangles(Peers& peers, const MeshData& m) {
+  const Ranges ranges(peers, m.triangles.size());
+  std::vector<BoundaryTriangle> listed;
+  listed.reserve(m.triangles.size());
+  for (std::size_t i = 0; i < m.triangles.size(); ++i)
+    listed.push_back(
+        {static_cast<std::uint32_t>(ranges.first(peers.rank()) + i), m.triangles[i], m.triangle_refs[i], 0});
+  for (const Named& named : named_here(peers, ranges, m.required_triangles)) listed[named.place].required = 1;
+  return listed;
+}
+
+/// All ranks: triangles whose lowest vertex is this rank's, by vertices and then as they are numbered.
+std::vector<SortedTriangle> triangles_at_home(Peers& peers, const MeshData& m) {
+  std::vector<std::vector<SortedTriangle>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const BoundaryTriangle& t : listed_triangles(peers, m)) {
+    Triangle sorted = t.vertices;
+    std::ranges::sort(sorted);
+    to_each[sorted[0] % to_each.size()].push_back({sorted, t});
   }
-  std::sort(mine.begin(), mine.end());
+  std::vector<SortedTriangle> mine = all_to_all_joined(peers, std::move(to_each));
+  std::ranges::sort(mine, {}, [](const SortedTriangle& t) { return std::pair{t.sorted, t.triangle.number}; });
   return mine;
 }
 
-InputIssue no_face(const Triangle& v, std::uint32_t index) {
-  return {{index, 0, 0}, meshing::triangle_name(index, v), meshing::kIsNoFace};
+InputIssue no_face(const BoundaryTriangle& t) {
+  return {{t.number, 0, 0}, meshing::triangle_name(t.number, t.vertices), meshing::kIsNoFace};
 }
 
 /// Walks through faces and triangles, both sorted by vertices.
 TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& faces,
-                                 const std::vector<Triangle>& triangles) {
+                                 const std::vector<SortedTriangle>& mine) {
   TriangleFindings findings;
   std::optional<InputIssue> first;
-  const std::vector<SortedTriangle> mine = my_triangles(peers, triangles);
   auto triangle = mine.begin();
   const auto pass_strangers = [&](const Triangle* face) {
-    for (; triangle != mine.end() && (!face || triangle->vertices < *face); ++triangle)
-      keep_least(first, no_face(triangles[triangle->index], triangle->index));
+    for (; triangle != mine.end() && (!face || triangle->sorted < *face); ++triangle)
+      keep_least(first, no_face(triangle->triangle));
   };
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const FaceRecord& face = faces[i];
@@ -194,8 +242,11 @@ TriangleFindings match_triangles(Peers& peers, const std::vector<FaceRecord>& fa
       findings.outer.push_back(face.vertices);
     pass_strangers(&face.vertices);
     bool covered = false;
-    for (; triangle != mine.end() && triangle->vertices == face.vertices; ++triangle) {
-      (covered ? findings.repeated : findings.kept).push_back(triangle->index);
+    for (; triangle != mine.end() && triangle->sorted == face.vertices; ++triangle) {
+      if (covered)
+        findings.repeated.push_back(triangle->triangle.number);
+      else
+        findings.kept.push_back(triangle->triangle);
       covered = true;
     }
     if (covered || !needed) continue;
@@ -220,22 +271,18 @@ std::vector<Created> in_order_of_tets(Peers& peers, const Ranges& tets, const st
   return mine;
 }
 
-/// The triangles without the repeated ones, and then those that were missing.
-void take_triangles(Peers& peers, const MeshData& m, const TriangleFindings& findings, const Ranges& tets,
+/// The triangles, of `num_triangles` listed, without the repeated ones, and then those that were missing.
+void take_triangles(Peers& peers, std::uint64_t num_triangles, TriangleFindings& findings, const Ranges& tets,
                     BoundaryShare& b) {
   std::vector<std::uint32_t> repeated = allgather_joined(peers, findings.repeated);
   std::ranges::sort(repeated);
-  std::vector<bool> required(m.triangles.size());
-  for (const std::uint32_t t : m.required_triangles) required[t] = true;
-  for (const std::uint32_t t : findings.kept) {
-    const auto before = std::ranges::lower_bound(repeated, t) - repeated.begin();
-    b.triangles.push_back(
-        {t - static_cast<std::uint32_t>(before), m.triangles[t], m.triangle_refs[t], required[t]});
-  }
+  b.triangles = std::exchange(findings.kept, {});
+  for (BoundaryTriangle& t : b.triangles)
+    t.number -= static_cast<std::uint32_t>(std::ranges::lower_bound(repeated, t.number) - repeated.begin());
   if (!repeated.empty()) b.warnings.push_back(meshing::repeated_triangles_warning(repeated.size()));
   const std::vector<Created> created = in_order_of_tets(peers, tets, findings.created);
   const Ranges numbers(peers, created.size());
-  const std::uint64_t first = m.triangles.size() - repeated.size() + numbers.first(peers.rank());
+  const std::uint64_t first = num_triangles - repeated.size() + numbers.first(peers.rank());
   for (std::size_t i = 0; i < created.size(); ++i)
     b.triangles.push_back({static_cast<std::uint32_t>(first + i), created[i].vertices, 0, 0});
   if (numbers.total() > 0) b.warnings.push_back(meshing::created_triangles_warning(numbers.total()));
@@ -257,41 +304,46 @@ std::vector<Edge> sides_at_home(Peers& peers, const Triangles& triangles, const 
   return sides;
 }
 
-/// A listed edge, and when the lists name it last: edges in their order, then required ones in theirs.
+/// A listed edge, and when the lists name it: edges in their order, then required ones in theirs.
 struct ListedEdge {
   Edge vertices;
   std::uint64_t named;
-  std::uint32_t index;
+  std::int64_t ref;
 };
 
-/// Those of this rank's edges that are sides, by vertices and then as they are named. Counts the others.
-std::vector<ListedEdge> listed_edges(const Peers& peers, const MeshData& m, const std::vector<Edge>& sides,
+/// All ranks: edges whose home this rank is and that are sides, by vertices and then as they are named.
+/// Counts the others.
+std::vector<ListedEdge> listed_edges(Peers& peers, const MeshData& m, const std::vector<Edge>& sides,
                                      std::uint64_t& dropped) {
-  const auto ranks = static_cast<std::uint32_t>(peers.ranks()), me = static_cast<std::uint32_t>(peers.rank());
-  std::vector<ListedEdge> listed;
-  const auto add = [&](std::uint32_t index, std::uint64_t named) {
-    const Edge edge = edge_of(m.edges[index][0], m.edges[index][1]);
-    if (edge[0] % ranks != me) return;
-    if (std::ranges::binary_search(sides, edge))
-      listed.push_back({edge, named, index});
-    else
-      dropped += named < m.edges.size();
+  const Ranges ranges(peers, m.edges.size());
+  std::vector<std::vector<ListedEdge>> to_each(static_cast<std::size_t>(peers.ranks()));
+  const auto send = [&](std::size_t e, std::uint64_t named) {
+    const Edge edge = edge_of(m.edges[e][0], m.edges[e][1]);
+    to_each[edge[0] % to_each.size()].push_back({edge, named, m.edge_refs[e]});
   };
-  for (std::uint32_t e = 0; e < m.edges.size(); ++e) add(e, e);
-  for (std::size_t i = 0; i < m.required_edges.size(); ++i) add(m.required_edges[i], m.edges.size() + i);
+  for (std::size_t e = 0; e < m.edges.size(); ++e) send(e, ranges.first(peers.rank()) + e);
+  for (const Named& named : named_here(peers, ranges, m.required_edges))
+    send(named.place, ranges.total() + named.in_list);
+  std::vector<ListedEdge> listed = all_to_all_joined(peers, std::move(to_each));
+  std::erase_if(listed, [&](const ListedEdge& e) {
+    if (std::ranges::binary_search(sides, e.vertices)) return false;
+    dropped += e.named < ranges.total();
+    return true;
+  });
   std::ranges::sort(listed, {}, [](const ListedEdge& e) { return std::pair{e.vertices, e.named}; });
   return listed;
 }
 
-/// Each once. What is named last counts; of edges at which the mesh touches itself, what is listed first.
-void take_edges(const MeshData& m, std::span<const ListedEdge> listed, std::span<const Edge> touching,
+/// Each of `num_edges` once. What is named last counts; of edges at which the mesh touches itself, what is
+/// listed first.
+void take_edges(std::uint64_t num_edges, std::span<const ListedEdge> listed, std::span<const Edge> touching,
                 BoundaryShare& b) {
   for (std::size_t begin = 0, end = 0; begin < listed.size(); begin = end) {
     while (end < listed.size() && listed[end].vertices == listed[begin].vertices) ++end;
     const bool touches = std::ranges::binary_search(touching, listed[begin].vertices);
     const ListedEdge& last = listed[touches ? begin : end - 1];
     b.edges.push_back(
-        {last.vertices, m.edge_refs[last.index], touches || listed[end - 1].named >= m.edges.size()});
+        {last.vertices, static_cast<std::int32_t>(last.ref), touches || listed[end - 1].named >= num_edges});
   }
   const std::size_t known = b.edges.size();
   for (const Edge& edge : touching)
@@ -299,17 +351,18 @@ void take_edges(const MeshData& m, std::span<const ListedEdge> listed, std::span
       b.edges.push_back({edge, 0, 1});
 }
 
-void complete_edges(Peers& peers, const MeshData& m, const std::vector<Triangle>& outer, BoundaryShare& b) {
+void complete_edges(Peers& peers, std::uint64_t num_edges, const MeshData& m,
+                    const std::vector<Triangle>& outer, BoundaryShare& b) {
   std::uint64_t dropped = 0;
   std::vector<ListedEdge> listed;
-  if (!m.edges.empty()) {
+  if (num_edges > 0) {
     const auto sides = sides_at_home(peers, b.triangles,
                                      [](const BoundaryTriangle& t) -> const Triangle& { return t.vertices; });
     listed = listed_edges(peers, m, sides, dropped);
   }
   const std::vector<Edge> touching = meshing::edges_of_several(
       sides_at_home(peers, outer, [](const Triangle& t) -> const Triangle& { return t; }));
-  take_edges(m, listed, touching, b);
+  take_edges(num_edges, listed, touching, b);
   const auto counts = partition::sum(peers, std::vector<std::uint64_t>{dropped, touching.size()});
   if (counts[0] > 0) b.warnings.push_back(meshing::dropped_edges_warning(counts[0]));
   if (counts[1] > 0) b.warnings.push_back(meshing::touching_edges_warning(counts[1]));
@@ -320,20 +373,31 @@ void complete_edges(Peers& peers, const MeshData& m, const std::vector<Triangle>
 BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets& placed,
                                 const Ranges& points, const Ranges& tets) {
   TriangleFindings findings;
+  MeshData mine;
   {
     const std::vector<FaceRecord> faces = meet_faces(peers, slice, placed, points);
     refuse_overused(peers, faces);
     refuse_overlaps(peers, slice, tets, faces);
-    findings = match_triangles(peers, faces, slice.boundary.triangles);
+    mine = std::exchange(slice.boundary, {});
+    const std::vector<SortedTriangle> triangles = triangles_at_home(peers, mine);
+    mine.triangles = {};
+    mine.triangle_refs = {};
+    findings = match_triangles(peers, faces, triangles);
   }
-  MeshData whole = std::exchange(slice.boundary, {});
   BoundaryShare b;
-  take_triangles(peers, whole, findings, tets, b);
-  whole.triangles = {};
-  whole.triangle_refs = {};
-  complete_edges(peers, whole, findings.outer, b);
-  b.corners = std::move(whole.corners);
-  b.required_points = std::move(whole.required_points);
+  take_triangles(peers, slice.num_triangles, findings, tets, b);
+  complete_edges(peers, slice.num_edges, mine, findings.outer, b);
+  b.corners = std::move(mine.corners);
+  b.required_points = std::move(mine.required_points);
+  return b;
+}
+
+BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice) {
+  BoundaryShare b;
+  b.triangles = listed_triangles(peers, slice.boundary);
+  complete_edges(peers, slice.num_edges, slice.boundary, {}, b);
+  b.corners = slice.boundary.corners;
+  b.required_points = slice.boundary.required_points;
   return b;
 }
 

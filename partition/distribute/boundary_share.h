@@ -50,4 +50,8 @@ using FetchPoints = std::function<std::vector<meshing::Point>(const std::vector<
 BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets& placed,
                                 const Ranges& points, const Ranges& tets);
 
+/// All ranks: the boundary as it is listed, not compared with the tets: edges that lie on no triangle are
+/// left out alone.
+BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice);
+
 }  // namespace weft::partition

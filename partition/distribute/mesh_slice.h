@@ -8,13 +8,16 @@
 #include "meshing/base/point.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
+#include "partition/communication/peers.h"
+#include "partition/communication/ranges.h"
 
 namespace weft::partition {
 
-/// A contiguous share of the points and one of the tets, in the order of the ranks; either may be empty.
+/// A contiguous share of the points, one of the tets, one of the triangles and one of the edges, in the order
+/// of the ranks; any may be empty.
 struct MeshSlice {
-  std::uint64_t num_points = 0;  ///< of the whole mesh; below 2^32 - 1
-  std::uint64_t num_tets = 0;    ///< of the whole mesh
+  std::uint64_t num_points = 0;                                  ///< of the whole mesh; below 2^32 - 1
+  std::uint64_t num_tets = 0, num_triangles = 0, num_edges = 0;  ///< of the whole mesh
 
   std::uint64_t first_point = 0;  ///< number of points[0] in the whole mesh
   std::vector<meshing::Point> points;
@@ -25,11 +28,21 @@ struct MeshSlice {
   std::vector<std::array<std::uint32_t, 4>> tets;  ///< vertices numbered as in the whole mesh
   std::vector<std::int32_t> tet_refs;
 
-  /// The whole mesh's triangles, edges, references, ridges, corners and required entities, vertices numbered
-  /// as in the whole mesh; no points and no tets. The same on every rank, until it is completed
-  /// (boundary_share.h).
+  std::uint64_t first_triangle = 0, first_edge = 0;  ///< numbers of boundary's in the whole mesh
+  /// The share of triangles and edges with their references, contiguous shares of the lists of ridges and of
+  /// required edges and triangles, and all corners and required points; all of them, and vertices, by numbers
+  /// in the whole mesh. No points and no tets. Given up when it is completed (boundary_share.h).
   meshing::MeshData boundary;
 };
+
+/// All ranks: counts the triangles and edges of all, from what is in `slice.boundary`.
+inline void count_boundary(Peers& peers, MeshSlice& slice) {
+  const Ranges triangles(peers, slice.boundary.triangles.size()), edges(peers, slice.boundary.edges.size());
+  slice.num_triangles = triangles.total();
+  slice.num_edges = edges.total();
+  slice.first_triangle = triangles.first(peers.rank());
+  slice.first_edge = edges.first(peers.rank());
+}
 
 /// Points and tets alone, without references and metrics.
 inline MeshSlice without_boundary(const MeshSlice& slice) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "meshing/mesh/predicates.h"
+#include "partition/communication/reduce.h"
 
 namespace weft::partition {
 namespace {
@@ -14,14 +15,27 @@ namespace {
 using meshing::MeshData;
 
 /// Issues come in this order.
-enum Stage : std::uint64_t { kSizes, kPoints, kMetrics, kTets, kTriangles, kEdges, kLists, kNoTets };
+enum Stage : std::uint64_t {
+  kSizes,
+  kPoints,
+  kMetrics,
+  kTets,
+  kTriangles,
+  kEdges,
+  kCorners,
+  kRequiredPoints,
+  kRidges,
+  kRequiredEdges,
+  kRequiredTriangles,
+  kNoTets
+};
 
 class Checks {
  public:
   explicit Checks(std::uint64_t num_points) : num_points_(num_points) {}
   const std::optional<InputIssue>& first() const { return first_; }
 
-  void size(const char* what, std::size_t refs, std::size_t entities) {
+  void size(const char* what, std::uint64_t refs, std::uint64_t entities) {
     if (refs != entities)
       add(kSizes, fmt::format("{}", what), fmt::format("{} references for {} entities", refs, entities));
   }
@@ -37,11 +51,12 @@ class Checks {
                      fmt::format("vertex {} is out of range 1..{}", v + 1, num_points_), first + i);
   }
 
-  void list(const char* what, const char* of, const std::vector<std::uint32_t>& list, std::uint64_t count) {
+  void list(Stage stage, const char* what, const char* of, std::uint64_t first,
+            const std::vector<std::uint32_t>& list, std::uint64_t count) {
     for (std::size_t i = 0; i < list.size(); ++i)
       if (list[i] >= count)
-        return add(kLists, fmt::format("{} {}", what, i + 1),
-                   fmt::format("{} {} is out of range 1..{}", of, list[i] + 1, count));
+        return add(stage, fmt::format("{} {}", what, first + i + 1),
+                   fmt::format("{} {} is out of range 1..{}", of, list[i] + 1, count), first + i);
   }
 
   void finite(std::uint64_t first, const std::vector<meshing::Point>& points) {
@@ -69,22 +84,50 @@ class Checks {
   std::optional<InputIssue> first_;
 };
 
-void check_boundary(const MeshData& m, std::uint64_t num_points, Checks& checks) {
-  checks.vertices(kTriangles, "triangle", 0, m.triangles);
-  checks.vertices(kEdges, "edge", 0, m.edges);
-  checks.list("corner", "vertex", m.corners, num_points);
-  checks.list("required vertex", "vertex", m.required_points, num_points);
-  checks.list("ridge", "edge", m.ridges, m.edges.size());
-  checks.list("required edge", "edge", m.required_edges, m.edges.size());
-  checks.list("required triangle", "triangle", m.required_triangles, m.triangles.size());
+/// All ranks: sizes of the whole mesh where they do not fit, else those of this rank.
+void check_sizes(Peers& peers, const MeshSlice& slice, Checks& checks) {
+  const MeshData& m = slice.boundary;
+  const std::vector<std::uint64_t> refs = {slice.point_refs.size(), slice.tet_refs.size(),
+                                           m.triangle_refs.size(), m.edge_refs.size()};
+  const std::vector<std::uint64_t> here = {slice.points.size(), slice.tets.size(), m.triangles.size(),
+                                           m.edges.size()};
+  const std::vector<std::uint64_t> all = {slice.num_points, slice.num_tets, slice.num_triangles,
+                                          slice.num_edges};
+  const std::vector<std::uint64_t> all_refs = partition::sum(peers, refs);
+  const char* const names[] = {"vertices", "tets", "triangles", "edges"};
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all_refs[i] != all[i] ? checks.size(names[i], all_refs[i], all[i])
+                          : checks.size(names[i], refs[i], here[i]);
+}
+
+/// All ranks.
+void check_boundary(Peers& peers, const MeshSlice& slice, Checks& checks) {
+  const MeshData& m = slice.boundary;
+  const auto first = [&](const std::vector<std::uint32_t>& list) {
+    return Ranges(peers, list.size()).first(peers.rank());
+  };
+  checks.vertices(kTriangles, "triangle", slice.first_triangle, m.triangles);
+  checks.vertices(kEdges, "edge", slice.first_edge, m.edges);
+  checks.list(kCorners, "corner", "vertex", 0, m.corners, slice.num_points);
+  checks.list(kRequiredPoints, "required vertex", "vertex", 0, m.required_points, slice.num_points);
+  checks.list(kRidges, "ridge", "edge", first(m.ridges), m.ridges, slice.num_edges);
+  checks.list(kRequiredEdges, "required edge", "edge", first(m.required_edges), m.required_edges,
+              slice.num_edges);
+  checks.list(kRequiredTriangles, "required triangle", "triangle", first(m.required_triangles),
+              m.required_triangles, slice.num_triangles);
 }
 
 /// Decided alike on all ranks.
 void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
                   SliceMetric metric) {
-  const bool mine = points.total() == slice.num_points && tets.total() == slice.num_tets &&
-                    points.first(peers.rank()) == slice.first_point &&
-                    tets.first(peers.rank()) == slice.first_tet &&
+  const Ranges triangles(peers, slice.boundary.triangles.size()), edges(peers, slice.boundary.edges.size());
+  const auto fits = [&](const Ranges& ranges, std::uint64_t total, std::uint64_t first) {
+    return ranges.total() == total && ranges.first(peers.rank()) == first;
+  };
+  const bool mine = fits(points, slice.num_points, slice.first_point) &&
+                    fits(tets, slice.num_tets, slice.first_tet) &&
+                    fits(triangles, slice.num_triangles, slice.first_triangle) &&
+                    fits(edges, slice.num_edges, slice.first_edge) &&
                     (slice.log_metrics.size() == slice.points.size() ||
                      (metric == SliceMetric::missing && slice.log_metrics.empty()));
   for (const auto& good : allgather(peers, std::vector<char>{mine}))
@@ -96,16 +139,12 @@ void check_shares(Peers& peers, const MeshSlice& slice, const Ranges& points, co
 void check_slices(Peers& peers, const MeshSlice& slice, const Ranges& points, const Ranges& tets,
                   SliceMetric metric) {
   check_shares(peers, slice, points, tets, metric);
-  const MeshData& m = slice.boundary;
   Checks checks(slice.num_points);
-  checks.size("vertices", slice.point_refs.size(), slice.points.size());
-  checks.size("tets", slice.tet_refs.size(), slice.tets.size());
-  checks.size("triangles", m.triangle_refs.size(), m.triangles.size());
-  checks.size("edges", m.edge_refs.size(), m.edges.size());
+  check_sizes(peers, slice, checks);
   checks.finite(slice.first_point, slice.points);
   checks.densities(slice.first_point, slice.log_metrics);
   checks.vertices(kTets, "tet", slice.first_tet, slice.tets);
-  check_boundary(m, slice.num_points, checks);
+  check_boundary(peers, slice, checks);
   if (slice.num_tets == 0) checks.add(kNoTets, "Tetrahedra", "the mesh has none");
   throw_first(peers, checks.first());
 }

@@ -10,7 +10,6 @@
 
 #include "meshing/base/box.h"
 #include "partition/communication/reduce.h"
-#include "partition/subdomain/surface_cover.h"
 
 namespace weft::partition {
 namespace {
@@ -55,20 +54,21 @@ Piece take_piece(std::span<const std::byte>& bytes) {
 
 class HandOut {
  public:
-  HandOut(Peers& peers, const meshing::SurfaceCutter* cutter, std::span<SubdomainStart> starts)
-      : peers_(peers), cutter_(cutter), starts_(starts) {
-    for (const SubdomainStart& start : starts) covers_.push_back(cover_of(start));
+  HandOut(Peers& peers, const meshing::SurfaceCutter* cutter, std::span<const SurfaceCover> covers)
+      : peers_(peers), cutter_(cutter), covers_(covers), pieces_(covers.size()) {
     for (const PieceBox& piece : all_boxes(peers, cutter))
       if (std::ranges::any_of(covers_, [&](const auto& c) { return c.may_want(piece.id, piece.box); }))
         asked_.push_back(piece);
   }
 
-  void run() {
+  std::vector<std::vector<Piece>> run() {
     const std::size_t most = partition::max(peers_, std::uint64_t{asked_.size()});
     for (std::size_t first = 0; first < most; first += kAtATime) {
       const std::size_t begin = std::min(first, asked_.size());
       exchange(std::span(asked_).subspan(begin, std::min(kAtATime, asked_.size() - begin)));
     }
+    for (auto& pieces : pieces_) std::ranges::sort(pieces, {}, [](const Piece& piece) { return piece->id; });
+    return std::move(pieces_);
   }
 
  private:
@@ -77,14 +77,14 @@ class HandOut {
 
   Peers& peers_;
   const meshing::SurfaceCutter* cutter_;
-  std::span<SubdomainStart> starts_;
-  std::vector<SurfaceCover> covers_;
-  std::vector<PieceBox> asked_;  // ascending by id
+  std::span<const SurfaceCover> covers_;
+  std::vector<std::vector<Piece>> pieces_;  // by cover
+  std::vector<PieceBox> asked_;             // ascending by id
 };
 
 void HandOut::offer(const Piece& piece) {
-  for (std::size_t s = 0; s < starts_.size(); ++s)
-    if (covers_[s].wants(*piece)) starts_[s].surface.push_back(piece);
+  for (std::size_t c = 0; c < covers_.size(); ++c)
+    if (covers_[c].wants(*piece)) pieces_[c].push_back(piece);
 }
 
 void HandOut::exchange(std::span<const PieceBox> asked) {
@@ -105,10 +105,16 @@ void HandOut::exchange(std::span<const PieceBox> asked) {
 
 }  // namespace
 
+std::vector<std::vector<Piece>> pieces_near(Peers& peers, const meshing::SurfaceCutter* cutter,
+                                            std::span<const SurfaceCover> covers) {
+  return HandOut(peers, cutter, covers).run();
+}
+
 void hand_out_pieces(Peers& peers, const meshing::SurfaceCutter* cutter, std::span<SubdomainStart> starts) {
-  HandOut(peers, cutter, starts).run();
-  for (SubdomainStart& start : starts)
-    std::ranges::sort(start.surface, {}, [](const Piece& piece) { return piece->id; });
+  std::vector<SurfaceCover> covers;
+  for (const SubdomainStart& start : starts) covers.push_back(cover_of(start));
+  std::vector<std::vector<Piece>> pieces = pieces_near(peers, cutter, covers);
+  for (std::size_t s = 0; s < starts.size(); ++s) starts[s].surface = std::move(pieces[s]);
 }
 
 }  // namespace weft::partition

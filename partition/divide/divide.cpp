@@ -63,6 +63,7 @@ MeshSlice as_slice(const TetMesh& mesh, const LiveTets& live, const meshing::Sur
   }
   slice.num_points = slice.points.size();
   slice.num_tets = slice.tets.size();
+  slice.num_triangles = slice.boundary.triangles.size();
   slice.point_refs.resize(slice.points.size());
   slice.tet_refs.resize(slice.tets.size());
   return slice;

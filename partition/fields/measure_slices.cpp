@@ -12,6 +12,7 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/distribute/fetched_points.h"
 #include "partition/output/measure_pieces.h"
 
 namespace weft::partition {
@@ -97,21 +98,13 @@ std::map<std::int32_t, double> total(Peers& peers, const std::map<std::int32_t, 
   return all;
 }
 
-/// Each rank looks at its share of the triangles, which all have.
+/// Each rank looks at its share of the triangles.
 std::map<std::int32_t, double> areas(Peers& peers, const MeshSlice& slice) {
   const auto& triangles = slice.boundary.triangles;
-  const auto ranks = static_cast<std::size_t>(peers.ranks()), me = static_cast<std::size_t>(peers.rank());
-  const std::size_t begin = triangles.size() * me / ranks, end = triangles.size() * (me + 1) / ranks;
-  std::vector<std::uint32_t> numbers;
-  for (std::size_t t = begin; t < end; ++t)
-    numbers.insert(numbers.end(), triangles[t].begin(), triangles[t].end());
-  meshing::sort_unique(numbers);
-  const Ranges ranges(peers, slice.points.size());
-  const auto points = fetch<Point>(peers, ranges, numbers, [&](std::size_t i) { return slice.points[i]; });
+  const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), triangles);
   std::map<std::int32_t, double> mine;
-  for (std::size_t t = begin; t < end; ++t) {
-    std::array<Point, 3> x;
-    for (std::size_t i = 0; i < 3; ++i) x[i] = points[place_of(numbers, triangles[t][i])];
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const std::array<Point, 3> x = points.of(triangles[t]);
     mine[slice.boundary.triangle_refs[t]] += norm(cross(x[1] - x[0], x[2] - x[0])) / 2;
   }
   return total(peers, mine);
@@ -122,7 +115,7 @@ std::map<std::int32_t, double> areas(Peers& peers, const MeshSlice& slice) {
 meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice) {
   const MeshPiece piece = piece_of(peers, slice, true);
   meshing::Measures measures = measure_pieces(peers, {&piece, 1});
-  measures.num_triangles = slice.boundary.triangles.size();
+  measures.num_triangles = slice.num_triangles;
   return measures;
 }
 

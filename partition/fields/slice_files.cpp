@@ -30,63 +30,53 @@ using meshing::MeshData;
 using meshing::RefCounts;
 using meshing::WholeMesh;
 
-/// This rank's share of a list that all ranks have.
-struct Range {
-  std::size_t begin, end;
-};
-Range share_of(std::size_t count, const Peers& peers) {
-  const auto rank = static_cast<std::size_t>(peers.rank()), ranks = static_cast<std::size_t>(peers.ranks());
-  return {count * rank / ranks, count * (rank + 1) / ranks};
-}
-
 template <std::size_t N>
-std::vector<std::array<std::uint64_t, N>> rows_of(const std::vector<std::array<std::uint32_t, N>>& elements,
-                                                  Range range) {
+std::vector<std::array<std::uint64_t, N>> rows_of(const std::vector<std::array<std::uint32_t, N>>& elements) {
   std::vector<std::array<std::uint64_t, N>> rows;
-  rows.reserve(range.end - range.begin);
-  for (std::size_t e = range.begin; e < range.end; ++e) {
+  rows.reserve(elements.size());
+  for (const auto& element : elements) {
     std::array<std::uint64_t, N>& row = rows.emplace_back();
-    std::copy(elements[e].begin(), elements[e].end(), row.begin());
+    std::copy(element.begin(), element.end(), row.begin());
   }
   return rows;
 }
 
-std::vector<std::int32_t> refs_of(const std::vector<std::int32_t>& refs, Range range) {
-  return {refs.begin() + static_cast<std::ptrdiff_t>(range.begin),
-          refs.begin() + static_cast<std::ptrdiff_t>(range.end)};
-}
-
 std::vector<std::uint64_t> wide(const std::vector<std::uint32_t>& list) { return {list.begin(), list.end()}; }
 
-/// What this rank writes of the mesh: its points and tets, and a share of the boundary.
+/// What this rank writes of the mesh.
 struct Rows {
-  Range triangle_range, edge_range;
   std::vector<std::array<std::uint64_t, 4>> tets;
   std::vector<std::array<std::uint64_t, 3>> triangles;
   std::vector<std::array<std::uint64_t, 2>> edges;
-  std::vector<std::int32_t> triangle_refs, edge_refs;
 
-  Rows(const Peers& peers, const MeshSlice& slice)
-      : triangle_range(share_of(slice.boundary.triangles.size(), peers)),
-        edge_range(share_of(slice.boundary.edges.size(), peers)),
-        tets(rows_of(slice.tets, {0, slice.tets.size()})),
-        triangles(rows_of(slice.boundary.triangles, triangle_range)),
-        edges(rows_of(slice.boundary.edges, edge_range)),
-        triangle_refs(refs_of(slice.boundary.triangle_refs, triangle_range)),
-        edge_refs(refs_of(slice.boundary.edge_refs, edge_range)) {}
+  explicit Rows(const MeshSlice& slice)
+      : tets(rows_of(slice.tets)),
+        triangles(rows_of(slice.boundary.triangles)),
+        edges(rows_of(slice.boundary.edges)) {}
 };
 
-GmfPlan gmf_plan(const MeshSlice& slice, const std::filesystem::path& file) {
+/// Where this rank's shares of the lists of marks are among all.
+struct MarkRanges {
+  Ranges ridges, edges, triangles;
+
+  /// All ranks.
+  MarkRanges(Peers& peers, const MeshData& boundary)
+      : ridges(peers, boundary.ridges.size()),
+        edges(peers, boundary.required_edges.size()),
+        triangles(peers, boundary.required_triangles.size()) {}
+};
+
+GmfPlan gmf_plan(const MeshSlice& slice, const MarkRanges& marks, const std::filesystem::path& file) {
   const MeshData& b = slice.boundary;
   return GmfPlan::of_mesh(file, {.points = slice.num_points,
-                                 .edges = b.edges.size(),
-                                 .triangles = b.triangles.size(),
+                                 .edges = slice.num_edges,
+                                 .triangles = slice.num_triangles,
                                  .tets = slice.num_tets,
                                  .corners = b.corners.size(),
-                                 .ridges = b.ridges.size(),
+                                 .ridges = marks.ridges.total(),
                                  .required_points = b.required_points.size(),
-                                 .required_edges = b.required_edges.size(),
-                                 .required_triangles = b.required_triangles.size()});
+                                 .required_edges = marks.edges.total(),
+                                 .required_triangles = marks.triangles.total()});
 }
 
 /// All ranks: it appears when all have written.
@@ -99,20 +89,20 @@ void write_together(Peers& peers, Output& common, const Write& write) {
 }
 
 /// What this rank writes of a GMF file.
-void write_gmf(const Peers& peers, const MeshSlice& slice, GmfSliceWriter& out) {
+void write_gmf(const MeshSlice& slice, const MarkRanges& marks, int rank, GmfSliceWriter& out) {
   namespace gmf = meshing::gmf;
-  const Rows rows(peers, slice);
+  const Rows rows(slice);
   const MeshData& b = slice.boundary;
   out.vertices(slice.first_point, slice.points, slice.point_refs);
-  out.elements(gmf::kEdges, rows.edge_range.begin, rows.edges, rows.edge_refs);
-  out.elements(gmf::kTriangles, rows.triangle_range.begin, rows.triangles, rows.triangle_refs);
+  out.elements(gmf::kEdges, slice.first_edge, rows.edges, b.edge_refs);
+  out.elements(gmf::kTriangles, slice.first_triangle, rows.triangles, b.triangle_refs);
   out.elements(gmf::kTetrahedra, slice.first_tet, rows.tets, slice.tet_refs);
-  if (peers.rank() != 0) return;
+  out.indices(gmf::kRidges, marks.ridges.first(rank), wide(b.ridges));
+  out.indices(gmf::kRequiredEdges, marks.edges.first(rank), wide(b.required_edges));
+  out.indices(gmf::kRequiredTriangles, marks.triangles.first(rank), wide(b.required_triangles));
+  if (rank != 0) return;
   out.indices(gmf::kCorners, 0, wide(b.corners));
-  out.indices(gmf::kRidges, 0, wide(b.ridges));
   out.indices(gmf::kRequiredVertices, 0, wide(b.required_points));
-  out.indices(gmf::kRequiredEdges, 0, wide(b.required_edges));
-  out.indices(gmf::kRequiredTriangles, 0, wide(b.required_triangles));
 }
 
 /// All ranks: a GMF file, of which write(out) writes this rank's rows.
@@ -123,8 +113,8 @@ void write_as_gmf(Peers& peers, const std::filesystem::path& file, const GmfPlan
   write_together(peers, output, [&] { output.write(); });
 }
 
-/// All ranks: how many tets of all have each reference; `lower`: of those in front of this rank's.
-RefCounts count_tets(Peers& peers, const std::vector<std::int32_t>& refs, RefCounts& lower) {
+/// All ranks: how many elements of all have each reference; `lower`: of those in front of this rank's.
+RefCounts count_refs(Peers& peers, const std::vector<std::int32_t>& refs, RefCounts& lower) {
   struct Row {
     std::uint64_t count;
     std::int64_t ref;
@@ -141,13 +131,10 @@ RefCounts count_tets(Peers& peers, const std::vector<std::int32_t>& refs, RefCou
   return all;
 }
 
-/// Of each reference how many entries stand before `end`.
-RefCounts count_before(const std::vector<std::int32_t>& refs, std::size_t end) {
-  RefCounts counts;
-  for (const std::int32_t ref : refs) counts.try_emplace(ref, 0);
-  for (const auto& [ref, count] : meshing::count_refs({refs.data(), end})) counts[ref] = count;
-  return counts;
-}
+/// Of the elements of lower ranks, how many have each reference.
+struct FirstRows {
+  RefCounts tets, triangles, edges;
+};
 
 /// All ranks: the corners with their points, which their owners have.
 std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) {
@@ -169,14 +156,14 @@ std::vector<WholeMesh::Corner> corners_of(Peers& peers, const MeshSlice& slice) 
   return corners;
 }
 
-/// All ranks: as meshing::describe() does of the whole mesh. `first_tets`: RefRows of this rank.
+/// All ranks: as meshing::describe() does of the whole mesh.
 WholeMesh describe_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-                          const meshing::RefNames& names, RefCounts& first_tets) {
+                          const meshing::RefNames& names, FirstRows& first) {
   WholeMesh whole;
   whole.points = whole.fields.num_points = slice.num_points;
-  whole.tets = count_tets(peers, slice.tet_refs, first_tets);
-  whole.triangles = meshing::count_refs(slice.boundary.triangle_refs);
-  whole.edges = meshing::count_refs(slice.boundary.edge_refs);
+  whole.tets = count_refs(peers, slice.tet_refs, first.tets);
+  whole.triangles = count_refs(peers, slice.boundary.triangle_refs, first.triangles);
+  whole.edges = count_refs(peers, slice.boundary.edge_refs, first.edges);
   whole.corners = corners_of(peers, slice);
   const bool refs = std::ranges::any_of(slice.point_refs, [](std::int32_t ref) { return ref != 0; });
   whole.point_refs = partition::max(peers, static_cast<int>(refs)) != 0;
@@ -195,23 +182,21 @@ WholeMesh describe_slices(Peers& peers, const MeshSlice& slice, const meshing::S
 
 /// action(this rank's part of the mesh).
 template <class Action>
-void with_part(const Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-               const RefCounts& first_tets, const Action& action) {
-  const Rows rows(peers, slice);
+void with_part(const MeshSlice& slice, const meshing::SolutionData& fields, const FirstRows& first,
+               const Action& action) {
+  const Rows rows(slice);
   const MeshData& b = slice.boundary;
-  action(meshing::MeshPart{
-      slice.first_point,
-      slice.points,
-      slice.point_refs,
-      {rows.tets, slice.tet_refs, slice.first_tet, first_tets},
-      {rows.triangles, rows.triangle_refs, rows.triangle_range.begin,
-       count_before(b.triangle_refs, rows.triangle_range.begin)},
-      {rows.edges, rows.edge_refs, rows.edge_range.begin, count_before(b.edge_refs, rows.edge_range.begin)},
-      fields});
+  action(meshing::MeshPart{slice.first_point,
+                           slice.points,
+                           slice.point_refs,
+                           {rows.tets, slice.tet_refs, slice.first_tet, first.tets},
+                           {rows.triangles, b.triangle_refs, slice.first_triangle, first.triangles},
+                           {rows.edges, b.edge_refs, slice.first_edge, first.edges},
+                           fields});
 }
 
 void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-                    const WholeMesh& whole, const RefCounts& first_tets, CommonFile& common) {
+                    const WholeMesh& whole, const FirstRows& first, CommonFile& common) {
   meshing::PartPlaces places;
   agree_on(peers, [&] {
     if (peers.rank() == 0) places = meshing::begin_parts(common.temporary(), common.name(), whole);
@@ -219,13 +204,13 @@ void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::Solutio
   places = allgather(peers, places)[0];
   write_together(peers, common, [&] {
     const auto out = meshing::open_part(common.temporary(), common.name(), whole, places);
-    with_part(peers, slice, fields, first_tets, [&](const meshing::MeshPart& part) { out->write(part); });
+    with_part(slice, fields, first, [&](const meshing::MeshPart& part) { out->write(part); });
     out->finish();
   });
 }
 
 /// Rows are made twice: once for their length.
-void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole, const RefCounts& first_tets,
+void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole, const FirstRows& first,
                    CommonFile& common) {
   std::vector<std::string> heads;
   std::vector<std::uint64_t> head_sizes;
@@ -235,7 +220,7 @@ void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole,
   for (const std::string& head : heads) head_sizes.push_back(head.size());
   head_sizes = allgather(peers, head_sizes)[0];
   const std::size_t num_sections = head_sizes.size();
-  with_part(peers, slice, {}, first_tets, [&](const meshing::MeshPart& part) {
+  with_part(slice, {}, first, [&](const meshing::MeshPart& part) {
     const auto text = meshing::open_text_part(common.name(), whole, part);
     TextLengths lengths{static_cast<std::uint64_t>(peers.rank()), {}};
     for (std::size_t s = 0; s < num_sections; ++s) lengths.sections.push_back(text->rows(s).size());
@@ -274,18 +259,20 @@ bool can_write_slices(const std::filesystem::path& mesh) {
 void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
                           const meshing::RefNames& names, const std::filesystem::path& file) {
   if (meshing::gmf::is_mesh(file)) {
+    const MarkRanges marks(peers, slice.boundary);
     std::optional<GmfPlan> plan;
-    agree_on(peers, [&] { plan = gmf_plan(slice, file); });
-    return write_as_gmf(peers, file, *plan, [&](GmfSliceWriter& out) { write_gmf(peers, slice, out); });
+    agree_on(peers, [&] { plan = gmf_plan(slice, marks, file); });
+    return write_as_gmf(peers, file, *plan,
+                        [&](GmfSliceWriter& out) { write_gmf(slice, marks, peers.rank(), out); });
   }
   const meshing::SolutionData none;
   const meshing::SolutionData& inside = meshing::holds_fields(file) ? fields : none;
-  RefCounts first_tets;
-  const WholeMesh whole = describe_slices(peers, slice, inside, names, first_tets);
+  FirstRows first;
+  const WholeMesh whole = describe_slices(peers, slice, inside, names, first);
   CommonFile common(file);
   common.create(peers);
-  if (meshing::can_be_written_as_text(file)) return write_as_text(peers, slice, whole, first_tets, common);
-  write_in_parts(peers, slice, inside, whole, first_tets, common);
+  if (meshing::can_be_written_as_text(file)) return write_as_text(peers, slice, whole, first, common);
+  write_in_parts(peers, slice, inside, whole, first, common);
 }
 
 }  // namespace weft::partition

@@ -27,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 using meshing::MeshData;
 
-struct TetRow {
-  std::array<std::uint32_t, 4> vertices;
+template <std::size_t N>
+struct ElementRow {
+  std::array<std::uint32_t, N> vertices;
   std::int32_t ref;
 };
 struct PointRow {
@@ -48,6 +49,8 @@ class PieceMaker {
         num_pieces_(num_pieces),
         points_(peers, slice.points.size()),
         tets_(peers, slice.tets.size()),
+        triangles_(peers, slice.boundary.triangles.size()),
+        edges_(peers, slice.boundary.edges.size()),
         first_points_(points_of_no_element()) {}
 
   /// All ranks: this one's piece; num_pieces: none.
@@ -55,10 +58,10 @@ class PieceMaker {
     piece_ = piece;
     meshing::MeshContents contents;
     MeshData& mesh = contents.mesh;
-    fetch_tets(mesh);
     const MeshData& b = slice_.boundary;
-    take(b.triangles, b.triangle_refs, mesh.triangles, mesh.triangle_refs);
-    take(b.edges, b.edge_refs, mesh.edges, mesh.edge_refs);
+    fetch_elements(tets_, slice_.tets, slice_.tet_refs, mesh.tets, mesh.tet_refs);
+    fetch_elements(triangles_, b.triangles, b.triangle_refs, mesh.triangles, mesh.triangle_refs);
+    fetch_elements(edges_, b.edges, b.edge_refs, mesh.edges, mesh.edge_refs);
     for (std::size_t i = begin(b.corners.size()); i < end(b.corners.size()); ++i)
       mesh.corners.push_back(b.corners[i]);
     number(mesh);
@@ -97,23 +100,18 @@ class PieceMaker {
     return all_to_all_joined(peers_, std::move(to_first));
   }
 
-  void fetch_tets(MeshData& mesh) {
-    std::vector<std::uint64_t> wanted(end(slice_.num_tets) - begin(slice_.num_tets));
-    std::iota(wanted.begin(), wanted.end(), begin(slice_.num_tets));
-    for (const TetRow& row : fetch<TetRow>(peers_, tets_, wanted, [&](std::size_t t) {
-           return TetRow{slice_.tets[t], slice_.tet_refs[t]};
-         })) {
-      mesh.tets.push_back(row.vertices);
-      mesh.tet_refs.push_back(row.ref);
-    }
-  }
-
-  template <class Elements>
-  void take(const Elements& from, const std::vector<std::int32_t>& from_refs, Elements& to,
-            std::vector<std::int32_t>& to_refs) const {
-    for (std::size_t i = begin(from.size()); i < end(from.size()); ++i) {
-      to.push_back(from[i]);
-      to_refs.push_back(from_refs[i]);
+  /// All ranks: the piece's part of elements that ranks have in `ranges`, here `from`.
+  template <std::size_t N>
+  void fetch_elements(const Ranges& ranges, const std::vector<std::array<std::uint32_t, N>>& from,
+                      const std::vector<std::int32_t>& from_refs,
+                      std::vector<std::array<std::uint32_t, N>>& to, std::vector<std::int32_t>& to_refs) {
+    std::vector<std::uint64_t> wanted(end(ranges.total()) - begin(ranges.total()));
+    std::iota(wanted.begin(), wanted.end(), begin(ranges.total()));
+    using Row = ElementRow<N>;
+    const auto row_of = [&](std::size_t i) { return Row{from[i], from_refs[i]}; };
+    for (const Row& row : fetch<Row>(peers_, ranges, wanted, row_of)) {
+      to.push_back(row.vertices);
+      to_refs.push_back(row.ref);
     }
   }
 
@@ -165,7 +163,7 @@ class PieceMaker {
   const MeshSlice& slice_;
   const meshing::SolutionData& fields_;
   std::size_t num_pieces_;
-  Ranges points_, tets_;
+  Ranges points_, tets_, triangles_, edges_;
   std::vector<std::uint32_t> first_points_;
   // Of the piece being made:
   std::size_t piece_ = 0;

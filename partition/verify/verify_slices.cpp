@@ -34,6 +34,15 @@ struct StarTet {
   std::int32_t ref, sign;
 };
 
+/// A triangle or an edge on its way to those who have its vertices.
+template <std::size_t N>
+struct Listed {
+  std::uint32_t number;
+  std::array<std::uint32_t, N> vertices;
+};
+using ListedTriangle = Listed<3>;
+using ListedEdge = Listed<2>;
+
 class SlicesCheck {
  public:
   SlicesCheck(Peers& peers, const MeshSlice& slice, int max_problems)
@@ -89,22 +98,30 @@ class SlicesCheck {
 
   /// In the order of meshing::check_arrays().
   void check_the_arrays() {
-    Problems of_points(limit_), of_tets(limit_), of_rest(limit_);
     const MeshData& b = slice_.boundary;
-    check_coordinates(slice_.points, of_points, slice_.first_point);
-    check_vertices("tet", slice_.tets, slice_.num_points, of_tets, slice_.first_tet);
-    if (is_first()) {
-      check_vertices("triangle", b.triangles, slice_.num_points, of_rest);
-      check_vertices("edge", b.edges, slice_.num_points, of_rest);
-      check_list("corner", b.corners, slice_.num_points, of_rest);
-      check_list("required vertex", b.required_points, slice_.num_points, of_rest);
-      check_list("ridge", b.ridges, b.edges.size(), of_rest);
-      check_list("required edge", b.required_edges, b.edges.size(), of_rest);
-      check_list("required triangle", b.required_triangles, b.triangles.size(), of_rest);
-    }
-    append(std::move(of_points));
-    append(std::move(of_tets));
-    append(std::move(of_rest));
+    const auto look = [&](const auto& check) {
+      Problems found(limit_);
+      check(found);
+      append(std::move(found));
+    };
+    look([&](Problems& p) { check_coordinates(slice_.points, p, slice_.first_point); });
+    look([&](Problems& p) { check_vertices("tet", slice_.tets, slice_.num_points, p, slice_.first_tet); });
+    look([&](Problems& p) {
+      check_vertices("triangle", b.triangles, slice_.num_points, p, slice_.first_triangle);
+    });
+    look([&](Problems& p) { check_vertices("edge", b.edges, slice_.num_points, p, slice_.first_edge); });
+    look([&](Problems& p) {
+      if (!is_first()) return;  // all ranks have these
+      check_list("corner", b.corners, slice_.num_points, p);
+      check_list("required vertex", b.required_points, slice_.num_points, p);
+    });
+    const auto look_at = [&](const char* name, const std::vector<std::uint32_t>& list, std::uint64_t limit) {
+      const std::uint64_t passed = Ranges(peers_, list.size()).first(peers_.rank());
+      look([&](Problems& p) { check_list(name, list, limit, p, passed); });
+    };
+    look_at("ridge", b.ridges, slice_.num_edges);
+    look_at("required edge", b.required_edges, slice_.num_edges);
+    look_at("required triangle", b.required_triangles, slice_.num_triangles);
   }
 
   /// Signs of the slice's tets, and volumes.
@@ -161,18 +178,15 @@ class SlicesCheck {
       signs_here.push_back(static_cast<std::int8_t>(tet.sign));
       numbers.push_back(tet.number);
     }
-    mesh.triangles = slice_.boundary.triangles;
+    const std::vector<ListedTriangle> triangles =
+        sent_to_lower(slice_.boundary.triangles, slice_.first_triangle);
+    for (const ListedTriangle& t : triangles) mesh.triangles.push_back(t.vertices);
     const auto first = static_cast<std::uint32_t>(slice_.first_point);
     meshing::StarsReport here = meshing::check_stars(
         {mesh, signs_here, numbers, first, first + static_cast<std::uint32_t>(slice_.points.size())}, limit_);
-    mesh = {};
     append(std::move(here.problems));
-    const std::vector<std::uint8_t> matched = partition::max(peers_, here.matched);
-    const std::vector<std::uint8_t> found =
-        partition::max(peers_, meshing::find_edges(slice_.boundary, slice_.tets, is_first()));
-    Problems unmatched(limit_);
-    if (is_first()) meshing::report_unmatched(slice_.boundary, matched, found, unmatched);
-    append(std::move(unmatched));
+    report_triangles(triangles, here.matched);
+    report_edges(std::move(mesh));
 
     std::vector<std::array<std::uint64_t, 2>> joined;
     for (std::size_t t = 0; t < here.component.size(); ++t)
@@ -184,20 +198,82 @@ class SlicesCheck {
     report.unreferenced_points = slice_.num_points - sums[2];
   }
 
-  /// Each rank sums a share of the triangles, of which all have all.
+  /// Whether this rank has the point.
+  bool is_here(std::uint32_t vertex) const {
+    return vertex >= slice_.first_point && vertex - slice_.first_point < slice_.points.size();
+  }
+
+  /// All ranks: triangles or edges (of all ranks, of which `mine` begin with number `first`) at those who
+  /// have the point of a vertex that is not the greatest: each side of a triangle is then where its lower
+  /// vertex is. Ascending.
+  template <std::size_t N>
+  std::vector<Listed<N>> sent_to_lower(const std::vector<std::array<std::uint32_t, N>>& mine,
+                                       std::uint64_t first) {
+    std::vector<std::vector<Listed<N>>> to_each(static_cast<std::size_t>(peers_.ranks()));
+    for (std::size_t e = 0; e < mine.size(); ++e) {
+      std::array<std::uint32_t, N> sorted = mine[e];
+      std::ranges::sort(sorted);
+      std::size_t last = to_each.size();
+      for (std::size_t i = 0; i + 1 < N; ++i)
+        if (const std::size_t owner = points_.rank_of(sorted[i]); owner != std::exchange(last, owner))
+          to_each[owner].push_back({static_cast<std::uint32_t>(first + e), mine[e]});
+    }
+    return all_to_all_joined(peers_, std::move(to_each));
+  }
+
+  /// All ranks: numbers go to those in whose range they are; report(number) of each, ascending.
+  template <class Report>
+  void report_in_order(const Ranges& ranges, const std::vector<std::uint32_t>& numbers,
+                       const Report& report) {
+    std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
+    for (const std::uint32_t number : numbers) to_each[ranges.rank_of(number)].push_back(number);
+    std::vector<std::uint32_t> mine = all_to_all_joined(peers_, std::move(to_each));
+    std::ranges::sort(mine);
+    Problems found(limit_);
+    for (const std::uint32_t number : mine) report(number, found);
+    append(std::move(found));
+  }
+
+  /// All ranks: a triangle is judged where its least vertex is.
+  void report_triangles(const std::vector<ListedTriangle>& triangles,
+                        const std::vector<std::uint8_t>& matched) {
+    std::vector<std::uint32_t> unmatched;
+    std::vector<Triangle> mine;
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (!is_here(std::ranges::min(triangles[i].vertices))) continue;
+      if (!matched[i]) unmatched.push_back(triangles[i].number);
+      mine.push_back(triangles[i].vertices);
+      numbers.push_back(triangles[i].number);
+    }
+    report_in_order(Ranges(peers_, slice_.boundary.triangles.size()), unmatched, report_no_face);
+    const auto sorted = meshing::checks::sorted_triangles(mine);  // equal ones by number
+    Problems found(limit_);
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+      if (sorted[i].same_face(sorted[i - 1]))
+        report_repeated(numbers[sorted[i - 1].place()], numbers[sorted[i].place()], found);
+    append(std::move(found));
+  }
+
+  /// All ranks. `mesh`: all tets and triangles at this rank's points.
+  void report_edges(MeshData mesh) {
+    const std::vector<ListedEdge> edges = sent_to_lower(slice_.boundary.edges, slice_.first_edge);
+    for (const ListedEdge& edge : edges) mesh.edges.push_back(edge.vertices);
+    EdgeCheck check(mesh);
+    check.mark(mesh.tets);
+    check.mark(mesh.triangles);
+    std::vector<std::uint32_t> unmatched;
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      if (!check.found()[e]) unmatched.push_back(edges[e].number);
+    report_in_order(Ranges(peers_, slice_.boundary.edges.size()), unmatched, report_no_edge);
+  }
+
+  /// Each rank sums its share of the triangles.
   void sum_triangles(meshing::CheckReport& report) {
     const MeshData& b = slice_.boundary;
-    const auto begin_of = [&](int rank) {
-      return static_cast<std::ptrdiff_t>(b.triangles.size() * static_cast<std::size_t>(rank) /
-                                         static_cast<std::size_t>(peers_.ranks()));
-    };
-    const std::vector<Triangle> triangles(b.triangles.begin() + begin_of(peers_.rank()),
-                                          b.triangles.begin() + begin_of(peers_.rank() + 1));
-    const std::vector<std::int32_t> refs(b.triangle_refs.begin() + begin_of(peers_.rank()),
-                                         b.triangle_refs.begin() + begin_of(peers_.rank() + 1));
-    const FetchedPoints points(peers_, slice_, points_, triangles);
-    report.area_by_ref = meshing::checks::values_of(
-        sum_over_ranks(sum_by_ref(refs, [&](std::size_t t) { return area_of(points.of(triangles[t])); })));
+    const FetchedPoints points(peers_, slice_, points_, b.triangles);
+    report.area_by_ref = meshing::checks::values_of(sum_over_ranks(
+        sum_by_ref(b.triangle_refs, [&](std::size_t t) { return area_of(points.of(b.triangles[t])); })));
   }
 
   Peers& peers_;

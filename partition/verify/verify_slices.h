@@ -10,8 +10,8 @@
 namespace weft::partition {
 
 /// All ranks: what meshing::check_mesh() finds of the whole mesh, in its words and its order, on all ranks;
-/// volumes and areas but for rounding. No rank has more than its share of points and tets, the tets at its
-/// points, and the boundary: 250 bytes a tet of the share where these are in the order of the points.
+/// volumes and areas but for rounding. No rank has more than its shares, and the tets, triangles and edges at
+/// its points: 250 bytes a tet of the share where these are in the order of the points.
 meshing::CheckReport verify_slices(Peers& peers, const MeshSlice& slice, int max_problems = 20);
 
 /// All ranks: the first thing that is wrong with the arrays alone, in the words of meshing::check_arrays();

@@ -55,7 +55,22 @@ void keep_points(const std::vector<std::uint32_t>& numbers, std::vector<std::uin
   for (std::uint32_t& v : points) v = numbers[v];
 }
 
+template <class T>
+void keep_part_of(const MeshRange& range, std::vector<T>& rows) {
+  const auto begin = static_cast<std::ptrdiff_t>(range.part_begin(rows.size()));
+  const auto end = static_cast<std::ptrdiff_t>(range.part_end(rows.size()));
+  rows = std::vector<T>(rows.begin() + begin, rows.begin() + end);
+}
+
 }  // namespace
+
+void keep_part(const MeshRange& range, MeshData& mesh) {
+  if (range.parts == 1) return;
+  keep_part_of(range, mesh.triangles);
+  keep_part_of(range, mesh.triangle_refs);
+  keep_part_of(range, mesh.edges);
+  keep_part_of(range, mesh.edge_refs);
+}
 
 std::string RefNames::name(int dimension, std::int32_t ref) const {
   const auto found = names_.find({dimension, ref});

@@ -51,11 +51,22 @@ struct MeshSize {
   std::uint64_t points = 0, tets = 0;
 };
 
-/// Contiguous ranges of a file's points and tets, counted from 0: what one of several readers keeps.
+/// What one of several readers keeps: contiguous ranges of a file's points and tets, counted from 0, and one
+/// of equal parts of its triangles, of its edges, and of each list of marks on these, in their order. All
+/// keep all corners and required points.
 struct MeshRange {
   std::uint64_t first_point = 0, num_points = 0;
   std::uint64_t first_tet = 0, num_tets = 0;
+  std::uint64_t part = 0, parts = 1;
+
+  /// Of `total` rows that are dealt in parts, those of this one.
+  std::uint64_t part_begin(std::uint64_t total) const { return total * part / parts; }
+  std::uint64_t part_end(std::uint64_t total) const { return total * (part + 1) / parts; }
 };
+
+/// Leaves of triangles and edges those of the range's part: for formats that are read with all of them, and
+/// have no marks on these.
+void keep_part(const MeshRange& range, MeshData& mesh);
 
 /// The same for writers, who need not own it.
 struct MeshView {

@@ -29,8 +29,8 @@ MeshData read_mesh_of(const File& file) {
   MeshData mesh;
   const Section& vertices = vertices_section(file);
   read_vertices(file, vertices, all_rows(vertices), mesh.points, mesh.point_refs);
-  read_all_elements(file, kTetrahedra, mesh.tets, mesh.tet_refs);
-  read_boundary(file, mesh);
+  read_part_of_elements(file, kTetrahedra, {}, mesh.tets, mesh.tet_refs);
+  read_boundary(file, {}, mesh);
   read_association(file, mesh.association);
   return mesh;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "meshing/base/error.h"
+#include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/gmf/gmf_format.h"
 #include "meshing/mesh/mesh_data.h"
@@ -129,20 +130,29 @@ void stream_tets(const File& file, const Section& section, MeshStream& stream) {
                                             [&](auto& rows) { return read_element<4>(rows, num_points); });
 }
 
-template <std::size_t N, class File>
-void read_all_elements(const File& file, Keyword code, std::vector<std::array<std::uint32_t, N>>& elements,
-                       std::vector<std::int32_t>& refs) {
-  const Section* section = file.layout().find(code);
-  if (section) read_elements(file, *section, all_rows(*section), elements, refs);
+/// The rows of a section that are in the range's part.
+inline RowRange part_of(const Section& section, const MeshRange& range) {
+  const std::uint64_t begin = range.part_begin(section.count);
+  return {begin, range.part_end(section.count) - begin};
 }
 
+template <std::size_t N, class File>
+void read_part_of_elements(const File& file, Keyword code, const MeshRange& range,
+                           std::vector<std::array<std::uint32_t, N>>& elements,
+                           std::vector<std::int32_t>& refs) {
+  const Section* section = file.layout().find(code);
+  if (section) read_elements(file, *section, part_of(*section, range), elements, refs);
+}
+
+/// Of the whole list, where `range` is that of one part.
 template <class File>
-void read_indices(const File& file, Keyword code, std::size_t limit, const char* entity,
-                  std::vector<std::uint32_t>& indices) {
+void read_indices(const File& file, Keyword code, const MeshRange& range, std::uint64_t limit,
+                  const char* entity, std::vector<std::uint32_t>& indices) {
   const Section* section = file.layout().find(code);
   if (!section) return;
-  auto rows = rows_of(file, *section, all_rows(*section));
-  indices.resize(section->count);
+  const RowRange part = part_of(*section, range);
+  auto rows = rows_of(file, *section, part);
+  indices.resize(part.count);
   for (std::uint32_t& index : indices) {
     rows.begin_row();
     index = read_index(rows, limit, entity);
@@ -150,17 +160,18 @@ void read_indices(const File& file, Keyword code, std::size_t limit, const char*
   rows.finish();
 }
 
-/// Triangles, edges, and the marks on points and on them.
+/// The range's part of triangles, edges and the marks on them, and all marks on points.
 template <class File>
-void read_boundary(const File& file, MeshData& mesh) {
-  const std::uint64_t num_points = file.layout().num_points();
-  read_all_elements(file, kTriangles, mesh.triangles, mesh.triangle_refs);
-  read_all_elements(file, kEdges, mesh.edges, mesh.edge_refs);
-  read_indices(file, kCorners, num_points, "vertex", mesh.corners);
-  read_indices(file, kRequiredVertices, num_points, "vertex", mesh.required_points);
-  read_indices(file, kRidges, mesh.edges.size(), "edge", mesh.ridges);
-  read_indices(file, kRequiredEdges, mesh.edges.size(), "edge", mesh.required_edges);
-  read_indices(file, kRequiredTriangles, mesh.triangles.size(), "triangle", mesh.required_triangles);
+void read_boundary(const File& file, const MeshRange& range, MeshData& mesh) {
+  const GmfLayout& layout = file.layout();
+  const std::uint64_t edges = layout.num_edges(), triangles = layout.num_triangles();
+  read_part_of_elements(file, kTriangles, range, mesh.triangles, mesh.triangle_refs);
+  read_part_of_elements(file, kEdges, range, mesh.edges, mesh.edge_refs);
+  read_indices(file, kCorners, {}, layout.num_points(), "vertex", mesh.corners);
+  read_indices(file, kRequiredVertices, {}, layout.num_points(), "vertex", mesh.required_points);
+  read_indices(file, kRidges, range, edges, "edge", mesh.ridges);
+  read_indices(file, kRequiredEdges, range, edges, "edge", mesh.required_edges);
+  read_indices(file, kRequiredTriangles, range, triangles, "triangle", mesh.required_triangles);
 }
 
 /// Empty fields of the kinds that a solution section announces. Throws InputError for unknown ones, or none.

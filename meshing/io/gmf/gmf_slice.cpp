@@ -56,10 +56,11 @@ GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout
   });
 }
 
-MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout) {
-  return read_with(path, layout, [](const auto& file) {
+MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout,
+                           const MeshRange& range) {
+  return read_with(path, layout, [&](const auto& file) {
     MeshData mesh;
-    read_boundary(file, mesh);
+    read_boundary(file, range, mesh);
     return mesh;
   });
 }
@@ -70,7 +71,7 @@ MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream) 
     stream_vertices(file, vertices_section(file), stream);
     if (const Section* tets = layout.find(kTetrahedra)) stream_tets(file, *tets, stream);
     MeshData mesh;
-    read_boundary(file, mesh);
+    read_boundary(file, {}, mesh);
     return mesh;
   });
 }

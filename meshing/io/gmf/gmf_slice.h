@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/gmf/gmf_format.h"
 #include "meshing/mesh/mesh_data.h"
@@ -37,9 +38,10 @@ struct GmfTets {
 GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout, std::uint64_t first,
                       std::uint64_t count);
 
-/// All triangles, edges, corners, ridges and required entities, by numbers in the whole mesh; neither points
-/// nor tets.
-MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout);
+/// The range's part of triangles, edges, ridges and required ones of these, all corners and required points,
+/// by numbers in the whole mesh; neither points nor tets.
+MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout,
+                           const MeshRange& range = {});
 
 /// What read_gmf_mesh() returns but for points, tets and how they lie on a CAD model: points and tets go to
 /// the stream.

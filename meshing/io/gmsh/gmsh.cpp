@@ -140,6 +140,8 @@ class Groups {
     entity_.push_back(entity);
     has_physical_ |= physical != 0;
   }
+  /// An element elsewhere has a physical group.
+  void note() { has_physical_ = true; }
   const std::vector<std::int32_t>& physical() const { return physical_; }
   std::vector<std::int32_t> take() { return std::move(has_physical_ ? physical_ : entity_); }
 
@@ -162,11 +164,13 @@ class Reader {
         with_fields_(with_fields) {}
   /// Of a file whose nodes are `range` of `num_nodes`, which are tagged 1, 2, 3 ...: elements have any of
   /// these.
+  /// `first_elements`: how many elements are before those of each block.
   Reader(Cursor& in, MeshContents& contents, MeshStream& stream, const MeshRange& range,
-         std::uint64_t num_nodes)
+         std::uint64_t num_nodes, std::vector<std::uint64_t> first_elements)
       : Reader(in, contents, stream, true) {
     first_node_ = range.first_point;
     num_nodes_ = num_nodes;
+    first_elements_ = std::move(first_elements);
   }
 
   void read() {
@@ -423,8 +427,11 @@ class Reader {
     size();  // the largest
     in_.enter("element");
     in_.require(count, least_bytes(0, 2, 0));
-    for (std::uint64_t i = 0; i < num_blocks; ++i) read_element_block();
-    if (in_.row() == count) return;
+    for (std::uint64_t i = 0; i < num_blocks; ++i) {
+      if (is_range()) in_.enter("element", first_elements_[i]);
+      read_element_block();
+    }
+    if (in_.row() == count || is_range()) return;
     const std::uint64_t found = in_.row();
     in_.enter("$Elements");
     in_.fail("has " + std::to_string(found) + " elements instead of " + std::to_string(count));
@@ -440,6 +447,7 @@ class Reader {
     }
     const auto group = entity_groups_.find({type.dimension, entity_});
     physical_ = group == entity_groups_.end() ? 0 : group->second;
+    if (is_range()) note_group(type);  // of which all elements may be elsewhere
     in_.require(count, least_bytes(0, 1 + static_cast<std::uint64_t>(type.nodes), 0));
     for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
@@ -448,9 +456,21 @@ class Reader {
     }
   }
 
+  /// Whether this is a part of the file.
+  bool is_range() const { return num_nodes_ > 0; }
+
+  /// Where any element of a dimension has a group, groups are the references.
+  void note_group(const ElementType& type) {
+    if (physical_ == 0) return;
+    if (type.code == gmsh::kTetrahedron)
+      tets_have_groups_ = true;
+    else if (type.code == gmsh::kTriangle || type.code == gmsh::kLine)
+      groups_[static_cast<std::size_t>(type.dimension)].note();
+  }
+
   std::uint32_t read_node() {
     const std::uint64_t tag = size();
-    const auto index = num_nodes_ == 0                 ? tags_.find(tag)
+    const auto index = !is_range()                     ? tags_.find(tag)
                        : tag >= 1 && tag <= num_nodes_ ? std::optional(static_cast<std::uint32_t>(tag - 1))
                                                        : std::nullopt;
     if (!index) in_.fail("node " + std::to_string(tag) + " does not exist");
@@ -567,6 +587,7 @@ class Reader {
   StreamedRows<std::int32_t> tet_groups_, tet_entities_;
   bool tets_have_groups_ = false, with_fields_;
   std::uint64_t first_node_ = 0, num_nodes_ = 0;  ///< num_nodes_: 0 without a range
+  std::vector<std::uint64_t> first_elements_;     ///< of each block; empty without a range
   int version_ = 4;
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
   std::map<std::pair<int, std::int32_t>, std::int32_t> entity_groups_;
@@ -593,8 +614,9 @@ class Layout {
     return std::ranges::all_of(nodes_, [&](const NodeBlock& block) { return are_tags_consecutive(block); });
   }
 
-  /// A file of the range's nodes and tets and of all other elements.
-  std::string part(const MeshRange& range) const {
+  /// A file of the range's elements and nodes, and of all elements of kinds that ranges do not cut.
+  /// `first_elements`: how many elements of the whole file are before those of each block.
+  std::string part(const MeshRange& range, std::vector<std::uint64_t>& first_elements) const {
     std::string bytes = head_;
     put_all<std::uint64_t>(bytes, {range.num_points > 0, range.num_points, 1, range.num_points});
     if (range.num_points > 0) {
@@ -604,22 +626,23 @@ class Layout {
       copy_nodes(range, kCoordinates, &NodeBlock::coordinates, bytes);
     }
     bytes += "\n$EndNodes\n$Elements\n";
-    std::uint64_t count = 0, passed = 0;
+    std::uint64_t count = 0, in_front = 0;
     std::string blocks;
+    std::array<Cut, 3> cuts{Cut{gmsh::kTetrahedron, range.first_tet, range.first_tet + range.num_tets},
+                            part_of(gmsh::kTriangle, range), part_of(gmsh::kLine, range)};
     for (const ElementBlock& block : blocks_) {
+      if (block.count == 0) continue;
       std::uint64_t first = 0, number = block.count;
-      if (block.type->code == gmsh::kTetrahedron) {
-        first = std::clamp(range.first_tet, passed, passed + block.count) - passed;
-        number = std::clamp(range.first_tet + range.num_tets, passed + first, passed + block.count) - passed -
-                 first;
-        passed += block.count;
-      }
+      for (Cut& cut : cuts)
+        if (block.type->code == cut.code) cut.take(first, number);
       put_all<std::int32_t>(blocks, {block.type->dimension, block.entity, block.type->code});
       put_all<std::uint64_t>(blocks, {number});
       copy(block.position + first * block.row(), number * block.row(), blocks);
       count += number;
+      first_elements.push_back(in_front + first);
+      in_front += block.count;
     }
-    put_all<std::uint64_t>(bytes, {blocks_.size(), count, 1, count});
+    put_all<std::uint64_t>(bytes, {first_elements.size(), count, 1, count});
     return bytes + blocks + "\n$EndElements\n";
   }
 
@@ -636,6 +659,26 @@ class Layout {
     std::uint64_t count, position;
     std::uint64_t row() const { return (1 + static_cast<std::uint64_t>(type->nodes)) * kTag; }
   };
+
+  /// Of all elements of a type those from `begin` to before `end`.
+  struct Cut {
+    int code;
+    std::uint64_t begin, end, passed = 0;
+
+    /// Of the next `number` elements, from `first` so many.
+    void take(std::uint64_t& first, std::uint64_t& number) {
+      const std::uint64_t last = passed + number;
+      first = std::clamp(begin, passed, last) - passed;
+      number = std::clamp(end, passed + first, last) - passed - first;
+      passed = last;
+    }
+  };
+  Cut part_of(int code, const MeshRange& range) const {
+    std::uint64_t total = 0;
+    for (const ElementBlock& block : blocks_)
+      if (block.type->code == code) total += block.count;
+    return {code, range.part_begin(total), range.part_end(total)};
+  }
 
   explicit Layout(const InputFile& file) : file_(file) {}
 
@@ -774,11 +817,12 @@ MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange&
   const InputFile file(path);
   const auto layout = Layout::of(file);
   if (!layout) throw InputError(path.string(), "", "has changed while it was read");
-  const std::string bytes = layout->part(range);
+  std::vector<std::uint64_t> first_elements;
+  const std::string bytes = layout->part(range, first_elements);
   Cursor in(file.name(), bytes);
   MeshContents contents;
   MeshCollector collector;
-  Reader(in, contents, collector, range, layout->size().points).read();
+  Reader(in, contents, collector, range, layout->size().points, std::move(first_elements)).read();
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;

@@ -634,6 +634,7 @@ MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& 
   const VtkDocument document(path, "UnstructuredGrid");
   MeshContents contents =
       PieceReader(document, pieces_of(document)[0], PieceRange{range, true}).read().contents;
+  keep_part(range, contents.mesh);
   contents.fields.num_points = range.num_points;
   return contents;
 }

@@ -9,31 +9,11 @@
 #include <vector>
 
 #include "meshing/base/parallel.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/geometry/surface.h"
 
 namespace weft::meshing {
 namespace {
-
-/// An edge of a curved patch, seen from its vertex.
-struct PatchEdge {
-  std::uint32_t vertex, patch, other;
-  friend auto operator<=>(const PatchEdge&, const PatchEdge&) = default;
-};
-
-/// Sorted, each once: the edges of a vertex lie together, and in them those of a patch.
-std::vector<PatchEdge> curved_patch_edges(const MeshData& mesh, const Surface& surface) {
-  std::vector<PatchEdge> edges;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const PatchId patch = surface.triangle_patch(t);
-    if (!patch.valid() || surface.patches()[patch.value].planar) continue;
-    for (const std::uint32_t v : mesh.triangles[t])
-      for (const std::uint32_t w : mesh.triangles[t])
-        if (v != w) edges.push_back({v, patch.value, w});
-  }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
-}
 
 struct Frame {
   Vec u, v, n;  ///< orthonormal, n the normal
@@ -128,11 +108,11 @@ double least_radius(const Model& model, std::uint32_t face) {
 
 /// What is asked for at a vertex of a patch on the model; none where the model has no curvature there, but a
 /// normal. A tip, which has neither, asks for nothing: its neighbours do, and gradation carries that to it.
-std::optional<Metric> model_demand(const Surface& surface, PatchId patch, const Point& p,
-                                   std::uint32_t vertex, const CurvatureSizes& sizes) {
+std::optional<Metric> model_demand(const Surface& surface, PatchId patch, const CurvedVertex& vertex,
+                                   const CurvatureSizes& sizes) {
   if (surface.faces(patch).empty()) return std::nullopt;
   const Model& model = *surface.model();
-  const auto q = surface.closest_on_model(patch, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex));
+  const auto q = surface.closest_on_model(patch, vertex.x, vertex.kind, vertex.hint);
   std::optional<SurfaceCurvature> c = model.curvature(q.face, q.at.at);
   if (!c) {
     if (model.face(q.face).form.kind == SurfaceForm::Kind::cone || norm(q.at.normal) == 0)
@@ -146,24 +126,22 @@ std::optional<Metric> model_demand(const Surface& surface, PatchId patch, const 
 }
 
 /// What the edges of one vertex, of one or more patches, ask for.
-Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes& sizes,
+Metric demand(const Surface& surface, const std::vector<CurvedVertex>& vertices, const CurvatureSizes& sizes,
               std::span<const PatchEdge> edges) {
-  const std::uint32_t vertex = edges.front().vertex;
-  const Point& p = mesh.points[vertex];
+  const CurvedVertex& vertex = vertices[edges.front().vertex];
   Metric metric = identity_tensor(1 / (sizes.largest() * sizes.largest()));
   for (auto begin = edges.begin(); begin != edges.end();) {
     const std::uint32_t patch = begin->patch;
     const auto end = std::find_if(begin, edges.end(), [&](const PatchEdge& e) { return e.patch != patch; });
-    if (const auto known = model_demand(surface, PatchId{patch}, p, vertex, sizes)) {
+    if (const auto known = model_demand(surface, PatchId{patch}, vertex, sizes)) {
       metric = intersect(metric, *known);
       begin = end;
       continue;
     }
-    const Frame frame = frame_of(
-        surface.project_to_patch(PatchId{patch}, p, surface.vertex_kind(vertex), surface.vertex_hint(vertex))
-            .normal);
+    const Frame frame =
+        frame_of(surface.project_to_patch(PatchId{patch}, vertex.x, vertex.kind, vertex.hint).normal);
     CurvatureFit fit;
-    for (; begin != end; ++begin) fit.add(frame, mesh.points[begin->other] - p);
+    for (; begin != end; ++begin) fit.add(frame, vertices[begin->other].x - vertex.x);
     metric = intersect(metric, sizes.metric(fit.solve(), frame));
   }
   return metric;
@@ -171,22 +149,44 @@ Metric demand(const MeshData& mesh, const Surface& surface, const CurvatureSizes
 
 }  // namespace
 
-LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
-                                std::shared_ptr<const Model> model, std::optional<double> largest) {
-  const Surface surface(mesh, {options.ridge_angle_degrees},
-                        model ? classify_on_model(mesh, model) : ModelClassification{});
-  const std::vector<PatchEdge> edges = curved_patch_edges(mesh, surface);
+void add_patch_edges(std::uint32_t vertex, PatchId patch, const std::array<std::uint32_t, 3>& triangle,
+                     std::vector<PatchEdge>& edges) {
+  for (const std::uint32_t other : triangle)
+    if (other != vertex) edges.push_back({vertex, patch.value, other});
+}
+
+LogMetricField curvature_metric(const Surface& surface, const std::vector<CurvedVertex>& vertices,
+                                std::vector<PatchEdge> edges, const CurvatureOptions& options,
+                                double largest) {
+  sort_unique(edges);
   std::vector<std::size_t> begins;  // of each vertex's edges
   for (std::size_t i = 0; i < edges.size(); ++i)
     if (i == 0 || edges[i].vertex != edges[i - 1].vertex) begins.push_back(i);
   begins.push_back(edges.size());
-  const CurvatureSizes sizes(largest.value_or(largest_size(mesh)), options);
-  LogMetricField field(mesh.points.size(), identity_tensor(-2 * std::log(sizes.largest())));
+  const CurvatureSizes sizes(largest, options);
+  LogMetricField field(vertices.size(), identity_tensor(-2 * std::log(sizes.largest())));
   for_each_index(begins.size() - 1, [&](std::size_t i) {
     const std::span<const PatchEdge> at_vertex(&edges[begins[i]], begins[i + 1] - begins[i]);
-    field[at_vertex.front().vertex] = log_of(demand(mesh, surface, sizes, at_vertex));
+    field[at_vertex.front().vertex] = log_of(demand(surface, vertices, sizes, at_vertex));
   });
   return field;
+}
+
+LogMetricField curvature_metric(const MeshData& mesh, const CurvatureOptions& options,
+                                std::shared_ptr<const Model> model) {
+  const Surface surface(mesh, {options.ridge_angle_degrees},
+                        model ? classify_on_model(mesh, model) : ModelClassification{});
+  std::vector<CurvedVertex> vertices;
+  vertices.reserve(mesh.points.size());
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+    vertices.push_back({mesh.points[v], surface.vertex_kind(v), surface.vertex_hint(v)});
+  std::vector<PatchEdge> edges;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const PatchId patch = surface.triangle_patch(t);
+    if (!patch.valid() || surface.patches()[patch.value].planar) continue;
+    for (const std::uint32_t v : mesh.triangles[t]) add_patch_edges(v, patch, mesh.triangles[t], edges);
+  }
+  return curvature_metric(surface, vertices, std::move(edges), options, largest_size(mesh));
 }
 
 }  // namespace weft::meshing

@@ -17,6 +17,16 @@ MeshContents named_box() {
   return box;
 }
 
+/// The same with marks, which most formats drop.
+MeshContents marked_box() {
+  MeshContents box = named_box();
+  box.mesh.ridges = {2, 0};
+  box.mesh.required_edges = {3, 3, 1};
+  box.mesh.required_triangles = {9, 4, 20, 1};
+  box.mesh.required_points = {5, 1};
+  return box;
+}
+
 template <class T>
 void append(std::vector<T>& all, const std::vector<T>& part) {
   all.insert(all.end(), part.begin(), part.end());
@@ -29,16 +39,20 @@ MeshContents read_in_parts(const fs::path& path, std::uint64_t parts) {
   MeshContents all;
   for (std::uint64_t p = 0; p < parts; ++p) {
     const std::uint64_t point = size->points * p / parts, tet = size->tets * p / parts;
-    MeshContents part = read_mesh_range(
-        path, {point, size->points * (p + 1) / parts - point, tet, size->tets * (p + 1) / parts - tet});
-    MeshData& mesh = part.mesh;
-    if (p > 0) {
-      mesh.points.swap(all.mesh.points), mesh.point_refs.swap(all.mesh.point_refs);
-      mesh.tets.swap(all.mesh.tets), mesh.tet_refs.swap(all.mesh.tet_refs);
-      append(mesh.points, all.mesh.points), append(mesh.point_refs, all.mesh.point_refs);
-      append(mesh.tets, all.mesh.tets), append(mesh.tet_refs, all.mesh.tet_refs);
-    }
-    all = std::move(part);
+    const MeshContents part = read_mesh_range(path, {point, size->points * (p + 1) / parts - point, tet,
+                                                     size->tets * (p + 1) / parts - tet, p, parts});
+    const MeshData& mesh = part.mesh;
+    append(all.mesh.points, mesh.points), append(all.mesh.point_refs, mesh.point_refs);
+    append(all.mesh.tets, mesh.tets), append(all.mesh.tet_refs, mesh.tet_refs);
+    append(all.mesh.triangles, mesh.triangles), append(all.mesh.triangle_refs, mesh.triangle_refs);
+    append(all.mesh.edges, mesh.edges), append(all.mesh.edge_refs, mesh.edge_refs);
+    append(all.mesh.ridges, mesh.ridges);
+    append(all.mesh.required_edges, mesh.required_edges);
+    append(all.mesh.required_triangles, mesh.required_triangles);
+    all.mesh.corners = mesh.corners;
+    all.mesh.required_points = mesh.required_points;
+    all.names = part.names;
+    all.fields = part.fields;
   }
   return all;
 }
@@ -50,7 +64,7 @@ class MeshRanges : public testing::TestWithParam<std::string> {
 
 TEST_P(MeshRanges, TogetherAreTheWholeFile) {
   const fs::path path = directory / GetParam();
-  write_mesh_contents(path, named_box());
+  write_mesh_contents(path, marked_box());
   const MeshContents whole = read_mesh_contents(path);
   const bool slow = path.extension() == ".cgns";  // HDF5 opens the file for every part
   for (const std::uint64_t parts : {1u, 3u, 7u, slow ? 20u : 100u}) {
@@ -86,6 +100,33 @@ TEST(MeshRange, OfUgridNamesTheRowOfTheWholeFile) {
               read_mesh_range(path, {0, 10, 30, 20});
             }),
             message_of([&] { read_mesh(path); }));
+}
+
+TEST(MeshRange, OfTrianglesNamesTheRowOfTheWholeFile) {
+  const TemporaryDirectory directory;
+  for (const char* name : {"m.lb8.ugrid", "m.meshb", "m.mesh", "m.msh"}) {
+    const fs::path path = directory / name;
+    MeshContents box = named_box();
+    const auto last = box.mesh.triangles.size() - 1;
+    box.mesh.triangles[last][2] = 1000;
+    write_mesh_contents(path, box);
+    EXPECT_NO_THROW(read_mesh_range(path, {0, 10, 0, 20, 0, 2})) << name;
+    EXPECT_EQ(message_of([&] {
+                read_mesh_range(path, {0, 10, 0, 20, 1, 2});
+              }),
+              message_of([&] { read_mesh(path); }));
+  }
+}
+
+TEST(MeshRange, OfMshHasGroupsThatOnlyOthersHave) {
+  const TemporaryDirectory directory;
+  MeshContents box = named_box();
+  for (std::size_t t = 0; t < box.mesh.triangles.size(); ++t) box.mesh.triangle_refs[t] = t < 8 ? 7 : 0;
+  for (std::size_t t = 0; t < box.mesh.tets.size(); ++t) box.mesh.tet_refs[t] = t < 8 ? 7 : 0;
+  write_mesh_contents(directory / "m.msh", box);
+  const MeshContents whole = read_mesh_contents(directory / "m.msh");
+  EXPECT_EQ(whole.mesh.triangle_refs.front(), 0);  // by references
+  expect_equal(read_in_parts(directory / "m.msh", 5).mesh, whole.mesh);
 }
 
 TEST(MeshRange, IsNotReadOfFormatsWithoutPlaces) {

@@ -45,11 +45,28 @@ inline partition::MeshSlice slice_of(const MetricMesh& whole, int rank, int rank
   slice.log_metrics = cut(whole.log_metrics, slice.first_point, end_point);
   slice.tets = cut(m.tets, slice.first_tet, end_tet);
   slice.tet_refs = cut(m.tet_refs, slice.first_tet, end_tet);
-  slice.boundary = m;
-  slice.boundary.points.clear();
-  slice.boundary.point_refs.clear();
-  slice.boundary.tets.clear();
-  slice.boundary.tet_refs.clear();
+  const auto share = [&](const auto& array) {
+    return cut(array, share_begin(array.size(), rank, ranks, seed),
+               share_begin(array.size(), rank + 1, ranks, seed));
+  };
+  slice.num_triangles = m.triangles.size();
+  slice.num_edges = m.edges.size();
+  slice.first_triangle = share_begin(m.triangles.size(), rank, ranks, seed);
+  slice.first_edge = share_begin(m.edges.size(), rank, ranks, seed);
+  // References too many are the last rank's.
+  const auto refs_of = [&](const auto& refs, std::size_t count) {
+    return cut(refs, share_begin(count, rank, ranks, seed),
+               rank + 1 == ranks ? refs.size() : share_begin(count, rank + 1, ranks, seed));
+  };
+  slice.boundary.triangles = share(m.triangles);
+  slice.boundary.triangle_refs = refs_of(m.triangle_refs, m.triangles.size());
+  slice.boundary.edges = share(m.edges);
+  slice.boundary.edge_refs = refs_of(m.edge_refs, m.edges.size());
+  slice.boundary.ridges = share(m.ridges);
+  slice.boundary.required_edges = share(m.required_edges);
+  slice.boundary.required_triangles = share(m.required_triangles);
+  slice.boundary.corners = m.corners;
+  slice.boundary.required_points = m.required_points;
   return slice;
 }
 

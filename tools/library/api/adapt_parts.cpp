@@ -69,6 +69,7 @@ partition::MeshSlice background_of(partition::Peers& peers, const Part& part, co
       warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
     }
     slice.boundary = {};
+    partition::count_boundary(peers, slice);
     return slice;
   });
 }
@@ -100,8 +101,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
     of_metric = background_of(run.peers(), *background, metric, options, model, result.warnings);
   else
     target = add_metric(run.peers(), part, metric, options, model, slice, result.warnings);
-  result.input_counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
-                         slice.boundary.edges.size()};
+  result.input_counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;
   if (!fields.fields.empty()) old = partition::without_boundary(slice);

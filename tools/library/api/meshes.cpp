@@ -59,7 +59,7 @@ std::vector<Dropped> write_mesh_file(const std::string& path, const MeshFile& co
   check_fields(contents.mesh, contents.fields);
   const meshing::MeshView view(*whole, contents.fields, contents.names);
   meshing::write_mesh_contents(path, view, options);
-  return meshing::lost_in(path, view, options);
+  return meshing::lost_in(path, meshing::counts_of(*whole), contents.fields, contents.names, options);
 }
 
 void write_fields(const std::string& path, const Fields& fields) { meshing::write_solution(path, fields); }

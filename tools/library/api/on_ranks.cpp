@@ -116,17 +116,40 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
   return result;
 }
 
+namespace {
+
+/// All ranks: of the whole mesh.
+meshing::MeshCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
+  const auto not_zero = [](const std::vector<std::int32_t>& refs) {
+    return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](auto ref) { return ref != 0; }));
+  };
+  meshing::MeshCounts counts = meshing::counts_of(slice.boundary);
+  const std::vector<std::uint64_t> sums =
+      partition::sum(peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles,
+                                        not_zero(slice.point_refs), not_zero(slice.tet_refs)});
+  counts.ridges = sums[0];
+  counts.required_edges = sums[1];
+  counts.required_triangles = sums[2];
+  counts.point_refs = sums[3];
+  counts.tet_refs = sums[4];
+  counts.tets = slice.num_tets;
+  counts.edges = slice.num_edges;
+  return counts;
+}
+
+}  // namespace
+
 MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& options) {
   MeasuresOnRanks result;
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     MeshSlice slice = read_mesh(peers, mesh, result).slice;
-    const Mesh& boundary = slice.boundary;
-    result.counts = {slice.num_points, slice.num_tets, boundary.triangles.size(), boundary.edges.size()};
-    result.corners = boundary.corners.size();
-    result.ridges = boundary.ridges.size();
-    result.required_vertices = boundary.required_points.size();
-    result.required_edges = boundary.required_edges.size();
-    result.required_triangles = boundary.required_triangles.size();
+    result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
+    const meshing::MeshCounts counts = counts_of_slices(peers, slice);
+    result.corners = counts.corners;
+    result.ridges = counts.ridges;
+    result.required_vertices = counts.required_points;
+    result.required_edges = counts.required_edges;
+    result.required_triangles = counts.required_triangles;
     partition::SlicesGeometry geometry = partition::measure_geometry_of_slices(peers, slice);
     if (slice.num_points > 0) {
       result.geometry.min = geometry.box.lo;
@@ -160,20 +183,6 @@ VerifiedOnRanks verify_on_ranks(const std::string& mesh, const std::string& agai
 }
 
 namespace {
-
-/// The mesh, as far as lost_in() counts it: all of the boundary, and as many references as are not 0.
-std::vector<Dropped> lost_of_slices(Peers& peers, const MeshSlice& slice, const Fields& fields,
-                                    const meshing::RefNames& names, const std::string& output) {
-  const auto count = [&](const std::vector<std::int32_t>& refs) {
-    const auto mine =
-        static_cast<std::uint64_t>(std::ranges::count_if(refs, [](auto ref) { return ref != 0; }));
-    return std::vector<std::int32_t>(partition::sum(peers, mine), 1);
-  };
-  meshing::MeshData counted = slice.boundary;
-  counted.point_refs = count(slice.point_refs);
-  counted.tet_refs = count(slice.tet_refs);
-  return meshing::lost_in(output, meshing::MeshView(counted, fields, names));
-}
 
 bool is_pvtu(const std::string& file) { return std::filesystem::path(file).extension() == ".pvtu"; }
 
@@ -229,9 +238,8 @@ ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& s
     const bool beside = !fields.fields.empty() && !meshing::holds_fields(output);
     const std::string file = meshing::solution_beside(output).string();
     if (beside) check_output(peers, file);
-    result.counts = {slice.num_points, slice.num_tets, slice.boundary.triangles.size(),
-                     slice.boundary.edges.size()};
-    for (Dropped& lost : lost_of_slices(peers, slice, fields, share.names, output))
+    result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
+    for (Dropped& lost : meshing::lost_in(output, counts_of_slices(peers, slice), fields, share.names))
       result.dropped.push_back(std::move(lost));
     if (is_pvtu(output)) {
       WriteOptions of_pieces = options;

@@ -84,8 +84,8 @@ class DistributedFileJob {
     account_.warnings = input.warnings;
     account_.mends = input.mends;
     names_ = std::move(input.names);
-    account_.input_counts = {input.slice.num_points, input.slice.num_tets,
-                             input.slice.boundary.triangles.size(), input.slice.boundary.edges.size()};
+    account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
+                             input.slice.num_edges};
     account_.times.read = watch_.lap();
     if (input.whole && run_.first()) account_.before = meshing::measure(*input.whole, input.whole_metric);
     input.whole.reset();

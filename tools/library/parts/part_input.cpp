@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -162,47 +161,93 @@ void number_tets(Peers& peers, const Part& part, const Mesh& mesh, const std::ve
   if (slice.num_tets == 0) throw InputError("", "", "has no tetrahedra");
 }
 
-/// Triangles and edges of all ranks, each once; who lists one first fixes its place and orientation.
-template <std::size_t N>
-struct Entities {
-  std::vector<std::array<std::uint32_t, N>> vertices;
-  std::vector<std::int32_t> refs;
-  std::map<std::array<std::uint32_t, N>, std::uint32_t> index;
+constexpr std::uint8_t kKeptMark = 1, kRidgeMark = 2, kRequiredMark = 4;
 
-  std::uint32_t add(const std::array<std::uint32_t, N>& entity, std::int32_t ref) {
-    auto key = entity;
-    std::ranges::sort(key);
-    const auto [at, added] = index.try_emplace(key, static_cast<std::uint32_t>(vertices.size()));
-    if (added) {
-      vertices.push_back(entity);
-      refs.push_back(ref);
-    }
-    return at->second;
-  }
-};
-
-/// One entity of N vertices on its way to all ranks.
+/// A triangle or an edge of N vertices, its vertices ascending, on its way to the home of the lowest.
 template <std::size_t N>
 struct EntityRecord {
   std::array<std::uint32_t, N> vertices;
-  std::int32_t ref;
-  std::uint32_t marks;  ///< kRidgeMark, kRequiredMark
+  std::uint32_t marks;
 };
-constexpr std::uint32_t kRidgeMark = 1, kRequiredMark = 2;
 
+/// A record at its home: where it came from.
 template <std::size_t N>
-std::vector<EntityRecord<N>> records_of(const std::vector<std::array<std::uint32_t, N>>& entities,
-                                        const std::vector<std::int32_t>& refs,
-                                        const std::vector<std::uint64_t>& numbers) {
-  std::vector<EntityRecord<N>> records;
-  records.reserve(entities.size());
-  for (std::size_t e = 0; e < entities.size(); ++e) {
-    EntityRecord<N> record{{}, refs[e], 0};
-    for (std::size_t i = 0; i < N; ++i)
-      record.vertices[i] = static_cast<std::uint32_t>(numbers[entities[e][i]]);
-    records.push_back(record);
+struct ArrivedEntity {
+  EntityRecord<N> record;
+  std::uint32_t rank, index;
+};
+
+/// All ranks: for each record that a rank has sent here, whether it is the first of the same vertices, with
+/// the marks of all of them then.
+template <std::size_t N>
+std::vector<std::vector<std::uint8_t>> judged(const std::vector<std::vector<EntityRecord<N>>>& from_each) {
+  std::vector<ArrivedEntity<N>> all;
+  std::vector<std::vector<std::uint8_t>> answers(from_each.size());
+  for (std::uint32_t r = 0; r < from_each.size(); ++r) {
+    answers[r].resize(from_each[r].size(), 0);
+    for (std::uint32_t i = 0; i < from_each[r].size(); ++i) all.push_back({from_each[r][i], r, i});
   }
-  return records;
+  const auto vertices = [](const ArrivedEntity<N>& a) -> const auto& { return a.record.vertices; };
+  std::ranges::stable_sort(all, {}, vertices);
+  for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+    std::uint32_t marks = kKeptMark;
+    for (; end < all.size() && vertices(all[end]) == vertices(all[begin]); ++end)
+      marks |= all[end].record.marks;
+    answers[all[begin].rank][all[begin].index] = static_cast<std::uint8_t>(marks);
+  }
+  return answers;
+}
+
+/// All ranks: marks of this rank's entities, those of all that have the same vertices at the first of these
+/// (which has kKeptMark), 0 at the others.
+template <std::size_t N>
+std::vector<std::uint8_t> agreed_marks(Peers& peers,
+                                       const std::vector<std::array<std::uint32_t, N>>& entities,
+                                       const std::vector<std::uint8_t>& marks) {
+  std::vector<std::vector<EntityRecord<N>>> to_each(static_cast<std::size_t>(peers.ranks()));
+  std::vector<std::uint32_t> homes;
+  for (std::size_t e = 0; e < entities.size(); ++e) {
+    EntityRecord<N> record{entities[e], marks[e]};
+    std::ranges::sort(record.vertices);
+    homes.push_back(record.vertices[0] % static_cast<std::uint32_t>(to_each.size()));
+    to_each[homes.back()].push_back(record);
+  }
+  const auto answers = partition::all_to_all(peers, judged(partition::all_to_all(peers, std::move(to_each))));
+  std::vector<std::size_t> next(answers.size(), 0);
+  std::vector<std::uint8_t> agreed;
+  for (const std::uint32_t home : homes) agreed.push_back(answers[home][next[home]++]);
+  return agreed;
+}
+
+/// All ranks: the entities that this rank is the first to have, by numbers in the whole mesh, into
+/// `vertices` and `refs`; returns their marks. Who lists one first fixes its place and orientation.
+template <std::size_t N>
+std::vector<std::uint8_t> take_entities(Peers& peers, std::vector<std::array<std::uint32_t, N>> entities,
+                                        const std::vector<std::int32_t>& entity_refs,
+                                        const std::vector<std::uint64_t>& numbers,
+                                        const std::vector<std::uint8_t>& marks,
+                                        std::vector<std::array<std::uint32_t, N>>& vertices,
+                                        std::vector<std::int32_t>& refs) {
+  for (auto& entity : entities)
+    for (std::uint32_t& v : entity) v = static_cast<std::uint32_t>(numbers[v]);
+  std::vector<std::uint8_t> kept;
+  const std::vector<std::uint8_t> agreed = agreed_marks(peers, entities, marks);
+  for (std::size_t e = 0; e < entities.size(); ++e) {
+    if (agreed[e] == 0) continue;
+    vertices.push_back(entities[e]);
+    refs.push_back(entity_refs[e]);
+    kept.push_back(agreed[e]);
+  }
+  return kept;
+}
+
+/// Numbers of those with the mark, counted from `first`.
+std::vector<std::uint32_t> marked(const std::vector<std::uint8_t>& marks, std::uint8_t mark,
+                                  std::uint64_t first) {
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t e = 0; e < marks.size(); ++e)
+    if (marks[e] & mark) numbers.push_back(static_cast<std::uint32_t>(first + e));
+  return numbers;
 }
 
 /// All ranks: the vertices on these lists, each once, ascending.
@@ -215,38 +260,22 @@ std::vector<std::uint32_t> gather_vertices(Peers& peers, const std::vector<std::
   return {all.begin(), all.end()};
 }
 
-void gather_triangles(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
-                      Mesh& boundary) {
-  auto mine = records_of(mesh.triangles, mesh.triangle_refs, numbers);
-  for (const std::uint32_t t : mesh.required_triangles) mine[t].marks |= kRequiredMark;
-  Entities<3> all;
-  std::set<std::uint32_t> required;
-  for (const auto& of_rank : partition::allgather(peers, mine))
-    for (const EntityRecord<3>& record : of_rank) {
-      const std::uint32_t at = all.add(record.vertices, record.ref);
-      if (record.marks & kRequiredMark) required.insert(at);
-    }
-  boundary.triangles = std::move(all.vertices);
-  boundary.triangle_refs = std::move(all.refs);
-  boundary.required_triangles.assign(required.begin(), required.end());
-}
-
-void gather_edges(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers, Mesh& boundary) {
-  auto mine = records_of(mesh.edges, mesh.edge_refs, numbers);
-  for (const std::uint32_t e : mesh.ridges) mine[e].marks |= kRidgeMark;
-  for (const std::uint32_t e : mesh.required_edges) mine[e].marks |= kRequiredMark;
-  Entities<2> all;
-  std::set<std::uint32_t> ridges, required;
-  for (const auto& of_rank : partition::allgather(peers, mine))
-    for (const EntityRecord<2>& record : of_rank) {
-      const std::uint32_t at = all.add(record.vertices, record.ref);
-      if (record.marks & kRidgeMark) ridges.insert(at);
-      if (record.marks & kRequiredMark) required.insert(at);
-    }
-  boundary.edges = std::move(all.vertices);
-  boundary.edge_refs = std::move(all.refs);
-  boundary.ridges.assign(ridges.begin(), ridges.end());
-  boundary.required_edges.assign(required.begin(), required.end());
+/// All ranks: the slice's triangles and edges, each on one rank.
+void take_boundary(Peers& peers, const Mesh& mesh, const std::vector<std::uint64_t>& numbers,
+                   MeshSlice& slice) {
+  Mesh& boundary = slice.boundary;
+  std::vector<std::uint8_t> of_triangles(mesh.triangles.size(), 0), of_edges(mesh.edges.size(), 0);
+  for (const std::uint32_t t : mesh.required_triangles) of_triangles[t] |= kRequiredMark;
+  for (const std::uint32_t e : mesh.ridges) of_edges[e] |= kRidgeMark;
+  for (const std::uint32_t e : mesh.required_edges) of_edges[e] |= kRequiredMark;
+  of_triangles = take_entities(peers, mesh.triangles, mesh.triangle_refs, numbers, of_triangles,
+                               boundary.triangles, boundary.triangle_refs);
+  of_edges =
+      take_entities(peers, mesh.edges, mesh.edge_refs, numbers, of_edges, boundary.edges, boundary.edge_refs);
+  count_boundary(peers, slice);
+  boundary.required_triangles = marked(of_triangles, kRequiredMark, slice.first_triangle);
+  boundary.ridges = marked(of_edges, kRidgeMark, slice.first_edge);
+  boundary.required_edges = marked(of_edges, kRequiredMark, slice.first_edge);
 }
 
 /// A rank gives a metric where all do.
@@ -266,8 +295,7 @@ MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric* metric) {
   const std::vector<std::uint64_t> numbers = number_points(peers, part, *whole, metric, slice);
   check_faces_of_parts(peers, *whole, numbers);
   number_tets(peers, part, *whole, numbers, slice);
-  gather_triangles(peers, *whole, numbers, slice.boundary);
-  gather_edges(peers, *whole, numbers, slice.boundary);
+  take_boundary(peers, *whole, numbers, slice);
   slice.boundary.corners = gather_vertices(peers, part.mesh.corners, numbers);
   slice.boundary.required_points = gather_vertices(peers, part.mesh.required_points, numbers);
   return slice;

@@ -45,16 +45,26 @@ SolutionData fields_at(std::size_t num_points) {
 /// The whole mesh put together of `parts` parts.
 MeshData read_in_parts(const fs::path& path, std::uint64_t parts) {
   const GmfLayout layout = read_gmf_layout(path);
-  MeshData mesh = read_gmf_boundary(path, layout);
+  MeshData mesh;
+  const auto append = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
   for (std::uint64_t p = 0; p < parts; ++p) {
+    MeshRange range;
+    range.part = p, range.parts = parts;
+    const MeshData boundary = read_gmf_boundary(path, layout, range);
+    EXPECT_LE(boundary.triangles.size(), layout.num_triangles() / parts + 1);
+    append(mesh.triangles, boundary.triangles), append(mesh.triangle_refs, boundary.triangle_refs);
+    append(mesh.edges, boundary.edges), append(mesh.edge_refs, boundary.edge_refs);
+    append(mesh.ridges, boundary.ridges);
+    append(mesh.required_edges, boundary.required_edges);
+    append(mesh.required_triangles, boundary.required_triangles);
+    mesh.corners = boundary.corners;
+    mesh.required_points = boundary.required_points;
     const auto begin = [&](std::uint64_t n, std::uint64_t part) { return n * part / parts; };
     const std::uint64_t v = begin(layout.num_points(), p), t = begin(layout.num_tets(), p);
     const GmfPoints points = read_gmf_points(path, layout, v, begin(layout.num_points(), p + 1) - v);
     const GmfTets tets = read_gmf_tets(path, layout, t, begin(layout.num_tets(), p + 1) - t);
-    mesh.points.insert(mesh.points.end(), points.points.begin(), points.points.end());
-    mesh.point_refs.insert(mesh.point_refs.end(), points.refs.begin(), points.refs.end());
-    mesh.tets.insert(mesh.tets.end(), tets.tets.begin(), tets.tets.end());
-    mesh.tet_refs.insert(mesh.tet_refs.end(), tets.refs.begin(), tets.refs.end());
+    append(mesh.points, points.points), append(mesh.point_refs, points.refs);
+    append(mesh.tets, tets.tets), append(mesh.tet_refs, tets.refs);
   }
   return mesh;
 }

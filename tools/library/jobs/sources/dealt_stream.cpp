@@ -217,7 +217,7 @@ MeshShare read_dealt_share(Peers& peers, const std::string& file, meshing::Other
   slice.tet_refs = (told.prefers_other ? arrays.other_tet_refs : arrays.tet_refs).share(peers, told.tets);
   set_point_refs(peers, dealer.refs_of_points(), slice);
   rest.complete();
-  slice.boundary = boundary_of_first(peers, std::move(rest.mesh));
+  deal_boundary(peers, rest.mesh, slice);
   share.names = std::move(rest.names);
   share.dropped = std::move(rest.dropped);
   return share;

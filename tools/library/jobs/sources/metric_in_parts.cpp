@@ -8,10 +8,13 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/metric/sources/hessian.h"
 #include "meshing/metric/sources/multiscale.h"
+#include "meshing/metric/sources/wall_metric.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
+#include "partition/metric/curvature_in_parts.h"
 #include "partition/metric/part_domain.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/sources/shares.h"
@@ -54,38 +57,34 @@ meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const 
   return domain.from_slices(metric_of_slice(peers, file, slice));
 }
 
-/// The whole boundary, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
-meshing::MeshData boundary_with(const MeshSlice& slice, const PartDomain& domain,
-                                std::vector<std::uint32_t>& numbers) {
-  meshing::MeshData mesh = slice.boundary;
-  mesh.association = {};
+/// All ranks: the walls, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
+meshing::MeshData walls_with(Peers& peers, const WallOptions& walls, const MeshSlice& slice,
+                             const PartDomain& domain, std::vector<std::uint32_t>& numbers) {
+  const meshing::MeshData& share = slice.boundary;
+  meshing::MeshData mesh;
+  for (std::size_t t = 0; t < share.triangles.size(); ++t)
+    if (std::ranges::find(walls.refs, share.triangle_refs[t]) != walls.refs.end()) {
+      mesh.triangles.push_back(share.triangles[t]);
+      mesh.triangle_refs.push_back(share.triangle_refs[t]);
+    }
+  mesh.triangles = partition::allgather_joined(peers, mesh.triangles);
+  mesh.triangle_refs = partition::allgather_joined(peers, mesh.triangle_refs);
   numbers = domain.numbers();
   for (const auto& triangle : mesh.triangles) numbers.insert(numbers.end(), triangle.begin(), triangle.end());
-  for (const auto& edge : mesh.edges) numbers.insert(numbers.end(), edge.begin(), edge.end());
-  numbers.insert(numbers.end(), mesh.corners.begin(), mesh.corners.end());
-  numbers.insert(numbers.end(), mesh.required_points.begin(), mesh.required_points.end());
-  std::ranges::sort(numbers);
-  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
-  const auto renumber = [&](std::uint32_t& v) {
-    v = static_cast<std::uint32_t>(meshing::place_in(numbers, v));
-  };
-  for (auto& triangle : mesh.triangles) std::ranges::for_each(triangle, renumber);
-  for (auto& edge : mesh.edges) std::ranges::for_each(edge, renumber);
-  std::ranges::for_each(mesh.corners, renumber);
-  std::ranges::for_each(mesh.required_points, renumber);
+  meshing::sort_unique(numbers);
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& v : triangle) v = static_cast<std::uint32_t>(meshing::place_in(numbers, v));
   mesh.points = domain.from_slices(slice.points, numbers);
   mesh.point_refs.resize(mesh.points.size());
   return mesh;
 }
 
-/// The boundary is on every rank, and each looks at it from its own vertices.
-std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& options, const MeshSlice& slice,
-                                                      const PartDomain& domain,
-                                                      const std::shared_ptr<const meshing::Model>& model) {
-  if (!has_demand(options)) return std::nullopt;
+/// All ranks: the walls are on every rank, and each looks at them from its own vertices.
+meshing::LogMetricField wall_metric_in_part(Peers& peers, const WallOptions& walls, const MeshSlice& slice,
+                                            const PartDomain& domain) {
   std::vector<std::uint32_t> numbers;
-  const meshing::MeshData mesh = boundary_with(slice, domain, numbers);
-  const meshing::LogMetricField demand = *boundary_demand(options, mesh, model, domain.largest_size());
+  const meshing::MeshData mesh = walls_with(peers, walls, slice, domain, numbers);
+  const meshing::LogMetricField demand = meshing::wall_metric(mesh, walls, domain.largest_size());
   meshing::LogMetricField of_part;
   auto at = numbers.begin();
   for (const std::uint32_t number : domain.numbers()) {
@@ -93,6 +92,17 @@ std::optional<meshing::LogMetricField> demand_in_part(const MetricOptions& optio
     of_part.push_back(demand[static_cast<std::size_t>(at - numbers.begin())]);
   }
   return of_part;
+}
+
+/// All ranks: boundary_demand() at the vertices of the part.
+std::optional<meshing::LogMetricField> demand_in_part(Peers& peers, const MetricOptions& options,
+                                                      const MeshSlice& slice, const PartDomain& domain,
+                                                      const std::shared_ptr<const meshing::Model>& model) {
+  std::optional<meshing::LogMetricField> field;
+  if (const auto curvature = curvature_options(options))
+    combine(partition::curvature_in_parts(peers, slice, domain, *curvature, model), field);
+  if (!options.wall.refs.empty()) combine(wall_metric_in_part(peers, options.wall, slice, domain), field);
+  return field;
 }
 
 }  // namespace
@@ -122,7 +132,7 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
       here,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
-       [&] { return demand_in_part(options, slice, domain, model); }, source ? &*source : nullptr},
+       [&] { return demand_in_part(peers, options, slice, domain, model); }, source ? &*source : nullptr},
       mesh_name);
   made.field = domain.to_slices(made.field);
   return made;

@@ -21,14 +21,6 @@
 namespace weft::tools {
 namespace {
 
-/// What `current` and `more` ask for together.
-void combine(meshing::LogMetricField&& more, std::optional<meshing::LogMetricField>& current) {
-  if (current)
-    meshing::intersect_with(more, *current);
-  else
-    current = std::move(more);
-}
-
 /// What the metrics of solutions are scaled to.
 double solution_complexity(const MetricOptions& options, const meshing::MetricDomain& domain) {
   return options.complexity > 0 ? options.complexity : domain.complexity(meshing::implied_metric(domain));
@@ -125,18 +117,28 @@ bool has_demand(const MetricOptions& options) {
   return options.curvature > 0 || options.sagitta > 0 || !options.wall.refs.empty();
 }
 
+std::optional<meshing::CurvatureOptions> curvature_options(const MetricOptions& options) {
+  if (!(options.curvature > 0) && !(options.sagitta > 0)) return std::nullopt;
+  meshing::CurvatureOptions curvature;
+  curvature.per_turn = options.curvature;
+  curvature.sagitta = options.sagitta;
+  return curvature;
+}
+
+void combine(meshing::LogMetricField&& more, std::optional<meshing::LogMetricField>& current) {
+  if (current)
+    meshing::intersect_with(more, *current);
+  else
+    current = std::move(more);
+}
+
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
                                                        const meshing::MeshData& mesh,
-                                                       std::shared_ptr<const meshing::Model> model,
-                                                       std::optional<double> largest) {
+                                                       std::shared_ptr<const meshing::Model> model) {
   std::optional<meshing::LogMetricField> field;
-  if (options.curvature > 0 || options.sagitta > 0) {
-    meshing::CurvatureOptions curvature;
-    curvature.per_turn = options.curvature;
-    curvature.sagitta = options.sagitta;
-    combine(meshing::curvature_metric(mesh, curvature, std::move(model), largest), field);
-  }
-  if (!options.wall.refs.empty()) combine(meshing::wall_metric(mesh, options.wall, largest), field);
+  if (const auto curvature = curvature_options(options))
+    combine(meshing::curvature_metric(mesh, *curvature, std::move(model)), field);
+  if (!options.wall.refs.empty()) combine(meshing::wall_metric(mesh, options.wall), field);
   return field;
 }
 

@@ -21,12 +21,14 @@ std::vector<std::string> files_of(const MetricOptions& options);
 /// Files and functions, for reports.
 std::string name_of(const MetricOptions& options);
 bool has_demand(const MetricOptions& options);
-/// What the boundary of the mesh asks for, or nothing where it was not asked. `largest`: largest_size of the
-/// whole mesh, where this is a part of it.
+/// None where curvature is not asked.
+std::optional<meshing::CurvatureOptions> curvature_options(const MetricOptions& options);
+/// Makes `current` what it and `more` ask for together.
+void combine(meshing::LogMetricField&& more, std::optional<meshing::LogMetricField>& current);
+/// What the boundary of the mesh asks for, or nothing where it was not asked.
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
                                                        const meshing::MeshData& mesh,
-                                                       std::shared_ptr<const meshing::Model> model,
-                                                       std::optional<double> largest = std::nullopt);
+                                                       std::shared_ptr<const meshing::Model> model);
 /// Whether a given metric, a file or a function is scaled and nothing else: what each rank can do with its
 /// share.
 bool scaled_alone(const MetricOptions& options);

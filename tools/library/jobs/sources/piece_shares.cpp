@@ -157,16 +157,17 @@ class Renumbering {
   std::vector<std::uint32_t> numbers_;
 };
 
-/// All ranks: triangles, edges and corners of all.
-meshing::MeshData joined_boundary(Peers& peers, const RowsRead& rows, const Renumbering& numbers) {
-  meshing::MeshData boundary;
-  boundary.triangles = joined(peers, numbers.of(rows.triangles));
-  boundary.triangle_refs = joined(peers, rows.triangle_refs);
-  boundary.edges = joined(peers, numbers.of(rows.edges));
-  boundary.edge_refs = joined(peers, rows.edge_refs);
+/// All ranks: a share of the triangles and edges of all, and all corners.
+void take_boundary(Peers& peers, const RowsRead& rows, const Renumbering& numbers,
+                   partition::MeshSlice& slice) {
+  meshing::MeshData& boundary = slice.boundary;
+  boundary.triangles = dealt_evenly(peers, numbers.of(rows.triangles));
+  boundary.triangle_refs = dealt_evenly(peers, rows.triangle_refs);
+  boundary.edges = dealt_evenly(peers, numbers.of(rows.edges));
+  boundary.edge_refs = dealt_evenly(peers, rows.edge_refs);
   for (const auto& corner : joined(peers, numbers.of(rows.corners))) boundary.corners.push_back(corner[0]);
   meshing::sort_unique(boundary.corners);
-  return boundary;
+  count_boundary(peers, slice);
 }
 
 /// A field of a piece, as one of its readers knows it.
@@ -351,7 +352,7 @@ MeshShare PieceShares::mesh(Peers& peers, meshing::OtherVolumes others) const {
   const Renumbering numbers(peers, copies.joined, rows);
   slice.tets = numbers.of(rows.tets);
   slice.tet_refs = std::move(rows.tet_refs);
-  slice.boundary = joined_boundary(peers, rows, numbers);
+  take_boundary(peers, rows, numbers, slice);
   share.names = std::move(rows.names);
   share.dropped = summed(joined_drops(peers, rows.drops));
   return share;

@@ -24,10 +24,15 @@ using partition::MeshSlice;
 using partition::Peers;
 
 /// The file's share of this rank.
-MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, Share points, Share tets,
+MeshSlice slice_of_file(const Peers& peers, const std::string& file, const meshing::MeshSize& size,
                         meshing::OtherVolumes others, MeshShare& share) {
-  meshing::MeshContents part =
-      meshing::read_mesh_range(file, {points.first, points.count, tets.first, tets.count}, others);
+  const Share points = share_of(size.points, peers.rank(), peers.ranks());
+  const Share tets = share_of(size.tets, peers.rank(), peers.ranks());
+  meshing::MeshContents part = meshing::read_mesh_range(
+      file,
+      {points.first, points.count, tets.first, tets.count, static_cast<std::uint64_t>(peers.rank()),
+       static_cast<std::uint64_t>(peers.ranks())},
+      others);
   MeshSlice slice;
   slice.num_points = size.points;
   slice.num_tets = size.tets;
@@ -43,13 +48,13 @@ MeshSlice slice_of_file(const std::string& file, const meshing::MeshSize& size, 
   return slice;
 }
 
-/// What is handed out of the whole mesh, as plain bytes.
+/// What rank 0 hands out, as plain bytes.
 template <class T>
-std::vector<T> deal(Peers& peers, const std::vector<T>& whole, std::uint64_t total) {
+std::vector<T> deal(Peers& peers, const std::vector<T>& whole) {
   std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
   if (peers.rank() == 0)
     for (int r = 0; r < peers.ranks(); ++r) {
-      const Share s = share_of(total, r, peers.ranks());
+      const Share s = share_of(whole.size(), r, peers.ranks());
       to_each[static_cast<std::size_t>(r)].assign(
           whole.begin() + static_cast<std::ptrdiff_t>(s.first),
           whole.begin() + static_cast<std::ptrdiff_t>(s.first + s.count));
@@ -90,13 +95,12 @@ MeshShare read_mesh_share(Peers& peers, const std::string& file, meshing::OtherV
   if (partition::max(peers, std::uint8_t{streamed}) != 0) return read_dealt_share(peers, file, others);
   partition::agree_on(peers, [&] {
     size = meshing::size_for_ranges(file);
-    if (size) {
-      const Share points = share_of(size->points, peers.rank(), peers.ranks());
-      const Share tets = share_of(size->tets, peers.rank(), peers.ranks());
-      share.slice = slice_of_file(file, *size, points, tets, others, share);
-    }
+    if (size) share.slice = slice_of_file(peers, file, *size, others, share);
   });
-  if (size) return share;
+  if (size) {
+    count_boundary(peers, share.slice);
+    return share;
+  }
   if (meshing::can_be_in_pieces(file)) {
     const PieceShares pieces(peers, file);
     if (pieces.has_ranges()) return pieces.mesh(peers, others);
@@ -155,35 +159,29 @@ MeshSlice deal_out(Peers& peers, const MeshData& mesh, const meshing::LogMetricF
   slice.num_tets = totals[1];
   slice.first_point = share_of(totals[0], peers.rank(), peers.ranks()).first;
   slice.first_tet = share_of(totals[1], peers.rank(), peers.ranks()).first;
-  slice.points = deal(peers, mesh.points, totals[0]);
-  slice.point_refs = deal(peers, mesh.point_refs, totals[0]);
-  slice.log_metrics = deal(peers, metric, totals[2]);
-  slice.tets = deal(peers, mesh.tets, totals[1]);
-  slice.tet_refs = deal(peers, mesh.tet_refs, totals[1]);
-  slice.boundary = boundary_of_first(peers, mesh);
+  slice.points = deal(peers, mesh.points);
+  slice.point_refs = deal(peers, mesh.point_refs);
+  slice.log_metrics = deal(peers, metric);
+  slice.tets = deal(peers, mesh.tets);
+  slice.tet_refs = deal(peers, mesh.tet_refs);
+  deal_boundary(peers, mesh, slice);
   return slice;
 }
 
-MeshData boundary_of_first(Peers& peers, const MeshData& mesh) {
-  MeshData b;
-  b.triangles = mesh.triangles;
-  b.triangle_refs = mesh.triangle_refs;
-  b.edges = mesh.edges;
-  b.edge_refs = mesh.edge_refs;
-  tell_all(peers, b.triangles);
-  tell_all(peers, b.triangle_refs);
-  tell_all(peers, b.edges);
-  tell_all(peers, b.edge_refs);
-  const auto list = [&](auto member) {
-    b.*member = mesh.*member;
-    tell_all(peers, b.*member);
-  };
-  list(&MeshData::corners);
-  list(&MeshData::required_points);
-  list(&MeshData::ridges);
-  list(&MeshData::required_edges);
-  list(&MeshData::required_triangles);
-  return b;
+void deal_boundary(Peers& peers, const MeshData& mesh, MeshSlice& slice) {
+  MeshData& b = slice.boundary;
+  b.triangles = deal(peers, mesh.triangles);
+  b.triangle_refs = deal(peers, mesh.triangle_refs);
+  b.edges = deal(peers, mesh.edges);
+  b.edge_refs = deal(peers, mesh.edge_refs);
+  b.ridges = deal(peers, mesh.ridges);
+  b.required_edges = deal(peers, mesh.required_edges);
+  b.required_triangles = deal(peers, mesh.required_triangles);
+  b.corners = mesh.corners;
+  b.required_points = mesh.required_points;
+  tell_all(peers, b.corners);
+  tell_all(peers, b.required_points);
+  count_boundary(peers, slice);
 }
 
 Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
@@ -198,9 +196,8 @@ Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
     fields.fields.push_back({kinds[f], {}, {name.begin(), name.end()}});
     if (f < whole.fields.size()) fields.fields[f].values = whole.fields[f].values;
   }
-  return partition::by_components(fields, slice.points.size(), [&](const std::vector<double>& column) {
-    return deal(peers, column, slice.num_points);
-  });
+  return partition::by_components(fields, slice.points.size(),
+                                  [&](const std::vector<double>& column) { return deal(peers, column); });
 }
 
 std::string read_whole_warning(const std::string& file, const std::string& what) {

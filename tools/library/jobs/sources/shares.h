@@ -49,8 +49,8 @@ FieldsShare read_own_fields_share(partition::Peers& peers, const std::string& fi
 Fields read_fields_share(partition::Peers& peers, const std::string& file, const partition::MeshSlice& slice,
                          const std::function<std::string(std::uint64_t)>& of_another_mesh);
 
-/// All ranks: triangles, edges and marks of a mesh of rank 0.
-meshing::MeshData boundary_of_first(partition::Peers& peers, const meshing::MeshData& mesh);
+/// All ranks: triangles, edges and marks of a mesh of rank 0, as MeshSlice has them.
+void deal_boundary(partition::Peers& peers, const meshing::MeshData& mesh, partition::MeshSlice& slice);
 /// All ranks: the shares of a mesh that rank 0 has whole (elsewhere `mesh` is empty), with its metric (none:
 /// without).
 partition::MeshSlice deal_out(partition::Peers& peers, const meshing::MeshData& mesh,

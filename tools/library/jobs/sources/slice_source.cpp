@@ -61,6 +61,7 @@ void add_background(Peers& peers, const Files& files, const Options& options,
   LogMetricMade made = make_metric_in_parts(peers, options.metric, share.slice, files.background, model);
   share.slice.log_metrics = std::move(made.field);
   share.slice.boundary = {};
+  count_boundary(peers, share.slice);
   input.background = std::move(share.slice);
   input.warnings = std::move(made.warnings);
   if (share.read_whole && peers.ranks() > 1)
