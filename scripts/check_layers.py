@@ -10,21 +10,23 @@ import tempfile
 # Folder -> folders of this repository it may include (besides itself), in the order of the layers: below one of
 # the five parts, a folder may know only folders that stand before it. The longest matching folder counts; a
 # folder that is allowed does not bring along the folders within it.
+GEOMETRY = ["geometry/model", "geometry/surface"]
 MESHING = {
     "meshing/base": [],
     "meshing/mesh": ["base"],
-    "meshing/geometry": ["base", "mesh"],
-    "meshing/cad": ["base", "mesh", "geometry"],
-    "meshing/metric": ["base", "mesh", "geometry"],
-    "meshing/metric/sources": ["base", "mesh", "geometry", "metric"],
+    "meshing/geometry/model": ["base", "mesh"],
+    "meshing/geometry/surface": ["base", "mesh", "geometry/model"],
+    "meshing/cad": ["base", "mesh", "geometry/model"],
+    "meshing/metric": ["base", "mesh", *GEOMETRY],
+    "meshing/metric/sources": ["base", "mesh", *GEOMETRY, "metric"],
     "meshing/fields": ["base", "mesh", "metric"],
     "meshing/io/files": ["base", "mesh"],
     "meshing/io/gmf": ["base", "mesh", "io/files"],
     "meshing/io/vtk": ["base", "mesh", "io/files"],
     "meshing/io": ["base", "mesh", "io/files", "io/gmf", "io/vtk"],
-    "meshing/kernel": ["base", "mesh", "geometry", "metric"],
-    "meshing/operators": ["base", "mesh", "geometry", "metric", "kernel"],
-    "meshing/adapt": ["base", "mesh", "geometry", "metric", "kernel", "operators"],
+    "meshing/kernel": ["base", "mesh", *GEOMETRY, "metric"],
+    "meshing/operators": ["base", "mesh", *GEOMETRY, "metric", "kernel"],
+    "meshing/adapt": ["base", "mesh", *GEOMETRY, "metric", "kernel", "operators"],
     "meshing/initial/grid": ["base", "mesh"],
     "meshing/initial/recovery": ["base", "mesh", "initial/grid"],
     "meshing/initial": ["base", "mesh", "metric", "kernel", "adapt", "io/files", "initial/grid", "initial/recovery"],
@@ -45,14 +47,16 @@ PARTITION = {
     "partition/communication": ["subdomain"],
     "partition/decompose": ["communication", "subdomain"],
     "partition/refine": ["subdomain"],
-    "partition/distribute": ["communication", "decompose", "refine", "subdomain"],
-    "partition/metric": ["communication", "distribute", "subdomain"],
-    "partition/coordinate": ["communication", "decompose", "distribute", "metric"],
+    "partition/slice": ["communication"],
+    "partition/surface": ["communication", "slice", "subdomain"],
+    "partition/distribute": ["communication", "decompose", "refine", "slice", "subdomain", "surface"],
+    "partition/metric": ["communication", "slice", "subdomain", "surface"],
+    "partition/coordinate": ["communication", "decompose", "slice", "metric"],
     "partition/shift": ["subdomain"],
-    "partition/divide": ["communication", "coordinate", "decompose", "distribute", "shift", "subdomain"],
+    "partition/divide": ["communication", "coordinate", "decompose", "distribute", "shift", "slice", "subdomain"],
     "partition/output": ["communication", "subdomain"],
-    "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "subdomain"],
-    "partition/verify": ["communication", "distribute", "output", "subdomain"],
+    "partition/fields": ["communication", "decompose", "distribute", "metric", "output", "slice", "subdomain"],
+    "partition/verify": ["communication", "output", "slice", "subdomain"],
 }
 
 

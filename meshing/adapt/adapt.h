@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "meshing/adapt/adaptation_state.h"
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 #include "meshing/kernel/verdict.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"

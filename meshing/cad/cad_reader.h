@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/geometry/geometry_model.h"
+#include "meshing/geometry/model/geometry_model.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {

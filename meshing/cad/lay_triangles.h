@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/geometry/geometry_model.h"
+#include "meshing/geometry/model/geometry_model.h"
 
 namespace weft::meshing {
 

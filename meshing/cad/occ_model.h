@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/geometry/geometry_model.h"
+#include "meshing/geometry/model/geometry_model.h"
 
 namespace weft::meshing {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 #include "meshing/kernel/tet_mesh.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/mesh_data.h"

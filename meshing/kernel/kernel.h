@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 #include "meshing/kernel/ball_objective.h"
 #include "meshing/kernel/neighbourhood.h"
 #include "meshing/kernel/quality.h"

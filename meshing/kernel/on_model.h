@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 #include "meshing/kernel/tet_mesh.h"
 #include "weft/data.h"
 

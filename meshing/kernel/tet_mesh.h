@@ -14,7 +14,7 @@
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
 #include "meshing/base/stable_array.h"
-#include "meshing/geometry/vertex_kind.h"
+#include "meshing/geometry/surface/vertex_kind.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/metric.h"
 

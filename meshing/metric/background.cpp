@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "meshing/geometry/curved_triangle.h"
+#include "meshing/geometry/surface/curved_triangle.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/tet_tables.h"
 

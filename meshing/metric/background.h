@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "meshing/geometry/closest_tree.h"
+#include "meshing/geometry/model/closest_tree.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric.h"

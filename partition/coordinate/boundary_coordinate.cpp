@@ -10,15 +10,15 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
-#include "meshing/geometry/closest_tree.h"
-#include "meshing/geometry/curved_triangle.h"
+#include "meshing/geometry/model/closest_tree.h"
+#include "meshing/geometry/surface/curved_triangle.h"
 #include "meshing/mesh/adjacency.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/coordinate/harmonic_solver.h"
-#include "partition/distribute/fetched_points.h"
-#include "partition/distribute/slice_checks.h"
 #include "partition/metric/part_domain.h"
+#include "partition/slice/fetched_points.h"
+#include "partition/slice/slice_checks.h"
 
 namespace weft::partition {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "partition/communication/peers.h"
 #include "partition/decompose/coordinate_name.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

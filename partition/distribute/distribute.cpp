@@ -24,14 +24,14 @@
 #include "partition/decompose/inertia.h"
 #include "partition/decompose/runs.h"
 #include "partition/decompose/tet_measures.h"
-#include "partition/distribute/boundary_index.h"
-#include "partition/distribute/boundary_share.h"
 #include "partition/distribute/point_records.h"
-#include "partition/distribute/slice_checks.h"
 #include "partition/distribute/start_builder.h"
-#include "partition/distribute/surface_parts.h"
-#include "partition/distribute/surface_pieces.h"
 #include "partition/refine/refine_interface.h"
+#include "partition/slice/slice_checks.h"
+#include "partition/surface/boundary_index.h"
+#include "partition/surface/boundary_share.h"
+#include "partition/surface/surface_parts.h"
+#include "partition/surface/surface_pieces.h"
 
 namespace weft::partition {
 namespace {

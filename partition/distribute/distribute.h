@@ -10,8 +10,8 @@
 #include "meshing/base/box.h"
 #include "partition/communication/peers.h"
 #include "partition/decompose/partitioner.h"
-#include "partition/distribute/mesh_slice.h"
 #include "partition/distribute/tet_records.h"
+#include "partition/slice/mesh_slice.h"
 #include "partition/subdomain/geometry.h"
 #include "partition/subdomain/subdomain_start.h"
 

@@ -8,7 +8,7 @@
 #include "meshing/metric/metric.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "partition/distribute/boundary_index.h"
 #include "partition/distribute/point_records.h"
 #include "partition/distribute/tet_records.h"
 #include "partition/subdomain/subdomain_start.h"
+#include "partition/surface/boundary_index.h"
 
 namespace weft::partition {
 

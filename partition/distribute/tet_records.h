@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "partition/subdomain/global_id.h"
 
 namespace weft::partition {

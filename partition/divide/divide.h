@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/shift/shift.h"
 

@@ -12,8 +12,8 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/distribute/fetched_points.h"
 #include "partition/output/measure_pieces.h"
+#include "partition/slice/fetched_points.h"
 
 namespace weft::partition {
 namespace {

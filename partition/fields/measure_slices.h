@@ -7,7 +7,7 @@
 #include "meshing/base/box.h"
 #include "meshing/metric/measures.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

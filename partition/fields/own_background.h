@@ -10,8 +10,8 @@
 
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
-#include "partition/distribute/mesh_slice.h"
 #include "partition/fields/part_pair.h"
+#include "partition/slice/mesh_slice.h"
 #include "partition/subdomain/background_store.h"
 #include "partition/subdomain/subdomain_start.h"
 

@@ -7,9 +7,9 @@
 
 #include "meshing/fields/mesh_pair.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
 #include "partition/fields/nearby_tets.h"
 #include "partition/metric/part_domain.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

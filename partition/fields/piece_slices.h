@@ -4,9 +4,9 @@
 #include <span>
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
 #include "partition/output/numbering.h"
 #include "partition/output/piece_fields.h"
+#include "partition/slice/mesh_slice.h"
 #include "partition/subdomain/mesh_piece.h"
 
 namespace weft::partition {

@@ -6,7 +6,7 @@
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

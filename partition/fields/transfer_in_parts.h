@@ -3,7 +3,7 @@
 
 #include "meshing/fields/transfer.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::partition {
 

@@ -10,11 +10,11 @@
 
 #include "meshing/base/place_in.h"
 #include "partition/communication/ranges.h"
-#include "partition/distribute/boundary_index.h"
-#include "partition/distribute/boundary_share.h"
-#include "partition/distribute/surface_parts.h"
-#include "partition/distribute/surface_pieces.h"
 #include "partition/subdomain/surface_cover.h"
+#include "partition/surface/boundary_index.h"
+#include "partition/surface/boundary_share.h"
+#include "partition/surface/surface_parts.h"
+#include "partition/surface/surface_pieces.h"
 
 namespace weft::partition {
 namespace {

@@ -16,7 +16,7 @@
 #include "partition/communication/input_issue.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/reduce.h"
-#include "partition/distribute/slice_checks.h"
+#include "partition/slice/slice_checks.h"
 
 namespace weft::partition {
 namespace {

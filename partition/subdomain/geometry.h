@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 
 namespace weft::partition {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "meshing/adapt/stages.h"
-#include "meshing/geometry/surface.h"
-#include "meshing/geometry/surface_piece.h"
+#include "meshing/geometry/surface/surface.h"
+#include "meshing/geometry/surface/surface_piece.h"
 #include "meshing/kernel/tet_mesh.h"
 #include "partition/subdomain/background_store.h"
 #include "partition/subdomain/interface.h"

@@ -9,8 +9,8 @@
 
 #include "meshing/base/ids.h"
 #include "meshing/base/point.h"
-#include "meshing/geometry/surface.h"
-#include "meshing/geometry/surface_piece.h"
+#include "meshing/geometry/surface/surface.h"
+#include "meshing/geometry/surface/surface_piece.h"
 #include "meshing/metric/metric.h"
 #include "partition/subdomain/background_store.h"
 #include "partition/subdomain/global_id.h"

@@ -10,8 +10,8 @@
 
 #include "meshing/base/box.h"
 #include "meshing/base/point.h"
-#include "meshing/geometry/surface.h"
-#include "meshing/geometry/surface_piece.h"
+#include "meshing/geometry/surface/surface.h"
+#include "meshing/geometry/surface/surface_piece.h"
 #include "partition/subdomain/subdomain.h"
 #include "partition/subdomain/subdomain_start.h"
 

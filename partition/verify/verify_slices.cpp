@@ -15,7 +15,7 @@
 #include "meshing/mesh/problems.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/distribute/fetched_points.h"
+#include "partition/slice/fetched_points.h"
 #include "partition/verify/connected_sets.h"
 
 namespace weft::partition {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "weft/data.h"
 
 namespace weft::partition {

@@ -10,7 +10,7 @@
 
 #include "meshing/base/parallel.h"
 #include "meshing/base/sort_unique.h"
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 
 namespace weft::meshing {
 namespace {

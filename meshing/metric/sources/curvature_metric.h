@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "meshing/geometry/model.h"
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/model/model.h"
+#include "meshing/geometry/surface/surface.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "weft/data.h"

@@ -8,8 +8,8 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
-#include "meshing/geometry/closest_tree.h"
-#include "meshing/geometry/curved_triangle.h"
+#include "meshing/geometry/model/closest_tree.h"
+#include "meshing/geometry/surface/curved_triangle.h"
 
 namespace weft::meshing {
 namespace {

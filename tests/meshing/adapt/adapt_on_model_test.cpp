@@ -7,7 +7,7 @@
 
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
-#include "meshing/geometry/analytic_model.h"
+#include "meshing/geometry/model/analytic_model.h"
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/fill_volume.h"
 #include "meshing/initial/initial_grid.h"

@@ -30,7 +30,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/cad/load_model.h"
-#include "meshing/geometry/model.h"
+#include "meshing/geometry/model/model.h"
 #include "meshing/io/gmf/gmf.h"
 
 namespace weft::meshing::occ_model_test {

@@ -1,12 +1,12 @@
 // What of a mesh lies on which edge of a model, where the mesh or the model is inexact.
-#include "meshing/geometry/model_classification.h"
+#include "meshing/geometry/model/model_classification.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "meshing/geometry/analytic_model.h"
+#include "meshing/geometry/model/analytic_model.h"
 
 namespace weft::meshing::model_classification_test {
 namespace {

@@ -1,5 +1,5 @@
 // Closest points, curvature and borders of models, with formulas and without.
-#include "meshing/geometry/model.h"
+#include "meshing/geometry/model/model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "meshing/geometry/analytic_model.h"
+#include "meshing/geometry/model/analytic_model.h"
 
 namespace weft::meshing::model_test {
 namespace {

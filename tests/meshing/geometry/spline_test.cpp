@@ -1,5 +1,5 @@
 // B-splines and NURBS against polynomials, circles and quadrics that they are.
-#include "meshing/geometry/spline.h"
+#include "meshing/geometry/model/spline.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Parts of a surface against the whole.
-#include "meshing/geometry/surface_piece.h"
+#include "meshing/geometry/surface/surface_piece.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "meshing/geometry/cut_surface.h"
-#include "meshing/geometry/surface.h"
-#include "meshing/geometry/surface_tables.h"
+#include "meshing/geometry/surface/cut_surface.h"
+#include "meshing/geometry/surface/surface.h"
+#include "meshing/geometry/surface/surface_tables.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::surface_piece_test {

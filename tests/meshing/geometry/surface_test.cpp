@@ -1,6 +1,6 @@
 // Tests of the reference geometry: classification by topology, and the curved surface by distance to the true
 // one.
-#include "meshing/geometry/surface.h"
+#include "meshing/geometry/surface/surface.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "meshing/base/error.h"
-#include "meshing/geometry/analytic_model.h"
+#include "meshing/geometry/model/analytic_model.h"
 #include "meshing/metric/sources/curvature_metric.h"
 #include "meshing/metric/sources/wall_metric.h"
 #include "tests/support/meshes.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 
 namespace weft::support {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "meshing/geometry/analytic_model.h"
+#include "meshing/geometry/model/analytic_model.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"

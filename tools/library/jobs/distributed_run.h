@@ -11,7 +11,7 @@
 #include "engine/run/show_state_on_signal.h"
 #include "graph/adaptation/distributed_adaptation.h"
 #include "graph/dataflow/rank_exchange.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/report/run_record.h"
 #include "weft/weft.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "weft/weft.h"
 
 namespace weft::tools {

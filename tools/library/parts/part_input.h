@@ -2,7 +2,7 @@
 #pragma once
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "weft/weft.h"
 
 namespace weft::tools {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "weft/weft.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/geometry/model.h"
+#include "meshing/geometry/model/model.h"
 #include "meshing/metric/metric_domain.h"
 #include "meshing/metric/metric_field.h"
 #include "meshing/metric/metric_limits.h"

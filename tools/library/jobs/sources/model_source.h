@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/geometry/model.h"
+#include "meshing/geometry/model/model.h"
 #include "meshing/mesh/mesh_data.h"
 #include "weft/weft.h"
 

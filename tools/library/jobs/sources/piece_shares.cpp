@@ -16,8 +16,8 @@
 #include "partition/communication/agreement.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
-#include "partition/distribute/joined_points.h"
 #include "partition/fields/by_components.h"
+#include "partition/slice/joined_points.h"
 
 namespace weft::tools {
 namespace {

@@ -9,7 +9,7 @@
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "tools/library/jobs/sources/shares.h"
 
 namespace weft::tools {

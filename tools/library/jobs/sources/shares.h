@@ -11,7 +11,7 @@
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/peers.h"
-#include "partition/distribute/mesh_slice.h"
+#include "partition/slice/mesh_slice.h"
 #include "weft/weft.h"
 
 namespace weft::tools {

@@ -1,0 +1,550 @@
+// Vertices find the faces near them, triangles the face that all their vertices share, edges between faces
+// the model's edge, and the model's nodes their vertices.
+#include "meshing/geometry/model/model_classification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "meshing/base/error.h"
+#include "meshing/base/parallel.h"
+
+namespace weft::meshing {
+namespace {
+
+// Of the model's size: what lies nearer lies on it; what lies farther than the second does not belong to it.
+constexpr double kOn = 1e-6, kFar = 0.01;
+// Of the longest edge at a vertex: a vertex farther off does not follow the model.
+constexpr double kFarOfEdge = 0.25;
+constexpr double kNearlyAsNear = 1.5;
+// Fewer vertices than this share on the model: it is another body's.
+constexpr double kLeastShare = 1.0 / 3;
+
+/// A triangle or an edge of the boundary seen from an edge: (lower vertex, higher vertex), triangle.
+struct Side {
+  std::array<std::uint32_t, 2> vertices;
+  std::uint32_t triangle;
+  friend auto operator<=>(const Side&, const Side&) = default;
+};
+
+class Classifier {
+ public:
+  Classifier(const MeshData& mesh, std::shared_ptr<const Model> model) : mesh_(mesh), model_(*model) {
+    c_.model = std::move(model);
+  }
+
+  ModelClassification run() {
+    measure_edges();
+    take_records();
+    find_faces_of_vertices();
+    refuse_another_body();
+    find_faces_of_triangles();
+    fill_gaps();
+    sort_sides();
+    find_nodes();
+    find_edges();
+    group_faces();
+    set_parameters();
+    warn();
+    return std::move(c_);
+  }
+
+ private:
+  struct Candidate {
+    std::uint32_t face;
+    double distance;
+  };
+
+  void measure_edges();
+  void take_records();
+  bool records_agree() const;
+  void find_faces_of_vertices();
+  std::vector<Candidate> faces_near(std::uint32_t v) const;
+  void refuse_another_body() const;
+  std::string hint_of_scale() const;
+  void find_faces_of_triangles();
+  std::vector<std::uint32_t> shared_faces(const std::array<std::uint32_t, 3>& t) const;
+  bool references_are_faces() const;
+  std::uint32_t face_of_triangle(std::uint32_t triangle, bool by_reference) const;
+  void fill_gaps();
+  void sort_sides();
+  void find_nodes();
+  void find_edges();
+  void consider_edge(std::size_t begin, std::size_t end, bool listed);
+  bool is_end_of(std::uint32_t v, std::uint32_t e) const;
+  std::uint32_t edge_between(const std::array<std::uint32_t, 2>& v, std::span<const std::uint32_t> faces,
+                             std::array<double, 2>& t) const;
+  std::array<double, 2> parameters_along(std::uint32_t e, const std::array<std::uint32_t, 2>& v) const;
+  void group_faces();
+  void set_parameters();
+  void warn();
+
+  double on() const { return kOn * model_.size(); }
+  double reach(std::uint32_t v) const {
+    return std::max(on(), std::min(kFarOfEdge * longest_[v], kFar * model_.size()));
+  }
+  bool has_record(std::uint32_t v, std::uint32_t face) const {
+    return std::binary_search(face_records_.begin(), face_records_.end(), std::pair{v, face});
+  }
+
+  const MeshData& mesh_;
+  const Model& model_;
+  ModelClassification c_;
+  std::vector<double> longest_;               // edge at a vertex; 0: not of the boundary
+  std::vector<std::uint32_t> vertices_;       // of the boundary
+  std::vector<std::vector<Candidate>> near_;  // of each vertex, nearest first
+  std::vector<double> distance_;              // of each vertex from the nearest face
+  std::vector<Side> sides_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> face_records_,
+      edge_records_;  // (vertex, entity), sorted
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> node_records_;
+  std::vector<std::array<std::uint32_t, 2>> uncut_;  // pairs of faces that the mesh does not keep apart
+};
+
+void Classifier::measure_edges() {
+  longest_.assign(mesh_.points.size(), 0);
+  for (const auto& t : mesh_.triangles)
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+      const double length = norm(mesh_.points[a] - mesh_.points[b]);
+      for (const std::uint32_t v : {a, b}) longest_[v] = std::max(longest_[v], length);
+    }
+  for (std::uint32_t v = 0; v < longest_.size(); ++v)
+    if (longest_[v] > 0) vertices_.push_back(v);
+}
+
+/// Whether the recorded parameters give back the vertices, but for one in ten.
+bool Classifier::records_agree() const {
+  const Association& a = mesh_.association;
+  const double far = std::max(1e-4 * model_.size(), on());
+  std::size_t wrong = 0;
+  for (const auto& r : a.nodes)
+    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_nodes()) ||
+             norm(model_.node(static_cast<std::uint32_t>(r.id - 1)) - mesh_.points[r.vertex]) > far;
+  for (const auto& r : a.edges) {
+    const bool known = r.id >= 1 && r.id <= static_cast<std::int64_t>(model_.num_edges());
+    wrong += !known;
+    if (!known || model_.edge(static_cast<std::uint32_t>(r.id - 1)).degenerate) continue;
+    wrong += norm(model_.curve(static_cast<std::uint32_t>(r.id - 1), r.t).x - mesh_.points[r.vertex]) > far;
+  }
+  for (const auto& r : a.faces)
+    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_faces()) ||
+             norm(model_.surface(static_cast<std::uint32_t>(r.id - 1), {r.u, r.v}).x -
+                  mesh_.points[r.vertex]) > far;
+  return 10 * wrong <= a.nodes.size() + a.edges.size() + a.faces.size();
+}
+
+void Classifier::take_records() {
+  const Association& a = mesh_.association;
+  if (a.empty()) return;
+  if (!records_agree()) {
+    c_.warnings.push_back(
+        "the mesh's records of where its vertices lie on a model do not fit this model and are not used");
+    return;
+  }
+  const auto valid = [](std::int32_t id, std::size_t n) {
+    return id >= 1 && id <= static_cast<std::int64_t>(n);
+  };
+  for (const auto& r : a.nodes)
+    if (valid(r.id, model_.num_nodes())) node_records_.emplace_back(r.vertex, r.id - 1);
+  for (const auto& r : a.edges)
+    if (valid(r.id, model_.num_edges())) edge_records_.emplace_back(r.vertex, r.id - 1);
+  for (const auto& r : a.faces)
+    if (valid(r.id, model_.num_faces())) face_records_.emplace_back(r.vertex, r.id - 1);
+  // A vertex on an edge is on the edge's faces too, whether that is recorded or not.
+  for (const auto& [v, e] : edge_records_)
+    for (const std::uint32_t f : model_.faces_at_edge(e)) face_records_.emplace_back(v, f);
+  for (const auto& [v, n] : node_records_)
+    for (const std::uint32_t e : model_.edges_at_node(n))
+      for (const std::uint32_t f : model_.faces_at_edge(e)) face_records_.emplace_back(v, f);
+  for (auto* list : {&face_records_, &edge_records_, &node_records_}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+}
+
+/// The faces that a vertex may lie on: those it is on, else the nearest and what is nearly as near.
+std::vector<Classifier::Candidate> Classifier::faces_near(std::uint32_t v) const {
+  const Point& p = mesh_.points[v];
+  std::vector<Candidate> found;
+  const auto recorded =
+      std::lower_bound(face_records_.begin(), face_records_.end(), std::pair{v, std::uint32_t{0}});
+  for (auto r = recorded; r != face_records_.end() && r->first == v; ++r)
+    found.push_back({r->second, model_.closest_within(r->second, p).distance});
+  if (!found.empty()) return found;
+  std::vector<std::pair<double, std::uint32_t>> order;
+  for (std::uint32_t f = 0; f < model_.num_faces(); ++f)
+    order.emplace_back(std::sqrt(model_.face_box(f).distance2(p)), f);
+  std::sort(order.begin(), order.end());
+  double nearest = kUnbounded;
+  for (const auto& [least, f] : order) {
+    if (least > std::max(kNearlyAsNear * nearest, nearest + on())) break;
+    const double d = model_.closest_within(f, p).distance;
+    nearest = std::min(nearest, d);
+    found.push_back({f, d});
+  }
+  const double limit = nearest <= on() ? on() : std::max(kNearlyAsNear * nearest, nearest + on());
+  std::erase_if(found, [&](const Candidate& c) {
+    return c.distance > std::max(limit, 2 * model_.face_tolerance(c.face));
+  });
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.face < b.face;
+  });
+  return found;
+}
+
+void Classifier::find_faces_of_vertices() {
+  near_.resize(mesh_.points.size());
+  distance_.assign(mesh_.points.size(), kUnbounded);
+  tbb::parallel_for(std::size_t{0}, vertices_.size(), [&](std::size_t i) {
+    const std::uint32_t v = vertices_[i];
+    near_[v] = faces_near(v);
+    for (const Candidate& c : near_[v]) distance_[v] = std::min(distance_[v], c.distance);
+    if (distance_[v] > std::max(reach(v), 2 * model_.face_tolerance(near_[v].front().face)) &&
+        !has_record(v, near_[v].front().face))
+      near_[v].clear();
+  });
+}
+
+/// What the boxes tell of a wrong unit.
+std::string Classifier::hint_of_scale() const {
+  Box box;
+  for (const std::uint32_t v : vertices_) box.include(mesh_.points[v]);
+  const double factor = norm(box.size()) / model_.size();
+  if (std::abs(factor - 1) < 0.05) return "";
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(box.size()[i] - factor * model_.box().size()[i]) > 0.05 * norm(box.size())) return "";
+  return fmt::format(". The mesh is {:.3g} times as large as the model: --geometry-scale {:.3g}?", factor,
+                     factor * model_.scale());
+}
+
+void Classifier::refuse_another_body() const {
+  std::size_t on_model = 0;
+  double farthest = 0;
+  std::vector<double> all;
+  for (const std::uint32_t v : vertices_) {
+    on_model += !near_[v].empty();
+    all.push_back(distance_[v]);
+    farthest = std::max(farthest, distance_[v]);
+  }
+  if (static_cast<double>(on_model) >= kLeastShare * static_cast<double>(vertices_.size())) return;
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+  throw InputError(
+      model_.geometry().name(), "",
+      fmt::format(
+          "is not the model of this mesh: of {} vertices of the boundary {} lie on it, half of them are "
+          "farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}{}",
+          vertices_.size(), on_model, all[all.size() / 2], farthest, model_.size(), hint_of_scale()));
+}
+
+/// The faces that all vertices of a triangle may lie on.
+std::vector<std::uint32_t> Classifier::shared_faces(const std::array<std::uint32_t, 3>& t) const {
+  std::vector<std::uint32_t> shared;
+  for (const Candidate& c : near_[t[0]]) {
+    const auto has = [&](std::uint32_t v) {
+      return std::ranges::any_of(near_[v], [&](const Candidate& x) { return x.face == c.face; });
+    };
+    if (has(t[1]) && has(t[2])) shared.push_back(c.face);
+  }
+  return shared;
+}
+
+/// Whether references are the faces' ids, as far as vertices alone tell the faces.
+bool Classifier::references_are_faces() const {
+  std::size_t told = 0, agree = 0;
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const std::vector<std::uint32_t> shared = shared_faces(mesh_.triangles[i]);
+    if (shared.size() != 1) continue;
+    ++told;
+    agree += mesh_.triangle_refs[i] == static_cast<std::int64_t>(shared.front()) + 1;
+  }
+  return told > 0 && agree == told;
+}
+
+/// By the vertices; where these allow several, by the reference or by the place and the normal. Of a narrow
+/// face beside a curved one a coarse triangle is as far from both, and its normal is any.
+std::uint32_t Classifier::face_of_triangle(std::uint32_t triangle, bool by_reference) const {
+  const auto& t = mesh_.triangles[triangle];
+  const std::vector<std::uint32_t> shared = shared_faces(t);
+  if (shared.size() < 2) return shared.empty() ? kNoEntity : shared.front();
+  if (by_reference)
+    for (const std::uint32_t f : shared)
+      if (mesh_.triangle_refs[triangle] == static_cast<std::int64_t>(f) + 1) return f;
+  const Point &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
+  const Point centroid = (1.0 / 3) * (a + b + c);
+  const Vec n = cross(b - a, c - a);
+  const double size = std::sqrt(norm(n));
+  std::uint32_t best = kNoEntity;
+  double best_score = kUnbounded;
+  for (const std::uint32_t f : shared) {
+    const OnFace q = model_.closest_within(f, centroid);
+    const double turn = norm(n) > 0 ? 1 - std::abs(dot(n, q.normal)) / norm(n) : 0;
+    const double score = q.distance + 0.5 * size * turn;
+    if (score < best_score) best = f, best_score = score;
+  }
+  return best;
+}
+
+void Classifier::find_faces_of_triangles() {
+  c_.triangle_face.resize(mesh_.triangles.size());
+  const bool by_reference = references_are_faces();
+  for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
+    c_.triangle_face[i] = face_of_triangle(static_cast<std::uint32_t>(i), by_reference);
+  });
+}
+
+void Classifier::sort_sides() {
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh_.triangles[i][k], b = mesh_.triangles[i][(k + 1) % 3];
+      sides_.push_back({{std::min(a, b), std::max(a, b)}, i});
+    }
+  std::sort(sides_.begin(), sides_.end());
+}
+
+/// A triangle whose vertices share no face takes that of a neighbour with its reference which its centroid is
+/// near to; so on from neighbour to neighbour.
+void Classifier::fill_gaps() {
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t i = 0; i < c_.triangle_face.size(); ++i)
+    if (c_.triangle_face[i] == kNoEntity) open.push_back(i);
+  if (open.empty()) return;
+  std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> at_edge;
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh_.triangles[i][k], b = mesh_.triangles[i][(k + 1) % 3];
+      at_edge.emplace(std::array{std::min(a, b), std::max(a, b)}, i);
+    }
+  const auto fits = [&](std::uint32_t i, std::uint32_t f) {
+    for (const std::uint32_t v : mesh_.triangles[i])
+      if (model_.closest_within(f, mesh_.points[v]).distance > reach(v)) return false;
+    return true;
+  };
+  for (bool again = true; again;) {
+    again = false;
+    std::erase_if(open, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t a = mesh_.triangles[i][k], b = mesh_.triangles[i][(k + 1) % 3];
+        const auto [first, last] = at_edge.equal_range(std::array{std::min(a, b), std::max(a, b)});
+        for (auto n = first; n != last; ++n) {
+          const std::uint32_t f = c_.triangle_face[n->second];
+          if (f == kNoEntity || mesh_.triangle_refs[n->second] != mesh_.triangle_refs[i] || !fits(i, f))
+            continue;
+          c_.triangle_face[i] = f;
+          return again = true;
+        }
+      }
+      return false;
+    });
+  }
+}
+
+/// The vertex of each node: recorded, else the nearest that lies on all the node's faces.
+void Classifier::find_nodes() {
+  for (const auto& [v, n] : node_records_) c_.nodes.emplace_back(v, n);
+  std::vector<std::uint8_t> taken(model_.num_nodes(), 0);
+  for (const auto& [v, n] : c_.nodes) taken[n] = 1;
+  const auto touches = [&](std::uint32_t v, std::uint32_t n) {
+    for (const std::uint32_t e : model_.edges_at_node(n))
+      for (const std::uint32_t f : model_.faces_at_edge(e))
+        if (std::ranges::none_of(near_[v], [&](const Candidate& c) { return c.face == f; })) return false;
+    return true;
+  };
+  for (std::uint32_t n = 0; n < model_.num_nodes(); ++n) {
+    if (taken[n]) continue;
+    const double tolerance = std::max(on(), 2 * model_.node_tolerance(n));
+    std::uint32_t best = kNoEntity;
+    double best_distance = kUnbounded;
+    for (const std::uint32_t v : vertices_) {
+      const double d = norm(mesh_.points[v] - model_.node(n));
+      if (d < best_distance && (d <= tolerance || (d <= reach(v) && touches(v, n))))
+        best = v, best_distance = d;
+    }
+    if (best == kNoEntity) continue;
+    // A node amid a smooth curve or face is one only where a vertex is put on it.
+    if (best_distance > tolerance && model_.edges_at_node(n).size() < 3) continue;
+    c_.nodes.emplace_back(best, n);
+  }
+  std::sort(c_.nodes.begin(), c_.nodes.end());
+  c_.nodes.erase(std::unique(c_.nodes.begin(), c_.nodes.end(),
+                             [](const auto& a, const auto& b) { return a.first == b.first; }),
+                 c_.nodes.end());
+}
+
+/// The parameters of an edge's ends, such that what lies between them is the edge.
+std::array<double, 2> Classifier::parameters_along(std::uint32_t e,
+                                                   const std::array<std::uint32_t, 2>& v) const {
+  const ModelEdge& m = model_.edge(e);
+  std::array<double, 2> t{model_.closest_on_edge(e, mesh_.points[v[0]]).t,
+                          model_.closest_on_edge(e, mesh_.points[v[1]]).t};
+  const bool closed = m.nodes[0] == m.nodes[1];
+  if (!closed) return t;
+  const double middle = model_.closest_on_edge(e, midpoint(mesh_.points[v[0]], mesh_.points[v[1]])).t;
+  const double turn = m.end - m.begin;
+  for (double& x : t) {
+    while (x - middle > 0.5 * turn) x -= turn;
+    while (middle - x > 0.5 * turn) x += turn;
+  }
+  return t;
+}
+
+/// Whether a vertex is on one of the edge's nodes.
+bool Classifier::is_end_of(std::uint32_t v, std::uint32_t e) const {
+  const auto at = std::lower_bound(c_.nodes.begin(), c_.nodes.end(), std::pair{v, std::uint32_t{0}});
+  if (at == c_.nodes.end() || at->first != v) return false;
+  return std::ranges::find(model_.edge(e).nodes, at->second) != model_.edge(e).nodes.end();
+}
+
+/// The model's edge that a mesh edge lies on: both ends and, nearest, the middle; bordering all of `faces`.
+std::uint32_t Classifier::edge_between(const std::array<std::uint32_t, 2>& v,
+                                       std::span<const std::uint32_t> faces, std::array<double, 2>& t) const {
+  const Point &a = mesh_.points[v[0]], &b = mesh_.points[v[1]], middle = midpoint(a, b);
+  std::uint32_t best = kNoEntity;
+  double best_distance = kUnbounded;
+  const auto near = [&](std::uint32_t vertex, std::uint32_t e) {
+    if (std::binary_search(edge_records_.begin(), edge_records_.end(), std::pair{vertex, e})) return true;
+    // Curves end short of their nodes, by as much as the nodes' tolerance.
+    if (is_end_of(vertex, e)) return true;
+    const double d = model_.closest_on_edge(e, mesh_.points[vertex]).distance;
+    // Exactly on one of the faces between which the edge is, it may be off the other.
+    double off = distance_[vertex] < kUnbounded ? distance_[vertex] : 0;
+    if (faces.size() > 1)
+      for (const std::uint32_t f : faces)
+        off = std::max(off, model_.closest_within(f, mesh_.points[vertex]).distance);
+    const double slack = off <= on() ? on() : std::min(reach(vertex), 2 * kNearlyAsNear * off);
+    return d <= std::max(slack, 2 * model_.edge_tolerance(e));
+  };
+  for (std::uint32_t e = 0; e < model_.num_edges(); ++e) {
+    if (model_.edge(e).degenerate) continue;
+    const auto at = model_.faces_at_edge(e);
+    if (!std::ranges::all_of(faces, [&](std::uint32_t f) { return std::ranges::find(at, f) != at.end(); }))
+      continue;
+    const double bound = std::max(reach(v[0]), reach(v[1]));
+    if (model_.edge_box(e).distance2(a) > bound * bound || !near(v[0], e) || !near(v[1], e)) continue;
+    const double d = model_.closest_on_edge(e, middle).distance;
+    if (d < best_distance) best = e, best_distance = d;
+  }
+  // A chord across a face whose ends lie on one closed edge is not on that edge.
+  if (best != kNoEntity && best_distance > 0.3 * norm(b - a)) best = kNoEntity;
+  if (best != kNoEntity) t = parameters_along(best, v);
+  return best;
+}
+
+void Classifier::consider_edge(std::size_t begin, std::size_t end, bool listed) {
+  std::vector<std::uint32_t> faces;
+  bool unknown = false;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t f = c_.triangle_face[sides_[i].triangle];
+    unknown |= f == kNoEntity;
+    if (f != kNoEntity && std::ranges::find(faces, f) == faces.end()) faces.push_back(f);
+  }
+  if (faces.empty() || (faces.size() == 1 && !unknown && !listed && end - begin == 2)) return;
+  ModelClassification::Edge found{sides_[begin].vertices, kNoEntity, {}};
+  found.edge = edge_between(found.vertices, faces, found.t);
+  if (found.edge != kNoEntity) return c_.edges.push_back(found);
+  for (std::size_t i = 1; i < faces.size(); ++i) uncut_.push_back({faces[0], faces[i]});
+}
+
+void Classifier::find_edges() {
+  std::vector<std::array<std::uint32_t, 2>> listed;
+  for (const auto& e : mesh_.edges) listed.push_back({std::min(e[0], e[1]), std::max(e[0], e[1])});
+  std::sort(listed.begin(), listed.end());
+  for (std::size_t begin = 0, end; begin < sides_.size(); begin = end) {
+    for (end = begin; end < sides_.size() && sides_[end].vertices == sides_[begin].vertices;) ++end;
+    consider_edge(begin, end, std::binary_search(listed.begin(), listed.end(), sides_[begin].vertices));
+  }
+}
+
+/// Faces with a mesh edge between them that lies on no edge of the model are one to the mesh.
+void Classifier::group_faces() {
+  c_.face_group.resize(model_.num_faces());
+  std::iota(c_.face_group.begin(), c_.face_group.end(), 0u);
+  const auto root = [&](std::uint32_t f) {
+    while (c_.face_group[f] != f) f = c_.face_group[f] = c_.face_group[c_.face_group[f]];
+    return f;
+  };
+  for (const auto& [a, b] : uncut_) {
+    const std::uint32_t x = root(a), y = root(b);
+    c_.face_group[std::max(x, y)] = std::min(x, y);
+  }
+  for (std::uint32_t f = 0; f < c_.face_group.size(); ++f) c_.face_group[f] = root(f);
+}
+
+/// Corners of a triangle on a periodic face are brought within half a period of its centroid; where a
+/// parameter means nothing (a pole), the centroid lends its own.
+void Classifier::set_parameters() {
+  const bool needed = [&] {
+    for (std::uint32_t f = 0; f < model_.num_faces(); ++f)
+      if (!model_.has_formula(f)) return true;
+    return false;
+  }();
+  if (!needed) return;
+  c_.parameters.resize(mesh_.triangles.size());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> asked;  // (vertex, face)
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+    if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity && !model_.has_formula(f))
+      for (const std::uint32_t v : mesh_.triangles[i]) asked.emplace_back(v, f);
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+  std::vector<Parameters> answers(asked.size());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t k) {
+    answers[k] = model_.closest_on_face(asked[k].second, mesh_.points[asked[k].first]).at;
+  });
+  tbb::parallel_for(std::size_t{0}, mesh_.triangles.size(), [&](std::size_t i) {
+    const std::uint32_t f = c_.triangle_face[i];
+    if (f == kNoEntity || model_.has_formula(f)) return;
+    const auto& t = mesh_.triangles[i];
+    const Point centroid = (1.0 / 3) * (mesh_.points[t[0]] + mesh_.points[t[1]] + mesh_.points[t[2]]);
+    const Parameters middle = model_.closest_on_face(f, centroid).at;
+    for (int k = 0; k < 3; ++k) {
+      const auto at = std::lower_bound(asked.begin(), asked.end(), std::pair{t[k], f});
+      Parameters q = answers[static_cast<std::size_t>(at - asked.begin())];
+      const SurfaceJet jet = model_.surface(f, q);
+      const std::array<double, 2> speed{norm(jet.du), norm(jet.dv)};
+      for (std::size_t j = 0; j < 2; ++j) {
+        const double period = model_.face(f).period[j];
+        if (period > 0) q[j] -= period * std::round((q[j] - middle[j]) / period);
+        if (speed[j] < 1e-6 * speed[1 - j]) q[j] = middle[j];
+      }
+      c_.parameters[i][k] = q;
+    }
+  });
+}
+
+/// Names what lies on no face by the references of its triangles, and faces that nothing lies on.
+void Classifier::warn() {
+  std::map<std::int32_t, std::pair<std::size_t, double>> open;
+  std::vector<std::uint8_t> used(model_.num_faces(), 0);
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    if (c_.triangle_face[i] != kNoEntity) {
+      used[c_.triangle_face[i]] = 1;
+      continue;
+    }
+    auto& [count, farthest] = open[mesh_.triangle_refs[i]];
+    ++count;
+    for (const std::uint32_t v : mesh_.triangles[i]) farthest = std::max(farthest, distance_[v]);
+  }
+  for (const auto& [ref, what] : open)
+    c_.warnings.push_back(
+        fmt::format("{} triangles of reference {} lie on no face of the model (up to {:.3g} from it): their "
+                    "surface is reconstructed",
+                    what.first, ref, what.second));
+  std::string list;
+  int missing = 0;
+  for (std::uint32_t f = 0; f < used.size(); ++f)
+    if (!used[f] && ++missing <= 10) list += (list.empty() ? "" : ", ") + std::to_string(f + 1);
+  if (missing > 0)
+    c_.warnings.push_back(fmt::format("faces of the model that no triangle lies on: {}{}", list,
+                                      missing > 10 ? fmt::format(" and {} more", missing - 10) : ""));
+}
+
+}  // namespace
+
+ModelClassification classify_on_model(const MeshData& boundary, std::shared_ptr<const Model> model) {
+  return Classifier(boundary, std::move(model)).run();
+}
+
+}  // namespace weft::meshing

@@ -1,0 +1,43 @@
+// Which face, edge or node of a CAD model each part of a boundary triangulation lies on.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "meshing/geometry/model/model.h"
+#include "meshing/mesh/mesh_data.h"
+
+namespace weft::meshing {
+
+struct ModelClassification {
+  std::shared_ptr<const Model> model;
+  /// Of each triangle; kNoEntity where it lies on none: there the surface is reconstructed from the
+  /// triangles.
+  std::vector<std::uint32_t> triangle_face;
+  /// Faces that the mesh does not keep apart, because its triangles cross the edges between them, have one
+  /// group, named by its lowest face.
+  std::vector<std::uint32_t> face_group;
+  /// Where the corners of a triangle lie on its face, unwrapped so that they may be interpolated.
+  std::vector<std::array<Parameters, 3>> parameters;
+
+  /// A mesh edge on an edge of the model: vertices ascending, and the parameters there.
+  struct Edge {
+    std::array<std::uint32_t, 2> vertices;
+    std::uint32_t edge;
+    std::array<double, 2> t;
+  };
+  std::vector<Edge> edges;                                     ///< sorted by vertices
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> nodes;  ///< (vertex, node), sorted
+  std::vector<std::string> warnings;
+};
+
+/// Classifies `boundary`, which has all of a mesh's boundary and interface triangles, by the records that it
+/// has of its vertices (where the model agrees with them) and by coordinates, references and listed edges.
+/// Throws InputError naming the distance where most vertices lie off the model. O(n) for a given model.
+ModelClassification classify_on_model(const MeshData& boundary, std::shared_ptr<const Model> model);
+
+}  // namespace weft::meshing

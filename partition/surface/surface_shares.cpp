@@ -1,0 +1,532 @@
+// Where a share ends, what is beyond is known from its owner.
+#include "partition/surface/surface_shares.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "meshing/base/box.h"
+#include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
+#include "meshing/geometry/surface/cut_surface.h"
+#include "meshing/geometry/surface/surface_curves.h"
+#include "meshing/geometry/surface/surface_shape.h"
+#include "meshing/geometry/surface/surface_tables.h"
+#include "meshing/geometry/surface/surface_topology.h"
+#include "partition/communication/morton_shares.h"
+#include "partition/communication/ranges.h"
+#include "partition/communication/reduce.h"
+#include "partition/surface/joined_patches.h"
+#include "partition/surface/local_surface.h"
+#include "partition/surface/vertex_flags.h"
+
+namespace weft::partition {
+namespace {
+
+using meshing::kNoName;
+using meshing::MeshData;
+using meshing::PatchId;
+using meshing::Point;
+using meshing::VertexKind;
+
+/// Element by element, by T::add.
+template <class T>
+std::vector<T> added(Peers& peers, const std::vector<T>& mine) {
+  return reduce(peers, mine, [](T a, const T& b) {
+    a.add(b);
+    return a;
+  });
+}
+
+std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
+  return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+}
+
+/// Things in order, dealt to the ranks in pieces.
+class DealtPieces {
+ public:
+  DealtPieces(std::size_t things, int ranks)
+      : pieces_(meshing::pieces_of(things)), ranks_(static_cast<std::uint64_t>(ranks)) {}
+  std::uint32_t count() const { return pieces_; }
+  std::uint32_t first(int rank) const {
+    return static_cast<std::uint32_t>(pieces_ * static_cast<std::uint64_t>(rank) / ranks_);
+  }
+  std::size_t maker(std::uint64_t place) const {
+    const std::uint64_t piece = place / meshing::kSurfacePieceSize;
+    return static_cast<std::size_t>(((piece + 1) * ranks_ - 1) / pieces_);
+  }
+
+ private:
+  std::uint32_t pieces_;
+  std::uint64_t ranks_;
+};
+
+class ShareBuilder {
+ public:
+  ShareBuilder(Peers& peers, BoundaryShare& boundary, const FetchPoints& points, double ridge_angle_degrees)
+      : peers_(peers), boundary_(boundary), points_(points), ridge_angle_(ridge_angle_degrees) {}
+
+  std::optional<SurfaceParts> build() {
+    take_share();
+    neighbours_.emplace(peers_, boundary_, points_);
+    begin(boundary_.triangles);
+    share_normals();
+    if (!find_patches()) return {};
+    find_curves();
+    fit_planes();
+    name_triangles();
+    name_features();
+    add_records();
+    take_pieces();
+    cut();
+    return finish();
+  }
+
+ private:
+  /// What the owner of a triangle tells others.
+  struct Told {
+    std::uint32_t component;  ///< over all ranks
+    std::uint32_t turned;
+  };
+  struct ToldLater {
+    PatchId patch;
+    std::uint32_t turned, name;
+  };
+
+  void take_share();
+  std::vector<std::uint64_t> keys_of_triangles();
+  void begin(std::vector<BoundaryTriangle> own);
+  void share_normals();
+  void take_normals();
+  bool find_patches();
+  std::vector<Told> tell_components(const meshing::SurfaceComponents& found, std::uint32_t first);
+  std::vector<PatchComponent> components(const meshing::SurfaceComponents& found) const;
+  void take_patches(const JoinedPatches& joined, const std::vector<Told>& told);
+  void find_curves();
+  void fit_planes();
+  void name_triangles();
+  void name_features();
+  void add_records();
+  void add_vertices();
+  void add_listed_vertices();
+  void take_pieces();
+  std::vector<BoundaryTriangle> triangles_to_make();
+  std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
+  std::vector<BoundaryTriangle> deal_features(const DealtPieces& dealt);
+  void cut();
+  SurfaceParts finish();
+
+  template <class T, class Entry>
+  std::vector<T> from_owners(const Entry& entry);
+  /// f(triangle here, its place in own_), ascending. Before pieces are taken.
+  template <class F>
+  void for_each_own(const F& f) const {
+    for (std::uint32_t t = 0, i = 0; t < local_->triangles.size(); ++t)
+      if (topology().ring(t) == 0) f(t, i++);
+  }
+  BoundaryTriangle triangle(std::uint32_t place) const;
+  bool alone() const { return peers_.ranks() == 1; }
+  const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
+
+  Peers& peers_;
+  BoundaryShare& boundary_;
+  const FetchPoints& points_;
+  const double ridge_angle_;
+  meshing::PieceOrder order_{meshing::Box{}};
+  std::optional<SurfaceNeighbours> neighbours_;
+  std::vector<std::uint32_t> own_;  // triangles of the share, ascending
+  std::vector<ToldLater> own_told_;
+
+  // The share with its rings, later what pieces are made of.
+  std::shared_ptr<LocalSurface> local_;
+  std::optional<meshing::TopologyBuilder> builder_;
+
+  // The same on all ranks:
+  std::vector<meshing::FlatTriangle> flat_;
+  std::vector<std::int32_t> patch_refs_;
+  std::shared_ptr<meshing::SurfaceCurves> curves_;
+  std::vector<std::uint32_t>
+      feature_at_;  // places among the features that all ranks give, one after the other
+  std::vector<std::uint32_t> feature_order_, feature_names_;
+  std::uint64_t named_ = 0;  // triangles
+  std::shared_ptr<meshing::SurfaceTables> tables_ = std::make_shared<meshing::SurfaceTables>();
+
+  std::vector<std::uint32_t> my_order_;     // places of own triangles in pieces, in their order
+  std::uint64_t my_first_ = 0;              // place of the first of them
+  std::vector<std::uint32_t> my_features_;  // numbers of own features
+  std::vector<std::vector<BoundaryTriangle>> at_features_;  // the triangles at them
+  std::vector<std::uint8_t> required_;                      // by patch
+  meshing::SurfaceNames names_;
+  SurfaceParts parts_;
+};
+
+/// Along the curve.
+std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
+  std::vector<std::uint32_t> vertices;
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    vertices.insert(vertices.end(), t.vertices.begin(), t.vertices.end());
+  meshing::sort_unique(vertices);
+  const std::vector<Point> points = points_(vertices);
+  meshing::Box box;
+  for (const Point& p : points) box.include(p);
+  order_ = meshing::PieceOrder(common_box(peers_, box));
+  std::vector<std::uint64_t> keys;
+  keys.reserve(boundary_.triangles.size());
+  const auto point = [&](std::uint32_t v) { return points[meshing::place_in(vertices, v)]; };
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    keys.push_back(order_.key({point(t.vertices[0]), point(t.vertices[1]), point(t.vertices[2])}));
+  return keys;
+}
+
+/// Triangles go to the owners of their ranges.
+void ShareBuilder::take_share() {
+  const std::vector<std::uint64_t> keys = keys_of_triangles();
+  const std::vector<std::uint64_t> begins = first_keys(peers_, keys);
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
+        boundary_.triangles[i]);
+  boundary_.triangles = {};
+  boundary_.triangles = all_to_all_joined(peers_, std::move(to_each));
+  std::ranges::sort(boundary_.triangles, {}, &BoundaryTriangle::number);
+  for (const BoundaryTriangle& t : boundary_.triangles) own_.push_back(t.number);
+}
+
+void ShareBuilder::begin(std::vector<BoundaryTriangle> own) {
+  builder_.reset();
+  local_ = std::make_shared<LocalSurface>(neighbours_->around(std::move(own)));
+  builder_.emplace(local_->mesh, ridge_angle_, meshing::KnownShapes{}, local_->rings, local_->vertices);
+}
+
+/// As it came.
+BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
+  const auto& [a, b, c] = local_->mesh.triangles[place];
+  const bool required = std::ranges::binary_search(local_->mesh.required_triangles, place);
+  return {local_->triangles[place],
+          {local_->vertices[a], local_->vertices[b], local_->vertices[c]},
+          local_->mesh.triangle_refs[place],
+          required};
+}
+
+void ShareBuilder::share_normals() {
+  std::vector<meshing::FlatTriangle> mine = builder_->flat_triangles();
+  for (meshing::FlatTriangle& t : mine) {
+    t.triangle = local_->triangles[t.triangle];
+    if (t.behind != meshing::kNone) t.behind = local_->triangles[t.behind];
+  }
+  flat_ = allgather_joined(peers_, mine);
+  std::ranges::sort(flat_, {}, &meshing::FlatTriangle::triangle);
+  lend_normals(flat_);
+  take_normals();
+}
+
+void ShareBuilder::take_normals() {
+  std::vector<meshing::FlatTriangle> here;
+  for (meshing::FlatTriangle t : flat_) {
+    const std::size_t place = meshing::place_in(local_->triangles, t.triangle);
+    if (place == local_->triangles.size() || local_->triangles[place] != t.triangle) continue;
+    t.triangle = static_cast<std::uint32_t>(place);
+    here.push_back(t);
+  }
+  builder_->take_normals(here);
+}
+
+/// All ranks: what the owners of the triangles here know of them; `entry(i)`: of own_[i].
+template <class T, class Entry>
+std::vector<T> ShareBuilder::from_owners(const Entry& entry) {
+  std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t t = 0; t < local_->triangles.size(); ++t)
+    asked[local_->owners[t]].push_back(local_->triangles[t]);
+  asked = partition::all_to_all(peers_, std::move(asked));
+  std::vector<std::vector<T>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t t : asked[r]) answers[r].push_back(entry(meshing::place_in(own_, t)));
+  answers = partition::all_to_all(peers_, std::move(answers));
+  std::vector<std::size_t> next(answers.size(), 0);
+  std::vector<T> result;
+  result.reserve(local_->owners.size());
+  for (const std::uint32_t r : local_->owners) result.push_back(answers[r][next[r]++]);
+  return result;
+}
+
+std::vector<PatchComponent> ShareBuilder::components(const meshing::SurfaceComponents& found) const {
+  std::vector<PatchComponent> all(found.count, {0, 0, 0, 0});
+  for (std::size_t t = 0; t < found.of_triangle.size(); ++t) {
+    if (found.of_triangle[t] == meshing::kNone) continue;
+    PatchComponent& c = all[found.of_triangle[t]];
+    if (c.triangles++ == 0) c.first = local_->triangles[t], c.ref = local_->mesh.triangle_refs[t];
+    c.turned += found.turned[t];
+  }
+  return all;
+}
+
+/// All ranks: of all triangles here; `first`: the number of this rank's first component.
+std::vector<ShareBuilder::Told> ShareBuilder::tell_components(const meshing::SurfaceComponents& found,
+                                                              std::uint32_t first) {
+  std::vector<std::uint32_t> places;  // of own triangles here
+  for (const std::uint32_t t : own_)
+    places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
+  return from_owners<Told>([&](std::size_t i) {
+    return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
+  });
+}
+
+/// False on all ranks where some patch does not agree with itself.
+bool ShareBuilder::find_patches() {
+  const meshing::SurfaceComponents& found = builder_->components();
+  if (partition::max(peers_, std::uint8_t{found.one_sided}) != 0) return false;
+  const Ranges numbers(peers_, found.count);
+  const std::vector<Told> told =
+      tell_components(found, static_cast<std::uint32_t>(numbers.first(peers_.rank())));
+  std::vector<ComponentLink> links;
+  for (const auto& crossing : builder_->crossings()) {
+    const Told &a = told[crossing.own], &b = told[crossing.other];
+    links.push_back({std::min(a.component, b.component), std::max(a.component, b.component),
+                     a.turned ^ b.turned ^ static_cast<std::uint32_t>(crossing.turned)});
+  }
+  const auto joined = join_patches(peers_, components(found), links);
+  if (joined) take_patches(*joined, told);
+  return joined.has_value();
+}
+
+void ShareBuilder::take_patches(const JoinedPatches& joined, const std::vector<Told>& told) {
+  std::vector<PatchId> patches;
+  std::vector<std::uint8_t> turned;
+  for (std::size_t t = 0; t < told.size(); ++t) {
+    patches.emplace_back(joined.patch[told[t].component]);
+    turned.push_back(static_cast<std::uint8_t>(told[t].turned ^ joined.turned[told[t].component]));
+  }
+  for_each_own([&](std::uint32_t t, std::uint32_t) {
+    own_told_.push_back({patches[t], turned[t], kNoName});
+  });
+  patch_refs_ = joined.refs;
+  builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
+}
+
+/// All ranks put all feature edges in order.
+void ShareBuilder::find_curves() {
+  const std::vector<meshing::FoundFeature> mine = builder_->own_features();
+  for (const auto& triangles : builder_->triangles_at_own_features()) {
+    at_features_.emplace_back();
+    for (const std::uint32_t t : triangles) at_features_.back().push_back(triangle(t));
+  }
+  const std::vector<meshing::FoundFeature> all = allgather_joined(peers_, mine);
+  feature_at_.resize(all.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) feature_at_[i] = i;
+  std::ranges::sort(feature_at_, {}, [&](std::uint32_t i) { return all[i].vertices; });
+  std::vector<meshing::FoundFeature> sorted;
+  sorted.reserve(all.size());
+  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
+  curves_ = std::make_shared<meshing::SurfaceCurves>(meshing::form_curves(sorted));
+  builder_->take_curves(*curves_);
+  for (const meshing::FoundFeature& f : mine)
+    my_features_.push_back(static_cast<std::uint32_t>(meshing::place_in(curves_->features, f.vertices)));
+}
+
+void ShareBuilder::fit_planes() {
+  const meshing::PlaneFits fits(local_->mesh.points, topology());
+  const auto extents = added(peers_, fits.extents(local_->triangles));
+  const auto sums = added(peers_, fits.sums(extents));
+  tables_->planes = planes_of(extents, sums);
+  const auto heights = added(peers_, fits.heights(tables_->planes));
+  tables_->patches = patches_of(patch_refs_, extents, sums, heights, tables_->planes);
+  tables_->curves = curves_->curves;
+  tables_->lines = curves_->lines;
+}
+
+void ShareBuilder::name_triangles() {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;  // and places among own triangles
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
+    if (needs_triangles(*tables_, own_told_[i].patch))
+      keys.emplace_back(order_.key(corners(local_->mesh, topology().triangles[t])), i);
+  });
+  std::ranges::sort(keys);
+  const auto counts = allgather(peers_, std::vector<std::uint64_t>{keys.size()});
+  for (std::size_t r = 0; r < counts.size(); ++r) {
+    if (r == static_cast<std::size_t>(peers_.rank())) my_first_ = named_;
+    named_ += counts[r][0];
+  }
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    own_told_[keys[k].second].name = meshing::name_in_order(my_first_ + k, 0);
+    my_order_.push_back(keys[k].second);
+  }
+}
+
+void ShareBuilder::name_features() {
+  std::vector<std::uint8_t> beside;
+  for (const auto& triangles : at_features_)
+    beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
+      // All triangles at an edge have patches here; names are known of own ones alone.
+      return needs_triangles(*tables_,
+                             topology().triangle_patch[meshing::place_in(local_->triangles, t.number)]);
+    }));
+  const std::vector<std::uint8_t> all = allgather_joined(peers_, beside);
+  std::vector<std::uint8_t> sorted;
+  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
+  tables_->curve_in_pieces = curves_in_pieces(*tables_, *curves_, sorted);
+  feature_order_ = features_in_order(order_, *curves_, tables_->curve_in_pieces);
+  feature_names_.assign(curves_->features.size(), kNoName);
+  for (std::size_t i = 0; i < feature_order_.size(); ++i)
+    feature_names_[feature_order_[i]] = meshing::name_in_order(i, meshing::pieces_of(named_));
+}
+
+/// A vertex is told of by the owner of its last triangle, who knows all that are there.
+void ShareBuilder::add_vertices() {
+  const meshing::SurfaceTopology& s = topology();
+  const std::vector<std::uint8_t> flags =
+      vertex_flags(local_->mesh, s.vertex_kind, s.triangle_patch, tables_->patches);
+  std::vector<std::uint32_t> last(local_->mesh.points.size(), meshing::kNone);
+  for (std::uint32_t t = 0; t < s.triangles.size(); ++t)
+    for (const std::uint32_t v : s.triangles[t]) last[v] = t;
+  for (std::uint32_t v = 0; v < last.size(); ++v) {
+    if (last[v] == meshing::kNone || s.ring(last[v]) > 0) continue;
+    std::uint32_t hint = kNoName;
+    if (s.vertex_kind[v] == VertexKind::surface)
+      hint = own_told_[meshing::place_in(own_, local_->triangles[last[v]])].name;
+    else if (s.vertex_kind[v] == VertexKind::ridge)
+      hint = feature_names_[s.feature_number[s.vertex_hint[v]]];
+    parts_.records.vertices.push_back({local_->vertices[v], hint, s.vertex_kind[v], flags[v]});
+  }
+}
+
+/// Listed vertices may be no triangle's.
+void ShareBuilder::add_listed_vertices() {
+  if (peers_.rank() > 0) return;
+  const auto add = [&](const std::vector<std::uint32_t>& listed, std::uint8_t flags) {
+    for (const std::uint32_t v : listed)
+      parts_.records.vertices.push_back({v, kNoName, VertexKind::interior, flags});
+  };
+  add(boundary_.corners, meshing::kFixed | meshing::kListedCorner);
+  add(boundary_.required_points, meshing::kFixed | meshing::kListedRequired);
+}
+
+void ShareBuilder::add_records() {
+  add_vertices();
+  add_listed_vertices();
+  parts_.triangles.assign(patch_refs_.size(), 0);
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
+    const auto& [a, b, c] = local_->mesh.triangles[t];
+    const PatchId patch = own_told_[i].patch;
+    parts_.records.faces.push_back({{local_->vertices[a], local_->vertices[b], local_->vertices[c]}, patch});
+    std::ranges::sort(parts_.records.faces.back().vertices);
+    ++parts_.triangles[patch.value];
+  });
+  parts_.triangles = partition::sum(peers_, parts_.triangles);
+  required_.assign(patch_refs_.size(), 0);
+  for (const std::uint32_t t : local_->mesh.required_triangles)
+    if (topology().ring(t) == 0) required_[topology().triangle_patch[t].value] = 1;
+  required_ = partition::max(peers_, required_);
+  for (std::uint32_t f = 0; f < topology().features.size(); ++f) {
+    if (topology().ring(topology().triangles_at(f)[0]) > 0) continue;
+    const std::uint32_t number = topology().feature_number[f];
+    parts_.records.edges.push_back({curves_->features[number], curves_->curve_of[number]});
+  }
+}
+
+/// All ranks: the triangles of this rank's pieces, in order.
+std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& dealt) {
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < my_order_.size(); ++i)
+    to_each[dealt.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
+  return all_to_all_joined(peers_, std::move(to_each));
+}
+
+/// All ranks: the triangles at the features of this rank's pieces.
+std::vector<BoundaryTriangle> ShareBuilder::deal_features(const DealtPieces& dealt) {
+  std::vector<std::uint32_t> place(curves_->features.size());
+  for (std::uint32_t i = 0; i < feature_order_.size(); ++i) place[feature_order_[i]] = i;
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t f = 0; f < at_features_.size(); ++f) {
+    const std::uint32_t number = my_features_[f];
+    if (feature_names_[number] == kNoName) continue;
+    auto& list = to_each[dealt.maker(place[number])];
+    list.insert(list.end(), at_features_[f].begin(), at_features_[f].end());
+  }
+  at_features_ = {};
+  return all_to_all_joined(peers_, std::move(to_each));
+}
+
+/// The triangles of this rank's pieces, and those at the features of its others.
+std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
+  const int me = peers_.rank();
+  const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
+  std::vector<BoundaryTriangle> all = deal_triangles(triangles);
+  names_.of_triangles.first = triangles.first(me);
+  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
+  names_.of_features.first = triangles.count() + features.first(me);
+  const auto place_of = [&](std::uint32_t piece) {
+    return std::min(std::size_t{piece} * meshing::kSurfacePieceSize, feature_order_.size());
+  };
+  names_.of_features.members.assign(
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me))),
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me + 1))));
+  const std::vector<BoundaryTriangle> beside = deal_features(features);
+  all.insert(all.end(), beside.begin(), beside.end());
+  meshing::sort_unique(all, &BoundaryTriangle::number);
+  return all;
+}
+
+/// From the share to what is to be cut.
+void ShareBuilder::take_pieces() {
+  std::vector<BoundaryTriangle> own = triangles_to_make();
+  if (!alone()) {
+    begin(std::move(own));
+    take_normals();
+    builder_->components();
+  }
+  const auto told = from_owners<ToldLater>([&](std::size_t i) { return own_told_[i]; });
+  std::vector<PatchId> patches;
+  std::vector<std::uint8_t> turned;
+  for (const ToldLater& t : told) {
+    patches.push_back(t.patch);
+    turned.push_back(static_cast<std::uint8_t>(t.turned));
+    names_.triangles.push_back(t.name);
+  }
+  if (!alone()) {
+    builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
+    builder_->take_curves(*curves_);
+  }
+  own_told_ = {};
+  neighbours_.reset();
+  boundary_ = {};
+}
+
+void ShareBuilder::cut() {
+  meshing::SurfaceTopology topology = builder_->take();
+  builder_.reset();
+  names_.features = feature_names_;
+  for (std::uint32_t& t : names_.of_triangles.members)
+    t = static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t));
+  for (std::uint32_t& f : names_.of_features.members)
+    f = static_cast<std::uint32_t>(meshing::place_in(topology.feature_number, f));
+  auto handles = control_points(local_->mesh.points, tables_->patches, *curves_, topology);
+  const auto cutter = std::make_shared<meshing::SurfaceCutter>(
+      meshing::UncutSurface{
+          local_->mesh.points, std::move(topology), curves_, std::move(handles), {}, {}, {}},
+      std::move(names_));
+  for (const auto& corner : cutter->corners())
+    parts_.records.vertices.push_back({local_->vertices[corner.vertex], corner.name, VertexKind::corner, 0});
+  parts_.cutter = cutter;
+}
+
+SurfaceParts ShareBuilder::finish() {
+  parts_.mesh = {local_, &local_->mesh};
+  parts_.geometry = std::make_shared<Geometry>(Geometry{meshing::Surface(tables_),
+                                                        {required_.begin(), required_.end()},
+                                                        std::vector<bool>(patch_refs_.size(), false)});
+  return std::move(parts_);
+}
+
+}  // namespace
+
+std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, BoundaryShare& boundary,
+                                                    const FetchPoints& points, double ridge_angle_degrees) {
+  return ShareBuilder(peers, boundary, points, ridge_angle_degrees).build();
+}
+
+}  // namespace weft::partition
