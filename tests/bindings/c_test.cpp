@@ -239,6 +239,13 @@ TEST_F(CInterface, MisuseIsNamed) {
   EXPECT_EQ(weft_free(nullptr), WEFT_OK);
 }
 
+TEST_F(CInterface, InterfacesOfOtherLanguagesRefuseInTheirOwnWords) {
+  EXPECT_EQ(weft_refuse("points: has 2 rows, not (3, n)"), WEFT_MISUSE);
+  EXPECT_STREQ(weft_last_error(), "points: has 2 rows, not (3, n)");
+  EXPECT_EQ(weft_refuse(nullptr), WEFT_MISUSE);
+  EXPECT_STREQ(weft_last_error(), "why: is NULL, not a text");
+}
+
 TEST_F(CInterface, BadDataAreNamedByArrayAndIndex) {
   const std::vector<double> points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, kNaN};
   const std::vector<int64_t> tets = {0, 1, 2, 3}, wrong = {0, 1, 2, 4}, negative = {0, -1, 2, 3};

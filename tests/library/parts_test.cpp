@@ -435,6 +435,7 @@ TEST(Parts, WrongSolutionsAreRefusedOnAllRanks) {
   };
   says(refused([](auto& s) { s[0].fields[0].values[3] = std::nan(""); }), rank);
   says(refused([](auto& s) { s[0].fields[0].kind = Field::Kind::vector; }), rank);
+  says(refused([](auto& s) { s[0].fields.clear(); }), rank + "solutions: holds no scalar field");
   says(common_error(split, [&] { adapt(split.communicator, part, options_of(8)); }), "no metric is given");
   if (split.ranks == 1) return;
   says(refused([](auto& s) { s.push_back(s[0]); }), "of the same number of scalar fields");

@@ -23,6 +23,21 @@ program reach
   call check(weft_mesh_box([3_c_int64_t, 3_c_int64_t, 3_c_int64_t], mesh))
   call check(weft_mesh_box([4_c_int64_t, 4_c_int64_t, 4_c_int64_t], other, max=[1d0, 1d0, 2d0]))
 
+  ! Arrays of wrong sizes are refused by name before they are read.
+  if (weft_mesh_create(reshape([(0d0, count=1, 8)], [2, 4]), reshape([1_c_int64_t, 2_c_int64_t, 3_c_int64_t, &
+      4_c_int64_t], [4, 1]), ball) /= weft_misuse) error stop "points(2, n)"
+  call must_say("points: has 2 rows, not (3, n)")
+  if (weft_mesh_create(reshape([(0d0, count=1, 9)], [3, 3]), reshape([1_c_int64_t, 2_c_int64_t, 3_c_int64_t], [3, 1]), &
+      ball) /= weft_misuse) error stop "tets(3, m)"
+  call must_say("tets: has 3 rows, not (4, m)")
+  if (weft_mesh_set(mesh, weft_edges, [1_c_int64_t]) /= weft_misuse) error stop "half an edge"
+  call must_say("values: has 1 numbers, not 2 for each entity")
+  if (weft_metric_from_tensors(reshape([(1d0, count=1, 9)], [9, 1]), weft_order_sol, metric) /= weft_misuse) &
+    error stop "tensors(9, n)"
+  call must_say("tensors: has 9 rows, not (6, n)")
+  if (weft_part_create(mesh, [1_c_int64_t], c_null_ptr, part) /= weft_misuse) error stop "ids"
+  call must_say("point_ids: has 1 ids, not one for each of the 64 points")
+
   ! Checks and measures.
   call check(weft_mesh_compare(mesh, mesh, count))
   if (count /= 0) error stop "a mesh differs from itself"
@@ -72,6 +87,8 @@ program reach
   call check(weft_mesh_points(mesh, x))
   values = x
   call check(weft_fields_create(points, fields))
+  if (weft_fields_add(fields, "place", values(:, 2:)) /= weft_misuse) error stop "a point too few"
+  call must_say("place: has 63 columns, not one for each of the 64 points")
   call check(weft_fields_add(fields, "place", values))
   call check(weft_interpolate(mesh, fields, filled, options, there))
   call check(weft_fields_outside(there, outside, farthest))
@@ -108,6 +125,13 @@ contains
     print "(a)", weft_error()
     error stop 1
   end subroutine check
+
+  subroutine must_say(text)
+    character(*), intent(in) :: text
+    if (weft_error() == text) return
+    print "(4a)", "'", weft_error(), "' is not ", text
+    error stop 1
+  end subroutine must_say
 
   subroutine must_be_there(file)
     character(*), intent(in) :: file

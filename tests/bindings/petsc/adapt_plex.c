@@ -7,7 +7,7 @@
      -h H         wanted size                 -overlap N   layers of tets that ranks have twice
      -distribute 0   all stays on the first rank
      -bd NAME     label of the boundary       -regions     a label with two regions, and the faces between them
-     -marked      label `bd` is made on the parts: 1 where those of a rank end, 2 at z = 1/2 by who is below
+     -marked LAST label `bd` is made on the parts: LAST where those of a rank end, 1 to LAST - 1 at z = 1/2 by who is below
      -rounds N    adaptations, one after another
      -values      the values that each rank has of the label of the boundary
      -checks      PETSc's checks of the result, and the coordinates and owners of what ranks share */
@@ -17,8 +17,8 @@
 typedef struct {
   char      metric[32], bd[64];
   PetscReal h;
-  PetscInt  cells, overlap, rounds;
-  PetscBool regions, checks, has_bd, distribute, values, marked;
+  PetscInt  cells, overlap, rounds, marked;
+  PetscBool regions, checks, has_bd, distribute, values;
 } Options;
 
 static PetscErrorCode get_options(Options *o)
@@ -31,7 +31,8 @@ static PetscErrorCode get_options(Options *o)
   o->cells   = 4;
   o->overlap = 0;
   o->rounds  = 1;
-  o->regions = o->checks = o->has_bd = o->values = o->marked = PETSC_FALSE;
+  o->marked  = 0;
+  o->regions = o->checks = o->has_bd = o->values = PETSC_FALSE;
   PetscCall(PetscOptionsGetString(NULL, NULL, "-metric", o->metric, sizeof o->metric, NULL));
   PetscCall(PetscOptionsGetString(NULL, NULL, "-bd", o->bd, sizeof o->bd, &o->has_bd));
   PetscCall(PetscOptionsGetReal(NULL, NULL, "-h", &o->h, NULL));
@@ -41,7 +42,7 @@ static PetscErrorCode get_options(Options *o)
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-regions", &o->regions, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-checks", &o->checks, NULL));
   PetscCall(PetscOptionsGetBool(NULL, NULL, "-values", &o->values, NULL));
-  PetscCall(PetscOptionsGetBool(NULL, NULL, "-marked", &o->marked, NULL));
+  PetscCall(PetscOptionsGetInt(NULL, NULL, "-marked", &o->marked, NULL));
   PetscFunctionReturn(0);
 }
 
@@ -139,16 +140,16 @@ static PetscErrorCode label_cube(DM dm)
   PetscFunctionReturn(0);
 }
 
-/* As PETSc's ex60 labels what it has distributed: faces between ranks have two values where z = 1/2. */
-static PetscErrorCode mark_parts(DM dm, const char *bd)
+/* As PETSc's ex60 labels what it has distributed: faces between ranks have all values where z = 1/2. */
+static PetscErrorCode mark_parts(DM dm, const char *bd, PetscInt last)
 {
   DMLabel  label;
-  PetscInt f, faces, faces_end, size;
+  PetscInt f, faces, faces_end, size, value;
 
   PetscFunctionBeginUser;
   PetscCall(DMCreateLabel(dm, bd));
   PetscCall(DMGetLabel(dm, bd, &label));
-  PetscCall(DMPlexMarkBoundaryFaces(dm, 1, label));
+  PetscCall(DMPlexMarkBoundaryFaces(dm, last, label));
   PetscCall(DMPlexGetHeightStratum(dm, 1, &faces, &faces_end));
   for (f = faces; f < faces_end; ++f) {
     const PetscInt *support;
@@ -160,7 +161,8 @@ static PetscErrorCode mark_parts(DM dm, const char *bd)
     PetscCall(DMPlexGetSupport(dm, f, &support));
     while (size-- > 0) {
       PetscCall(DMPlexComputeCellGeometryFVM(dm, support[size], &measure, cell, NULL));
-      if (cell[2] < 0.5) PetscCall(DMLabelSetValue(label, f, 2));
+      if (cell[2] > 0.5) continue;
+      for (value = 1; value < last; ++value) PetscCall(DMLabelSetValue(label, f, value));
     }
   }
   PetscFunctionReturn(0);
@@ -186,7 +188,7 @@ static PetscErrorCode create_mesh(const Options *o, DM *dm)
     PetscCall(DMDestroy(dm));
     *dm = distributed;
   }
-  if (o->marked) PetscCall(mark_parts(*dm, o->bd));
+  if (o->marked > 0) PetscCall(mark_parts(*dm, o->bd, o->marked));
   PetscFunctionReturn(0);
 }
 

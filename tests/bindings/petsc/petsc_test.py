@@ -123,12 +123,16 @@ class Adaptor(unittest.TestCase):
         self.assertEqual(sorted(after.values[0]), list("123456"))
 
     def test_a_face_keeps_all_values_of_a_label_that_any_rank_gives_it(self):
-        for ranks in (1, 2, 4):  # in slabs across z
-            with self.subTest(ranks=ranks):
-                before, after = self.check(ranks, "-bd", "marks", "-marked", "-values", "-petscpartitioner_type", "simple")
-                self.assertAlmostEqual(after.labels["marks", 1][1], 6 + ranks - 1, 7)
-                self.assertAlmostEqual(after.labels["marks", 2][1], 1, 7)
-                self.assertEqual(after.values, [["1", "2"]] * ranks)
+        # In slabs across z. Of 40 values there are sets in two words, and a set with its only value in the second.
+        for ranks, last in ((1, 2), (2, 2), (4, 2), (2, 40)):
+            with self.subTest(ranks=ranks, last=last):
+                before, after = self.check(ranks, "-bd", "marks", "-marked", str(last), "-values",
+                                           "-petscpartitioner_type", "simple")
+                values = [str(value) for value in range(1, last + 1)]
+                self.assertEqual([sorted(of_rank, key=int) for of_rank in after.values], [values] * ranks)
+                self.assertAlmostEqual(after.labels["marks", last][1], 6 + ranks - 1, 7)
+                for value in range(1, last):
+                    self.assertAlmostEqual(after.labels["marks", value][1], 1, 7)
 
     def test_no_insert_keeps_all_vertices(self):
         code, text = run(2, "-metric", "layer", "-dm_plex_metric_no_insert", "-checks", "-dm_plex_metric_verbosity", "1")

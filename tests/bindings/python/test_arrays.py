@@ -69,7 +69,7 @@ def test_orders_of_tensors_mean_the_same_metric(order):
     ([TENSOR["sol"]], dict(order="mmg"), weft.UsageError, "'mmg' is none of"),
     ([1, 0], {}, weft.InputError, r"metric\[1\]: is not a size above 0"),
     ([1, np.inf], {}, weft.InputError, r"metric\[1\]: is not finite"),
-    ([np.diag([1, 1, -1])], {}, weft.InputError, "vertex 1"),
+    ([np.eye(3), np.diag([1, 1, -1])], {}, weft.InputError, r"metric\[1\]: not positive definite"),
     ([FULL + np.triu(np.ones((3, 3)), 1)], {}, weft.InputError, r"metric\[0\]: is not symmetric"),
     (np.zeros((2, 4)), {}, weft.InputError, r"shape \(2, 4\)"),
 ])
@@ -84,8 +84,8 @@ def test_a_box_takes_whole_numbers_of_numpy():
 
 @pytest.mark.parametrize("values, text", [
     (lambda n: np.zeros(n - 1), "not one row for each of the 64 points"),
-    (lambda n: np.full(n, np.nan), r"u\[0\]: is not finite"),
-    (lambda n: np.zeros((n, 4)), r"u: has shape \(64, 4\)"),
+    (lambda n: np.full(n, np.nan), r"fields\['u'\]\[0\]: is not finite"),
+    (lambda n: np.zeros((n, 4)), r"fields\['u'\]: has shape \(64, 4\)"),
 ])
 def test_wrong_fields_are_refused(box, sizes, values, text):
     with pytest.raises(weft.InputError, match=text):
@@ -110,6 +110,8 @@ def test_wrong_fields_are_refused(box, sizes, values, text):
     (lambda m, h: weft.read("none.meshb"), weft.InputError, "none.meshb: cannot read"),
     (lambda m, h: weft.adapt(m, h, progress=3), weft.UsageError, "progress: is a int, not a function"),
     (lambda m, h: weft.adapt(m, h, cancel=3), weft.UsageError, "cancel: is a int, not a weft.Cancel"),
+    (lambda m, h: weft.adapt(m, solutions={"v": np.ones((64, 3))}), weft.InputError, "solutions: holds no scalar field"),
+    (lambda m, h: weft.adapt(m, solutions={"u": h[1:]}), weft.InputError, r"solutions\['u'\]: has shape"),
     (lambda m, h: weft.box(0), weft.OptionError, "--cells"),
     (lambda m, h: weft.box(2.5), weft.UsageError, "cells: 2.5 is neither a whole number nor three of them"),
     (lambda m, h: weft.box(("a", 1, 2)), weft.UsageError, "cells: .'a', 1, 2. is neither"),

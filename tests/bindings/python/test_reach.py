@@ -139,7 +139,7 @@ def test_a_metric_of_another_mesh_gives_the_commands_bytes(tmp_path, start):
     assert same(tmp_path, "fine.meshb", "python.meshb", "fine.solb", "python.solb")
     with pytest.raises(weft.InputError, match="metric of another mesh: it has 125 vertices, the mesh 120"):
         weft.adapt(start, np.ones(125), background=other)
-    with pytest.raises(weft.InputError, match="field1: has shape .125,., not one row for each of the 120 points"):
+    with pytest.raises(weft.InputError, match="solutions.'field1'.: has shape .125,., not one row for each of the 120 points"):
         weft.adapt(start, background=other, solutions=weft.read_fields(tmp_path / "wave.solb"), complexity=500)
 
 

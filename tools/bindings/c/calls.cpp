@@ -98,6 +98,10 @@ const char* weft_version(void) { return weft::version(); }
 
 const char* weft_last_error(void) { return weft::c::last_error().c_str(); }
 
+weft_status weft_refuse(const char* why) {
+  return guarded([&] { throw weft::c::Misuse(require_text(why, "why")); });
+}
+
 const char* weft_status_name(weft_status status) {
   switch (status) {
     case WEFT_OK:

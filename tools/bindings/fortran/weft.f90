@@ -102,6 +102,9 @@ module weft
     function weft_free(handle) bind(c)
       import; type(c_ptr), value :: handle; integer(c_int) :: weft_free
     end function
+    function c_refuse(why) bind(c, name="weft_refuse")
+      import; character(c_char), intent(in) :: why(*); integer(c_int) :: c_refuse
+    end function
     function c_mesh_create(num_points, points, num_tets, tets, mesh) bind(c, name="weft_mesh_create")
       import; integer(c_int64_t), value :: num_points, num_tets; real(c_double), intent(in) :: points(*)
       integer(c_int64_t), intent(in) :: tets(*); type(c_ptr), intent(inout) :: mesh; integer(c_int) :: c_mesh_create
@@ -421,6 +424,22 @@ contains
     address = c_loc(kept(1:1))
   end function address_of
 
+  !> weft_misuse, of which weft_error() says that the array has `found` of what `wanted` says.
+  function refused(array, found, wanted) result(status)
+    character(*), intent(in) :: array, wanted
+    integer(c_int64_t), intent(in) :: found
+    integer(c_int) :: status
+    status = c_refuse(array//": has "//text_of_number(found)//wanted//c_null_char)
+  end function refused
+
+  pure function text_of_number(number) result(text)
+    integer(c_int64_t), intent(in) :: number
+    character(:), allocatable :: text
+    character(20) :: digits
+    write (digits, "(i0)") number
+    text = trim(digits)
+  end function text_of_number
+
   !> Of points(3, n) and tets(4, m), which count points from 1.
   function weft_mesh_create(points, tets, mesh) result(status)
     real(c_double), intent(in), contiguous :: points(:, :)
@@ -428,6 +447,13 @@ contains
     type(c_ptr), intent(inout) :: mesh
     integer(c_int) :: status
     integer(c_int64_t), allocatable :: from_0(:, :)
+    if (size(points, 1) /= 3) then
+      status = refused("points", size(points, 1, c_int64_t), " rows, not (3, n)")
+      return
+    else if (size(tets, 1) /= 4) then
+      status = refused("tets", size(tets, 1, c_int64_t), " rows, not (4, m)")
+      return
+    end if
     allocate (from_0, source=tets)
     from_0 = from_0 - 1
     status = c_mesh_create(size(points, 2, c_int64_t), points, size(tets, 2, c_int64_t), from_0, mesh)
@@ -455,6 +481,11 @@ contains
     integer(c_int64_t), intent(in) :: values(:)
     integer(c_int) :: status
     integer(c_int64_t), allocatable :: from_0(:)
+    if (mod(size(values, kind=c_int64_t), width_of(which)) /= 0) then
+      status = refused("values", size(values, kind=c_int64_t), " numbers, not "//text_of_number(width_of(which))// &
+                       " for each entity")
+      return
+    end if
     allocate (from_0, source=values)
     if (.not. is_of_refs(which)) from_0 = from_0 - 1
     status = c_mesh_set(mesh, which, size(values, kind=c_int64_t) / width_of(which), from_0)
@@ -518,9 +549,11 @@ contains
     integer(c_int), intent(in) :: order
     type(c_ptr), intent(inout) :: metric
     integer(c_int) :: status
-    status = weft_misuse
-    if (size(tensors, 1) == 6) &
+    if (size(tensors, 1) == 6) then
       status = c_metric_from_tensors(size(tensors, 2, c_int64_t), tensors, order, metric)
+    else
+      status = refused("tensors", size(tensors, 1, c_int64_t), " rows, not (6, n)")
+    end if
   end function weft_metric_from_tensors
 
   function weft_metric_read(path, mesh, metric) result(status)
@@ -563,9 +596,12 @@ contains
     integer(c_int64_t) :: num_fields, num_points
     status = c_fields_count(fields, num_fields, num_points)
     if (status /= weft_ok) return
-    status = weft_misuse
-    if (size(values, 2, c_int64_t) == num_points) &
+    if (size(values, 2, c_int64_t) == num_points) then
       status = c_fields_add(fields, trim(name)//c_null_char, size(values, 1, c_int), values)
+    else
+      status = refused(trim(name), size(values, 2, c_int64_t), " columns, not one for each of the "// &
+                       text_of_number(num_points)//" points")
+    end if
   end function weft_fields_add
 
   !> weft's own values (components, n) of a field, from 1: valid until the fields are freed.
@@ -642,10 +678,17 @@ contains
     if (status == weft_ok) status = weft_mesh_count(mesh, weft_tets, tets)
     if (status /= weft_ok) return
     first_tet = c_null_ptr
-    status = weft_misuse
-    if (size(point_ids, kind=c_int64_t) /= points) return
+    if (size(point_ids, kind=c_int64_t) /= points) then
+      status = refused("point_ids", size(point_ids, kind=c_int64_t), " ids, not one for each of the "// &
+                       text_of_number(points)//" points")
+      return
+    end if
     if (present(tet_ids)) then
-      if (size(tet_ids, kind=c_int64_t) /= tets) return
+      if (size(tet_ids, kind=c_int64_t) /= tets) then
+        status = refused("tet_ids", size(tet_ids, kind=c_int64_t), " ids, not one for each of the "// &
+                         text_of_number(tets)//" tets")
+        return
+      end if
       if (tets > 0) first_tet = c_loc(tet_ids)
     end if
     status = c_part_create(mesh, point_ids, first_tet, fields, part)

@@ -4,7 +4,9 @@
 #include <petscsf.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <span>
 
 namespace weft::petsc {
 namespace {
@@ -13,6 +15,22 @@ constexpr std::size_t kBits = 31;
 
 /// One bit for each value.
 using Words = std::vector<PetscInt>;
+
+Words words_of(std::span<const PetscInt> set) { return {set.begin(), set.end()}; }
+
+std::size_t count_bits(std::span<const PetscInt> set) {
+  std::size_t count = 0;
+  for (const PetscInt word : set)
+    count += static_cast<std::size_t>(std::popcount(static_cast<std::uint64_t>(word)));
+  return count;
+}
+
+/// Of a set that is not empty.
+std::size_t first_bit(std::span<const PetscInt> set) {
+  std::size_t word = 0;
+  while (set[word] == 0) ++word;
+  return word * kBits + static_cast<std::size_t>(std::countr_zero(static_cast<std::uint64_t>(set[word])));
+}
 
 PetscErrorCode values_of_label(DM dm, DMLabel label, std::vector<PetscInt>& all) {
   IS here = nullptr;
@@ -52,15 +70,15 @@ std::vector<PetscInt> values_in(const Words& words, const std::vector<PetscInt>&
   return values;
 }
 
-/// All ranks: gives the sets of any rank references that are no values.
-PetscErrorCode number_sets(MPI_Comm comm, const std::vector<Words>& mine, const std::vector<PetscInt>& values,
-                           PetscInt none, std::map<Words, std::int32_t>& refs) {
+/// All ranks: gives the sets of all ranks, `refs` of this one, references that are no values.
+PetscErrorCode number_sets(MPI_Comm comm, const std::vector<PetscInt>& values, PetscInt none,
+                           std::map<Words, std::int32_t>& refs) {
   IS here = nullptr, everywhere = nullptr;
   PetscInt count = 0;
   const PetscInt* words = nullptr;
   PetscFunctionBegin;
   std::vector<PetscInt> flat;
-  for (const Words& set : mine) flat.insert(flat.end(), set.begin(), set.end());
+  for (const auto& [set, ref] : refs) flat.insert(flat.end(), set.begin(), set.end());
   PetscCall(ISCreateGeneral(comm, static_cast<PetscInt>(flat.size()), flat.data(), PETSC_COPY_VALUES, &here));
   PetscCall(ISAllGather(here, &everywhere));
   PetscCall(ISGetLocalSize(everywhere, &count));
@@ -125,26 +143,28 @@ PetscErrorCode references_of(DM dm, DMLabel label, PetscInt start, PetscInt end,
   PetscCall(DMPlexGetChart(dm, &first, &chart));
   PetscCall(values_of_label(dm, label, values));
   const std::size_t width = (values.size() + kBits - 1) / kBits;
-  std::vector<Words> of_points(refs.size(), Words(width));
+  std::vector<PetscInt> bits(width * refs.size());
   for (std::size_t word = 0; word < width; ++word) {
     std::vector<PetscInt> marks(static_cast<std::size_t>(chart), 0);
     for (std::size_t i = word * kBits; i < std::min(values.size(), (word + 1) * kBits); ++i)
       PetscCall(mark_points(label, values[i], PetscInt(1) << (i % kBits), marks));
     PetscCall(combine_shared(dm, MPI_BOR, marks));
     for (std::size_t p = 0; p < refs.size(); ++p)
-      of_points[p][word] = marks[static_cast<std::size_t>(start) + p];
+      bits[p * width + word] = marks[static_cast<std::size_t>(start) + p];
   }
+  const auto set_of = [&](std::size_t p) { return std::span(bits).subspan(p * width, width); };
   std::map<Words, std::int32_t> several;
-  std::vector<Words> mine;
+  std::vector<std::size_t> with_several;
   for (std::size_t p = 0; p < refs.size(); ++p) {
-    const std::vector<PetscInt> of_point = values_in(of_points[p], values);
-    if (of_point.size() == 1) refs[p] = static_cast<std::int32_t>(of_point[0]);
-    if (of_point.size() > 1 && several.emplace(of_points[p], 0).second) mine.push_back(of_points[p]);
+    const std::size_t count = count_bits(set_of(p));
+    if (count == 1) refs[p] = static_cast<std::int32_t>(values[first_bit(set_of(p))]);
+    if (count < 2) continue;
+    with_several.push_back(p);
+    several[words_of(set_of(p))] = 0;
   }
-  PetscCall(number_sets(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), mine, values, none, several));
+  PetscCall(number_sets(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), values, none, several));
   for (const auto& [set, ref] : several) sets[ref] = values_in(set, values);
-  for (std::size_t p = 0; p < refs.size(); ++p)
-    if (const auto known = several.find(of_points[p]); known != several.end()) refs[p] = known->second;
+  for (const std::size_t p : with_several) refs[p] = several.at(words_of(set_of(p)));
   PetscFunctionReturn(0);
 }
 

@@ -26,7 +26,8 @@ std::vector<Values> agreed_scalars(Peers& peers, const Part& part, const std::ve
     if (num_points == 0) return;
     for (const Fields& solution : solutions) {
       check_fields(part.mesh, solution);
-      for (const Values values : meshing::scalar_fields(solution, num_points, "")) scalars.push_back(values);
+      for (const Values values : meshing::scalar_fields(solution, num_points, "solutions"))
+        scalars.push_back(values);
     }
   });
   std::vector<std::uint64_t> mine;

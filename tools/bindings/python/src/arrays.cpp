@@ -126,23 +126,25 @@ bool is_full_tensors(const py::array& array) {
   return array.ndim() == 3 && array.shape(1) == 3 && array.shape(2) == 3;
 }
 
-Field field_of(const std::string& name, const py::object& given, std::size_t num_points,
-               const std::optional<std::string>& order) {
-  const RealArray array = real_array(given, name.c_str());
+/// Errors call it `argument['name']`.
+Field field_of(const std::string& argument, const std::string& name, const py::object& given,
+               std::size_t num_points, const std::optional<std::string>& order) {
+  const std::string called = argument + "['" + name + "']";
+  const RealArray array = real_array(given, called.c_str());
   if (array.ndim() < 1 || array.shape(0) != static_cast<py::ssize_t>(num_points))
-    refuse(name, "has shape " + shape_text(array) + ", not one row for each of the " +
-                     std::to_string(num_points) + " points");
-  require_finite(array, name.c_str());
+    refuse(called, "has shape " + shape_text(array) + ", not one row for each of the " +
+                       std::to_string(num_points) + " points");
+  require_finite(array, called.c_str());
   const bool tensors = is_full_tensors(array) || (array.ndim() == 2 && array.shape(1) == 6);
   if (tensors) {
     Field field{Field::Kind::tensor, {}, name};
-    for (const Tensor& m : read_tensors(array, order, name.c_str()))
+    for (const Tensor& m : read_tensors(array, order, called.c_str()))
       field.values.insert(field.values.end(), {m.xx, m.xy, m.yy, m.xz, m.yz, m.zz});
     return field;
   }
   const bool scalar = array.ndim() == 1 || (array.ndim() == 2 && array.shape(1) == 1);
   if (!scalar && !(array.ndim() == 2 && array.shape(1) == 3))
-    refuse(name, "has shape " + shape_text(array) + ", not (n,), (n, 3), (n, 6) or (n, 3, 3)");
+    refuse(called, "has shape " + shape_text(array) + ", not (n,), (n, 3), (n, 6) or (n, 3, 3)");
   return {
       scalar ? Field::Kind::scalar : Field::Kind::vector, {array.data(), array.data() + array.size()}, name};
 }
@@ -252,18 +254,27 @@ Metric metric_of(const py::object& values, const std::optional<std::string>& ord
   }
   if (!is_full_tensors(array) && !(array.ndim() == 2 && array.shape(1) == 6))
     refuse(kName, "has shape " + shape_text(array) + ", not (n,), (n, 6) or (n, 3, 3)");
-  return Metric::from_tensors(read_tensors(array, order, kName));
+  const std::vector<Tensor> tensors = read_tensors(array, order, kName);
+  try {
+    return Metric::from_tensors(tensors);
+  } catch (const InputError& error) {  // "metric: vertex 1: ...": as in files, where arrays count from 0
+    const std::string begin = std::string(kName) + ": vertex ", said = error.what();
+    if (!said.starts_with(begin)) throw;
+    std::size_t digits = 0;
+    const std::size_t vertex = std::stoull(said.substr(begin.size()), &digits);
+    refuse(at(kName, vertex - 1), said.substr(begin.size() + digits + 2));
+  }
 }
 
 Fields fields_of(const py::object& dictionary, std::size_t num_points,
-                 const std::optional<std::string>& order) {
+                 const std::optional<std::string>& order, const std::string& argument) {
   Fields fields{num_points, {}};
   if (dictionary.is_none()) return fields;
   if (!py::isinstance<py::dict>(dictionary))
-    throw UsageError("fields: is no dictionary from names to arrays");
+    throw UsageError(argument + ": is no dictionary from names to arrays");
   for (const auto& [name, values] : py::reinterpret_borrow<py::dict>(dictionary))
     fields.fields.push_back(
-        field_of(py::str(name), py::reinterpret_borrow<py::object>(values), num_points, order));
+        field_of(argument, py::str(name), py::reinterpret_borrow<py::object>(values), num_points, order));
   return fields;
 }
 

@@ -18,7 +18,8 @@ std::shared_ptr<Value> shared(Value&& value) {
 py::tuple run_make_metric(const Mesh& mesh, const std::shared_ptr<Metric>& source, const py::dict& values,
                           const py::object& solutions, const std::optional<std::string>& order) {
   Options options = options_of(values);
-  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, mesh.points.size(), order)};
+  if (!solutions.is_none())
+    options.metric.solutions = {fields_of(solutions, mesh.points.size(), order, "solutions")};
   if (!source && !options.metric.given())
     throw OptionError("--metric", "no metric: give one, solutions, or an option that makes one");
   MadeMetric made;

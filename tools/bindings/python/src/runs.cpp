@@ -87,7 +87,8 @@ py::object run_adapt(const Mesh& mesh, const std::shared_ptr<Metric>& metric, co
   Options options = options_of(values);
   const Fields carried = fields_of(fields, mesh.points.size(), order);
   const Mesh& of_metric = background ? *background : mesh;
-  if (!solutions.is_none()) options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order)};
+  if (!solutions.is_none())
+    options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order, "solutions")};
   check_that_a_metric_is_given(metric, options);
   return watched(options, progress, cancel, [&] {
     if (background && metric) return adapt(mesh, *background, *metric, options, carried);
@@ -139,7 +140,7 @@ std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
   prepared->options = options_of(values);
   const Mesh& of_metric = background ? *background : *mesh;
   if (!solutions.is_none())
-    prepared->options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order)};
+    prepared->options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order, "solutions")};
   check_that_a_metric_is_given(metric, prepared->options);
   validate(prepared->options);
   prepared->part = part_of(*mesh, ids, tet_ids, "");
@@ -275,12 +276,15 @@ void add_reports(py::module_& module) {
       .def_property_readonly(
           "mesh", [](const std::shared_ptr<PartResult>& r) { return member(r, r->part.mesh); },
           "weft.Mesh; ghosts come last.")
-      .def_property_readonly("metric",
-                             [](const std::shared_ptr<PartResult>& r) { return member(r, r->metric); })
-      .def_property_readonly("fields",
-                             [](const py::object& self) {
-                               return dictionary_of(self.cast<const PartResult&>().part.fields, self);
-                             })
+      .def_property_readonly(
+          "metric", [](const std::shared_ptr<PartResult>& r) { return member(r, r->metric); },
+          "weft.Metric, at the points of the part.")
+      .def_property_readonly(
+          "fields",
+          [](const py::object& self) {
+            return dictionary_of(self.cast<const PartResult&>().part.fields, self);
+          },
+          "Those carried along, by name, at the points of the part.")
       .def_property_readonly(
           "ids",
           [](const py::object& self) {

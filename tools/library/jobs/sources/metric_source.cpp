@@ -70,7 +70,8 @@ GivenMetric given_metric(const MetricOptions& options, const MetricInputs& input
   const double target = resolves ? solution_complexity(options, domain) : 0;
   for (const std::string& file : options.sol)
     add_solution(options, inputs.read_fields(file), file, domain, target, given);
-  for (const Fields& solution : options.solutions) add_solution(options, solution, "", domain, target, given);
+  for (const Fields& solution : options.solutions)
+    add_solution(options, solution, "solutions", domain, target, given);
   return given;
 }
 

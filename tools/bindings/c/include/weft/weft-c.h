@@ -20,8 +20,9 @@
      is refused with WEFT_MISUSE. A function that fails leaves its outputs as they are.
    - Arrays of the caller are read during the call and never kept. Pointers that functions give out belong to
      the object and are valid until it is freed (until it is changed or freed, for a mesh).
-   - Indices and counts are 64-bit, indices count from 0. Tensors have six numbers in a row; which comes where
-     has to be said (weft_tensor_order).
+   - Indices and counts are 64-bit, indices count from 0. Errors name arrays by argument and index; what they
+     call a vertex, tet or triangle with a number counts from 1, as in files.
+   - Tensors have six numbers in a row; which comes where has to be said (weft_tensor_order).
    - Functions may be called from several threads at the same time, as long as none changes an object that
      another uses. */
 #ifndef WEFT_WEFT_C_H
@@ -71,6 +72,9 @@ WEFT_C_API const char* weft_version(void);
 /* What the last call of this thread that failed had to say; "" before the first. Valid until the next fails.
  */
 WEFT_C_API const char* weft_last_error(void);
+/* For interfaces of other languages, which refuse arguments of their own: WEFT_MISUSE, and `why` is the last
+   error. */
+WEFT_C_API weft_status weft_refuse(const char* why);
 /* "input error", ... */
 WEFT_C_API const char* weft_status_name(weft_status status);
 /* Frees any handle. NULL is allowed. */
