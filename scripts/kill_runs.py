@@ -25,7 +25,6 @@ import tempfile
 import time
 
 SECONDS = 300  # far above what any of these takes
-GRACE = 2  # after a time limit
 AT_START = 0.3  # that mpirun takes until its ranks begin
 OF_MPIRUN = 1  # Open MPI's mpirun waits that long after a rank has ended with another code than 0
 MPIRUN = [*os.environ.get("WEFT_MPIRUN", "mpirun;--oversubscribe;--bind-to;none").split(";"), "-n"]
@@ -46,14 +45,14 @@ class Failure(Exception):
 class Run:
     """One run in a folder of its own, killed until it is done."""
 
-    def __init__(self, weft, seed, folder, most_ranks, size):
+    def __init__(self, weft, seed, folder, most_ranks, size, grace):
         self.weft, self.folder = weft, folder
         self.random = random.Random(seed)
         self.mesh = self.random.choice(list(MESHES))
         self.mode = self.random.choice(MODES)
         self.one_thread = self.random.random() < 0.6
         self.subdomains = self.random.choice((2, 5, 9))
-        self.most_ranks, self.size = most_ranks, size
+        self.most_ranks, self.size, self.grace = most_ranks, size, grace
         self.lines, self.kinds = [], collections.Counter()
 
     def kind(self):
@@ -177,7 +176,7 @@ class Run:
         over = time.monotonic() - begin - limit - (OF_MPIRUN if self.mode == "ranks" else 0)
         if process.returncode not in (0, 1):
             raise Failure(f"code {process.returncode}\n{self.log()[-3000:]}")
-        if over > GRACE:
+        if over > self.grace:
             raise Failure(f"ended {over:.1f} s after its limit of {limit} s")
         self.verify()
         self.kinds["ended by its limit" if "time limit" in self.log() else "done before its limit"] += 1
@@ -224,6 +223,7 @@ def main():
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**6))
     parser.add_argument("--ranks", type=int, default=4, help="at most")
     parser.add_argument("--size", type=float, default=1, help="of the meshes, as a factor")
+    parser.add_argument("--grace", type=float, default=2, help="seconds that a run may take beyond its limit; more on a loaded machine")
     parser.add_argument("--keep", type=pathlib.Path, default=pathlib.Path("kill-failures"))
     parser.add_argument("--case", type=int, help="run this one again: SEED, negative for one with a limit")
     asked = parser.parse_args()
@@ -234,7 +234,7 @@ def main():
     counts, failures, begin = collections.Counter(), 0, time.monotonic()
     for seed in [asked.case] if asked.case else seeds:
         with tempfile.TemporaryDirectory(prefix="weft-kill-") as name:
-            run = Run(weft, seed, pathlib.Path(name), asked.ranks, asked.size)
+            run = Run(weft, seed, pathlib.Path(name), asked.ranks, asked.size, asked.grace)
             kind = run.kind() if seed > 0 else "time limit, " + run.kind()
             counts[kind, "runs"] += 1
             try:
