@@ -12,11 +12,11 @@
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/self_intersections.h"
 #include "meshing/kernel/import_mesh.h"
+#include "meshing/mesh/polygon.h"
 
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kDropped = TriangleCleaning::kUnused;
 
 class Cleaning {

@@ -26,6 +26,8 @@ struct Encoding {
   std::uint64_t integer_size = 4, real_size = 8;
 };
 
+constexpr Encoding kAscii = {.ascii = true};
+
 struct NamedEncoding {
   std::string_view suffix;
   Encoding encoding;
@@ -48,7 +50,7 @@ Encoding encoding_of(const fs::path& path) {
   if (is_fortran(suffix)) {
     throw InputError(path.string(), "", "UGRID files of Fortran records (" + suffix + ") are not known here");
   }
-  return {.ascii = true};
+  return kAscii;
 }
 
 /// NAME.mapbc for NAME.lb8.ugrid and NAME.ugrid.
@@ -336,73 +338,61 @@ template <class File, class T>
 void write_value(File& file, const Encoding& encoding, T value) {
   file.write_value(encoding.swapped ? byte_swapped(value) : value);
 }
+
+/// Rows in any encoding, into whatever has write() and write_value().
 template <class File>
-void write_integer(File& file, const Encoding& encoding, std::int64_t number) {
-  encoding.integer_size == 8 ? write_value(file, encoding, number)
-                             : write_value(file, encoding, static_cast<std::int32_t>(number));
-}
-
-class UgridWriter {
+class UgridRows {
  public:
-  UgridWriter(const fs::path& path, const MeshData& mesh)
-      : file_(path), text_(file_), encoding_(encoding_of(path)), mesh_(mesh) {
-    check_integers(path.string(), encoding_,
-                   std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
-  }
+  UgridRows(File& file, const Encoding& encoding) : file_(file), text_(file), encoding_(encoding) {}
 
-  void write() {
-    for (const std::uint64_t count : {mesh_.points.size(), mesh_.triangles.size(), std::size_t{0},
-                                      mesh_.tets.size(), std::size_t{0}, std::size_t{0}, std::size_t{0}}) {
-      integer(static_cast<std::int64_t>(count));
-    }
+  void counts(std::uint64_t points, std::uint64_t triangles, std::uint64_t tets) {
+    for (const std::uint64_t count : {points, triangles, std::uint64_t{0}, tets}) integer(count);
+    for (int other = 0; other < 3; ++other) integer(0);
     end_row();
-    for (const Point& p : mesh_.points) {
+  }
+  void points(std::span<const Point> points) {
+    for (const Point& p : points) {
       for (int c = 0; c < 3; ++c) real(p[c]);
       end_row();
     }
-    write_elements(mesh_.triangles);
-    write_refs(mesh_.triangle_refs);
-    write_elements(mesh_.tets);
-    if (std::ranges::any_of(mesh_.tet_refs, [](std::int32_t ref) { return ref != 0; })) {
-      integer(0);  // tets in boundary layers
-      end_row();
-      write_refs(mesh_.tet_refs);
-    }
-    file_.commit();
   }
-
- private:
-  void integer(std::int64_t number) {
-    if (encoding_.ascii) return text_.number(number);
-    write_integer(file_, encoding_, number);
-  }
-  void real(double number) {
-    if (encoding_.ascii) return text_.number(number);
-    if (encoding_.real_size == 8) return write_value(file_, encoding_, number);
-    write_value(file_, encoding_, static_cast<float>(number));
-  }
-  void end_row() {
-    if (encoding_.ascii) text_.end_line();
-  }
-
   template <class Elements>
-  void write_elements(const Elements& elements) {
+  void elements(const Elements& elements) {
     for (const auto& element : elements) {
-      for (const std::uint32_t v : element) integer(std::int64_t{v} + 1);
+      for (const std::uint64_t v : element) integer(v + 1);
       end_row();
     }
   }
-  void write_refs(const std::vector<std::int32_t>& refs) {
+  void refs(std::span<const std::int32_t> refs) {
     for (const std::int32_t ref : refs) {
       integer(ref);
       end_row();
     }
   }
+  void no_boundary_layers() {
+    integer(0);
+    end_row();
+  }
 
-  AtomicFile file_;
-  TextOutput<> text_;
+ private:
+  template <class Integer>
+  void integer(Integer number) {
+    if (encoding_.ascii) return text_.number(number);
+    encoding_.integer_size == 8 ? write_value(file_, encoding_, static_cast<std::int64_t>(number))
+                                : write_value(file_, encoding_, static_cast<std::int32_t>(number));
+  }
+  void real(double number) {
+    if (encoding_.ascii) return text_.number(number);
+    encoding_.real_size == 8 ? write_value(file_, encoding_, number)
+                             : write_value(file_, encoding_, static_cast<float>(number));
+  }
+  void end_row() {
+    if (encoding_.ascii) text_.end_line();
+  }
+
+  File& file_;
+  TextOutput<File> text_;
   Encoding encoding_;
-  const MeshData& mesh_;
 };
 
 }  // namespace
@@ -443,8 +433,22 @@ MeshContents read_ugrid_range(const fs::path& path, const MeshRange& range) {
 void write_ugrid(const fs::path& path, const MeshView& contents, const WriteOptions&) {
   check_lengths(contents.mesh, contents.fields);
   const Encoding encoding = encoding_of(path);
-  if (!encoding.ascii && encoding.real_size == 4) refuse_if_rounding_breaks(contents.mesh, path.string());
-  UgridWriter(path, contents.mesh).write();
+  const MeshData& mesh = contents.mesh;
+  if (!encoding.ascii && encoding.real_size == 4) refuse_if_rounding_breaks(mesh, path.string());
+  check_integers(path.string(), encoding,
+                 std::max({mesh.points.size(), mesh.triangles.size(), mesh.tets.size()}));
+  AtomicFile file(path);
+  UgridRows rows(file, encoding);
+  rows.counts(mesh.points.size(), mesh.triangles.size(), mesh.tets.size());
+  rows.points(mesh.points);
+  rows.elements(mesh.triangles);
+  rows.refs(mesh.triangle_refs);
+  rows.elements(mesh.tets);
+  if (std::ranges::any_of(mesh.tet_refs, [](std::int32_t ref) { return ref != 0; })) {
+    rows.no_boundary_layers();
+    rows.refs(mesh.tet_refs);
+  }
+  file.commit();
 }
 
 bool is_ugrid_for_parts(const fs::path& path) {
@@ -464,7 +468,10 @@ bool has_tet_refs(const WholeMesh& whole) {
 class UgridPartWriter final : public PartWriter {
  public:
   UgridPartWriter(const fs::path& file, const fs::path& name, const WholeMesh& whole)
-      : file_(file, name.string()), encoding_(encoding_of(name)), has_tet_refs_(has_tet_refs(whole)) {
+      : file_(file, name.string()),
+        encoding_(encoding_of(name)),
+        rows_(file_, encoding_),
+        has_tet_refs_(has_tet_refs(whole)) {
     const std::uint64_t integer = encoding_.integer_size;
     points_ = 7 * integer;
     triangles_ = points_ + 3 * whole.points * encoding_.real_size;
@@ -476,18 +483,15 @@ class UgridPartWriter final : public PartWriter {
   /// All that is no row.
   void write_frame(const WholeMesh& whole) {
     file_.seek(0);
-    for (const std::uint64_t count : {whole.points, whole.num_triangles(), std::uint64_t{0}, whole.num_tets(),
-                                      std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{0}})
-      write_integer(file_, encoding_, static_cast<std::int64_t>(count));
+    rows_.counts(whole.points, whole.num_triangles(), whole.num_tets());
     if (!has_tet_refs_) return;
     file_.seek(boundary_layers_);
-    write_integer(file_, encoding_, 0);  // tets in boundary layers
+    rows_.no_boundary_layers();
   }
 
   void write(const MeshPart& part) override {
     file_.seek(points_ + 3 * part.first_point * encoding_.real_size);
-    for (const Point& p : part.points)
-      for (int c = 0; c < 3; ++c) write_value(file_, encoding_, p[c]);
+    rows_.points(part.points);
     write_elements(triangles_, part.triangles);
     write_refs(surface_ids_, part.triangles.first, part.triangles.refs);
     write_elements(tets_, part.tets);
@@ -499,16 +503,16 @@ class UgridPartWriter final : public PartWriter {
   template <std::size_t N>
   void write_elements(std::uint64_t begin, const ElementRows<N>& rows) {
     file_.seek(begin + rows.first * N * encoding_.integer_size);
-    for (const auto& element : rows.elements)
-      for (const std::uint64_t v : element) write_integer(file_, encoding_, static_cast<std::int64_t>(v) + 1);
+    rows_.elements(rows.elements);
   }
   void write_refs(std::uint64_t begin, std::uint64_t first, std::span<const std::int32_t> refs) {
     file_.seek(begin + first * encoding_.integer_size);
-    for (const std::int32_t ref : refs) write_integer(file_, encoding_, ref);
+    rows_.refs(refs);
   }
 
   FilePart file_;
   Encoding encoding_;
+  UgridRows<FilePart> rows_;
   bool has_tet_refs_;
   // Where these begin; volume IDs follow the number of tets in boundary layers.
   std::uint64_t points_ = 0, triangles_ = 0, surface_ids_ = 0, tets_ = 0, boundary_layers_ = 0;
@@ -532,8 +536,9 @@ std::unique_ptr<PartWriter> open_ugrid_part(const fs::path& file, const fs::path
 
 std::vector<std::string> ugrid_heads(const WholeMesh& whole) {
   std::vector<std::string> heads(4);  // points, triangles, their surface IDs, tets
-  heads[0] = std::to_string(whole.points) + ' ' + std::to_string(whole.num_triangles()) + " 0 " +
-             std::to_string(whole.num_tets()) + " 0 0 0\n";
+  TextInMemory counts;
+  UgridRows(counts, kAscii).counts(whole.points, whole.num_triangles(), whole.num_tets());
+  heads[0] = std::move(counts.text);
   if (has_tet_refs(whole)) heads.push_back("0\n");  // tets in boundary layers; volume IDs follow
   return heads;
 }
@@ -545,39 +550,17 @@ class UgridTextPart final : public TextPart {
   explicit UgridTextPart(const MeshPart& part) : part_(part) {}
 
   std::string rows(std::size_t section) const override {
-    TextInMemory rows;
-    TextOutput text(rows);
-    if (section == 0) write_points(text);
-    if (section == 1) write_elements(text, part_.triangles.elements);
-    if (section == 2) write_refs(text, part_.triangles.refs);
-    if (section == 3) write_elements(text, part_.tets.elements);
-    if (section == 4) write_refs(text, part_.tets.refs);
-    return std::move(rows.text);
+    TextInMemory text;
+    UgridRows rows(text, kAscii);
+    if (section == 0) rows.points(part_.points);
+    if (section == 1) rows.elements(part_.triangles.elements);
+    if (section == 2) rows.refs(part_.triangles.refs);
+    if (section == 3) rows.elements(part_.tets.elements);
+    if (section == 4) rows.refs(part_.tets.refs);
+    return std::move(text.text);
   }
 
  private:
-  using Text = TextOutput<TextInMemory>;
-
-  void write_points(Text& text) const {
-    for (const Point& p : part_.points) {
-      text.numbers(p[0], p[1], p[2]);
-      text.end_line();
-    }
-  }
-  template <class Elements>
-  static void write_elements(Text& text, const Elements& elements) {
-    for (const auto& element : elements) {
-      for (const std::uint64_t v : element) text.number(v + 1);
-      text.end_line();
-    }
-  }
-  static void write_refs(Text& text, std::span<const std::int32_t> refs) {
-    for (const std::int32_t ref : refs) {
-      text.number(ref);
-      text.end_line();
-    }
-  }
-
   const MeshPart& part_;
 };
 

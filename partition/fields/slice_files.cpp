@@ -6,20 +6,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
-#include "meshing/io/files/file_part.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/output/common_file.h"
+#include "partition/output/common_text.h"
 #include "partition/output/gmf_output.h"
-#include "partition/output/text_places.h"
 
 namespace weft::partition {
 namespace {
@@ -196,7 +194,9 @@ void with_part(const MeshSlice& slice, const meshing::SolutionData& fields, cons
 }
 
 void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::SolutionData& fields,
-                    const WholeMesh& whole, const FirstRows& first, CommonFile& common) {
+                    const WholeMesh& whole, const FirstRows& first, const std::filesystem::path& file) {
+  CommonFile common(file);
+  common.create(peers);
   meshing::PartPlaces places;
   agree_on(peers, [&] {
     if (peers.rank() == 0) places = meshing::begin_parts(common.temporary(), common.name(), whole);
@@ -206,37 +206,6 @@ void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::Solutio
     const auto out = meshing::open_part(common.temporary(), common.name(), whole, places);
     with_part(slice, fields, first, [&](const meshing::MeshPart& part) { out->write(part); });
     out->finish();
-  });
-}
-
-/// Rows are made twice: once for their length.
-void write_as_text(Peers& peers, const MeshSlice& slice, const WholeMesh& whole, const FirstRows& first,
-                   CommonFile& common) {
-  std::vector<std::string> heads;
-  std::vector<std::uint64_t> head_sizes;
-  agree_on(peers, [&] {
-    if (peers.rank() == 0) heads = meshing::text_heads(common.name(), whole);
-  });
-  for (const std::string& head : heads) head_sizes.push_back(head.size());
-  head_sizes = allgather(peers, head_sizes)[0];
-  const std::size_t num_sections = head_sizes.size();
-  with_part(slice, {}, first, [&](const meshing::MeshPart& part) {
-    const auto text = meshing::open_text_part(common.name(), whole, part);
-    TextLengths lengths{static_cast<std::uint64_t>(peers.rank()), {}};
-    for (std::size_t s = 0; s < num_sections; ++s) lengths.sections.push_back(text->rows(s).size());
-    const TextPlaces places = place_text(peers, head_sizes, {lengths});
-    write_together(peers, common, [&] {
-      meshing::FilePart out(common.temporary(), common.name().string());
-      for (std::size_t s = 0; s < num_sections; ++s) {
-        if (peers.rank() == 0) {
-          out.seek(places.heads[s]);
-          out.write(heads[s]);
-        }
-        out.seek(places.rows[0][s]);
-        out.write(text->rows(s));
-      }
-      out.finish();
-    });
   });
 }
 
@@ -269,10 +238,13 @@ void write_mesh_of_slices(Peers& peers, const MeshSlice& slice, const meshing::S
   const meshing::SolutionData& inside = meshing::holds_fields(file) ? fields : none;
   FirstRows first;
   const WholeMesh whole = describe_slices(peers, slice, inside, names, first);
-  CommonFile common(file);
-  common.create(peers);
-  if (meshing::can_be_written_as_text(file)) return write_as_text(peers, slice, whole, first, common);
-  write_in_parts(peers, slice, inside, whole, first, common);
+  if (!meshing::can_be_written_as_text(file)) return write_in_parts(peers, slice, inside, whole, first, file);
+  CommonText text(file, whole, [&](const PartAction& action) {
+    with_part(slice, none, first,
+              [&](const meshing::MeshPart& part) { action(static_cast<std::uint64_t>(peers.rank()), part); });
+  });
+  text.create(peers);
+  write_together(peers, text, [&] { text.write(); });
 }
 
 }  // namespace weft::partition

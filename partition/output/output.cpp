@@ -10,16 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "meshing/io/files/file_part.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
 #include "partition/output/common_file.h"
+#include "partition/output/common_text.h"
 #include "partition/output/gmf_output.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
-#include "partition/output/text_places.h"
 #include "partition/output/whole_mesh.h"
 
 namespace weft::partition {
@@ -167,60 +166,6 @@ class CommonMesh {
   meshing::PartPlaces places_;
 };
 
-/// A mesh file of text, until it can appear. Rows are made twice: once for their length, which gives all
-/// their places.
-class CommonText {
- public:
-  CommonText(Peers& peers, const Share& share, const std::filesystem::path& name,
-             const meshing::RefNames& names)
-      : share_(share), file_(name), mesh_(describe_pieces(peers, share.pieces, share.numbering)) {
-    if (share.first) mesh_.whole.names = names;
-  }
-
-  /// All ranks.
-  void create(Peers& peers) {
-    file_.create(peers);
-    agree_on(peers, [&] {
-      if (share_.first) heads_ = meshing::text_heads(file_.name(), mesh_.whole);
-    });
-    std::vector<std::uint64_t> head_sizes;
-    for (const std::string& head : heads_) head_sizes.push_back(head.size());
-    head_sizes = allgather(peers, head_sizes)[0];
-    std::vector<TextLengths> lengths;
-    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
-      lengths.push_back({share_.pieces[p].subdomain.value, {}});
-      const auto text = meshing::open_text_part(file_.name(), mesh_.whole, part);
-      for (std::size_t section = 0; section < head_sizes.size(); ++section)
-        lengths.back().sections.push_back(text->rows(section).size());
-    });
-    places_ = place_text(peers, head_sizes, lengths);
-  }
-  void write() {
-    meshing::FilePart out(file_.temporary(), file_.name().string());
-    for (std::size_t section = 0; section < heads_.size(); ++section) {
-      out.seek(places_.heads[section]);
-      out.write(heads_[section]);
-    }
-    for_parts(share_, mesh_.pieces, false, [&](std::size_t p, const meshing::MeshPart& part) {
-      const auto text = meshing::open_text_part(file_.name(), mesh_.whole, part);
-      for (std::size_t section = 0; section < places_.heads.size(); ++section) {
-        out.seek(places_.rows[p][section]);
-        out.write(text->rows(section));
-      }
-    });
-    out.finish();
-  }
-  /// On rank 0, when all have written.
-  void commit() { file_.commit(); }
-
- private:
-  const Share& share_;
-  CommonFile file_;
-  DescribedMesh mesh_;
-  std::vector<std::string> heads_;  ///< of the sections; on rank 0
-  TextPlaces places_;
-};
-
 /// All ranks: a .solb or .sol of metrics or of fields of these kinds; nothing without a name, and for no
 /// fields. `own`: the values of the vertices that a piece owns.
 std::optional<GmfOutput> solution_output(Peers& peers, const Share& share, const std::filesystem::path& name,
@@ -291,7 +236,12 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
     GmfOutput file = mesh_output(peers, share, mesh, carried, version);
     write_all(peers, share, file, solution, version);
   } else if (meshing::can_be_written_as_text(mesh)) {
-    CommonText file(peers, share, mesh, names);
+    DescribedMesh described = describe_pieces(peers, mine, numbering);
+    if (share.first) described.whole.names = names;
+    CommonText file(mesh, described.whole, [&](const auto& action) {
+      for_parts(share, described.pieces, false,
+                [&](std::size_t p, const meshing::MeshPart& part) { action(mine[p].subdomain.value, part); });
+    });
     write_all(peers, share, file, solution, version);
   } else {
     CommonMesh file(peers, share, mesh, names);

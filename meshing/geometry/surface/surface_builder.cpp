@@ -34,14 +34,6 @@ class JointRefs {
   std::vector<std::pair<std::int32_t, std::uint32_t>> pairs_{{0, kNoEntity}};
 };
 
-/// Components lost in rounding are exactly zero, so that axis-aligned planes and lines are exact.
-Vec on_axes(const Vec& v) {
-  Vec u = v;
-  for (int i = 0; i < 3; ++i)
-    if (std::abs(u[i]) < 1e-12) u[i] = 0;
-  return normalized(u);
-}
-
 class SurfaceBuilder {
  public:
   SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification,

@@ -93,7 +93,7 @@ bool CurveBuilder::fit_line(CurveId c, Line& line) const {
   for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
   const Vec chord = points.back() - a;
   if (norm(chord) < 0.5 * length) return false;
-  line = {a, snapped(chord), kRounding * length};
+  line = {a, on_axes(normalized(chord)), kRounding * length};
   return std::ranges::all_of(
       points, [&](const Point& p) { return norm(cross(line.direction, p - a)) <= kFlatness * length; });
 }
@@ -135,11 +135,10 @@ void CurveBuilder::find_tangents(CurveId c) {
 
 SurfaceCurves form_curves(std::span<const FoundFeature> features) { return CurveBuilder(features).build(); }
 
-Vec snapped(const Vec& v) {
-  Vec u = normalized(v);
-  for (int i = 0; i < 3; ++i) {
+Vec on_axes(const Vec& unit) {
+  Vec u = unit;
+  for (int i = 0; i < 3; ++i)
     if (std::abs(u[i]) < kRounding) u[i] = 0;
-  }
   return normalized(u);
 }
 

@@ -73,8 +73,8 @@ struct SurfaceCurves {
 /// their first edges there, then those without ends. Finds which are straight, and the tangents.
 SurfaceCurves form_curves(std::span<const FoundFeature> features);
 
-/// Unit vector whose components lost in rounding are exactly zero, so that axis-aligned planes and lines are
+/// The unit vector with components lost in rounding exactly zero, so that axis-aligned planes and lines are
 /// exact.
-Vec snapped(const Vec& v);
+Vec on_axes(const Vec& unit);
 
 }  // namespace weft::meshing

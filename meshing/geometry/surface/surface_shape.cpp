@@ -236,7 +236,7 @@ std::vector<PatchHeights> PlaneFits::heights(std::span<const Plane> planes) cons
 std::vector<Plane> planes_of(std::span<const PatchExtent> extents, std::span<const PatchSums> sums) {
   std::vector<Plane> planes;
   for (std::size_t p = 0; p < extents.size(); ++p)
-    planes.push_back({extents[p].reference, snapped(normals_of(extents[p], sums[p])),
+    planes.push_back({extents[p].reference, on_axes(normalized(normals_of(extents[p], sums[p]))),
                       kRounding * norm(extents[p].box.size())});
   return planes;
 }

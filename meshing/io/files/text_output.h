@@ -13,10 +13,14 @@
 
 namespace weft::meshing {
 
-/// Text that is to be written later.
+/// Text that is to be written later; has what files have.
 struct TextInMemory {
   std::string text;
   void write(std::string_view more) { text += more; }
+  template <class T>
+  void write_value(T value) {
+    text.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
 };
 
 template <class Out = AtomicFile>
