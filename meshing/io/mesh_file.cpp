@@ -232,10 +232,6 @@ const Format& format_of_source(const fs::path& source) {
   return format && format->piece_sizes ? *format : *std::ranges::find(kFormats, ".vtu", &Format::extension);
 }
 
-std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs) {
-  return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](std::int32_t ref) { return ref != 0; }));
-}
-
 /// Fields that the file itself does not hold; where it holds no volumes none can go beside it either.
 std::uint64_t count_lost_fields(unsigned keeps, const SolutionData& fields) {
   if (!(keeps & kFields) && (keeps & kTets)) return 0;
@@ -364,7 +360,11 @@ std::unique_ptr<TextPart> open_text_part(const fs::path& name, const WholeMesh& 
   return format_of(name).open_text_part(whole, part);
 }
 
-MeshCounts counts_of(const MeshData& mesh) {
+std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs) {
+  return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](std::int32_t ref) { return ref != 0; }));
+}
+
+ContentCounts counts_of(const MeshData& mesh) {
   const Association& on_model = mesh.association;
   return {.tets = mesh.tets.size(),
           .edges = mesh.edges.size(),
@@ -379,7 +379,7 @@ MeshCounts counts_of(const MeshData& mesh) {
           .models = on_model.model.empty() ? 0u : 1u};
 }
 
-std::vector<Dropped> lost_in(const fs::path& path, const MeshCounts& mesh, const SolutionData& fields,
+std::vector<Dropped> lost_in(const fs::path& path, const ContentCounts& mesh, const SolutionData& fields,
                              const RefNames& names, const WriteOptions& options) {
   const unsigned keeps = format_of(path).keeps;
   MeshContents lost;

@@ -105,17 +105,18 @@ std::unique_ptr<TextPart> open_text_part(const std::filesystem::path& name, cons
                                          const MeshPart& part);
 
 /// How much a mesh has of what formats may have no place for.
-struct MeshCounts {
+struct ContentCounts {
   std::uint64_t tets = 0, edges = 0, corners = 0, ridges = 0;
   std::uint64_t required_points = 0, required_edges = 0, required_triangles = 0;
   std::uint64_t point_refs = 0, tet_refs = 0;  ///< that are not 0
   std::uint64_t on_model = 0, models = 0;      ///< records of vertices on a CAD model
 };
-MeshCounts counts_of(const MeshData& mesh);
+ContentCounts counts_of(const MeshData& mesh);
+std::uint64_t count_nonzero(const std::vector<std::int32_t>& refs);
 
 /// What write_mesh_contents would leave out. Fields (their values are not looked at) do not count where they
 /// can go into a file beside.
-std::vector<Dropped> lost_in(const std::filesystem::path& path, const MeshCounts& mesh,
+std::vector<Dropped> lost_in(const std::filesystem::path& path, const ContentCounts& mesh,
                              const SolutionData& fields, const RefNames& names,
                              const WriteOptions& options = {});
 

@@ -49,14 +49,21 @@ std::vector<T> dealt_evenly(Peers& peers, const std::vector<T>& mine) {
   return all_to_all_joined(peers, std::move(to_each));
 }
 
+/// All ranks: the numbers of entries that each rank has sent to this one, whose entries they are.
+template <class Number>
+std::vector<std::vector<Number>> sent_to_owners(Peers& peers, const Ranges& ranges,
+                                                const std::vector<Number>& numbers) {
+  std::vector<std::vector<Number>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (const Number number : numbers) to_each[ranges.rank_of(number)].push_back(number);
+  return partition::all_to_all(peers, std::move(to_each));
+}
+
 /// The entries of these numbers (ascending) from the ranks that have them. `entry(i)` is entry i of this
 /// rank's range; all ranks call together.
 template <class T, class Number, class Entry>
 std::vector<T> fetch(Peers& peers, const Ranges& ranges, const std::vector<Number>& numbers,
                      const Entry& entry) {
-  std::vector<std::vector<Number>> wanted(static_cast<std::size_t>(peers.ranks()));
-  for (const Number number : numbers) wanted[ranges.rank_of(number)].push_back(number);
-  wanted = partition::all_to_all(peers, std::move(wanted));
+  std::vector<std::vector<Number>> wanted = sent_to_owners(peers, ranges, numbers);
   std::vector<std::vector<T>> replies(wanted.size());
   for (std::size_t r = 0; r < wanted.size(); ++r) {
     replies[r].reserve(wanted[r].size());

@@ -10,6 +10,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
+#include "meshing/base/sort_unique.h"
 #include "meshing/geometry/model/closest_tree.h"
 #include "meshing/geometry/surface/curved_triangle.h"
 #include "meshing/mesh/adjacency.h"
@@ -38,14 +39,14 @@ void check_references(Peers& peers, const MeshSlice& slice, const BoundaryCoordi
 std::vector<std::uint8_t> vertices_of_reference(Peers& peers, const MeshSlice& slice, std::int32_t ref,
                                                 const PartDomain& domain) {
   const Ranges points(peers, slice.points.size());
-  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
+  std::vector<std::uint32_t> numbers;
   for (std::size_t t = 0; t < slice.boundary.triangles.size(); ++t)
     if (slice.boundary.triangle_refs[t] == ref)
-      for (const std::uint32_t number : slice.boundary.triangles[t])
-        to_each[points.rank_of(number)].push_back(number);
+      numbers.insert(numbers.end(), slice.boundary.triangles[t].begin(), slice.boundary.triangles[t].end());
+  meshing::sort_unique(numbers);
   std::vector<std::uint8_t> marks(slice.points.size(), 0);
-  for (const std::uint32_t number : all_to_all_joined(peers, std::move(to_each)))
-    marks[number - slice.first_point] = 1;
+  for (const auto& of_rank : sent_to_owners(peers, points, numbers))
+    for (const std::uint32_t number : of_rank) marks[number - slice.first_point] = 1;
   return domain.from_slices(marks);
 }
 

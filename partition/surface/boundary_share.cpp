@@ -25,14 +25,6 @@ using meshing::MeshData;
 using Tet = std::array<std::uint32_t, 4>;
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// All ranks: the numbers that each rank sends to whoever has the point.
-std::vector<std::vector<std::uint32_t>> at_points(Peers& peers, const Ranges& points,
-                                                  const std::vector<std::uint32_t>& numbers) {
-  std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers.ranks()));
-  for (const std::uint32_t number : numbers) to_each[points.rank_of(number)].push_back(number);
-  return partition::all_to_all(peers, std::move(to_each));
-}
-
 enum VertexMark : std::uint8_t {
   kUsedElsewhere = 1,  ///< tets of other ranks have the vertex too
   kOnTriangle = 2,     ///< a triangle of any rank has it
@@ -48,10 +40,10 @@ std::vector<std::uint8_t> vertex_marks(Peers& peers, const Ranges& points,
     std::vector<std::uint32_t> corners;
     for (const Triangle& t : triangles) corners.insert(corners.end(), t.begin(), t.end());
     meshing::sort_unique(corners);
-    for (const auto& of_rank : at_points(peers, points, corners))
+    for (const auto& of_rank : sent_to_owners(peers, points, corners))
       for (const std::uint32_t number : of_rank) marks[number - first] = kOnTriangle;
   }
-  const auto asked = at_points(peers, points, numbers);
+  const auto asked = sent_to_owners(peers, points, numbers);
   for (const auto& of_rank : asked)
     for (const std::uint32_t number : of_rank)
       if (std::uint8_t& known = users[number - first]; known < 2 && ++known == 2)
@@ -308,7 +300,7 @@ std::vector<Edge> sides_at_home(Peers& peers, const Triangles& triangles, const 
 struct ListedEdge {
   Edge vertices;
   std::uint64_t named;
-  std::int64_t ref;
+  std::int64_t ref;  ///< as wide as the rest: records travel as plain bytes, without padding
 };
 
 /// All ranks: edges whose home this rank is and that are sides, by vertices and then as they are named.

@@ -225,9 +225,9 @@ class SlicesCheck {
   template <class Report>
   void report_in_order(const Ranges& ranges, const std::vector<std::uint32_t>& numbers,
                        const Report& report) {
-    std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
-    for (const std::uint32_t number : numbers) to_each[ranges.rank_of(number)].push_back(number);
-    std::vector<std::uint32_t> mine = all_to_all_joined(peers_, std::move(to_each));
+    std::vector<std::uint32_t> mine;
+    for (const auto& of_rank : sent_to_owners(peers_, ranges, numbers))
+      mine.insert(mine.end(), of_rank.begin(), of_rank.end());
     std::ranges::sort(mine);
     Problems found(limit_);
     for (const std::uint32_t number : mine) report(number, found);

@@ -32,6 +32,23 @@ std::size_t first_bit(std::span<const PetscInt> set) {
   return word * kBits + static_cast<std::size_t>(std::countr_zero(static_cast<std::uint64_t>(set[word])));
 }
 
+/// All ranks: the numbers of all ranks, one rank's after the other's.
+PetscErrorCode gather(MPI_Comm comm, const std::vector<PetscInt>& mine, std::vector<PetscInt>& all) {
+  IS here = nullptr, everywhere = nullptr;
+  PetscInt count = 0;
+  const PetscInt* values = nullptr;
+  PetscFunctionBegin;
+  PetscCall(ISCreateGeneral(comm, static_cast<PetscInt>(mine.size()), mine.data(), PETSC_COPY_VALUES, &here));
+  PetscCall(ISAllGather(here, &everywhere));
+  PetscCall(ISGetLocalSize(everywhere, &count));
+  PetscCall(ISGetIndices(everywhere, &values));
+  all.assign(values, values + count);
+  PetscCall(ISRestoreIndices(everywhere, &values));
+  PetscCall(ISDestroy(&here));
+  PetscCall(ISDestroy(&everywhere));
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode values_of_label(DM dm, DMLabel label, std::vector<PetscInt>& all) {
   IS here = nullptr;
   PetscInt count = 0;
@@ -73,21 +90,12 @@ std::vector<PetscInt> values_in(const Words& words, const std::vector<PetscInt>&
 /// All ranks: gives the sets of all ranks, `refs` of this one, references that are no values.
 PetscErrorCode number_sets(MPI_Comm comm, const std::vector<PetscInt>& values, PetscInt none,
                            std::map<Words, std::int32_t>& refs) {
-  IS here = nullptr, everywhere = nullptr;
-  PetscInt count = 0;
-  const PetscInt* words = nullptr;
   PetscFunctionBegin;
-  std::vector<PetscInt> flat;
-  for (const auto& [set, ref] : refs) flat.insert(flat.end(), set.begin(), set.end());
-  PetscCall(ISCreateGeneral(comm, static_cast<PetscInt>(flat.size()), flat.data(), PETSC_COPY_VALUES, &here));
-  PetscCall(ISAllGather(here, &everywhere));
-  PetscCall(ISGetLocalSize(everywhere, &count));
-  PetscCall(ISGetIndices(everywhere, &words));
-  const auto width = static_cast<PetscInt>((values.size() + kBits - 1) / kBits);
-  for (PetscInt at = 0; at < count; at += width) refs[Words(words + at, words + at + width)] = 0;
-  PetscCall(ISRestoreIndices(everywhere, &words));
-  PetscCall(ISDestroy(&here));
-  PetscCall(ISDestroy(&everywhere));
+  std::vector<PetscInt> mine, all;
+  for (const auto& [set, ref] : refs) mine.insert(mine.end(), set.begin(), set.end());
+  PetscCall(gather(comm, mine, all));
+  const auto width = static_cast<std::ptrdiff_t>((values.size() + kBits - 1) / kBits);
+  for (auto at = all.begin(); at != all.end(); at += width) refs[Words(at, at + width)] = 0;
   std::int32_t next = 0;
   for (auto& [set, ref] : refs) {
     while (next == none || std::binary_search(values.begin(), values.end(), next)) ++next;
@@ -115,18 +123,8 @@ PetscErrorCode combine_shared(DM dm, MPI_Op op, std::vector<PetscInt>& values) {
 }
 
 PetscErrorCode gather_values(MPI_Comm comm, const std::vector<PetscInt>& mine, std::vector<PetscInt>& all) {
-  IS here = nullptr, everywhere = nullptr;
-  PetscInt count = 0;
-  const PetscInt* values = nullptr;
   PetscFunctionBegin;
-  PetscCall(ISCreateGeneral(comm, static_cast<PetscInt>(mine.size()), mine.data(), PETSC_COPY_VALUES, &here));
-  PetscCall(ISAllGather(here, &everywhere));
-  PetscCall(ISGetLocalSize(everywhere, &count));
-  PetscCall(ISGetIndices(everywhere, &values));
-  all.assign(values, values + count);
-  PetscCall(ISRestoreIndices(everywhere, &values));
-  PetscCall(ISDestroy(&here));
-  PetscCall(ISDestroy(&everywhere));
+  PetscCall(gather(comm, mine, all));
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   PetscFunctionReturn(0);

@@ -119,14 +119,11 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
 namespace {
 
 /// All ranks: of the whole mesh.
-meshing::MeshCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
-  const auto not_zero = [](const std::vector<std::int32_t>& refs) {
-    return static_cast<std::uint64_t>(std::ranges::count_if(refs, [](auto ref) { return ref != 0; }));
-  };
-  meshing::MeshCounts counts = meshing::counts_of(slice.boundary);
-  const std::vector<std::uint64_t> sums =
-      partition::sum(peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles,
-                                        not_zero(slice.point_refs), not_zero(slice.tet_refs)});
+meshing::ContentCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
+  meshing::ContentCounts counts = meshing::counts_of(slice.boundary);
+  const std::vector<std::uint64_t> sums = partition::sum(
+      peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles,
+                         meshing::count_nonzero(slice.point_refs), meshing::count_nonzero(slice.tet_refs)});
   counts.ridges = sums[0];
   counts.required_edges = sums[1];
   counts.required_triangles = sums[2];
@@ -144,7 +141,7 @@ MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& o
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     MeshSlice slice = read_mesh(peers, mesh, result).slice;
     result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
-    const meshing::MeshCounts counts = counts_of_slices(peers, slice);
+    const meshing::ContentCounts counts = counts_of_slices(peers, slice);
     result.corners = counts.corners;
     result.ridges = counts.ridges;
     result.required_vertices = counts.required_points;
