@@ -5,6 +5,7 @@
 
 #include "meshing/mesh/tet_tables.h"
 #include "partition/communication/vertex_numbers.h"
+#include "partition/subdomain/piece_order.h"
 
 namespace weft::partition {
 namespace {
@@ -70,11 +71,14 @@ void StartBuilder::add_names(const Holders& holders) {
 
 void StartBuilder::add_tets() {
   PlacesOfNumbers places(numbers_);
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  tets.reserve(tets_.size());
+  for (const TetRecord& tet : tets_) tets.push_back(places(tet.vertices));
   start_.tets.reserve(tets_.size());
   start_.tet_refs.reserve(tets_.size());
-  for (const TetRecord& tet : tets_) {
-    start_.tets.push_back(places(tet.vertices));
-    start_.tet_refs.push_back(tet.ref);
+  for (const std::uint32_t t : piece_order(start_.points, tets)) {
+    start_.tets.push_back(tets[t]);
+    start_.tet_refs.push_back(tets_[t].ref);
   }
 }
 

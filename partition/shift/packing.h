@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "partition/shift/departures.h"
+#include "partition/subdomain/background_cover.h"
 
 namespace weft::partition {
 
@@ -32,15 +32,6 @@ class Packing {
 
   std::uint32_t place_of(meshing::VertexId v);
   void add_features(const meshing::TetVertices& v);
-  std::uint32_t slot_of(std::uint64_t piece);
-  void add_background(std::size_t tet);
-  /// A tet by its corners, each with the place in covered_ of the piece that it is in.
-  struct Probe {
-    std::array<meshing::Point, 4> corners;
-    std::array<std::uint32_t, 4> slots;
-  };
-  std::uint32_t look_up(const meshing::Point& p);
-  void look_within(const Probe& probe, int depth);
   void name_neighbours(const Chosen& chosen);
   bool concerns_receiver(std::uint32_t vertex) const;
   void add_previous_holders(std::uint32_t vertex);
@@ -57,14 +48,7 @@ class Packing {
   std::vector<std::uint32_t> vertices_;  ///< of the parcel
   std::vector<std::uint32_t> places_;    ///< vertex -> its place in the parcel; empty while that is
   std::unordered_set<std::uint64_t> features_;
-  struct Covered {
-    std::uint64_t piece;
-    std::uint32_t vertices;  ///< of the parcel, in this piece
-  };
-  std::vector<Covered> covered_;
-  std::unordered_map<std::uint64_t, std::uint32_t> slots_;  ///< piece -> its place in covered_
-  std::vector<std::uint32_t> slot_of_vertex_;               ///< by place in the parcel
-  std::uint32_t last_found_ = 0;  ///< a tet of the background: the next walk of look_up() starts there
+  BackgroundCover background_;
 };
 
 }  // namespace weft::partition

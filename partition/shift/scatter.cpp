@@ -11,6 +11,7 @@
 #include "meshing/kernel/quality.h"
 #include "partition/shift/shift.h"
 #include "partition/subdomain/adapt_subdomain.h"
+#include "partition/subdomain/background_cover.h"
 #include "partition/subdomain/surface_cover.h"
 #include "partition/subdomain/tets_at.h"
 
@@ -412,6 +413,7 @@ Scattered scatter(Subdomain& s, std::span<Parcel> parcels) {
   s.departures.clear();
   result.thawed = thawed.size();
   freshen(s, thawed);
+  drop_far_background(s);
   drop_far_surface(s);
   return result;
 }

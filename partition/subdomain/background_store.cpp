@@ -135,37 +135,36 @@ BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing:
   add(cut_background(std::uint64_t{subdomain.value} << 32, points, log_metrics, ids, tets));
 }
 
-void BackgroundStore::add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces) {
+void BackgroundStore::add(std::span<const SharedPiece> pieces) {
   Adjacency adjacency;
   std::vector<OpenFace> open;
   if (background_) adjacency = background_->release_adjacency();
   make_room(pieces, adjacency);
   for (const auto& piece : pieces) {
     if (has(piece->id)) continue;
-    place_.emplace(piece->id, static_cast<std::uint32_t>(mesh_->tets.size()));
-    begins_.push_back(static_cast<std::uint32_t>(mesh_->tets.size()));
-    pieces_.push_back(piece);
+    const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
+    place_.emplace(piece->id, first_tet);
+    joined_.push_back(
+        {piece->id, static_cast<std::uint32_t>(mesh_->points.size()), first_tet, piece->border, piece});
     for (const OpenFace& face : piece->border)
-      open.push_back({face.name, face.code + 4 * std::uint64_t{begins_.back()}});
+      open.push_back({face.name, face.code + 4 * std::uint64_t{first_tet}});
     append(*piece, adjacency);
   }
   join_faces(std::move(open), adjacency);
   background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
 }
 
-/// What arrives in all shifts is mostly less than what was there first. (Pages that nobody writes to take no
-/// memory.)
-void BackgroundStore::make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
-                                Adjacency& adjacency) {
+/// What arrives later is mostly little, and every subdomain would keep what it has too much.
+void BackgroundStore::make_room(std::span<const SharedPiece> pieces, Adjacency& adjacency) {
   std::size_t points = mesh_->points.size(), tets = mesh_->tets.size();
   for (const auto& piece : pieces) points += piece->points.size(), tets += piece->tets.size();
   if (points > mesh_->points.capacity()) {
-    mesh_->points.reserve(2 * points);
-    log_metrics_->reserve(2 * points);
+    mesh_->points.reserve(points + points / 4);
+    log_metrics_->reserve(points + points / 4);
   }
   if (tets > mesh_->tets.capacity()) {
-    mesh_->tets.reserve(2 * tets);
-    adjacency.neighbours.reserve(2 * tets);
+    mesh_->tets.reserve(tets + tets / 4);
+    adjacency.neighbours.reserve(tets + tets / 4);
   }
 }
 
@@ -201,25 +200,52 @@ void BackgroundStore::join_faces(std::vector<OpenFace> open, Adjacency& adjacenc
   }
 }
 
-std::vector<std::shared_ptr<const BackgroundPiece>> BackgroundStore::pieces(
-    std::span<const std::uint64_t> ids) const {
-  std::vector<std::shared_ptr<const BackgroundPiece>> found;
-  for (const auto& piece : pieces_)
-    if (std::binary_search(ids.begin(), ids.end(), piece->id)) found.push_back(piece);
+BackgroundStore::SharedPiece BackgroundStore::piece(std::size_t place) const {
+  const Joined& joined = joined_[place];
+  if (SharedPiece there = joined.copy.lock()) return there;
+  const bool last = place + 1 == joined_.size();
+  const auto end_point = last ? mesh_->points.size() : joined_[place + 1].first_point;
+  const auto end_tet = last ? mesh_->tets.size() : joined_[place + 1].first_tet;
+  const auto of_piece = [](const auto& all, std::size_t begin, std::size_t end) {
+    return std::vector(all.begin() + static_cast<std::ptrdiff_t>(begin),
+                       all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  auto piece = std::make_shared<BackgroundPiece>();
+  piece->id = joined.id;
+  piece->points = of_piece(mesh_->points, joined.first_point, end_point);
+  piece->log_metrics = of_piece(*log_metrics_, joined.first_point, end_point);
+  piece->border = joined.border;
+  piece->tets = of_piece(mesh_->tets, joined.first_tet, end_tet);
+  for (auto& tet : piece->tets)
+    for (std::uint32_t& v : tet) v -= joined.first_point;
+  const auto& neighbours = background_->adjacency().neighbours;
+  const std::uint32_t first_code = 4 * joined.first_tet, end_code = 4 * static_cast<std::uint32_t>(end_tet);
+  piece->neighbours = of_piece(neighbours, joined.first_tet, end_tet);
+  for (auto& tet : piece->neighbours)
+    for (std::uint32_t& code : tet)
+      code = code < first_code || code >= end_code ? kNoNeighbour : code - first_code;
+  joined.copy = piece;
+  return piece;
+}
+
+std::vector<BackgroundStore::SharedPiece> BackgroundStore::pieces(std::span<const std::uint64_t> ids) const {
+  std::vector<SharedPiece> found;
+  for (std::size_t i = 0; i < joined_.size(); ++i)
+    if (std::ranges::binary_search(ids, joined_[i].id)) found.push_back(piece(i));
   return found;
 }
 
 std::vector<std::uint64_t> BackgroundStore::piece_ids() const {
   std::vector<std::uint64_t> ids;
-  for (const auto& piece : pieces_) ids.push_back(piece->id);
-  std::sort(ids.begin(), ids.end());
+  for (const Joined& joined : joined_) ids.push_back(joined.id);
+  std::ranges::sort(ids);
   return ids;
 }
 
 BackgroundTet BackgroundStore::name_of(std::uint32_t tet) const {
-  const auto after = std::upper_bound(begins_.begin(), begins_.end(), tet);
-  const std::size_t at = static_cast<std::size_t>(after - begins_.begin()) - 1;
-  return {pieces_[at]->id, tet - begins_[at]};
+  const auto after = std::ranges::upper_bound(joined_, tet, {}, &Joined::first_tet);
+  const Joined& joined = *std::prev(after);
+  return {joined.id, tet - joined.first_tet};
 }
 
 }  // namespace weft::partition

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -42,10 +43,10 @@ struct BackgroundPiece {
   void find_neighbours();
 };
 
-/// Packs copies of shared pieces, or unpacks pieces to be shared.
-template <class Archive>
-void serialize_pieces(Archive& archive, std::vector<std::shared_ptr<const BackgroundPiece>>& pieces) {
-  std::uint64_t count = pieces.size();
+/// Packs copies of shared pieces, or unpacks pieces to be shared. `pieces` is a range of pointers to pieces.
+template <class Archive, class Pieces>
+void serialize_pieces(Archive& archive, Pieces&& pieces) {
+  std::uint64_t count = std::ranges::size(pieces);
   archive(count);
   if constexpr (Archive::kPacks) {
     for (const auto& piece : pieces) archive(*piece);
@@ -79,9 +80,12 @@ struct BackgroundTet {
 };
 
 /// Joined pieces, which answer as one meshing::Background. Tets keep their numbers (the hints of vertices)
-/// when pieces are added.
+/// when pieces are added. What is joined is kept, not the pieces: whoever asks for one gets a copy, the same
+/// as others as long as somebody has it.
 class BackgroundStore {
  public:
+  using SharedPiece = std::shared_ptr<const BackgroundPiece>;
+
   BackgroundStore() = default;
 
   /// Cuts the start of a subdomain into pieces. `tets` must be in an order in which neighbours are near each
@@ -91,14 +95,20 @@ class BackgroundStore {
                   std::span<const std::array<std::uint32_t, 4>> tets);
 
   /// Whether it is another mesh than the input: its faces and the input's have nothing in common.
-  bool of_another_mesh() const { return !pieces_.empty() && (pieces_.front()->id & kOfAnotherMesh) != 0; }
+  bool of_another_mesh() const { return !joined_.empty() && (joined_.front().id & kOfAnotherMesh) != 0; }
 
   /// Joins pieces; those that are here already are passed over.
-  void add(std::span<const std::shared_ptr<const BackgroundPiece>> pieces);
+  void add(std::span<const SharedPiece> pieces);
 
   bool has(std::uint64_t piece) const { return place_.contains(piece); }
-  std::vector<std::shared_ptr<const BackgroundPiece>> pieces(std::span<const std::uint64_t> ids) const;
-  std::span<const std::shared_ptr<const BackgroundPiece>> all_pieces() const { return pieces_; }
+  std::size_t num_pieces() const { return joined_.size(); }
+  /// Of those that are here, in the order in which they came; `ids` ascend.
+  std::vector<SharedPiece> pieces(std::span<const std::uint64_t> ids) const;
+  /// In the order in which they came, each made when it is looked at.
+  auto all_pieces() const {
+    return std::views::iota(std::size_t{0}, joined_.size()) |
+           std::views::transform([this](std::size_t i) { return piece(i); });
+  }
   /// Of all pieces, ascending.
   std::vector<std::uint64_t> piece_ids() const;
 
@@ -110,13 +120,20 @@ class BackgroundStore {
  private:
   using OpenFace = BackgroundPiece::OpenFace;
 
-  void make_room(std::span<const std::shared_ptr<const BackgroundPiece>> pieces,
-                 meshing::Adjacency& adjacency);
+  /// What is known of a piece beside what has been joined.
+  struct Joined {
+    std::uint64_t id = 0;
+    std::uint32_t first_point = 0, first_tet = 0;
+    std::vector<OpenFace> border;
+    mutable std::weak_ptr<const BackgroundPiece> copy;  ///< that somebody may have
+  };
+
+  SharedPiece piece(std::size_t place) const;
+  void make_room(std::span<const SharedPiece> pieces, meshing::Adjacency& adjacency);
   void append(const BackgroundPiece& piece, meshing::Adjacency& adjacency);
   void join_faces(std::vector<OpenFace> open, meshing::Adjacency& adjacency);
 
-  std::vector<std::shared_ptr<const BackgroundPiece>> pieces_;
-  std::vector<std::uint32_t> begins_;                       ///< piece -> its first tet
+  std::vector<Joined> joined_;
   std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
   std::vector<OpenFace> border_;                            ///< what is still open, by name
   // Held by pointer: the background refers to them, and the store may move.

@@ -12,19 +12,22 @@ inline std::size_t vertex_capacity(std::size_t tet_capacity) { return tet_capaci
 template <class Archive>
 void Subdomain::serialize(Archive& archive) {
   meshing::TetMeshArrays arrays;
-  std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
   std::vector<meshing::SurfacePieces::Piece> surface_pieces;
   if constexpr (Archive::kPacks) {
     arrays = meshing::to_arrays(*mesh);
-    pieces.assign(background.all_pieces().begin(), background.all_pieces().end());
     surface_pieces.assign(surface.all().begin(), surface.all().end());
   }
   archive(id, tet_capacity, next_local, interface, phase, departures, arrays);
-  serialize_pieces(archive, pieces);
+  if constexpr (Archive::kPacks) {
+    serialize_pieces(archive, background.all_pieces());
+  } else {
+    std::vector<BackgroundStore::SharedPiece> pieces;
+    serialize_pieces(archive, pieces);
+    background.add(pieces);
+  }
   meshing::serialize_pieces(archive, surface_pieces);
   if constexpr (!Archive::kPacks) {
     mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);
-    background.add(pieces);
     surface.add(surface_pieces);
   }
 }

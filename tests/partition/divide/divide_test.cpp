@@ -97,6 +97,29 @@ TEST(Division, OfAWholeMeshIsItsDecomposition) {
   EXPECT_LT(*std::ranges::max_element(work), 1.15 * mean) << "they have the same work";
 }
 
+TEST(Division, LeavesTheBackgroundThatIsCovered) {
+  constexpr std::uint32_t kOfCube = 8;
+  Scene scene{"cube", unit_cube(14), {}, {}, kOfCube, false};
+  scene.log_metrics = wanted_sizes(scene.mesh, 0.05, 3);
+  scene.part.assign(scene.mesh.tets.size(), SubdomainId(0));
+  const Cut cut = scene.cut();
+  Rounds rounds(cut, scene.hausd(), {});
+  const std::size_t before = rounds.subdomains()[0].background.num_pieces();
+  std::vector<std::uint32_t> parts(kOfCube, 0);
+  parts[0] = kOfCube;
+  rounds.divide(parts);
+  EXPECT_EQ(rounds.update(), 0);
+  for (const Subdomain& s : rounds.subdomains()) {
+    EXPECT_LT(s.background.num_pieces(), before * 3 / 4) << s.id.value;
+    for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i) {
+      const meshing::VertexId v(i);
+      if (!s.mesh->alive(v)) continue;
+      const auto sample = s.background.background().at(s.mesh->point(v), s.mesh->background_hint(v));
+      ASSERT_NEAR(trace(sample.log_metric), trace(s.mesh->log_metric(v)), 1e-9) << s.id.value;
+    }
+  }
+}
+
 TEST(Division, OfOneIntoOneChangesNothing) {
   const Scene scene = random_scene(9, 1);
   const Cut cut = scene.cut();

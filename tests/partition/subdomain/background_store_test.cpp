@@ -124,7 +124,7 @@ TEST(BackgroundStore, PiecesJoinInAnyOrderAndOnlyOnce) {
     Pieces all;
     for (SubdomainId s(0); s.value < 5; ++s.value) {
       const BackgroundStore store = whole.store(s, part);
-      all.insert(all.end(), store.all_pieces().begin(), store.all_pieces().end());
+      for (auto piece : store.all_pieces()) all.push_back(std::move(piece));
     }
     std::mt19937 random(seed);
     std::shuffle(all.begin(), all.end(), random);
@@ -158,8 +158,10 @@ TEST(BackgroundStore, NamesAndNumbersRoundTripAndStay) {
     EXPECT_TRUE(store.has(names[t].piece));
     EXPECT_EQ(store.tet_of(names[t]), t);
   }
-  for (const SubdomainId other : {SubdomainId(0), SubdomainId(2)})
-    store.add(whole.store(other, part).all_pieces());
+  for (const SubdomainId other : {SubdomainId(0), SubdomainId(2)}) {
+    const BackgroundStore there = whole.store(other, part);
+    store.add(there.pieces(there.piece_ids()));
+  }
   for (std::uint32_t t = 0; t < own; ++t) EXPECT_EQ(store.tet_of(names[t]), t);
   const BackgroundStore fresh = whole.store(SubdomainId(2), part);
   for (std::uint32_t t = 0; t < fresh.background().mesh().tets.size(); ++t) {
