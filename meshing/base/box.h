@@ -34,6 +34,8 @@ struct Box {
     return sum;
   }
   Vec size() const { return hi - lo; }
+  /// By a distance on every side.
+  Box grown(double by) const { return {lo - Vec{by, by, by}, hi + Vec{by, by, by}}; }
   /// Whether they have a point in common.
   bool meets(const Box& other) const {
     for (int i = 0; i < 3; ++i)

@@ -1,6 +1,8 @@
 // Two meshes between which fields are carried, whole or in parts.
 #pragma once
 
+#include <span>
+
 #include "meshing/base/value_table.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_domain.h"
@@ -23,9 +25,9 @@ class MeshPair {
   virtual const MeshData& source(Way way) const = 0;
   /// Values at the vertices of the part that is the source's, at those of the source.
   virtual ValueTable at_source(Way way, const ValueTable& at_part) const = 0;
-  /// Whether tets at this distance from a point of the other part may be missing in the source; it is larger
-  /// then.
-  virtual bool widen(Way way, double distance) = 0;
+  /// Whether tets at these distances from the points of the other part may be missing in the source; it is
+  /// larger then. Infinity: the source has no tets.
+  virtual bool widen(Way way, std::span<const double> distances) = 0;
 };
 
 /// Two whole meshes.
@@ -38,7 +40,7 @@ class WholePair final : public MeshPair {
   const MetricDomain& new_mesh() const override { return new_; }
   const MeshData& source(Way way) const override { return (way == Way::back ? new_ : old_).mesh(); }
   ValueTable at_source(Way, const ValueTable& at_part) const override { return at_part; }
-  bool widen(Way, double) override { return false; }
+  bool widen(Way, std::span<const double>) override { return false; }
 
  private:
   WholeDomain old_, new_;

@@ -14,17 +14,15 @@ Reading read(MeshPair& meshes, MeshPair::Way way, const ValueTable& at_part) {
     Reading reading;
     const MeshData& source = meshes.source(way);
     reading.source = meshes.at_source(way, at_part);
-    double farthest = 0;
     if (points.empty()) {
       reading.at.table.columns = at_part.columns;
     } else if (source.tets.empty()) {
-      farthest = std::numeric_limits<double>::infinity();
+      reading.at.distances.assign(points.size(), std::numeric_limits<double>::infinity());
     } else {
       reading.background.reset(new Background(field_background(source)));
       reading.at = interpolate(*reading.background, reading.source, points);
-      farthest = std::ranges::max(reading.at.distances);
     }
-    if (meshes.widen(way, to.max(farthest))) continue;
+    if (meshes.widen(way, reading.at.distances)) continue;
     to.refresh(at_part.columns, reading.at.table.values);
     return reading;
   }

@@ -110,6 +110,7 @@ Point Background::closest_in(std::uint32_t tet, const Point& p) const {
 }
 
 std::uint32_t Background::search_everywhere(const Point& p) const {
+  constexpr std::ptrdiff_t kTetsOfLeaf = 16;  // few points are searched for so, and the tets are many
   std::call_once(tree_built_, [&] {
     std::vector<ClosestForest::Item> items(mesh_.tets.size());
     for (std::uint32_t t = 0; t < items.size(); ++t) {
@@ -117,7 +118,7 @@ std::uint32_t Background::search_everywhere(const Point& p) const {
       items[t].id = t;
     }
     tree_ = std::make_unique<ClosestForest>();
-    tree_->add(items);
+    tree_->add(items, kTetsOfLeaf);
   });
   return tree_->closest(0, p, [&](std::uint32_t t) { return norm2(p - closest_in(t, p)); });
 }

@@ -2,6 +2,8 @@
 #include "partition/communication/morton_shares.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "meshing/base/morton.h"
 #include "partition/communication/reduce.h"
@@ -37,6 +39,26 @@ std::vector<std::uint64_t> first_keys(Peers& peers, std::vector<std::uint64_t> k
   std::vector<std::uint64_t> firsts;
   for (std::size_t r = 1; r < ranks && !all.empty(); ++r) firsts.push_back(all[all.size() * r / ranks]);
   return firsts;
+}
+
+std::vector<std::uint32_t> MortonShares::owners(std::span<const Point> points) const {
+  std::vector<std::uint32_t> ranks;
+  ranks.reserve(points.size());
+  for (const std::uint64_t key : morton_keys(points, box))
+    ranks.push_back(static_cast<std::uint32_t>(std::ranges::upper_bound(firsts, key) - firsts.begin()));
+  return ranks;
+}
+
+MortonShares morton_shares(Peers& peers, std::initializer_list<std::span<const Point>> meshes) {
+  std::vector<Point> finite;
+  for (const std::span<const Point> points : meshes)
+    std::ranges::copy_if(points, std::back_inserter(finite),
+                         [](const Point& p) { return std::isfinite(p.x + p.y + p.z); });
+  Box mine;
+  for (const Point& p : finite) mine.include(p);
+  MortonShares shares{common_box(peers, mine), {}};
+  shares.firsts = first_keys(peers, morton_keys(finite, shares.box));
+  return shares;
 }
 
 }  // namespace weft::partition

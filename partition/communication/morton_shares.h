@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -19,5 +20,18 @@ std::vector<std::uint64_t> morton_keys(std::span<const meshing::Point> points, c
 /// All ranks: the first key of every rank but the first: ranks get about equally many of all keys, judged by
 /// samples. None where there are no keys.
 std::vector<std::uint64_t> first_keys(Peers& peers, std::vector<std::uint64_t> keys);
+
+/// Where the shares of ranks begin along a Morton curve.
+struct MortonShares {
+  meshing::Box box;                   ///< of all points
+  std::vector<std::uint64_t> firsts;  ///< as first_keys() gives
+
+  /// The rank of each point.
+  std::vector<std::uint32_t> owners(std::span<const meshing::Point> points) const;
+};
+
+/// All ranks: shares of about equally many of the points of all meshes together. Points that are not finite
+/// count for none.
+MortonShares morton_shares(Peers& peers, std::initializer_list<std::span<const meshing::Point>> meshes);
 
 }  // namespace weft::partition

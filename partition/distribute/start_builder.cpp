@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
+#include "meshing/mesh/compact_order.h"
 #include "meshing/mesh/tet_tables.h"
 #include "partition/communication/vertex_numbers.h"
-#include "partition/subdomain/piece_order.h"
+#include "partition/subdomain/background_store.h"
 
 namespace weft::partition {
 namespace {
@@ -76,7 +77,7 @@ void StartBuilder::add_tets() {
   for (const TetRecord& tet : tets_) tets.push_back(places(tet.vertices));
   start_.tets.reserve(tets_.size());
   start_.tet_refs.reserve(tets_.size());
-  for (const std::uint32_t t : piece_order(start_.points, tets)) {
+  for (const std::uint32_t t : meshing::compact_order(start_.points, tets, kTetsOfPiece)) {
     start_.tets.push_back(tets[t]);
     start_.tet_refs.push_back(tets_[t].ref);
   }

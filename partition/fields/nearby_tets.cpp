@@ -1,13 +1,16 @@
-// Cells are asked for at their homes, and tets sent to who has asked.
+// Cells are asked for at their homes, and tets sent to who has boxes that they meet.
 #include "partition/fields/nearby_tets.h"
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "meshing/mesh/compact_order.h"
 #include "partition/communication/morton_shares.h"
+#include "partition/fields/box_tree.h"
 #include "partition/fields/cell_homes.h"
 
 namespace weft::partition {
@@ -33,51 +36,86 @@ CellGrid common_grid(Peers& peers, const PartDomain& a, const PartDomain& b) {
   return {common_box(peers, mine), points / kPointsPerCell};
 }
 
-/// The cells of the tets and points of a part and those beside them, ascending.
-std::vector<std::uint32_t> cells_around(const CellGrid& grid, const MeshData& mesh, std::uint32_t margin) {
-  std::vector<std::uint8_t> touched(grid.size(), 0);
-  const auto touch = [&](std::uint32_t cell) { touched[cell] = 1; };
-  for (const meshing::Point& p : mesh.points) grid.for_each_cell(Box{p, p}, margin, touch);
-  for (const Tet& tet : mesh.tets) grid.for_each_cell(box_of(mesh, tet), margin, touch);
+/// What is around a part, in boxes of a few tets, or of a vertex without any; those that follow each other
+/// are near each other.
+std::vector<Box> boxes_around(const MeshData& mesh, std::span<const double> reach) {
+  constexpr std::size_t kMost = 32768;  // each takes 48 bytes, and 96 in a tree
+  const std::size_t tets_of_box = mesh.tets.size() / kMost + 1;
+  const std::vector<std::uint32_t> order = meshing::compact_order(mesh.points, mesh.tets, tets_of_box);
+  std::vector<bool> has_tet(mesh.points.size(), false);
+  std::vector<Box> boxes;
+  for (std::size_t first = 0; first < order.size(); first += tets_of_box) {
+    Box box;
+    double farthest = 0;
+    for (std::size_t i = first; i < std::min(order.size(), first + tets_of_box); ++i)
+      for (const std::uint32_t v : mesh.tets[order[i]]) {
+        box.include(mesh.points[v]);
+        farthest = std::max(farthest, reach[v]);
+        has_tet[v] = true;
+      }
+    boxes.push_back(box.grown(farthest));
+  }
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v)
+    if (!has_tet[v]) boxes.push_back(Box{mesh.points[v], mesh.points[v]}.grown(reach[v]));
+  return boxes;
+}
+
+std::vector<std::uint32_t> cells_of(const CellGrid& grid, std::span<const Box> boxes) {
+  std::vector<bool> touched(grid.size(), false);
+  for (const Box& box : boxes) grid.for_each_cell(box, [&](std::uint32_t cell) { touched[cell] = true; });
   std::vector<std::uint32_t> cells;
   for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
     if (touched[cell]) cells.push_back(cell);
   return cells;
+}
+
+/// All ranks: of the boxes around each rank that is asked, those that meet this rank's tets; none of others.
+std::vector<std::vector<Box>> ask_for_boxes(Peers& peers, std::span<const int> asked, const Box& of_tets,
+                                            std::span<const Box> around) {
+  std::vector<std::vector<Box>> questions(static_cast<std::size_t>(peers.ranks()));
+  for (const int rank : asked) questions[static_cast<std::size_t>(rank)].push_back(of_tets);
+  std::vector<std::vector<Box>> answers(questions.size());
+  questions = partition::all_to_all(peers, std::move(questions));
+  for (std::size_t r = 0; r < questions.size(); ++r)
+    for (const Box& question : questions[r])
+      std::ranges::copy_if(around, std::back_inserter(answers[r]),
+                           [&](const Box& box) { return box.meets(question); });
+  return partition::all_to_all(peers, std::move(answers));
 }
 
 /// Each tet of the mesh in parts is one rank's: that which owns its first vertex.
 bool has(const PartDomain& of, const Tet& tet) { return of.owns(std::ranges::min(tet)); }
 
-std::vector<std::uint32_t> cells_of_own_tets(const CellGrid& grid, const PartDomain& of) {
-  std::vector<bool> touched(grid.size(), false);
-  for (const Tet& tet : of.mesh().tets)
-    if (has(of, tet)) grid.for_each_cell(box_of(of.mesh(), tet), [&](std::uint32_t c) { touched[c] = true; });
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t cell = 0; cell < touched.size(); ++cell)
-    if (touched[cell]) cells.push_back(cell);
-  return cells;
-}
-
 }  // namespace
 
-NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around, std::uint32_t margin)
+NearbyTets::NearbyTets(Peers& peers, const PartDomain& of, const PartDomain& around,
+                       std::span<const double> reach)
     : peers_(peers) {
   const CellGrid grid = common_grid(peers, of, around);
-  reach_ = margin * grid.least_side();
   const MeshData& mesh = of.mesh();
-  const std::vector<std::uint32_t> cells = cells_of_own_tets(grid, of);
-  const std::vector<std::vector<int>> ranks =
-      ranks_wanting(peers, grid, cells, cells_around(grid, around.mesh(), margin));
-  std::vector<std::vector<std::uint32_t>> tets_for(static_cast<std::size_t>(peers.ranks()));
+  std::vector<std::uint32_t> own;
+  std::vector<Box> boxes;
+  Box of_own;
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (!has(of, mesh.tets[t])) continue;
-    grid.for_each_cell(box_of(mesh, mesh.tets[t]), [&](std::uint32_t cell) {
-      for (const int rank : ranks[meshing::place_in(cells, cell)]) {
-        std::vector<std::uint32_t>& list = tets_for[static_cast<std::size_t>(rank)];
-        if (list.empty() || list.back() != t) list.push_back(t);
-      }
-    });
+    own.push_back(t);
+    boxes.push_back(box_of(mesh, mesh.tets[t]));
+    of_own.unite(boxes.back());
   }
+  const std::vector<Box> mine = boxes_around(around.mesh(), reach);
+  std::vector<int> asked;
+  for (const auto& ranks : ranks_wanting(peers, grid, cells_of(grid, boxes), cells_of(grid, mine)))
+    asked.insert(asked.end(), ranks.begin(), ranks.end());
+  meshing::sort_unique(asked);
+  const std::vector<std::vector<Box>> around_each = ask_for_boxes(peers, asked, of_own, mine);
+  std::vector<std::vector<std::uint32_t>> tets_for(around_each.size());
+  for (std::size_t r = 0; r < around_each.size(); ++r) {
+    if (around_each[r].empty()) continue;
+    const BoxTree tree(around_each[r]);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (tree.meets(boxes[i])) tets_for[r].push_back(own[i]);
+  }
+  boxes = {};
   send(of, tets_for);
 }
 
@@ -93,6 +131,7 @@ void NearbyTets::send(const PartDomain& of, const std::vector<std::vector<std::u
       tets[r].push_back(tet);
     }
     meshing::sort_unique(given_[r]);
+    given_[r].shrink_to_fit();  // a vertex has many tets
     for (const std::uint32_t v : given_[r]) vertices[r].push_back({of.numbers()[v], of.mesh().points[v]});
   }
   std::vector<Tet> all = all_to_all_joined(peers_, std::move(tets));

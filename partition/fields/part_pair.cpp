@@ -1,27 +1,46 @@
 // Sources are made when they are asked for, and again with a wider margin.
 #include "partition/fields/part_pair.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace weft::partition {
 
 PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to)
-    : peers_(peers), old_(peers, from, 1), new_(peers, to, 1) {}
+    : PartPair(peers, from, to, morton_shares(peers, {from.points, to.points})) {}
+
+PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares)
+    : peers_(peers),
+      old_(peers, from, 1, shares),
+      new_(peers, to, 1, shares),
+      diameter_(norm(shares.box.size())) {
+  sides_[false].reach.assign(new_.mesh().points.size(), 0);
+  sides_[true].reach.assign(old_.mesh().points.size(), 0);
+}
 
 const NearbyTets& PartPair::nearby(Way way) const {
   const Side& s = side(way);
   const bool back = way == Way::back;
   if (!s.tets) {
     side(back ? Way::onto_new : Way::back).tets.reset();  // who goes back has done with the way there
-    s.tets.reset(new NearbyTets(peers_, back ? new_ : old_, back ? old_ : new_, s.margin));
+    s.tets.reset(new NearbyTets(peers_, back ? new_ : old_, back ? old_ : new_, s.reach));
   }
   return *s.tets;
 }
 
-bool PartPair::widen(Way way, double distance) {
-  constexpr std::uint32_t kAll = 64;  // cells along an axis, at most
+/// What is found at a distance is the nearest once all within it is there.
+bool PartPair::widen(Way way, std::span<const double> distances) {
+  constexpr double kRounding = 1 + 1e-12, kFirstReach = 1.0 / 64;
   Side& s = sides_[way == Way::back];
-  if (s.tets && distance <= s.tets->reach()) return false;
-  if (s.margin >= kAll) return false;
-  s.margin *= 4;
+  bool wider = false;
+  for (std::size_t v = 0; v < distances.size(); ++v) {
+    const double wanted = std::isfinite(distances[v]) ? kRounding * distances[v]
+                                                      : std::max(4 * s.reach[v], kFirstReach * diameter_);
+    if (wanted <= s.reach[v] || s.reach[v] >= diameter_) continue;
+    s.reach[v] = wanted;
+    wider = true;
+  }
+  if (!old_.any(wider)) return false;
   s.tets.reset();
   return true;
 }

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "meshing/fields/mesh_pair.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/peers.h"
 #include "partition/fields/nearby_tets.h"
 #include "partition/metric/part_domain.h"
@@ -13,9 +15,9 @@
 
 namespace weft::partition {
 
-/// Each mesh is dealt out anew, what lies together to one rank; the tets of the other mesh about a part come
-/// to it. All ranks call every function together. What is carried depends on the number of ranks by rounding
-/// alone.
+/// Both meshes are dealt out anew, what lies together, of either, to one rank; the tets of the other mesh
+/// about a part come to it. All ranks call every function together. What is carried depends on the number of
+/// ranks by rounding alone.
 class PartPair final : public meshing::MeshPair {
  public:
   /// Throws as PartDomain does.
@@ -27,15 +29,17 @@ class PartPair final : public meshing::MeshPair {
   meshing::ValueTable at_source(Way way, const meshing::ValueTable& at_part) const override {
     return nearby(way).carry(at_part);
   }
-  bool widen(Way way, double distance) override;
+  bool widen(Way way, std::span<const double> distances) override;
 
   /// Of the source's vertices, in the whole mesh.
   const std::vector<std::uint64_t>& source_numbers(Way way) const { return nearby(way).numbers(); }
 
  private:
-  /// The source and its margin.
+  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares);
+
+  /// The source, and how far it reaches from each vertex of the other part.
   struct Side {
-    std::uint32_t margin = 1;
+    std::vector<double> reach;
     mutable std::unique_ptr<const NearbyTets> tets;  ///< made when first asked for
   };
   const Side& side(Way way) const { return sides_[way == Way::back]; }
@@ -43,6 +47,7 @@ class PartPair final : public meshing::MeshPair {
 
   Peers& peers_;
   PartDomain old_, new_;
+  double diameter_;  ///< of the box of both
   Side sides_[2];
 };
 

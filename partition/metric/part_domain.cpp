@@ -34,10 +34,10 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
 
 }  // namespace
 
-PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
+PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares)
     : peers_(peers), points_(peers, slice.points.size()), me_(static_cast<std::uint32_t>(peers.rank())) {
   check_slices(peers, slice, points_, Ranges(peers, slice.tets.size()), SliceMetric::missing);
-  choose_owners(slice);
+  choose_owners(slice, shares);
   std::vector<TetRecord> tets = first_ring(slice);
   if (rings > 1) {
     const std::vector<TetRecord> first = tets;
@@ -50,20 +50,15 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings)
   volumes_ = meshing::vertex_volumes(mesh_);
 }
 
-void PartDomain::choose_owners(const MeshSlice& slice) {
+void PartDomain::choose_owners(const MeshSlice& slice, const MortonShares& shares) {
   Box mine;
   for (const Point& p : slice.points) mine.include(p);
   const Box box = common_box(peers_, mine);
   if (points_.total() > 0 && norm(box.size()) > 0) largest_size_ = norm(box.size());
-  const std::vector<std::uint64_t> keys = morton_keys(slice.points, box);
-  const std::vector<std::uint64_t> firsts = first_keys(peers_, keys);
+  slice_owners_ = shares.owners(slice.points);
   std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
-  slice_owners_.reserve(keys.size());
-  for (std::size_t v = 0; v < keys.size(); ++v) {
-    const auto owner = std::upper_bound(firsts.begin(), firsts.end(), keys[v]) - firsts.begin();
-    slice_owners_.push_back(static_cast<std::uint32_t>(owner));
-    to_each[static_cast<std::size_t>(owner)].push_back(static_cast<std::uint32_t>(slice.first_point + v));
-  }
+  for (std::size_t v = 0; v < slice_owners_.size(); ++v)
+    to_each[slice_owners_[v]].push_back(static_cast<std::uint32_t>(slice.first_point + v));
   owned_numbers_ = all_to_all_joined(peers_, std::move(to_each));  // ascending: so are slices with the ranks
 }
 

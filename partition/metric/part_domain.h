@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "meshing/metric/metric_domain.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
 #include "partition/slice/mesh_slice.h"
@@ -22,7 +23,10 @@ class PartDomain final : public meshing::MetricDomain {
  public:
   /// Throws meshing::InputError, the same on all ranks, for what check_slices() and inverted() refuse.
   /// Memory: 130 bytes a tet of the part, and twice that for a moment.
-  PartDomain(Peers& peers, const MeshSlice& slice, int rings);
+  PartDomain(Peers& peers, const MeshSlice& slice, int rings)
+      : PartDomain(peers, slice, rings, morton_shares(peers, {slice.points})) {}
+  /// Vertices belong to the ranks that `shares` says, the same on all ranks.
+  PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares);
 
   const meshing::MeshData& mesh() const override { return mesh_; }
   bool owns(std::size_t vertex) const override { return owners_[vertex] == me_; }
@@ -63,7 +67,7 @@ class PartDomain final : public meshing::MetricDomain {
     std::array<std::uint32_t, 4> vertices, owners;
   };
 
-  void choose_owners(const MeshSlice& slice);
+  void choose_owners(const MeshSlice& slice, const MortonShares& shares);
   std::vector<TetRecord> first_ring(const MeshSlice& slice) const;
   void add_ring(const std::vector<TetRecord>& first, std::vector<std::vector<std::uint32_t>>& asked,
                 std::vector<TetRecord>& tets) const;

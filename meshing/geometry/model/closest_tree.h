@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -19,41 +20,41 @@ class ClosestForest {
     std::uint32_t id;
   };
 
-  /// Adds a tree over `items` (reordered; not empty) and returns its root. O(n log n).
-  std::uint32_t add(std::vector<Item>& items);
+  /// Adds a tree over `items` (reordered; not empty) and returns its root. O(n log n). `leaf`: items of one;
+  /// twice as many take half of the memory.
+  std::uint32_t add(std::vector<Item>& items, std::ptrdiff_t leaf = 4);
 
   /// The id in the tree of `root` for which distance2(id) is least.
   template <class Distance2>
   std::uint32_t closest(std::uint32_t root, const Point& p, const Distance2& distance2) const;
 
  private:
-  static constexpr std::uint32_t kLeafSize = 4;
   struct Node {
     Box box;
     std::uint32_t first = 0;  ///< of a leaf: in ids_; else the first of two neighbouring children
     std::uint32_t count = 0;  ///< of a leaf; else zero
   };
-  void split(std::uint32_t node, ClosestForest::Item* begin, ClosestForest::Item* end);
+  void split(std::uint32_t node, Item* begin, Item* end, std::ptrdiff_t leaf);
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> ids_;
 };
 
-inline std::uint32_t ClosestForest::add(std::vector<Item>& items) {
+inline std::uint32_t ClosestForest::add(std::vector<Item>& items, std::ptrdiff_t leaf) {
   const auto root = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
-  split(root, items.data(), items.data() + items.size());
+  split(root, items.data(), items.data() + items.size(), leaf);
   return root;
 }
 
-inline void ClosestForest::split(std::uint32_t node, Item* begin, Item* end) {
+inline void ClosestForest::split(std::uint32_t node, Item* begin, Item* end, std::ptrdiff_t leaf) {
   Box box, centers;
   for (const Item* i = begin; i != end; ++i) {
     box.unite(i->box);
     centers.include(midpoint(i->box.lo, i->box.hi));
   }
   nodes_[node].box = box;
-  if (end - begin <= kLeafSize) {
+  if (end - begin <= leaf) {
     nodes_[node].first = static_cast<std::uint32_t>(ids_.size());
     nodes_[node].count = static_cast<std::uint32_t>(end - begin);
     for (const Item* i = begin; i != end; ++i) ids_.push_back(i->id);
@@ -69,8 +70,8 @@ inline void ClosestForest::split(std::uint32_t node, Item* begin, Item* end) {
   const auto children = static_cast<std::uint32_t>(nodes_.size());
   nodes_.resize(nodes_.size() + 2);
   nodes_[node].first = children;
-  split(children, begin, middle);
-  split(children + 1, middle, end);
+  split(children, begin, middle, leaf);
+  split(children + 1, middle, end, leaf);
 }
 
 template <class Distance2>

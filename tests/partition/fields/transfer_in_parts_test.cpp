@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
+#include <random>
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "partition/fields/box_tree.h"
+#include "partition/fields/part_pair.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
 #include "tests/support/meshes.h"
@@ -99,6 +103,50 @@ void expect_same(const Transfer& result, const Transfer& expected, double tolera
     EXPECT_NEAR(a.difference_l2, b.difference_l2, tolerance * b.norm_l2);
     EXPECT_NEAR(a.difference_max, b.difference_max, tolerance * b.norm_max);
     EXPECT_NEAR(a.beyond_bounds, b.beyond_bounds, tolerance * b.norm_max);
+  }
+}
+
+/// Fine at the origin.
+MeshData graded(std::uint32_t n, double power) {
+  MeshData mesh = support::unit_cube(n);
+  for (Point& p : mesh.points) p = {std::pow(p.x, power), std::pow(p.y, power), std::pow(p.z, power)};
+  return mesh;
+}
+
+TEST(PartPair, OfGradedMeshesHasLittleMoreThanOverlaps) {
+  constexpr int kRanks = 6;
+  const MeshData from = graded(12, 4), to = graded(20, 5);
+  std::vector<double> onto_new(kRanks), back(kRanks);
+  support::run_ranks(kRanks, [&](Peers& peers) {
+    const auto me = static_cast<std::size_t>(peers.rank());
+    const PartPair meshes(peers, support::slice_of({from, {}}, peers.rank(), kRanks, 1),
+                          support::slice_of({to, {}}, peers.rank(), kRanks, 2));
+    onto_new[me] = static_cast<double>(meshes.source(meshing::MeshPair::Way::onto_new).tets.size());
+    back[me] = static_cast<double>(meshes.source(meshing::MeshPair::Way::back).tets.size());
+  });
+  const auto sum = [](const std::vector<double>& of_rank) {
+    return std::accumulate(of_rank.begin(), of_rank.end(), 0.0);
+  };
+  EXPECT_LT(sum(onto_new), 2.5 * static_cast<double>(from.tets.size()));
+  EXPECT_LT(sum(back), 2.5 * static_cast<double>(to.tets.size()));
+  EXPECT_LT(std::ranges::max(back), 0.6 * static_cast<double>(to.tets.size()));
+}
+
+TEST(BoxTree, MeetsWhatAnyBoxMeets) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> at(0, 1), side(0, 0.2);
+  const auto random_box = [&] {
+    const Point lo{at(random), at(random), at(random)};
+    return meshing::Box{lo, lo + meshing::Vec{side(random), side(random), side(random)}};
+  };
+  for (std::size_t count = 0; count < 40; ++count) {
+    std::vector<meshing::Box> boxes(count);
+    std::ranges::generate(boxes, random_box);
+    const BoxTree tree(boxes);
+    for (int i = 0; i < 200; ++i) {
+      const meshing::Box box = random_box();
+      EXPECT_EQ(tree.meets(box), std::ranges::any_of(boxes, [&](const auto& b) { return b.meets(box); }));
+    }
   }
 }
 

@@ -214,6 +214,8 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
     method.on_plan = [&] { check_room("", report); };
     return adapt_distributed(*runtime_, *peers_, rank_, std::move(slice), method);
   });
+  give_back_freed_memory();  // of messages and subdomains, of which malloc keeps much between what is still
+                             // there
   table_.reset();
   if (options_.run.verify) partition::check_result(*peers_, result_.pieces);
   report.warnings.insert(report.warnings.end(), result_.warnings.begin(), result_.warnings.end());

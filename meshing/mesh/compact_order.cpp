@@ -1,17 +1,13 @@
-// Bisection of the tets' centres down to runs of the size of a piece.
-#include "partition/subdomain/piece_order.h"
+// Bisection of the tets' centres.
+#include "meshing/mesh/compact_order.h"
 
 #include <algorithm>
 #include <numeric>
 
 #include "meshing/base/box.h"
-#include "partition/subdomain/background_store.h"
 
-namespace weft::partition {
+namespace weft::meshing {
 namespace {
-
-using meshing::Box;
-using meshing::Point;
 
 struct Extent {
   Point centre;  ///< twice
@@ -20,8 +16,9 @@ struct Extent {
 
 class Bisection {
  public:
-  Bisection(std::span<const Point> points, std::span<const std::array<std::uint32_t, 4>> tets)
-      : order_(tets.size()) {
+  Bisection(std::span<const Point> points, std::span<const std::array<std::uint32_t, 4>> tets,
+            std::size_t run)
+      : run_(run), order_(tets.size()) {
     extents_.reserve(tets.size());
     for (const auto& tet : tets) {
       Box box;
@@ -37,28 +34,28 @@ class Bisection {
   }
 
  private:
-  void split(std::span<std::uint32_t> run) {
-    const std::size_t pieces = (run.size() + kTetsOfPiece - 1) / kTetsOfPiece;
-    if (pieces < 2) {
-      std::ranges::sort(run);  // as they were: an input's neighbours are near each other
+  void split(std::span<std::uint32_t> tets) {
+    const std::size_t runs = (tets.size() + run_ - 1) / run_;
+    if (runs < 2) {
+      std::ranges::sort(tets);  // as they were: an input's neighbours are near each other
       return;
     }
-    const std::size_t half = pieces / 2 * kTetsOfPiece;
-    const int axis = longest_axis(run);
-    std::nth_element(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(half), run.end(),
+    const std::size_t half = runs / 2 * run_;
+    const int axis = longest_axis(tets);
+    std::nth_element(tets.begin(), tets.begin() + static_cast<std::ptrdiff_t>(half), tets.end(),
                      [&](std::uint32_t a, std::uint32_t b) {
                        const double x = extents_[a].centre[axis], y = extents_[b].centre[axis];
                        return x != y ? x < y : a < b;
                      });
-    split(run.first(half));
-    split(run.subspan(half));
+    split(tets.first(half));
+    split(tets.subspan(half));
   }
 
   /// Along which most tets follow each other: stretched ones lie side by side across their long axis.
-  int longest_axis(std::span<const std::uint32_t> run) const {
+  int longest_axis(std::span<const std::uint32_t> tets) const {
     Box centres;
     Point sizes;
-    for (const std::uint32_t t : run) {
+    for (const std::uint32_t t : tets) {
       centres.include(extents_[t].centre);
       sizes += extents_[t].size;
     }
@@ -69,15 +66,17 @@ class Bisection {
     return longest;
   }
 
+  std::size_t run_;
   std::vector<Extent> extents_;
   std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> piece_order(std::span<const Point> points,
-                                       std::span<const std::array<std::uint32_t, 4>> tets) {
-  return Bisection(points, tets).run();
+std::vector<std::uint32_t> compact_order(std::span<const Point> points,
+                                         std::span<const std::array<std::uint32_t, 4>> tets,
+                                         std::size_t run) {
+  return Bisection(points, tets, run).run();
 }
 
-}  // namespace weft::partition
+}  // namespace weft::meshing
