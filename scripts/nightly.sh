@@ -2,7 +2,7 @@
 # The long checks: all tests, all again with heavy assertions, those of MPI with MPICH, the sanitizers, a hundred repetitions of what could hang, and the benchmarks.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-export WEFT_LONG_TESTS=1  # tests at random try more, convergence goes further
+export WEFT_LONG_TESTS=1  # tests at random try more, on all numbers of ranks; convergence goes further
 
 scripts/test.sh
 scripts/test_mpich.sh

@@ -10,8 +10,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-
 bool collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 Triangle sorted(Triangle t) {

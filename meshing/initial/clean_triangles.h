@@ -6,20 +6,20 @@
 #include <unordered_map>
 #include <vector>
 
-#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 /// Triangles that nothing is known of yet, with what goes along with each.
 struct LooseTriangles {
-  std::vector<std::array<std::uint32_t, 3>> corners;
+  std::vector<Triangle> corners;
   std::vector<std::int32_t> refs;
   std::vector<std::uint32_t> source;  ///< its number in the input
   /// How many sheets it stands for: repeated ones add up when they become one, turned ones subtract.
   std::vector<std::int32_t> sheets;
 
   std::size_t size() const { return corners.size(); }
-  void push_back_piece(std::size_t of, const std::array<std::uint32_t, 3>& piece);
+  void push_back_piece(std::size_t of, const Triangle& piece);
   /// Takes away those marked; returns their number.
   std::size_t erase(const std::vector<bool>& drop);
 };
@@ -44,7 +44,6 @@ class TriangleCleaning {
   std::size_t merge_repeated();
 
  private:
-  using Triangle = std::array<std::uint32_t, 3>;
   int corner_on_edge(const Triangle& t) const;
   bool is_between(const Triangle& t, int apex) const;
   std::size_t mend_round();

@@ -18,7 +18,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 // Of the diagonal: points nearer than this are one whatever they belong to; a seam may be this wide, and a

@@ -13,8 +13,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-
 /// A balanced tree in the order of an array: the node of [begin, end) splits at the middle.
 class BoxTree {
  public:

@@ -6,14 +6,15 @@
 #include <span>
 #include <vector>
 
-#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 /// Pairs of triangles (first < second, ascending) that have more in common than shared vertices and edges: at
 /// most `most` of them. Exact, of triangles that are not degenerate; O(n log n) for surfaces, multithreaded
 /// on TBB.
-std::vector<std::array<std::uint32_t, 2>> self_intersections(
-    std::span<const Point> points, std::span<const std::array<std::uint32_t, 3>> triangles, std::size_t most);
+std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Point> points,
+                                                             std::span<const Triangle> triangles,
+                                                             std::size_t most);
 
 }  // namespace weft::meshing

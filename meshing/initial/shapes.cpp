@@ -14,8 +14,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-
 void add_triangle(MeshData& m, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t ref) {
   m.triangles.push_back({a, b, c});
   m.triangle_refs.push_back(ref);

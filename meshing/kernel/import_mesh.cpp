@@ -72,7 +72,7 @@ void check_sides(const MeshData& m, const Adjacency& adjacency) {
     for (int f = 0; f < 4; ++f) {
       const std::uint32_t n = adjacency.neighbours[t][f];
       if (n == kNoNeighbour || n >> 2 < t) continue;
-      std::array<std::uint32_t, 3> mine, other;
+      Triangle mine, other;
       for (int i = 0; i < 3; ++i) {
         mine[i] = m.tets[t][kTetFaces[f][i]];
         other[i] = m.tets[n >> 2][kTetFaces[n & 3][i]];
@@ -136,7 +136,7 @@ void create_missing(const MeshData& m, const Adjacency& adjacency, const std::ve
 
 /// See require_touching_edges.
 void keep_touching_edges(const Adjacency& adjacency, Boundary& b, std::vector<std::string>& warnings) {
-  std::vector<std::array<std::uint32_t, 3>> outer;
+  std::vector<Triangle> outer;
   for (std::size_t i = 0; i < b.codes.size(); ++i)
     if (adjacency.neighbours[b.codes[i] >> 2][b.codes[i] & 3] == kNoNeighbour)
       outer.push_back(b.data.triangles[i]);

@@ -19,8 +19,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-using Tet = std::array<std::uint32_t, 4>;
 using Range = tbb::blocked_range<std::size_t>;
 
 constexpr std::size_t kVerticesPerTask = 2048;

@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "meshing/mesh/mesh_data.h"
+
 namespace weft::meshing {
 
 /// What stands for "nothing on the other side".
@@ -25,12 +27,11 @@ struct Adjacency {
 
 /// Throws InputError naming the tets (1-based) when a face belongs to more than two. Temporaries: 50 bytes a
 /// tet.
-Adjacency build_adjacency(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices);
 
 /// For every triangle the code tet * 4 + face of the tet face with the same three vertices (of two such, the
 /// smaller code), kNoNeighbour where there is none.
-std::vector<std::uint32_t> match_triangles(std::span<const std::array<std::uint32_t, 3>> triangles,
-                                           std::span<const std::array<std::uint32_t, 4>> tets,
+std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, std::span<const Tet> tets,
                                            std::size_t num_vertices);
 
 /// Every edge of the tets once, stored at its smaller end: the larger ends of v's edges, ascending, are
@@ -43,7 +44,7 @@ struct EdgeLists {
   }
 };
 /// Temporaries: about 20 bytes a tet where tets that share edges are near each other, 90 at worst.
-EdgeLists unique_edges(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices);
 
 /// Lists of indices, one a vertex, in one array: those of v are items[begins[v]] to items[begins[v + 1] - 1],
 /// ascending.
@@ -55,8 +56,8 @@ struct VertexLists {
   }
 };
 /// The vertices joined to each vertex by an edge.
-VertexLists vertex_neighbours(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+VertexLists vertex_neighbours(std::span<const Tet> tets, std::size_t num_vertices);
 /// The tets at each vertex.
-VertexLists vertex_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::size_t num_vertices);
+VertexLists vertex_tets(std::span<const Tet> tets, std::size_t num_vertices);
 
 }  // namespace weft::meshing

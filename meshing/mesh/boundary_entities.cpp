@@ -12,7 +12,7 @@ using Edge = std::array<std::uint32_t, 2>;
 
 Edge edge_between(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-std::vector<Edge> sorted_sides(const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+std::vector<Edge> sorted_sides(const std::vector<Triangle>& triangles) {
   std::vector<Edge> sides;
   sides.reserve(3 * triangles.size());
   for (const auto& t : triangles)
@@ -64,7 +64,7 @@ std::string dropped_edges_warning(std::size_t count) {
   return fmt::format("{} edges that lie on no boundary triangle were dropped", count);
 }
 
-std::string triangle_name(std::uint64_t index, const std::array<std::uint32_t, 3>& v) {
+std::string triangle_name(std::uint64_t index, const Triangle& v) {
   return fmt::format("triangle {} ({} {} {})", index + 1, std::uint64_t{v[0]} + 1, std::uint64_t{v[1]} + 1,
                      std::uint64_t{v[2]} + 1);
 }

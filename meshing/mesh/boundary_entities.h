@@ -26,7 +26,7 @@ void take_required_triangles(const MeshData& input, const std::vector<std::uint3
 std::string repeated_triangles_warning(std::size_t count);
 std::string created_triangles_warning(std::size_t count);
 std::string dropped_edges_warning(std::size_t count);
-std::string triangle_name(std::uint64_t index, const std::array<std::uint32_t, 3>& vertices);
+std::string triangle_name(std::uint64_t index, const Triangle& vertices);
 inline constexpr const char* kIsNoFace = "is not a face of any tet";
 /// Of two tets on the same side of a face.
 inline const char* overlap_reason(bool same_vertices) {

@@ -27,9 +27,6 @@
 
 namespace weft::meshing::checks {
 
-using Triangle = std::array<std::uint32_t, 3>;
-using Tet = std::array<std::uint32_t, 4>;
-
 inline constexpr std::size_t kChunk = 1 << 15;
 
 inline std::size_t num_chunks(std::size_t n) { return (n + kChunk - 1) / kChunk; }

@@ -15,9 +15,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
-using Tet = std::array<std::uint32_t, 4>;
-
 constexpr std::size_t kTetsPerChunk = 1 << 14;
 
 /// Steele, Lea and Flood's finaliser (OOPSLA 2014): every bit depends on every bit.

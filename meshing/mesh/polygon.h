@@ -10,8 +10,6 @@
 
 namespace weft::meshing {
 
-using Triangle = std::array<std::uint32_t, 3>;
-
 /// Of all triangulations of a loop of vertices that with the least area (Barequet and Sharir, 1995); of a
 /// plane polygon one that does not fold over. Triangles run as the loop does. Takes n^3 steps for n >= 3
 /// vertices.

@@ -19,8 +19,6 @@
 namespace weft::meshing {
 namespace {
 
-using Tet = std::array<std::uint32_t, 4>;
-using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kGone = 0xFFFFFFFFu;
 
 template <std::size_t N>

@@ -12,7 +12,7 @@ using Edge = std::array<std::uint32_t, 2>;
 
 Edge sorted_edge(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-std::vector<Edge> touching_edges(std::span<const std::array<std::uint32_t, 3>> outer) {
+std::vector<Edge> touching_edges(std::span<const Triangle> outer) {
   std::vector<Edge> sides;
   sides.reserve(3 * outer.size());
   for (const auto& t : outer)
@@ -31,7 +31,7 @@ std::vector<Edge> edges_of_several(std::span<const Edge> sides) {
   return touching;
 }
 
-std::size_t require_touching_edges(std::span<const std::array<std::uint32_t, 3>> outer, MeshData& boundary) {
+std::size_t require_touching_edges(std::span<const Triangle> outer, MeshData& boundary) {
   const std::vector<Edge> touching = touching_edges(outer);
   if (touching.empty()) return 0;
   std::vector<std::pair<Edge, std::uint32_t>> listed;

@@ -16,7 +16,7 @@ namespace weft::meshing {
 /// side only, required edges of it; they get reference 0 where it does not list them yet. An operator walks
 /// round an edge from tet to tet and would change one of the sets only, so that the other would lose its
 /// ridge. Returns how many there are. O(n log n).
-std::size_t require_touching_edges(std::span<const std::array<std::uint32_t, 3>> outer, MeshData& boundary);
+std::size_t require_touching_edges(std::span<const Triangle> outer, MeshData& boundary);
 /// Those of sorted sides of outer triangles that are there more than twice, each once.
 std::vector<std::array<std::uint32_t, 2>> edges_of_several(
     std::span<const std::array<std::uint32_t, 2>> sorted_sides);

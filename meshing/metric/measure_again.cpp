@@ -9,8 +9,6 @@
 namespace weft::meshing {
 namespace {
 
-using Tet = std::array<std::uint32_t, 4>;
-
 /// Some tets of a mesh, with their vertices numbered on their own in the order that they have in the mesh.
 struct SomeTets {
   std::vector<std::uint32_t> places;  ///< of the mesh's vertices; kNoOrigin: not of these tets

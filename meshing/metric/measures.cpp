@@ -39,8 +39,6 @@ Totals reduce(std::size_t n, const Accumulate& accumulate) {
       });
 }
 
-using Tet = std::array<std::uint32_t, 4>;
-
 double tet_volume(const Tet& tet, std::span<const Point> p) {
   return six_volume(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) / 6;
 }

@@ -66,10 +66,9 @@ void shift_by(double log_factor, LogMetricField& field) {
 }  // namespace
 
 double WholeDomain::sum(const std::function<double(std::size_t)>& at) const {
-  using Range = tbb::blocked_range<std::size_t>;
   return tbb::parallel_deterministic_reduce(
-      Range(0, mesh_.points.size(), 4096), 0.0,
-      [&](const Range& range, double sum) {
+      tbb::blocked_range<std::size_t>(0, mesh_.points.size(), 4096), 0.0,
+      [&](const auto& range, double sum) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) sum += at(i);
         return sum;
       },

@@ -4,13 +4,14 @@
 #include <algorithm>
 
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/vertex_numbers.h"
 #include "partition/decompose/tet_measures.h"
 
 namespace weft::partition {
 namespace {
 
-using Tet = std::array<std::uint32_t, 4>;
+using meshing::Tet;
 
 std::vector<Tet> neighbours_of(std::span<const DualVertex> tets) {
   std::vector<std::uint32_t> numbers = distinct_vertices(

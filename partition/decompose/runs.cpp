@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/reduce.h"
 #include "partition/decompose/ordered_cuts.h"
 #include "partition/decompose/slabs.h"
@@ -10,7 +11,7 @@
 namespace weft::partition {
 namespace {
 
-using Tet = std::array<std::uint32_t, 4>;
+using meshing::Tet;
 
 constexpr std::uint64_t kTetsOfRun = 32;
 

@@ -9,6 +9,7 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -20,7 +21,7 @@ namespace {
 
 using meshing::MeshData;
 using meshing::Point;
-using Tet = std::array<std::uint32_t, 4>;
+using meshing::Tet;
 
 std::uint32_t place_of(const std::vector<std::uint32_t>& numbers, std::uint32_t number) {
   return static_cast<std::uint32_t>(meshing::place_in(numbers, number));

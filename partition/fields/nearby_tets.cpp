@@ -18,7 +18,7 @@ namespace {
 
 using meshing::Box;
 using meshing::MeshData;
-using Tet = std::array<std::uint32_t, 4>;
+using meshing::Tet;
 
 Box box_of(const MeshData& mesh, const Tet& tet) {
   Box box;

@@ -23,7 +23,7 @@ namespace {
 
 using meshing::Box;
 using meshing::Point;
-using Tet = std::array<std::uint32_t, 4>;
+using meshing::Tet;
 using Way = meshing::MeshPair::Way;
 
 TetCorners corners_of(const std::vector<Point>& points, const Tet& t) {

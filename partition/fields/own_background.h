@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/peers.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/part_pair.h"
@@ -32,7 +33,7 @@ class OwnBackground {
   void deliver(std::span<SubdomainStart> starts) const;
 
  private:
-  using Tet = std::array<std::uint32_t, 4>;
+  using Tet = meshing::Tet;
   using Pieces = std::vector<std::shared_ptr<const BackgroundPiece>>;
 
   std::vector<Tet> places_of(PartPair& meshes, const MeshSlice& background, MeshSlice& input) const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/by_components.h"
 #include "partition/output/own_entities.h"
@@ -58,15 +59,14 @@ class RowMail {
 }  // namespace
 
 MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering) {
-  using Tet = std::array<std::uint32_t, 4>;
   const std::uint64_t points = numbering.totals.points, tets = numbering.totals.tets;
   RowMail<meshing::Point> point_mail(peers, points);
-  RowMail<Tet> tet_mail(peers, tets);
+  RowMail<meshing::Tet> tet_mail(peers, tets);
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const OwnEntities own = own_entities(mine[p], numbering.pieces[p]);
     point_mail.add(numbering.pieces[p].first.points, own.points, [](const meshing::Point& x) { return x; });
     tet_mail.add(numbering.pieces[p].first.tets, own.tets, [](const std::array<std::uint64_t, 4>& t) {
-      Tet tet;
+      meshing::Tet tet;
       for (std::size_t i = 0; i < 4; ++i) tet[i] = static_cast<std::uint32_t>(t[i]);
       return tet;
     });

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/measure_totals.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/reduce.h"
@@ -20,8 +21,8 @@ using meshing::EdgeLists;
 using meshing::EdgeTotals;
 using meshing::Histogram;
 using meshing::Measures;
+using meshing::Tet;
 using meshing::TetTotals;
-using Tet = std::array<std::uint32_t, 4>;
 
 /// The part of a piece that is measured.
 struct Part {

@@ -13,6 +13,7 @@
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/boundary_entities.h"
+#include "meshing/mesh/mesh_data.h"
 #include "meshing/mesh/touching_edges.h"
 #include "partition/communication/input_issue.h"
 #include "partition/communication/reduce.h"
@@ -22,8 +23,8 @@ namespace weft::partition {
 namespace {
 
 using meshing::MeshData;
-using Tet = std::array<std::uint32_t, 4>;
-using Triangle = std::array<std::uint32_t, 3>;
+using meshing::Tet;
+using meshing::Triangle;
 
 enum VertexMark : std::uint8_t {
   kUsedElsewhere = 1,  ///< tets of other ranks have the vertex too

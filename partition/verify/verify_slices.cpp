@@ -238,7 +238,7 @@ class SlicesCheck {
   void report_triangles(const std::vector<ListedTriangle>& triangles,
                         const std::vector<std::uint8_t>& matched) {
     std::vector<std::uint32_t> unmatched;
-    std::vector<Triangle> mine;
+    std::vector<meshing::Triangle> mine;
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       if (!is_here(std::ranges::min(triangles[i].vertices))) continue;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/support/ranks.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::engine::runtime_test {
 namespace {
@@ -148,7 +149,7 @@ struct WalkParameters {
 void walk(Transport& network, const WalkParameters& parameters) {
   const int objects = 16;  // of each rank
   const int tokens = 8;    // of each object
-  const int hops = 200 / kSlowness;
+  const int hops = static_cast<int>(support::repetitions(80, 200)) / kSlowness;
   const auto late =
       parameters.delay.count() > 0 ? weft::testing::delayed(network, parameters.delay, 5) : nullptr;
   Transport& transport = late ? *late : network;
@@ -272,8 +273,8 @@ struct Node {
   }
 };
 
-TEST_P(RuntimeOnRanks, FiresEventsOverChangingNeighboursForAThousandRounds) {
-  const std::uint64_t rounds = 1000 / kSlowness;
+TEST_P(RuntimeOnRanks, FiresEventsOverChangingNeighboursForHundredsOfRounds) {
+  const std::uint64_t rounds = support::repetitions(300, 1000) / kSlowness;
   const std::uint32_t objects = 4;
   on_ranks(GetParam(), [&](Transport& transport) {
     Registry registry;

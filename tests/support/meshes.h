@@ -19,6 +19,7 @@ namespace weft::support {
 
 using meshing::MeshData;
 using meshing::Point;
+using meshing::Triangle;
 
 /// Gives every face of one tet, and every face between tets of different references, a triangle (reference 1
 /// on the boundary, 2 inside). Slow and simple.
@@ -235,7 +236,6 @@ inline void add_prism(MeshData& mesh, std::array<std::uint32_t, 3> below,
 /// The ball of radius 1 in `layers` layers over an icosahedron each of whose triangles is cut into four
 /// `subdivisions` times; one smooth boundary patch.
 inline MeshData ball(int subdivisions, int layers) {
-  using Triangle = std::array<std::uint32_t, 3>;
   const double g = (1 + std::sqrt(5.0)) / 2;
   std::vector<Point> sphere{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};

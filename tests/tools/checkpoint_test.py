@@ -10,6 +10,7 @@ import random
 import shutil
 import signal
 import subprocess
+import tempfile
 import time
 
 import unittest
@@ -64,10 +65,22 @@ class Checkpoints(CommandTest):
         self.run_on(0, "-o", "whole.meshb")
         return self.bytes_of("whole.meshb")
 
+    made = None  # by the first test of a class that asks for some_checkpoints()
+
+    def once(self, run):
+        """Files that `run` writes into the test's folder; in the class's further tests copies of them."""
+        if type(self).made is None:
+            run()
+            self.assertEqual(len(self.complete()), 2, "two are kept")
+            type(self).made = tempfile.TemporaryDirectory(prefix="weft-checkpoint-test-")
+            self.addClassCleanup(type(self).made.cleanup)
+            shutil.copytree(self.folder, type(self).made.name, dirs_exist_ok=True)
+        else:
+            shutil.copytree(type(self).made.name, self.folder, dirs_exist_ok=True)
+
     def some_checkpoints(self):
         """A run that is through, and has left two."""
-        self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
-        self.assertEqual(len(self.complete()), 2, "two are kept")
+        self.once(lambda: self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb"))
 
 
 class Writing(Checkpoints):
@@ -171,9 +184,12 @@ class OneMesh(Checkpoints):
     def account(self):
         return json.loads((self.folder / "r/report.json").read_text())["checkpoints"]
 
-    def some_checkpoints(self, threads=1):
+    def checkpoints_of(self, threads):
         self.adapt("--checkpoint", "ck", "--checkpoint-every", 0.01, "-o", "first.meshb", threads=threads)
         self.assertEqual(len(self.complete()), 2, "two are kept")
+
+    def some_checkpoints(self):
+        self.once(lambda: self.checkpoints_of(threads=1))
 
     def assert_first_again(self, *words):
         text = self.adapt("--resume", "ck", "-o", "second.meshb", *words)
@@ -196,7 +212,7 @@ class OneMesh(Checkpoints):
 
     def test_goes_on_with_other_threads(self):
         for before, after in ((2, 1), (1, 2)):
-            self.some_checkpoints(threads=before)
+            self.checkpoints_of(threads=before)
             self.adapt("--resume", "ck", "-o", "second.meshb", threads=after)
             self.weft("verify", "second.meshb", "--against", "box.meshb")
             shutil.rmtree(self.folder / "ck")

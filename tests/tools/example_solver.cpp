@@ -23,8 +23,8 @@ namespace {
 
 using weft::meshing::MeshData;
 using weft::meshing::Point;
+using weft::meshing::Tet;
 using weft::meshing::Vec;
-using Tet = std::array<std::uint32_t, 4>;
 
 struct KnownField {
   std::function<double(const Point&)> value, laplacian;

@@ -6,7 +6,14 @@ import subprocess
 from command import WEFT, CommandTest
 
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
+LONG = bool(os.environ.get("WEFT_LONG_TESTS"))  # scripts/nightly.sh: on all numbers of ranks
 SECONDS = 200  # far above what anything here takes
+
+
+def some_of(ranks, turn):
+    """Of several numbers of ranks those that turn `turn` (from 0) of a loop over cases is run on: all in the first turn and in
+    long tests, else one, by turns: each run of mpirun takes a second."""
+    return ranks if LONG or turn == 0 else (ranks[turn % len(ranks)],)
 
 
 class Subdomains(CommandTest):
@@ -26,15 +33,16 @@ class Subdomains(CommandTest):
         return [(self.folder / name).read_bytes() for name in names]
 
     def assert_same_on_all(self, *words, outputs=("out.meshb", "out.solb"), ranks=(2, 3), expect=0):
-        """The same bytes without mpirun and on so many ranks; returns the last run."""
-        words = (*words, "-o", outputs[0], "--threads", 1, "--quiet")
-        self.run_on(0, *words, expect=expect)
+        """The same bytes without mpirun and on so many ranks; returns the last run, which is not quiet."""
+        words = (*words, "-o", outputs[0], "--threads", 1)
+        self.run_on(0, *words, "--quiet", expect=expect)
         expected = self.bytes_of(*outputs)
         for n in ranks:
             for name in outputs:
                 (self.folder / name).unlink()
-            self.run_on(n, *words, expect=expect)
+            done = self.run_on(n, *words, *(["--quiet"] if n != ranks[-1] else []), expect=expect)
             self.assertEqual(self.bytes_of(*outputs), expected, f"on {n} ranks")
+        return done
 
     def assert_all_ranks_fail(self, *words, says, code=2, ranks=2):
         """All end with `code`; one line says why, once; nothing is left behind."""

@@ -165,7 +165,7 @@ void for_each_own(const SurfaceTopology& s, const F& f) {
     if (s.ring(t) == 0) f(t, s.triangle_patch[t].value);
 }
 
-Vec twice_area(std::span<const Point> points, const std::array<std::uint32_t, 3>& v) {
+Vec twice_area(std::span<const Point> points, const Triangle& v) {
   return cross(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]);
 }
 

@@ -30,8 +30,6 @@ class Closing {
   }
 
  private:
-  using Triangle = std::array<std::uint32_t, 3>;
-
   void make_grid() {
     std::vector<std::uint32_t> number(points_.size(), kNothing);
     std::vector<Point> used;

@@ -10,7 +10,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 // Of its area, what the vectors of a sheet's triangles add up to: nothing when it is closed, a half for half
 // a ball, a fifth for a box without a lid.

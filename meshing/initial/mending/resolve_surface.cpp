@@ -24,7 +24,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 using Pair = std::array<std::uint32_t, 2>;
 
 constexpr double kSame = 1e-9;                    // of the diagonal, as in close_surface()

@@ -13,7 +13,6 @@
 namespace weft::meshing {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
 using Segment = std::array<std::uint32_t, 2>;
 using Number = ExactKernel::FT;
 using Point3 = ExactKernel::Point_3;

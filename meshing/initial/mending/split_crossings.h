@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 struct SplitTriangles {
   std::vector<Point> points;  ///< those given, then the new ones, rounded
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Triangle> triangles;
   std::vector<std::uint32_t> parent;  ///< of each triangle: which given one it is a piece of
 };
 
@@ -21,8 +21,7 @@ struct SplitTriangles {
 /// but the coordinates of new points, which are rounded last: pieces can cross anew by that little. Triangles
 /// beside a cut edge are cut with it. None may be degenerate, no two points equal. The order of the result
 /// depends on nothing but the input. Throws Interrupted once the flag, if any, is set.
-SplitTriangles split_crossings(std::span<const Point> points,
-                               std::span<const std::array<std::uint32_t, 3>> triangles,
+SplitTriangles split_crossings(std::span<const Point> points, std::span<const Triangle> triangles,
                                std::span<const std::array<std::uint32_t, 2>> pairs,
                                const std::atomic<bool>* interrupt = nullptr);
 

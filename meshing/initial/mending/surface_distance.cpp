@@ -32,8 +32,7 @@ double to_triangle2(const Point& p, const std::array<Point, 3>& t) {
 
 }  // namespace
 
-SurfaceDistance::SurfaceDistance(std::span<const Point> points,
-                                 std::span<const std::array<std::uint32_t, 3>> triangles)
+SurfaceDistance::SurfaceDistance(std::span<const Point> points, std::span<const Triangle> triangles)
     : points_(points), triangles_(triangles), order_(triangles.size()), nodes_(4 * triangles.size() + 4) {
   std::iota(order_.begin(), order_.end(), 0u);
   build(1, 0, order_.size());

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 class SurfaceDistance {
  public:
   /// Not empty. What is given must outlive this.
-  SurfaceDistance(std::span<const Point> points, std::span<const std::array<std::uint32_t, 3>> triangles);
+  SurfaceDistance(std::span<const Point> points, std::span<const Triangle> triangles);
 
   double from(const Point& p) const;
   /// The largest of some places on a triangle: corners, middles of edges, centroid.
@@ -25,7 +26,7 @@ class SurfaceDistance {
   void descend(std::size_t node, std::size_t begin, std::size_t end, const Point& p, double& best) const;
 
   std::span<const Point> points_;
-  std::span<const std::array<std::uint32_t, 3>> triangles_;
+  std::span<const Triangle> triangles_;
   std::vector<std::uint32_t> order_;
   std::vector<Box> nodes_;  ///< a balanced tree: node n splits its part of order_ at the middle
 };

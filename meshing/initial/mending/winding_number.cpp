@@ -13,8 +13,7 @@ constexpr double kFar = 2.5;  // of a box's radius: with one dipole a box, error
 
 }  // namespace
 
-WindingNumber::WindingNumber(std::span<const Point> points,
-                             std::span<const std::array<std::uint32_t, 3>> triangles,
+WindingNumber::WindingNumber(std::span<const Point> points, std::span<const Triangle> triangles,
                              std::span<const std::int32_t> sheets)
     : points_(points), triangles_(triangles), sheets_(sheets), order_(triangles.size()) {
   std::iota(order_.begin(), order_.end(), 0u);

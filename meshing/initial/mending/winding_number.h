@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
@@ -18,7 +19,7 @@ class WindingNumber {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   /// `sheets`: how many times each triangle counts. `points` and `triangles` must outlive this.
-  WindingNumber(std::span<const Point> points, std::span<const std::array<std::uint32_t, 3>> triangles,
+  WindingNumber(std::span<const Point> points, std::span<const Triangle> triangles,
                 std::span<const std::int32_t> sheets);
 
   /// At a place off the surface, or in the middle of triangle `on`, which counts for nothing there: half of
@@ -38,7 +39,7 @@ class WindingNumber {
   double solid_angle(std::uint32_t t, const Point& p) const;
 
   std::span<const Point> points_;
-  std::span<const std::array<std::uint32_t, 3>> triangles_;
+  std::span<const Triangle> triangles_;
   std::span<const std::int32_t> sheets_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;

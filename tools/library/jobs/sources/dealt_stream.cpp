@@ -11,6 +11,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/mesh/mesh_data.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 
@@ -18,8 +19,8 @@ namespace weft::tools {
 namespace {
 
 using meshing::Point;
+using meshing::Tet;
 using partition::Peers;
-using Tet = std::array<std::uint32_t, 4>;
 
 enum class Column : std::uint64_t { points, point_refs, tets, tet_refs, other_tet_refs, none };
 
