@@ -114,6 +114,8 @@ void clip(const std::array<Point, 4>& tet, double volume, const std::array<Point
   const std::size_t first = pieces.size();
   pieces.push_back(whole);
   for (std::size_t k = 0; k < 4; ++k) {
+    // A face that has all of the tet on its inner side cuts none of its parts, which are convex combinations.
+    if (std::ranges::all_of(corners, [k](const Coordinates& c) { return c[k] > 0; })) continue;
     // The pieces of the last cut move to the end, cut again, and then take their places.
     const std::size_t last = pieces.size();
     for (std::size_t i = first; i < last; ++i) Cut(pieces[i], cutting, k, pieces).keep_inner_part();
