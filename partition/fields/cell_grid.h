@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "meshing/base/box.h"
@@ -30,27 +29,13 @@ class CellGrid {
   }
 
   std::uint32_t size() const { return counts_[0] * counts_[1] * counts_[2]; }
-  /// The smallest side of a cell of those along which there are several.
-  double least_side() const {
-    double least = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis)
-      if (counts_[axis] > 1) least = std::min(least, sides_[axis]);
-    return least;
-  }
-
   /// Calls visit(cell) for the cells that a box touches.
   template <class Visit>
   void for_each_cell(const meshing::Box& box, const Visit& visit) const {
-    for_each_cell(box, 0, visit);
-  }
-  /// The same with `margin` cells more on every side.
-  template <class Visit>
-  void for_each_cell(const meshing::Box& box, std::uint32_t margin, const Visit& visit) const {
     std::array<std::uint32_t, 3> first, last;
     for (int axis = 0; axis < 3; ++axis) {
-      const std::uint32_t from = index(box.lo[axis], axis), to = index(box.hi[axis], axis);
-      first[axis] = from > margin ? from - margin : 0;
-      last[axis] = std::min(counts_[axis] - 1, to + margin);
+      first[axis] = index(box.lo[axis], axis);
+      last[axis] = index(box.hi[axis], axis);
     }
     for (std::uint32_t z = first[2]; z <= last[2]; ++z)
       for (std::uint32_t y = first[1]; y <= last[1]; ++y)

@@ -1,4 +1,4 @@
-// Sources are made when they are asked for, and again with a wider margin.
+// Sources are made when they are asked for, and again with what is farther off.
 #include "partition/fields/part_pair.h"
 
 #include <algorithm>

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <optional>
 
-#include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/predicates.h"
@@ -21,7 +20,6 @@
 namespace weft::partition {
 namespace {
 
-using meshing::Box;
 using meshing::Point;
 using meshing::SymTensor;
 
@@ -51,10 +49,7 @@ PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const Mo
 }
 
 void PartDomain::choose_owners(const MeshSlice& slice, const MortonShares& shares) {
-  Box mine;
-  for (const Point& p : slice.points) mine.include(p);
-  const Box box = common_box(peers_, mine);
-  if (points_.total() > 0 && norm(box.size()) > 0) largest_size_ = norm(box.size());
+  if (points_.total() > 0 && norm(shares.box.size()) > 0) largest_size_ = norm(shares.box.size());
   slice_owners_ = shares.owners(slice.points);
   std::vector<std::vector<std::uint32_t>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t v = 0; v < slice_owners_.size(); ++v)

@@ -25,7 +25,7 @@ class PartDomain final : public meshing::MetricDomain {
   /// Memory: 130 bytes a tet of the part, and twice that for a moment.
   PartDomain(Peers& peers, const MeshSlice& slice, int rings)
       : PartDomain(peers, slice, rings, morton_shares(peers, {slice.points})) {}
-  /// Vertices belong to the ranks that `shares` says, the same on all ranks.
+  /// Vertices belong to the ranks that `shares` says, the same on all ranks; largest_size() is its box's.
   PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares);
 
   const meshing::MeshData& mesh() const override { return mesh_; }
