@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds a preset: build.sh [release|debug|asan|tsan|mpich|portable|clang|heavy|coverage] [--no-tests]. The release command lands at build/bin/weft.
+# Builds a preset: build.sh [release|debug|asan|tsan|mpich|portable|clang|fuzz|heavy|coverage] [--no-tests]. The release command lands at build/bin/weft.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

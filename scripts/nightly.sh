@@ -19,9 +19,8 @@ scripts/kill_runs.py build/bin/weft --runs 200 --limits 50
 scripts/coverage.sh
 # Calls that fail, by number.
 WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^command\.fault$' --timeout 14400
-# Changed files and options.
-timeout 3600 build/bin/weft_fuzz_readers 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
-timeout 3600 build/bin/weft_fuzz_options 100000000 "$RANDOM" tests/data/formats/*.* || [ $? -eq 124 ]
+# Changed files and options, by what they reach: an hour each.
+scripts/fuzz.sh 3600
 # Random meshes, metrics, partitions, ranks.
 scripts/fuzz_runs.py build/bin/weft --seconds 3600
 # A thousand ranks in one thread, and real ones: the same bytes.

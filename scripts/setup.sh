@@ -22,7 +22,7 @@ if [[ ${1:-} == --all ]]; then
     petsc-dev python3-petsc4py python3-dolfinx
     lintian debootstrap man-db groff zsh fish
     doxygen gcovr
-    clang-16 clang-tidy-16 clang-format
+    clang-16 libclang-rt-16-dev clang-tidy-16 clang-format
   )
 fi
 

@@ -1,13 +1,15 @@
-// libFuzzer target: every reader of meshes and fields. The first byte of an input chooses the format, the
-// rest is the file. Anything but a result or an InputError is a finding.
+// libFuzzer target: every reader of meshes and fields. The first line of an input is the extension that names its
+// format, the rest is the file. Anything but a result or an InputError is a finding.
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "weft/weft.h"
 
@@ -15,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 14> kExtensions = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
-                                                     ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
-                                                     ".stl",   ".ply",  ".obj",  ".off"};
+constexpr std::array<std::string_view, 14> kExtensions = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
+                                                          ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
+                                                          ".stl",   ".ply",  ".obj",  ".off"};
 
 void read(const std::string& path) {
   const std::string extension = fs::path(path).extension();
@@ -36,13 +38,14 @@ void read(const std::string& path) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size == 0) return 0;
-  const fs::path path = fs::temp_directory_path() /
-                        ("weft-fuzz-" + std::to_string(getpid()) + kExtensions[data[0] % kExtensions.size()]);
-  {
-    std::ofstream file(path, std::ios::binary);
-    file.write(reinterpret_cast<const char*>(data + 1), static_cast<std::streamsize>(size - 1));
-  }
+  const std::string_view input(reinterpret_cast<const char*>(data), size);
+  const std::size_t end = input.substr(0, 8).find('\n');
+  if (end == std::string_view::npos) return 0;
+  const std::string_view extension = input.substr(0, end), contents = input.substr(end + 1);
+  if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) return 0;
+  const fs::path path =
+      fs::temp_directory_path() / ("weft-fuzz-" + std::to_string(getpid()) + std::string(extension));
+  std::ofstream(path, std::ios::binary).write(contents.data(), static_cast<std::streamsize>(contents.size()));
   read(path.string());
   fs::remove(path);
   return 0;

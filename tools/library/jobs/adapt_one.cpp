@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <new>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "meshing/adapt/adapt.h"
@@ -54,7 +56,9 @@ class OneMesh {
     if (options_.run.measure) measure_before();
     adapt();
     judge();
-    if (!input_.fields.fields.empty()) carry_fields();
+    if (!input_.fields.fields.empty())
+      if_memory_lasts("the fields are not carried along", [this] { carry_fields(); });
+    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
     return std::move(result_);
   }
 
@@ -153,9 +157,22 @@ class OneMesh {
 
   /// Who ends a run early wants what there is at once, and measures it if he wants to know: measures().
   void judge() {
-    if (options_.run.measure && !result_.cancelled) measure_after();
+    if (options_.run.measure && !result_.cancelled)
+      if_memory_lasts("the result is not measured", [this] { measure_after(); });
     field_ = {};
-    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
+  }
+
+  /// The mesh is there already: what fails now for lack of memory costs the goal, not the mesh.
+  template <class F>
+  void if_memory_lasts(const char* without, F f) {
+    try {
+      f();
+    } catch (const std::bad_alloc&) {
+      monitor_.out_of_memory();
+      result_.cancelled = true;
+      result_.ended_by = text_of(monitor_.reason());
+      result_.warnings.push_back(std::string("not enough memory: ") + without);
+    }
   }
 
   void measure_after() {

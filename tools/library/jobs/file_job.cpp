@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -91,21 +92,30 @@ class FileJob {
 
   /// What was ended early has not been: who interrupts a run may soon kill it, so the mesh came first.
   void measure() {
-    if (options_.run.measure || !run_.report_path.empty()) measures(result_);
+    if (options_.run.measure || !run_.report_path.empty()) once_written([this] { measures(result_); });
     static_cast<Report&>(run_) = std::move(static_cast<Report&>(result_));
   }
 
-  /// The mesh is safe by now: a report that cannot be written costs the goal, not the mesh.
   void finish() {
     run_.times.total = total_.lap();
     run_.peak_memory = peak_memory_bytes();
     if (run_.report_path.empty()) return;
-    try {
+    once_written([this] {
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
       if (files_.page)
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);
+    });
+  }
+
+  /// The mesh is safe by now: a report that cannot be made costs the goal, not the mesh.
+  template <class F>
+  void once_written(F f) {
+    try {
+      f();
     } catch (const InputError& error) {
       report_error_ = error.what();
+    } catch (const std::bad_alloc&) {
+      report_error_ = "not enough memory to measure and report the result";
     }
   }
 
