@@ -11,7 +11,7 @@ import random
 import subprocess
 import unittest
 
-from command import WEFT, CommandTest
+from command import WEFT, CommandTest, solution_text
 
 SHIM = os.environ["WEFT_FAULT_SHIM"]
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
@@ -50,8 +50,8 @@ class Faults(CommandTest):
                                "--metric-fn", "uniform:0.3", *out, *words_beside, *map(str, words)],
                               cwd=self.folder, capture_output=True, text=True, timeout=SECONDS)
 
-    def calls(self, mode, rank):
-        done = self.run_with("none:0", mode, rank)
+    def calls(self, mode, rank, words_beside=("--quiet",)):
+        done = self.run_with("none:0", mode, rank, words_beside)
         self.assertIn(done.returncode, (0, 1), done.stderr)
         lines = (self.folder / "count").read_text().split()
         counts = dict(zip(lines[::2], map(int, lines[1::2])))
@@ -132,6 +132,26 @@ class Faults(CommandTest):
                 if left == 2:
                     break
             self.assertEqual(left, 2, mode)
+
+    def test_an_allocation_that_fails_once_the_mesh_is_there_costs_what_comes_after_it(self):
+        """The mesh is written without fields that cannot be carried along, or without measures."""
+        self.write("f.sol", solution_text([(i,) for i in range(27)], kind=1))
+        words = ("--progress", "none", "--field", "f.sol")
+        count = self.calls("one mesh", 0, words)["new"]
+        self.take_results()
+        texts = {"the fields are not carried along": 0, "to measure and report": 0}
+        for point in range(count, 0, -1):
+            done = self.run_with(f"new:{point}", "one mesh", words_beside=words)
+            told = f"new:{point} of {count}: exit {done.returncode}\n{done.stdout}{done.stderr}"
+            for text in texts:
+                if text in done.stdout + done.stderr:
+                    texts[text] += 1
+                    self.assertEqual(done.returncode, 1, told)
+                    self.assertNotEqual((self.folder / "out.meshb").read_bytes(), self.old["out.meshb"], told)
+            self.assert_nothing_is_lost(done, "new", False, told)
+            if texts["the fields are not carried along"] == 2:
+                break
+        self.assertEqual([text for text, times in texts.items() if times == 0], [])
 
     def test_what_is_late_changes_nothing(self):
         chance = random.Random(SEED)
