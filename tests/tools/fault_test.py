@@ -133,25 +133,23 @@ class Faults(CommandTest):
                     break
             self.assertEqual(left, 2, mode)
 
-    def test_an_allocation_that_fails_once_the_mesh_is_there_costs_what_comes_after_it(self):
-        """The mesh is written without fields that cannot be carried along, or without measures."""
+    def test_an_allocation_that_fails_once_the_mesh_is_there_costs_the_fields_alone(self):
         self.write("f.sol", solution_text([(i,) for i in range(27)], kind=1))
         words = ("--progress", "none", "--field", "f.sol")
         count = self.calls("one mesh", 0, words)["new"]
         self.take_results()
-        texts = {"the fields are not carried along": 0, "to measure and report": 0}
-        for point in range(count, 0, -1):
+        chance, without = random.Random(SEED), 0
+        for point in chance.sample(range(count * 4 // 5, count), count // 5):  # the last ones, and a few before
             done = self.run_with(f"new:{point}", "one mesh", words_beside=words)
             told = f"new:{point} of {count}: exit {done.returncode}\n{done.stdout}{done.stderr}"
-            for text in texts:
-                if text in done.stdout + done.stderr:
-                    texts[text] += 1
-                    self.assertEqual(done.returncode, 1, told)
-                    self.assertNotEqual((self.folder / "out.meshb").read_bytes(), self.old["out.meshb"], told)
+            if "the fields are not carried along" in done.stdout:
+                without += 1
+                self.assertEqual(done.returncode, 1, told)
+                self.assertNotEqual((self.folder / "out.meshb").read_bytes(), self.old["out.meshb"], told)
             self.assert_nothing_is_lost(done, "new", False, told)
-            if texts["the fields are not carried along"] == 2:
+            if without == 3:
                 break
-        self.assertEqual([text for text, times in texts.items() if times == 0], [])
+        self.assertEqual(without, 3)
 
     def test_what_is_late_changes_nothing(self):
         chance = random.Random(SEED)
