@@ -2,6 +2,11 @@
 #include "tools/library/jobs/resources/memory.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
 
 namespace weft::tools::memory_test {
 namespace {
@@ -27,6 +32,27 @@ TEST(AvailableMemory, ReadsMeminfo) {
 TEST(AvailableMemory, ReadsTheControlGroup) {
   EXPECT_EQ(parse_cgroup_path("12:cpu:/other\n0::/user.slice/run\n"), "/user.slice/run");
   EXPECT_EQ(parse_cgroup_path("12:cpu:/other\n"), "");
+  EXPECT_EQ(parse_cgroup_path("12:cpu,memory:/job:1\n0::/run\n", "memory"), "/job:1");
+}
+
+TEST(AvailableMemory, IsWhatTheTightestControlGroupLeaves) {
+  const std::filesystem::path root =
+      std::filesystem::temp_directory_path() / ("weft-groups-" + std::to_string(getpid()));
+  const auto write = [&](const std::string& file, const std::string& text) {
+    std::filesystem::create_directories((root / file).parent_path());
+    std::ofstream(root / file) << text << "\n";
+  };
+  EXPECT_FALSE(control_group_room(root, "4:memory:/job/step\n0::/slice\n"));
+  write("slice/memory.max", "max");
+  write("slice/memory.current", "10");
+  EXPECT_FALSE(control_group_room(root, "4:memory:/job/step\n0::/slice\n"));
+  write("memory/job/memory.limit_in_bytes", "1000");
+  write("memory/job/memory.usage_in_bytes", "700");
+  write("memory/job/memory.stat", "cache 300\ntotal_inactive_file 100");
+  EXPECT_EQ(control_group_room(root, "4:memory:/job/step\n0::/slice\n"), 400) << "of the group around it";
+  write("slice/memory.max", "210");
+  EXPECT_EQ(control_group_room(root, "4:memory:/job/step\n0::/slice\n"), 200);
+  std::filesystem::remove_all(root);
 }
 
 TEST(AvailableMemory, IsKnownHere) {

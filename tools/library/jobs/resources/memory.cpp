@@ -52,25 +52,24 @@ void lower(std::optional<double>& limit, std::optional<double> other) {
   if (other) limit = limit ? std::min(*limit, *other) : *other;
 }
 
-/// What one control group of version 2 leaves; file cache that can be dropped is not counted as used.
-std::optional<double> group_room(const std::filesystem::path& group) {
-  const auto limit = file_number(group / "memory.max"), used = file_number(group / "memory.current");
-  if (!limit || !used) return std::nullopt;
-  const double droppable = named_number(file_text(group / "memory.stat"), "inactive_file").value_or(0);
-  return std::max(0.0, *limit - (*used - droppable));
-}
+/// Where a version of control groups keeps its figures.
+struct GroupVersion {
+  const char* controller;  ///< in /proc/self/cgroup
+  const char* folder;      ///< below /sys/fs/cgroup
+  const char *limit, *used;
+  const char* droppable;  ///< file cache, in memory.stat
+};
+constexpr GroupVersion kGroupVersions[] = {
+    {"", "", "memory.max", "memory.current", "inactive_file"},
+    {"memory", "memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"},
+};
 
-std::optional<double> control_group_room() {
-  const std::filesystem::path root = "/sys/fs/cgroup";
-  std::optional<double> room;
-  std::filesystem::path group = parse_cgroup_path(file_text("/proc/self/cgroup"));
-  for (; !group.empty() && group != group.parent_path(); group = group.parent_path())
-    lower(room, group_room(root / group.relative_path()));
-  lower(room, group_room(root));
-  const auto limit = file_number(root / "memory/memory.limit_in_bytes");  // version 1
-  const auto used = file_number(root / "memory/memory.usage_in_bytes");
-  if (limit && used) lower(room, std::max(0.0, *limit - *used));
-  return room;
+/// What one control group leaves; file cache that can be dropped is not counted as used.
+std::optional<double> group_room(const std::filesystem::path& group, const GroupVersion& version) {
+  const auto limit = file_number(group / version.limit), used = file_number(group / version.used);
+  if (!limit || !used) return std::nullopt;
+  const double droppable = named_number(file_text(group / "memory.stat"), version.droppable).value_or(0);
+  return std::max(0.0, *limit - (*used - droppable));
 }
 
 std::optional<double> address_space_room() {
@@ -96,17 +95,31 @@ std::optional<double> parse_mem_available(const std::string& meminfo) {
   return kibibytes ? std::optional(*kibibytes * 1024) : std::nullopt;
 }
 
-std::string parse_cgroup_path(const std::string& text) {
+std::string parse_cgroup_path(const std::string& text, const std::string& controller) {
   std::istringstream lines(text);
-  std::string line;
-  while (std::getline(lines, line))
-    if (line.starts_with("0::")) return line.substr(3);
+  std::string number, controllers, path;
+  while (std::getline(lines, number, ':') && std::getline(lines, controllers, ':') &&
+         std::getline(lines, path)) {
+    if (("," + controllers + ",").find("," + controller + ",") != std::string::npos) return path;
+  }
   return {};
+}
+
+std::optional<double> control_group_room(const std::filesystem::path& root, const std::string& groups) {
+  std::optional<double> room;
+  for (const GroupVersion& version : kGroupVersions) {
+    const std::filesystem::path top = root / version.folder;
+    std::filesystem::path group = parse_cgroup_path(groups, version.controller);
+    for (; !group.empty() && group != group.parent_path(); group = group.parent_path())
+      lower(room, group_room(top / group.relative_path(), version));
+    lower(room, group_room(top, version));
+  }
+  return room;
 }
 
 std::optional<double> available_memory() {
   std::optional<double> room = parse_mem_available(file_text("/proc/meminfo"));
-  lower(room, control_group_room());
+  lower(room, control_group_room("/sys/fs/cgroup", file_text("/proc/self/cgroup")));
   lower(room, address_space_room());
   return room;
 }

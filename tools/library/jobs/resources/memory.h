@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -30,8 +31,12 @@ int ranks_on_this_machine(int ranks);
 
 /// "MemAvailable" of the text of /proc/meminfo, in bytes.
 std::optional<double> parse_mem_available(const std::string& meminfo);
-/// The group's path out of the text of /proc/self/cgroup (version 2 line "0::PATH"), or empty.
-std::string parse_cgroup_path(const std::string& text);
+/// A process's control group out of the text of /proc/self/cgroup: of version 2 (line "0::PATH"), or of a
+/// controller of version 1 ("4:memory:PATH"). Empty where it has none.
+std::string parse_cgroup_path(const std::string& text, const std::string& controller = {});
+/// Bytes that the control groups of memory in `groups` (the text of /proc/self/cgroup), and those around them,
+/// leave. Their figures are below `root`. Empty without a group.
+std::optional<double> control_group_room(const std::filesystem::path& root, const std::string& groups);
 
 /// A run that takes this share of what it may take ends: the result needs some room too.
 inline constexpr double kMemoryInUse = 0.8;
