@@ -23,10 +23,10 @@ def ranks_of(mpirun):
 
 
 class Deadline(CommandTest):
-    def start(self, ranks, *words):
+    def start(self, ranks, *words, at_start=None):
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
         return subprocess.Popen([*launcher, str(WEFT), "adapt", self.box(8), *map(str, words)], cwd=self.folder,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=at_start)
 
     def assert_valid_result(self, process, ended_by):
         out, errors = process.communicate(timeout=SECONDS)
@@ -64,6 +64,25 @@ class TimeLimit(Deadline):
 
 
 class Memory(Deadline):
+    def control_group(self, megabytes):
+        """The folder of a new control group (a batch job, a container) that may take so much memory."""
+        for parent, limit in (("/sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("/sys/fs/cgroup", "memory.max")):
+            group = pathlib.Path(parent) / f"weft-test-{os.getpid()}"
+            try:
+                group.mkdir()
+                self.addCleanup(group.rmdir)
+                (group / limit).write_text(f"{megabytes}M")
+                return group
+            except OSError:
+                continue
+        self.skipTest("no control group of memory can be made here")
+
+    def test_that_a_control_group_limits(self):
+        """Who takes more is killed: the run ends before, with the mesh that it has."""
+        group = self.control_group(150)
+        process = self.start(0, *LONG, "--force", at_start=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
+        self.assert_valid_result(process, "memory limit")
+
     def test_that_is_used_up(self):
         """The prediction is overruled; what the run really takes ends it."""
         process = self.start(0, *LONG, "--max-memory", "150M", "--force")

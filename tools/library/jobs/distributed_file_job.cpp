@@ -1,5 +1,6 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -207,6 +208,7 @@ class DistributedFileJob {
 Options options_of_simulated(const Options& options, engine::Rank rank) {
   Options mine = options;
   mine.run.state_on_signal = false;
+  mine.run.max_memory = std::numeric_limits<double>::infinity();
   if (rank.value == 0) return mine;
   mine.run.progress = {};
   mine.run.on_failure = {};

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <optional>
 
 #include "tools/library/jobs/resources/memory.h"
 
@@ -10,6 +12,7 @@ namespace weft::tools {
 namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(50);
+constexpr unsigned kTurnsOfMemory = 4;  // some files are read for it
 
 }  // namespace
 
@@ -31,7 +34,8 @@ std::string text_of(EndReason reason) {
 
 Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin)
     : options_(options), sharers_(std::max(1, sharers)), begin_(begin), memory_(options.max_memory) {
-  if (options_.time_limit > 0 || memory_ > 0) watcher_ = std::thread([this] { watch(); });
+  memory_at_begin_ = resident_bytes();
+  if (options_.time_limit > 0 || std::isfinite(memory_)) watcher_ = std::thread([this] { watch(); });
 }
 
 Monitor::~Monitor() {
@@ -69,13 +73,21 @@ double Monitor::seconds_to_finish() const {
   return kAlways + (sharers_ > 1 ? kOfLauncher + kOfTetInParts * tets / sharers_ : kOfTet * tets);
 }
 
+/// Whoever takes the last memory of a machine or a control group is killed, and the mesh with it.
+bool Monitor::memory_runs_out() const {
+  if (memory_ > 0) return resident_bytes() > kMemoryInUse * memory_;
+  const std::optional<double> left = memory_left();
+  const double taken = resident_bytes() - memory_at_begin_;
+  return left && *left / ranks_on_this_machine(sharers_) < (1 / kMemoryInUse - 1) * taken;
+}
+
 void Monitor::watch() {
   std::unique_lock lock(mutex_);
-  while (!over_.wait_for(lock, kPeriod, [this] { return ended_; })) {
+  for (unsigned turn = 1; !over_.wait_for(lock, kPeriod, [this] { return ended_; }); ++turn) {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (options_.time_limit > 0 && seconds + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
-    if (memory_ > 0 && resident_bytes() > kMemoryInUse * memory_) cancel(EndReason::memory_limit);
+    if (turn % kTurnsOfMemory == 0 && memory_runs_out()) cancel(EndReason::memory_limit);
   }
 }
 

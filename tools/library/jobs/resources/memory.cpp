@@ -117,9 +117,14 @@ std::optional<double> control_group_room(const std::filesystem::path& root, cons
   return room;
 }
 
-std::optional<double> available_memory() {
+std::optional<double> memory_left() {
   std::optional<double> room = parse_mem_available(file_text("/proc/meminfo"));
   lower(room, control_group_room("/sys/fs/cgroup", file_text("/proc/self/cgroup")));
+  return room;
+}
+
+std::optional<double> available_memory() {
+  std::optional<double> room = memory_left();
   lower(room, address_space_room());
   return room;
 }

@@ -19,8 +19,10 @@ inline constexpr double kMaxTets = (1u << 30) - 1;
 /// A subdomain may get so many times the mean's tets, and its arrays have as many slots once more for holes.
 inline constexpr double kSlotsOfSubdomain = 4;
 
-/// Bytes this process may still take: free memory of the machine, less where a control group (a container) or
-/// ulimit -v allows less. Empty when the system does not tell.
+/// Bytes that the machine still has, less where a control group (a container, a batch job) allows less: whoever
+/// takes more is killed. Empty when the system does not tell.
+std::optional<double> memory_left();
+/// The same, less where ulimit -v allows less: then allocations fail.
 std::optional<double> available_memory();
 
 /// The same of one of the `ranks` of a run: those on this machine share it. Less where `limit` (0: none)
