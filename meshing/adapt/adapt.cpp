@@ -31,8 +31,7 @@ double bounding_box_diagonal(const MeshData& m) {
 
 /// Address space for many times the predicted size: holes and a mesh that must first grow cost slots.
 std::size_t capacity(double predicted, std::size_t input) {
-  constexpr double kMost = (1u << 30) - 1;
-  return static_cast<std::size_t>(std::min(kMost, 10 * predicted + 4 * static_cast<double>(input) + 1e6));
+  return static_cast<std::size_t>(std::min(double{kMostTets}, 10 * predicted + 4 * static_cast<double>(input) + 1e6));
 }
 
 void check_background(const BackgroundData& background) {

@@ -121,14 +121,21 @@ class Adaptation {
     return value;
   }
 
-  /// An allocation that fails ends the adaptation, but loses nothing: operators take what they need before
-  /// they change anything.
   template <class F>
-  double make(F f) try {
+  static double value_of(F f) {
     if constexpr (std::is_void_v<std::invoke_result_t<F>>)
       return f(), 0;
     else
       return static_cast<double>(f());
+  }
+
+  /// A pass that lacked room is made once more with more of it. An allocation that fails ends the adaptation, but loses nothing: operators take what they need before
+  /// they change anything.
+  template <class F>
+  double make(F f) try {
+    double value = value_of(f);
+    while (mesh_.is_full() && mesh_.grow()) value += value_of(f);
+    return value;
   } catch (const std::bad_alloc&) {
     if (!options_.out_of_memory || !links_hold(mesh_)) throw;
     options_.out_of_memory();

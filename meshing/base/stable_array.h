@@ -1,4 +1,4 @@
-// An array that grows without moving: address space is reserved once, pages come when touched.
+// An array that fills without moving: address space is reserved, pages come when touched.
 #pragma once
 
 #include <sys/mman.h>
@@ -50,6 +50,17 @@ class StableArray {
   T& operator[](std::size_t i) { return data_[i]; }
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return bytes_ / sizeof(T); }
+
+  /// Room for `capacity` elements, no fewer than there is. They may move: nobody else may have the array. Throws
+  /// NoAddressSpace.
+  void grow(std::size_t capacity) {
+    const std::size_t bytes = capacity * sizeof(T);
+    if (bytes <= bytes_) return;
+    void* p = mremap(data_, bytes_, bytes, MREMAP_MAYMOVE);
+    if (p == MAP_FAILED) throw NoAddressSpace();
+    data_ = static_cast<T*>(p);
+    bytes_ = bytes;
+  }
 
   /// Gives the memory of everything from element `size` on back to the system; it reads as zero again.
   void release_from(std::size_t size) {

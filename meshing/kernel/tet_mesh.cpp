@@ -97,6 +97,26 @@ std::uint32_t TetMesh::take_tet_slots(std::uint32_t count) {
   return granted(try_take_tet_slots(count), tet_capacity(), "tets");
 }
 
+void TetMesh::reserve(Room room) {
+  const auto grow_all = [](std::size_t capacity, auto&... arrays) { (arrays.grow(capacity), ...); };
+  // Last the arrays that tell the capacity: where one of the others cannot grow, it is as before.
+  grow_all(room.tets, patches_, tet_refs_, quality_, marks_);
+  grow_all(room.vertices, vertex_marks_, vertex_refs_, labels_, background_hints_, surface_hints_, claims_);
+  grow_all(room.vertices, vertices_);
+  grow_all(room.tets, tets_);
+  is_full_.store(false, std::memory_order_relaxed);
+}
+
+bool TetMesh::grow() {
+  if (tet_capacity() >= kMostTets) return false;
+  try {
+    reserve({std::min(4 * vertex_capacity(), kMostTets), std::min(4 * tet_capacity(), kMostTets)});
+  } catch (const NoAddressSpace&) {
+    return false;
+  }
+  return true;
+}
+
 std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages) {
   for (;;) {
     try {

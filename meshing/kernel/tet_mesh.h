@@ -63,6 +63,13 @@ enum VertexFlag : std::uint8_t {
   kCallerThird = 128
 };
 
+/// What a mesh can have at most: TetFace is a tet times four in 32 bits.
+inline constexpr std::size_t kMostTets = (1u << 30) - 1;
+
+struct Room {
+  std::size_t vertices, tets;
+};
+
 class TetMesh {
  public:
   static constexpr std::uint32_t kFree = 0;  ///< claim word of a vertex nobody holds
@@ -83,6 +90,12 @@ class TetMesh {
   std::uint32_t take_tet_slots(std::uint32_t count);
   /// Whether slots have been asked for in vain.
   bool is_full() const { return is_full_.load(std::memory_order_relaxed); }
+  /// Makes room for so many entities, no fewer than there is; is_full() is over. Slots stay what they are, but
+  /// places move: nobody else may be at work. Throws NoAddressSpace.
+  void reserve(Room room);
+  /// The same for four times what there is. False, and nothing has changed, where a mesh cannot have more or
+  /// the system does not grant it.
+  bool grow();
   std::size_t vertex_capacity() const { return vertices_.capacity(); }
   std::size_t tet_capacity() const { return tets_.capacity(); }
 
@@ -264,9 +277,6 @@ class TetMesh {
   tbb::concurrent_hash_map<std::uint64_t, std::uint32_t> curves_;
 };
 
-struct Room {
-  std::size_t vertices, tets;
-};
 /// A mesh with room for so many entities, or, where the system does not grant the address space (ulimit -v,
 /// strict overcommit), for half as many, a quarter and so on down to `least`. Throws NoAddressSpace.
 std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages = Pages::huge);

@@ -66,42 +66,28 @@ void excuse_what_is_right(meshing::TetMesh& mesh, const meshing::Limits& limits)
       mesh.set_flags(VertexId(i), mesh.flags(VertexId(i)) | kHasBeenFree);
 }
 
-constexpr std::uint64_t kMostTets = (1u << 30) - 1;  // of a kernel
-
-void move_to(Subdomain& s, std::uint64_t tet_capacity) {
-  s.tet_capacity = std::min(tet_capacity, kMostTets);
-  meshing::TetMeshArrays arrays = meshing::to_arrays(*s.mesh);
-  s.mesh.reset();
-  s.mesh =
-      meshing::from_arrays(arrays, vertex_capacity(s.tet_capacity), s.tet_capacity, meshing::Pages::small);
-}
-
-/// False where it has all that a kernel can have.
-bool grow(Subdomain& s) {
-  if (s.tet_capacity >= kMostTets) return false;
-  move_to(s, 4 * s.tet_capacity);
-  return true;
-}
-
-void adapt_once(Subdomain& s, const meshing::Surface& surface, const meshing::Limits& limits,
-                meshing::Extent extent, const meshing::AdaptOptions& options,
-                const meshing::BeforeLevel& before_level, meshing::AdaptReport& report) {
-  meshing::Kernel kernel{*s.mesh, s.background.background(), surface, limits};
-  meshing::adapt_in_place(kernel, options, extent, report, before_level);
+meshing::Room room_for(std::uint64_t tets) {
+  const std::uint64_t most = std::min<std::uint64_t>(tets, meshing::kMostTets);
+  return {vertex_capacity(most), most};
 }
 
 }  // namespace
 
 std::size_t tet_slots_for(double predicted, std::uint64_t tets) {
   const double wanted = 10 * predicted + 4 * static_cast<double>(tets) + 1e5;
-  return static_cast<std::size_t>(std::min(wanted, static_cast<double>(kMostTets)));
+  return static_cast<std::size_t>(std::min(wanted, static_cast<double>(meshing::kMostTets)));
 }
 
 void make_room(Subdomain& s, std::uint64_t more) {
   // Vertices have half as many slots as tets (vertex_capacity), and mostly need a fifth.
   const std::uint64_t needed =
       std::max<std::uint64_t>(s.mesh->tet_slots(), 2 * s.mesh->vertex_slots()) + more;
-  if (needed > s.mesh->tet_capacity()) move_to(s, 2 * needed);
+  if (needed <= s.mesh->tet_capacity()) return;
+  try {
+    s.mesh->reserve(room_for(2 * needed));
+  } catch (const meshing::NoAddressSpace&) {
+    s.mesh->reserve(room_for(needed));
+  }
 }
 
 meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surface,
@@ -111,15 +97,9 @@ meshing::AdaptReport adapt_subdomain(Subdomain& s, const meshing::Surface& surfa
   meshing::AdaptReport report;
   if (!has_tets(*s.mesh)) return report;
   if (extent == meshing::Extent::fresh && !has_fresh_tets(*s.mesh)) return report;
-  make_room(s, s.mesh->tet_slots());
   const meshing::Surface here = surface.part(s.surface);
-  adapt_once(s, here, limits, extent, options, before_level, report);
-  // By now all holders have refined the interface to the last level.
-  while (s.mesh->is_full() && !report.interrupted && grow(s)) {
-    std::erase_if(report.warnings,
-                  [](const std::string& w) { return w.starts_with("the mesh has room for "); });
-    adapt_once(s, here, limits, meshing::Extent::everything, options, {}, report);
-  }
+  meshing::Kernel kernel{*s.mesh, s.background.background(), here, limits};
+  meshing::adapt_in_place(kernel, options, extent, report, before_level);
   remember_who_was_free(*s.mesh);
   constexpr double kNearlyRight = 0.1;
   if (extent == meshing::Extent::everything && report.share_wrong < kNearlyRight)

@@ -14,13 +14,12 @@ namespace weft::partition {
 /// make_room(). Of the whole mesh it knows nothing, so that a process may have any number of subdomains.
 std::size_t tet_slots_for(double predicted, std::uint64_t tets);
 
-/// Room for `more` tets; where there is too little all arrays are moved to places twice as large as needed.
-/// Numbers and everything else stay. Only while nobody else has the mesh.
+/// Room for `more` tets; where there is too little the arrays grow to twice what is needed. Only while nobody
+/// else has the mesh.
 void make_room(Subdomain& subdomain, std::uint64_t more);
 
 /// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
-/// nothing is done where nothing is). A mesh that becomes full on the way gets more room and is adapted
-/// again. `surface`: any part of the whole mesh's; the pieces are the subdomain's. Limits::hausd: not 0.
+/// nothing is done where nothing is). `surface`: any part of the whole mesh's; the pieces are the subdomain's. Limits::hausd: not 0.
 /// `before_level` as in meshing::adapt_in_place; it names its own new vertices, others have their ids
 /// afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface,

@@ -59,7 +59,6 @@ BackgroundStore background_of(const SubdomainStart& s) {
 
 Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
     : id(start.subdomain),
-      tet_capacity(capacity),
       next_local(std::uint64_t{1} << (GlobalId::kLocalBits - 1)),  // beyond all numbers of the input
       mesh(meshing::reserve_tet_mesh({vertex_capacity(capacity), capacity},
                                      {start.points.size(), start.tets.size()}, meshing::Pages::small)),

@@ -29,11 +29,10 @@ inline constexpr std::uint8_t kWasInterface = meshing::kCallerFirst;
 /// label; those of the interface are frozen.
 struct Subdomain {
   Subdomain() = default;
-  /// `tet_capacity`: address space, not memory, for the most tets that may ever come here.
+  /// `tet_capacity`: address space, not memory, for tets that may come here; the mesh grows beyond it.
   Subdomain(const SubdomainStart& start, std::size_t tet_capacity);
 
   SubdomainId id;
-  std::uint64_t tet_capacity = 0;
   std::uint64_t next_local = 0;  ///< of the ids that this subdomain gives to new vertices
   std::unique_ptr<meshing::TetMesh> mesh;
   BackgroundStore background;

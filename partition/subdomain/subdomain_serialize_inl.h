@@ -13,11 +13,14 @@ template <class Archive>
 void Subdomain::serialize(Archive& archive) {
   meshing::TetMeshArrays arrays;
   std::vector<meshing::SurfacePieces::Piece> surface_pieces;
+  std::uint64_t room_vertices = 0, room_tets = 0;
   if constexpr (Archive::kPacks) {
+    room_vertices = mesh->vertex_capacity();
+    room_tets = mesh->tet_capacity();
     arrays = meshing::to_arrays(*mesh);
     surface_pieces.assign(surface.all().begin(), surface.all().end());
   }
-  archive(id, tet_capacity, next_local, interface, phase, departures, arrays);
+  archive(id, room_vertices, room_tets, next_local, interface, phase, departures, arrays);
   if constexpr (Archive::kPacks) {
     serialize_pieces(archive, background.all_pieces());
   } else {
@@ -27,7 +30,7 @@ void Subdomain::serialize(Archive& archive) {
   }
   meshing::serialize_pieces(archive, surface_pieces);
   if constexpr (!Archive::kPacks) {
-    mesh = meshing::from_arrays(arrays, vertex_capacity(tet_capacity), tet_capacity, meshing::Pages::small);
+    mesh = meshing::from_arrays(arrays, room_vertices, room_tets, meshing::Pages::small);
     surface.add(surface_pieces);
   }
 }

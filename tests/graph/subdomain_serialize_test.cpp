@@ -69,7 +69,7 @@ void expect_same_mesh(const Subdomain& a, const Subdomain& b) {
 
 void expect_same(const Subdomain& a, const Subdomain& b) {
   EXPECT_EQ(a.id, b.id);
-  EXPECT_EQ(a.tet_capacity, b.tet_capacity);
+  EXPECT_EQ(a.mesh->tet_capacity(), b.mesh->tet_capacity());
   EXPECT_EQ(a.next_local, b.next_local);
   EXPECT_EQ(a.departures, b.departures);
   EXPECT_TRUE(std::ranges::equal(a.interface.lines(), b.interface.lines()));

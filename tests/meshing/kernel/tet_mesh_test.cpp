@@ -12,8 +12,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/renumber.h"
 #include "meshing/kernel/speculation.h"
+#include "meshing/kernel/tet_mesh_arrays.h"
 #include "tests/support/kernel.h"
 #include "tests/support/meshes.h"
 
@@ -55,6 +57,23 @@ TEST(TetMesh, SaysWhenItIsFull) {
   EXPECT_EQ(mesh.try_take_tet_slots(8), std::nullopt);
   EXPECT_EQ(mesh.tet_slots(), 8u);
   EXPECT_TRUE(mesh.is_full());
+}
+
+TEST(TetMesh, GrowsWithAllThatItHas) {
+  const auto mesh = import_mesh(support::unit_cube(2), 40, 100, 1000).mesh;
+  const TetMeshArrays before = to_arrays(*mesh);
+  EXPECT_EQ(mesh->try_take_tet_slots(1u << 29), std::nullopt);
+  const std::size_t room = mesh->tet_capacity();
+  ASSERT_TRUE(mesh->grow());
+  EXPECT_FALSE(mesh->is_full());
+  EXPECT_EQ(mesh->tet_capacity(), 4 * room);
+  const TetMeshArrays after = to_arrays(*mesh);
+  EXPECT_EQ(after.tets, before.tets);
+  EXPECT_EQ(after.patches, before.patches);
+  EXPECT_EQ(after.log_metrics, before.log_metrics);
+  EXPECT_EQ(after.vertex_tets, before.vertex_tets);
+  EXPECT_TRUE(links_hold(*mesh));
+  EXPECT_TRUE(mesh->try_take_tet_slots(static_cast<std::uint32_t>(2 * room)));
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

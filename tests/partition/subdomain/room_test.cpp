@@ -62,7 +62,6 @@ TEST(Room, ASubdomainThatBecomesFullIsAdaptedToTheEndAllTheSame) {
   Rounds ample(cut, scene.hausd(), {2, false});
   ample.adapt(meshing::Extent::everything);
   Subdomain s(cut.starts[0], cut.starts[0].tets.size());
-  // Less than it will have: make_room() doubles what there is.
   const auto wanted = count_tets(ample.subdomains()[0]);
   ASSERT_GT(wanted, 5 * count_tets(s)) << "the scene is too coarse for the test";
   const meshing::AdaptReport report =
@@ -71,6 +70,17 @@ TEST(Room, ASubdomainThatBecomesFullIsAdaptedToTheEndAllTheSame) {
   EXPECT_FALSE(s.mesh->is_full());
   EXPECT_NEAR(static_cast<double>(count_tets(s)), static_cast<double>(wanted),
               0.1 * static_cast<double>(wanted));
+}
+
+TEST(Room, InterfacesAreRefinedWhereThereWasTooLittle) {
+  const Scene scene = growing_cube();
+  const Cut cut = scene.cut();
+  Rounds ample(cut, scene.hausd(), {2, false}), tight(cut, scene.hausd(), {2, false});
+  take_the_room(cut, tight);
+  for (Rounds* rounds : {&ample, &tight}) rounds->refine_interfaces();
+  EXPECT_GT(tets_of(tight), 2 * cut.starts[0].tets.size() + 2 * cut.starts[1].tets.size());
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_EQ(to_arrays(*tight.subdomains()[i].mesh).tets, to_arrays(*ample.subdomains()[i].mesh).tets);
 }
 
 TEST(Room, WhatAShiftBringsFindsRoom) {
