@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "meshing/adapt/check_whole.h"
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/renumber.h"
 #include "meshing/kernel/speculation.h"
