@@ -22,7 +22,7 @@ export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_erro
 failed=0
 for target in readers options; do
   build-fuzz/bin/weft_fuzz_$target "build-fuzz/corpus-$target" -max_total_time="$seconds" -max_len=65536 -timeout=60 \
-    -rss_limit_mb=8192 -fork="$(nproc)" -ignore_crashes=0 -artifact_prefix="build-fuzz/finding-$target-" >"build-fuzz/$target.log" 2>&1 ||
+    -rss_limit_mb=8192 -fork="$(nproc)" -artifact_prefix="build-fuzz/finding-$target-" >"build-fuzz/$target.log" 2>&1 ||
     failed=1
   tail -n 1 "build-fuzz/$target.log"
 done
