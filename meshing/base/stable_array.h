@@ -51,11 +51,11 @@ class StableArray {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return bytes_ / sizeof(T); }
 
-  /// Room for `capacity` elements, no fewer than there is. They may move: nobody else may have the array. Throws
-  /// NoAddressSpace.
-  void grow(std::size_t capacity) {
+  /// Room for `capacity` elements; what there was beyond is lost. The others may move: nobody else may have the
+  /// array. Throws NoAddressSpace, never for less than there is.
+  void set_capacity(std::size_t capacity) {
     const std::size_t bytes = capacity * sizeof(T);
-    if (bytes <= bytes_) return;
+    if (bytes == bytes_) return;
     void* p = mremap(data_, bytes_, bytes, MREMAP_MAYMOVE);
     if (p == MAP_FAILED) throw NoAddressSpace();
     data_ = static_cast<T*>(p);

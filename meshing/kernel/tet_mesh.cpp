@@ -98,23 +98,35 @@ std::uint32_t TetMesh::take_tet_slots(std::uint32_t count) {
 }
 
 void TetMesh::reserve(Room room) {
-  const auto grow_all = [](std::size_t capacity, auto&... arrays) { (arrays.grow(capacity), ...); };
-  // Last the arrays that tell the capacity: where one of the others cannot grow, it is as before.
-  grow_all(room.tets, patches_, tet_refs_, quality_, marks_);
-  grow_all(room.vertices, vertex_marks_, vertex_refs_, labels_, background_hints_, surface_hints_, claims_);
-  grow_all(room.vertices, vertices_);
-  grow_all(room.tets, tets_);
+  const Room before{vertex_capacity(), tet_capacity()};
+  try {
+    set_capacities({std::max(room.vertices, before.vertices), std::max(room.tets, before.tets)});
+  } catch (const NoAddressSpace&) {
+    set_capacities(before);  // what has grown would stand in the way of others
+    throw;
+  }
   is_full_.store(false, std::memory_order_relaxed);
+}
+
+void TetMesh::set_capacities(Room room) {
+  const auto set = [](std::size_t capacity, auto&... arrays) { (arrays.set_capacity(capacity), ...); };
+  set(room.tets, tets_, patches_, tet_refs_, quality_, marks_);
+  set(room.vertices, vertices_, vertex_marks_, vertex_refs_, labels_, background_hints_, surface_hints_, claims_);
 }
 
 bool TetMesh::grow() {
   if (tet_capacity() >= kMostTets) return false;
-  try {
-    reserve({std::min(4 * vertex_capacity(), kMostTets), std::min(4 * tet_capacity(), kMostTets)});
-  } catch (const NoAddressSpace&) {
-    return false;
+  for (const double factor : {4.0, 2.0, 1.25}) {
+    const auto more = [&](std::size_t n) {
+      return std::min(kMostTets, static_cast<std::size_t>(factor * static_cast<double>(n)) + 100);
+    };
+    try {
+      reserve({more(vertex_capacity()), more(tet_capacity())});
+      return true;
+    } catch (const NoAddressSpace&) {
+    }
   }
-  return true;
+  return false;
 }
 
 std::unique_ptr<TetMesh> reserve_tet_mesh(Room wanted, Room least, Pages pages) {

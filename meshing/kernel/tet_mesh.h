@@ -93,8 +93,8 @@ class TetMesh {
   /// Makes room for so many entities, no fewer than there is; is_full() is over. Slots stay what they are, but
   /// places move: nobody else may be at work. Throws NoAddressSpace.
   void reserve(Room room);
-  /// The same for four times what there is. False, and nothing has changed, where a mesh cannot have more or
-  /// the system does not grant it.
+  /// The same for four times what there is, or as much as the system grants. False, and nothing has changed,
+  /// where that is none, or a mesh cannot have more.
   bool grow();
   std::size_t vertex_capacity() const { return vertices_.capacity(); }
   std::size_t tet_capacity() const { return tets_.capacity(); }
@@ -251,6 +251,7 @@ class TetMesh {
   static void store(T& x, T value) {
     std::atomic_ref(x).store(value, std::memory_order_relaxed);
   }
+  void set_capacities(Room room);
   static void set_bits(std::uint8_t& x, std::uint8_t m) {
     if ((load(x) & m) != m) std::atomic_ref(x).fetch_or(m, std::memory_order_relaxed);
   }

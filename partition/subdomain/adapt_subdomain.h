@@ -9,9 +9,9 @@
 
 namespace weft::partition {
 
-/// Slots to reserve address space for, for a subdomain of `tets` tets that is predicted to have `predicted`:
-/// many times that, since holes and a mesh that must first grow cost slots. What comes beside is for
-/// make_room(). Of the whole mesh it knows nothing, so that a process may have any number of subdomains.
+/// Slots to reserve address space for at first, for a subdomain of `tets` tets that is predicted to have
+/// `predicted`: some times that, since holes cost slots. It grows beyond; all of a process may have to share
+/// what `ulimit -v` allows.
 std::size_t tet_slots_for(double predicted, std::uint64_t tets);
 
 /// Room for `more` tets; where there is too little the arrays grow to twice what is needed. Only while nobody

@@ -67,7 +67,7 @@ TEST(TetMesh, GrowsWithAllThatItHas) {
   const std::size_t room = mesh->tet_capacity();
   ASSERT_TRUE(mesh->grow());
   EXPECT_FALSE(mesh->is_full());
-  EXPECT_EQ(mesh->tet_capacity(), 4 * room);
+  EXPECT_GE(mesh->tet_capacity(), 4 * room);
   const TetMeshArrays after = to_arrays(*mesh);
   EXPECT_EQ(after.tets, before.tets);
   EXPECT_EQ(after.patches, before.patches);
