@@ -166,9 +166,9 @@ TEST(SplitEdge, DoublesTheTetsOfAnInteriorShell) {
 TEST(SplitEdge, HoldsTheNewVertexUntilItIsReleased) {
   KernelRig rig(ring_of(5, 1), 1, kFaceted);
   const TetId t = rig.tet_with(VertexId(0), VertexId(1));
-  ASSERT_EQ(rig.worker.claims.claim_tet(t), Verdict::accepted);
-  VertexId made;
-  ASSERT_EQ(split_edge(rig.worker, t, VertexId(0), VertexId(1), {0}, &made), Verdict::accepted);
+  const VertexOnEdge middle{{0, 0, 0}, rig.mesh.log_metric(VertexId(0)), VertexKind::interior, {}};
+  const VertexId made = split_edge_at(rig.worker, VertexId(0), VertexId(1), std::span(&t, 1), middle);
+  ASSERT_TRUE(made.valid());
   Claims other(rig.mesh, 2, false, support::kClaimable);
   EXPECT_EQ(other.claim(made), Verdict::conflict);
   rig.worker.claims.release();
