@@ -55,6 +55,8 @@ constexpr std::size_t kMostPosted = 256;
 constexpr std::size_t kShortHead = 4096;
 /// So often wait() only yields while messages are under way.
 constexpr int kYields = 16;
+/// Polls for what has rung: the parts of a long head may take several (Open MPI without single copy).
+constexpr int kLooks = 2;
 constexpr std::chrono::nanoseconds kDeathWatch = 1s;
 
 /// The end of a kHeadTag message, which is the head, the sizes of the segments unless there are too many, and
@@ -433,6 +435,7 @@ class MpiTransport::Impl {
 
   Sleeper::Ticket seen_ = 0;
   int quiet_ = 0;  ///< waits since anything happened
+  int looks_ = 0;  ///< that are left, of kLooks
   std::chrono::steady_clock::time_point next_death_watch_;
 };
 
@@ -605,7 +608,7 @@ bool MpiTransport::Impl::poll(const Receive& receive) {
   any |= receives_.test(
       [&](const std::shared_ptr<Incoming>& in) { receive_segments(in->from, [&] { take_finished(in); }); });
   any |= deliver(receive);
-  if (any) quiet_ = 0;
+  if (any) quiet_ = looks_ = 0;
   return any;
 }
 
@@ -727,13 +730,14 @@ void MpiTransport::Impl::wait(std::chrono::nanoseconds at_most) {
   check_usable();
   if (!arrived_.empty()) return;
   const bool busy = !sends_.empty() || !receives_.empty();
-  if (busy && quiet_ < kYields) {
-    ++quiet_;
+  if (looks_ > 0 || (busy && quiet_ < kYields)) {
+    looks_ > 0 ? --looks_ : ++quiet_;
     sched_yield();
     return;
   }
   Sleeper& bell = node_.own().bell;
   bell.wait(seen_, std::min(at_most, longest_sleep()));
+  if (bell.ticket() != seen_) looks_ = kLooks;
   // Drawn here only: whatever rings from now on ends the next wait(), whether poll() has seen its cause or
   // not.
   seen_ = bell.ticket();

@@ -9,6 +9,7 @@ import unittest
 
 VICTIM = os.environ["WEFT_VICTIM"]
 HELLO = os.environ["WEFT_HELLO"]
+TRANSPORT = os.environ["WEFT_TRANSPORT_TESTS"]
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 20  # far above what it takes, far below a hang
 
@@ -124,6 +125,13 @@ class Death(unittest.TestCase):
         self.addCleanup(lambda: os.path.exists(f"/proc/{ids[1]}") and os.kill(ids[1], signal.SIGKILL))
         errors, _ = self.end_of(run)
         self.assertIn("error: rank 1 died: it has been silent for too long", self.messages(errors), errors)
+
+    @unittest.skipIf(os.environ.get("WEFT_MPI") == "mpich", "MPICH's mpirun kills the others at once")
+    def test_a_network_whose_rank_has_died_is_not_closed(self):
+        command = [*MPIRUN, "--enable-recovery", "-n", "3", TRANSPORT, "--a-rank-dies"]
+        run = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
+        self.assertIn("found dead: 2 ", run.stdout, run.stderr)
+        self.assertIn("close refused: rank 2 has died", run.stdout, run.stderr)
 
     def test_a_program_that_a_rank_starts_is_no_rank(self):
         command = [*MPIRUN, "-n", "2", VICTIM, "system", HELLO]

@@ -10,7 +10,10 @@
 #include <optional>
 #include <thread>
 
+#include "engine/network/exchange.h"
 #include "engine/network/loopback_transport.h"
+#include "engine/objects/directory.h"
+#include "engine/objects/message.h"
 #include "engine/run/runtime.h"
 #include "tests/support/ranks.h"
 
@@ -243,6 +246,54 @@ TEST(Failure, ARankThatLeavesIsNotWaitedForInTheNextRun) {
   });
 }
 
+/// Rank 1's failure in a run in which rank 0, of the same program, sends it what no engine sends.
+std::string failure_by(const std::function<void(Exchange&)>& send) {
+  LoopbackNetwork network(2);
+  const Registry registry = bombs();
+  std::string what;
+  std::thread other([&] {
+    Runtime runtime(network.transport(Rank(1)), registry,
+                    {.grace = std::chrono::milliseconds(100), .on_failure = {}});
+    try {
+      runtime.run();
+    } catch (const RunFailure& failure) {
+      what = failure.what();
+    }
+  });
+  Exchange exchange(network.transport(Rank(0)), {}, registry.fingerprint());
+  exchange.begin_phase();
+  send(exchange);
+  exchange.progress([](Rank, FrameKind, Payload, std::size_t) {});
+  other.join();
+  return what;
+}
+
+TEST(Failure, RanksAndBytesThatCannotBeAreRefusedWhenTheyComeOverTheNetwork) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  const auto message = [](ObjectId target, ObjectId sender, Rank origin) {
+    return [=](Exchange& exchange) {
+      Envelope envelope;
+      envelope.target = target, envelope.sender = sender, envelope.origin = origin;
+      const auto* first = reinterpret_cast<const std::byte*>(&envelope);
+      exchange.post(Rank(1), FrameKind::task, {{first, first + sizeof envelope}, {}});
+    };
+  };
+  const ObjectId good{Rank(0), 1};
+  for (const Rank bad : {Rank(2), Rank()})
+    EXPECT_THAT(failure_by(message(good, good, bad)), HasSubstr("names a rank that does not exist"));
+  EXPECT_THAT(failure_by(message({}, good, Rank(0))), HasSubstr("names a rank that does not exist"));
+  EXPECT_THAT(failure_by(message(good, {}, Rank(0))), HasSubstr("names a rank that does not exist"));
+  EXPECT_THAT(failure_by([&](Exchange& exchange) {
+                Packer packer;
+                Location nowhere{Rank(2), 1};
+                packer(good, nowhere);
+                exchange.post(Rank(1), FrameKind::location, packer.take());
+              }),
+              HasSubstr("there is no rank 2"));
+  EXPECT_THAT(failure_by([](Exchange& exchange) { exchange.consumed(Rank(1), std::size_t{1} << 40); }),
+              HasSubstr("confirms more than was sent"));
+}
+
 /// Exits with 7 when it is told so by an exception.
 void start_too_many_threads() {
   const rlimit few{rlim_t{3} << 30, rlim_t{3} << 30};  // of address space: 8 MB a stack
@@ -298,6 +349,17 @@ TEST_P(FailureOnRanks, ASignalThatNobodyExpectsIsAStall) {
         if (context.rank() == Rank(0)) context.invoke<&Bomb::call>(kBomb(0), kBomb(last()).id);
       },
       "(Bomb, rank " + rank_text() + ") never expects Bomb::meet in round 7, signalled by 0.1");
+}
+
+TEST_P(FailureOnRanks, ASecondSignalForAnEventThatHasFiredIsAStall) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() != Rank(0)) return;
+        context.invoke<&Bomb::wait_for>(kBomb(0), kBomb(last()).id);
+        for (int time = 0; time < 2; ++time) context.invoke<&Bomb::call>(kBomb(last()), kBomb(0).id);
+      },
+      "(Bomb, rank 0) never expects Bomb::meet in round 7, signalled by " + rank_text() + ".1");
 }
 
 TEST_P(FailureOnRanks, ASignalFromAStrangerFailsTheRun) {
@@ -393,6 +455,30 @@ TEST(Failure, ADeadRankIsNamedByTheOthersAndReportedOnce) {
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(reporters, 1);
   }
+}
+
+TEST(Failure, ADeadRankIsNamedWhileReportsAreGathered) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  LoopbackNetwork network(3);
+  std::vector<std::thread> threads;
+  std::atomic<int> named{0};
+  for (int r = 0; r < 3; ++r) {
+    threads.emplace_back([&, r] {
+      const Registry registry = bombs();
+      Runtime runtime(network.transport(Rank(r)), registry, {.on_failure = {}});
+      runtime.run();
+      if (r == 2) return network.kill(Rank(2));  // rank 0 waits for its report, rank 1 for that of rank 0 ...
+      try {
+        runtime.gather_summaries();
+        runtime.run();  // ... or for nobody, and comes here
+      } catch (const RunFailure& failure) {
+        EXPECT_STREQ(failure.what(), "rank 2 died: its process is gone");
+        ++named;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(named, 2);
 }
 
 TEST(Failure, ASilentRankCountsAsDead) {

@@ -612,6 +612,35 @@ TEST_P(RuntimeOnRanks, StealingSpreadsWorkInTheTwentiethRunToo) {
 TEST_P(RuntimeOnRanks, StealingSpreadsWorkThatStartsOnOneRank) { expect_spread(GetParam(), work_stealing()); }
 TEST_P(RuntimeOnRanks, DiffusionSpreadsWorkThatStartsOnOneRank) { expect_spread(GetParam(), diffusion()); }
 
+/// Remembers what its rank had to do when it was last asked.
+class LoadKeeper final : public Balancer {
+ public:
+  explicit LoadKeeper(Load& load) : load_(load) {}
+  void step(BalanceActions& actions, TimePoint) override { load_ = actions.load(); }
+  void told(Rank, const BalanceMessage&, BalanceActions&) override {}
+
+ private:
+  Load& load_;
+};
+
+/// (.1 + .2 + .3) - .1 - .2 - .3 is no zero in doubles: who has nothing would be asked for work.
+TEST(Runtime, WithoutMessagesThereIsNoLoad) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  on_ranks(1, [](Transport& transport) {
+    const Registry registry = counters();
+    Load last;
+    Runtime runtime(transport, registry,
+                    {.balancer = [&](Rank, int) { return std::make_unique<LoadKeeper>(last); }});
+    runtime.run([](Context& context) {  // keeps the only worker until all are queued
+      const auto counter = context.create<Counter>();
+      for (const double seconds : {0.1, 0.2, 0.3})
+        context.invoke_expecting<&Counter::add>(Seconds{seconds}, counter, 1);
+    });
+    EXPECT_EQ(last.handled, 3u);
+    EXPECT_EQ(last.queued_seconds, 0);
+  });
+}
+
 // --- Reports
 
 TEST_P(RuntimeOnRanks, SummariesAgreeAndNoCallIsCollective) {

@@ -17,6 +17,7 @@
 #include <numeric>
 #include <optional>
 #include <sstream>
+#include <thread>
 
 #include "engine/network/loopback_transport.h"
 #include "engine/simulate/simulation.h"
@@ -60,7 +61,7 @@ struct Setting {
   double tets_of_seed = 1e5;
   bool check = false;
   std::function<void(partition::Subdomain&)> on_check = {};
-  std::function<void(const Runtime&)> on_start = {}, on_end = {};  ///< of the loop
+  std::function<void(Runtime&)> on_start = {}, on_end = {};  ///< of the loop
 };
 
 MetricMesh metric_mesh(MeshData mesh, double size, unsigned seed = 1) {
@@ -389,6 +390,30 @@ TEST_P(AdaptationOnRanks, AnInterruptLeavesAConformingMesh) {
       adapt_on_rank(network, whole, setting, [&](RankOutcome rank) { expect_sound(rank, whole, setting); });
     });
   }
+}
+
+/// Going on would leave a few hundred tets.
+TEST(Adaptation, OfARunThatFailsIsGivenUp) {
+  if (weft::testing::is_distributed()) GTEST_SKIP() << "for one process";
+  const MetricMesh whole = metric_mesh(unit_cube(20), 0.5);
+  ProgressBoard board;
+  std::thread stopper;
+  Setting setting;
+  setting.subdomains = 1;
+  setting.news = &board;
+  setting.on_start = [&](Runtime& runtime) {
+    stopper = std::thread([&] {
+      while (board.take().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      runtime.request_stop("enough");
+    });
+  };
+  engine::LoopbackNetwork network(1);
+  EXPECT_THROW(adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [](RankOutcome) {}),
+               engine::RunFailure);
+  stopper.join();
+  const std::vector<SubdomainProgress> last = board.take();
+  ASSERT_EQ(last.size(), 1u);
+  EXPECT_GT(last[0].left.tets, whole.mesh.tets.size() / 4);
 }
 
 TEST_P(AdaptationOnRanks, ABallStaysABall) {

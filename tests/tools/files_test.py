@@ -44,6 +44,19 @@ class Verify(CommandTest):
         self.assertIn("area of reference 1", done.stdout)
         self.assertNotIn("area of reference 6", done.stdout.split("against")[1])
 
+    def test_a_body_that_has_come_to_touch_itself(self):
+        """Two tets apart, and hanging together by an edge: the same volumes and areas."""
+        apart = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 0, 1)]
+        apart += [(x - 5, y, z) for x, y, z in ((0, 0, 0), (-1, 0, 0), (-1, -1, 0), (0, 0, 1))]
+        together = apart[:4] + [(x + 5, y, z) for x, y, z in apart[5:7]]
+        faces = [(2, 3, 4), (1, 4, 3), (1, 2, 4), (1, 3, 2)]
+        for name, points, second in (("apart", apart, {1: 5, 2: 6, 3: 7, 4: 8}), ("together", together, {1: 1, 2: 5, 3: 6, 4: 4})):
+            tets = [(1, 2, 3, 4), tuple(second[v] for v in (1, 2, 3, 4))]
+            self.write(f"{name}.mesh", mesh_text(points, tets, faces + [tuple(second[v] for v in face) for face in faces]))
+            self.weft("verify", f"{name}.mesh", "--against", f"{name}.mesh")
+        done = self.weft("verify", "together.mesh", "--against", "apart.mesh", expect=1)
+        self.assertIn("the body touches itself at 1 edges, the other mesh's at 0", done.stdout)
+
 
 class Stat(CommandTest):
     def test_measures_in_a_uniform_metric(self):

@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "meshing/mesh/adjacency.h"
@@ -105,6 +106,25 @@ TEST(HessianLeastSquares, IsExactForQuadraticsAcrossOneLayerOfCells) {
     if (mesh.points[v].z > 0.2) continue;
     EXPECT_LT(difference(found[v], {2, -0.5, 0, 0, 0, found[v].zz}), 1e-9);
   }
+}
+
+/// The vertices on the rim do not see each other across the hub: k balls of k vertices each.
+TEST(HessianLeastSquares, StaysNearWhereManyTetsMeet) {
+  constexpr std::uint32_t kRim = 600;
+  std::vector<Point> points{{0, 0, 0}, {0, 0, 1}, {0, 0, 2}};
+  std::vector<std::array<std::uint32_t, 4>> tets;
+  for (std::uint32_t i = 0; i < kRim; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kRim;
+    points.push_back({std::cos(angle), std::sin(angle), 1 + 0.1 * std::sin(5 * angle)});
+    for (const std::uint32_t k : {0u, 1u}) tets.push_back({k, k + 1, 3 + i, 3 + (i + 1) % kRim});
+  }
+  const MeshData mesh = support::mesh_of(std::move(points), std::move(tets));
+  std::vector<double> values = values_of(mesh, Quadratic(1));
+  const auto before = recover_hessians(mesh, values, HessianRecovery::least_squares);
+  values[3 + kRim / 2] += 1;
+  const auto after = recover_hessians(mesh, values, HessianRecovery::least_squares);
+  EXPECT_EQ(after[3], before[3]);
+  EXPECT_FALSE(after[3 + kRim / 2] == before[3 + kRim / 2]);
 }
 
 TEST(HessianLeastSquares, ConvergesOnSmoothFields) {

@@ -163,6 +163,19 @@ TEST(SplitEdge, DoublesTheTetsOfAnInteriorShell) {
   }
 }
 
+TEST(SplitEdge, HoldsTheNewVertexUntilItIsReleased) {
+  KernelRig rig(ring_of(5, 1), 1, kFaceted);
+  const TetId t = rig.tet_with(VertexId(0), VertexId(1));
+  const VertexOnEdge middle{{0, 0, 0}, rig.mesh.log_metric(VertexId(0)), VertexKind::interior, {}};
+  const VertexId made = split_edge_at(rig.worker, VertexId(0), VertexId(1), std::span(&t, 1), middle);
+  ASSERT_TRUE(made.valid());
+  Claims other(rig.mesh, 2, false, support::kClaimable);
+  EXPECT_EQ(other.claim(made), Verdict::conflict);
+  rig.worker.claims.release();
+  EXPECT_EQ(other.claim(made), Verdict::accepted);
+  other.release();
+}
+
 TEST(SplitEdge, PutsAVertexOnAPlanarBoundary) {
   for (std::uint32_t n = 2; n <= 5; ++n) {
     KernelRig rig(half_ring_of(n, 1.3), 1, kFaceted);
@@ -646,6 +659,17 @@ TEST(SwapEdge, ABoundaryEdgeTurnsWithinItsPlane) {
     EXPECT_TRUE(rig.tet_with(VertexId(2), VertexId(n + 2)).valid());
     EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
     expect_kept(rig);
+  }
+}
+
+TEST(SwapEdge, MarksTheEndsOfANewEdgeThatIsShort) {
+  for (const bool boundary : {false, true}) {
+    KernelRig rig(boundary ? half_ring_off_centre(2, 4) : ring_off_centre(4, 4), 10, kFaceted);
+    for (const VertexId v : rig.live_vertices()) rig.mesh.take_marks(v, kCheckShort);
+    ASSERT_EQ(swap(rig, VertexId(0), VertexId(1)), Verdict::accepted);
+    std::size_t marked = 0;
+    for (const VertexId v : rig.live_vertices()) marked += rig.mesh.take_marks(v, kCheckShort);
+    EXPECT_EQ(marked, 2u);
   }
 }
 

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "meshing/mesh/tet_tables.h"
 
@@ -76,6 +78,16 @@ TEST(TetMeasures, CutsThroughARegularTetAreLessThanTwiceAsDearInTheWorstDirectio
   EXPECT_LT(along, 2 * across_thin);
   EXPECT_GT(squared_length(unit_inverse(thin), {1, 0, 0}),
             9999 * squared_length(unit_inverse(thin), {0, 0, 1}));
+}
+
+/// As one does that is exactly positive, and whose volume is rounded to less than nothing.
+TEST(TetMeasures, ANegativeVolumeCountsAsNoneAndNoComplexityOverflows) {
+  TetCorners upright = kRegular;
+  std::swap(upright[0], upright[1]);
+  const std::array<double, 4> usual{1, 2, 3, 4}, largest{1e308, 1e308, 1e308, 1e308};
+  EXPECT_GT(complexity(upright, usual), 0);
+  EXPECT_EQ(complexity(kRegular, usual), 0);
+  EXPECT_LE(complexity(upright, largest), std::numeric_limits<double>::max());
 }
 
 TEST(TetMeasures, CutTensorsArePositiveAndFiniteForTetsBeyondAllMeasure) {

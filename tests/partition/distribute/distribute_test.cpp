@@ -473,12 +473,14 @@ TEST(HomeRank, SpreadsSubdomainsInOrder) {
     }
 }
 
-/// Every triangle a patch of its own: no rank may hear of all patches from every other.
+/// Every triangle a patch of its own, and required: no rank may hear of all of them from every other.
 TEST(Distribute, NoExchangeGrowsWithRanksTimesPatches) {
   MetricMesh whole;
   whole.mesh = support::unit_cube(10);
-  for (std::size_t t = 0; t < whole.mesh.triangles.size(); ++t)
+  for (std::uint32_t t = 0; t < whole.mesh.triangles.size(); ++t) {
     whole.mesh.triangle_refs[t] = static_cast<std::int32_t>(t);
+    whole.mesh.required_triangles.push_back(t);
+  }
   whole.log_metrics.assign(whole.mesh.points.size(), meshing::LogMetric{});
   const auto most_on = [&](int ranks) {
     std::vector<std::size_t> most(static_cast<std::size_t>(ranks));
