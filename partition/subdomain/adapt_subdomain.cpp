@@ -74,7 +74,7 @@ meshing::Room room_for(std::uint64_t tets) {
 }  // namespace
 
 std::size_t tet_slots_for(double predicted, std::uint64_t tets) {
-  const double wanted = 3 * predicted + 2 * static_cast<double>(tets) + 1e4;
+  const double wanted = 1.5 * predicted + 2 * static_cast<double>(tets) + 1e4;
   return static_cast<std::size_t>(std::min(wanted, static_cast<double>(meshing::kMostTets)));
 }
 
