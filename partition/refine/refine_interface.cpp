@@ -287,9 +287,7 @@ class Level {
     VertexId m = split_edge_at(worker_, e.a, e.b, fans_, at);
     while (!m.valid() && mesh_.is_full() && mesh_.grow()) m = split_edge_at(worker_, e.a, e.b, fans_, at);
     worker_.claims.release();
-    if (!m.valid() && mesh_.is_full())
-      throw std::runtime_error("an interface edge could not be split: a subdomain has room for " +
-                               std::to_string(mesh_.tet_capacity()) + " tets only");
+    if (!m.valid() && mesh_.is_full()) throw meshing::NoAddressSpace();
     if (!m.valid()) throw std::runtime_error("an interface edge could not be split: a tet would be inverted");
     join_fans(e.a);
     remember(m, e);
