@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <optional>
 
 #include "tools/library/jobs/resources/memory.h"
@@ -87,7 +88,16 @@ void Monitor::watch() {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (options_.time_limit > 0 && seconds + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
-    if (turn % kTurnsOfMemory == 0 && memory_runs_out()) cancel(EndReason::memory_limit);
+    if (turn % kTurnsOfMemory == 0) watch_memory();
+  }
+}
+
+/// To look takes a little memory too.
+void Monitor::watch_memory() {
+  try {
+    if (memory_runs_out()) cancel(EndReason::memory_limit);
+  } catch (const std::bad_alloc&) {
+    out_of_memory();
   }
 }
 

@@ -45,6 +45,7 @@ class Monitor {
 
  private:
   void watch();
+  void watch_memory();
   bool memory_runs_out() const;
   void cancel(EndReason reason);
   double seconds_to_finish() const;
