@@ -98,6 +98,8 @@ void on_threads(int ranks, const std::function<void(Transport&)>& function) {
 
 bool is_distributed() { return mpi_world() != nullptr; }
 
+bool is_first_process() { return !is_distributed() || mpi_world()->rank().value == 0; }
+
 std::vector<int> rank_counts() {
   if (is_distributed()) return {mpi_world()->size()};
   return {1, 2, 3, 8};  // 4 are tested as processes

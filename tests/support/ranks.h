@@ -17,6 +17,9 @@ std::vector<int> rank_counts();
 /// True when each rank is a process.
 bool is_distributed();
 
+/// True in the first process of mpirun, and without mpirun.
+bool is_first_process();
+
 /// Calls `function` on each of `ranks` ranks with its transport, and waits for all of them. Expectations may
 /// be checked on any rank. An exception that leaves it on any rank fails the test.
 void on_ranks(int ranks, const std::function<void(engine::Transport&)>& function);

@@ -25,7 +25,7 @@ class Browser:
 
         self.process = subprocess.Popen(
             [self.program, "--headless=new", "--remote-debugging-pipe", "--no-sandbox", "--disable-gpu-sandbox",
-             "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking",
+             "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing", "--no-first-run", "--disable-background-networking",
              "--disable-component-update", "--disable-dev-shm-usage", "--hide-scrollbars",
              f"--user-data-dir={self.profile.name}", f"--window-size={width},{height}", "about:blank"],
             preexec_fn=connect, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -68,7 +68,7 @@ class Browser:
         elif method == "Runtime.exceptionThrown":
             details = values["exceptionDetails"]
             self.console.append("exception: " + details.get("exception", {}).get("description", details["text"]))
-        elif method == "Log.entryAdded":
+        elif method == "Log.entryAdded" and "GPU stall due to ReadPixels" not in values["entry"]["text"]:  # by the browser's own compositing
             self.console.append(f"{values['entry']['level']}: {values['entry']['text']}")
         elif method == "Network.requestWillBeSent":
             self.requests.append(values["request"]["url"])

@@ -15,7 +15,7 @@ from command import WEFT, CommandTest, solution_text
 
 SHIM = os.environ["WEFT_FAULT_SHIM"]
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
-FAULTS = int(os.environ.get("WEFT_FAULTS", "3"))
+FAULTS = int(os.environ.get("WEFT_FAULTS", "2"))
 SEED = int(os.environ.get("WEFT_FAULT_SEED", "4"))
 SECONDS = 120
 RANKS = 2

@@ -11,6 +11,7 @@
 #include "meshing/mesh/check_mesh.h"
 #include "meshing/metric/measures.h"
 #include "tests/support/meshes.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::meshing::anisotropy_test {
 namespace {
@@ -67,6 +68,7 @@ class Squeezed : public testing::TestWithParam<Vec> {};
 TEST_P(Squeezed, CubesAreTheSameProblemUpToAMillion) {
   const Outcome plain = adapt_squeezed(1, GetParam(), 0.1, 3);
   for (const double ratio : {1e3, 3e4, 1e5, 1e6}) {
+    if (ratio < 1e6 && !support::repetitions(0, 1)) continue;
     SCOPED_TRACE(ratio);
     const Outcome squeezed = adapt_squeezed(ratio, GetParam(), 0.1, 3);
     const auto &a = plain.measures, &b = squeezed.measures;

@@ -21,6 +21,7 @@
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
 #include "tests/support/kernel.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::partition::distribute_test {
 namespace {
@@ -77,7 +78,7 @@ std::uint32_t number(const SubdomainStart& start, std::uint32_t vertex) {
 class Distribute : public ::testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(Distribute, DoesNotDependOnTheNumberOfRanks) {
-  for (unsigned seed = 1; seed <= 4; ++seed) {
+  for (unsigned seed = 1; seed <= support::repetitions(2, 4); ++seed) {
     const MetricMesh whole = support::random_metric_mesh(seed);
     const auto options = options_of(GetParam(), seed % 2 ? "bisection" : "graph");
     const Distributed expected = distribute_on(1, whole, options);

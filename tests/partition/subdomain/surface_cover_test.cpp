@@ -25,7 +25,7 @@ Scene curved_scene(unsigned seed) {
   for (Point& p : scene.mesh.points)
     if (seed % 2 == 0) p = (1 + 0.04 * std::sin(5 * p.x) * std::cos(4 * p.y)) * p;
   shuffle(scene.mesh, seed);
-  scene.log_metrics = wanted_sizes(scene.mesh, 0.12, seed);
+  scene.log_metrics = wanted_sizes(scene.mesh, 0.16, seed);
   cut_at_random(scene, 5, 1, seed);
   return scene;
 }

@@ -17,6 +17,7 @@
 #include "partition/surface/surface_parts.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
+#include "tests/support/repetitions.h"
 
 namespace weft::partition::surface_shares_test {
 namespace {
@@ -215,7 +216,7 @@ void expect_all_ranks_make_pieces(Comparison& comparison) {
 }
 
 TEST(SurfaceShares, AreTheWholeSurface) {
-  for (unsigned seed = 0; seed < 4; ++seed) {
+  for (unsigned seed = 0; seed < support::repetitions(2, 4); ++seed) {
     SCOPED_TRACE(seed);
     const MeshData mesh = body(seed);
     Comparison comparison(mesh);
@@ -224,7 +225,7 @@ TEST(SurfaceShares, AreTheWholeSurface) {
 }
 
 TEST(SurfaceShares, KeepFeaturesOfAllKinds) {
-  for (unsigned seed = 0; seed < 6; ++seed) {
+  for (unsigned seed = 0; seed < support::repetitions(2, 6); ++seed) {
     SCOPED_TRACE(seed);
     MeshData mesh = body(seed);
     add_features(mesh, seed);
@@ -235,7 +236,7 @@ TEST(SurfaceShares, KeepFeaturesOfAllKinds) {
 }
 
 TEST(SurfaceShares, LendNormalsToFlatTriangles) {
-  for (unsigned seed = 0; seed < 6; ++seed) {
+  for (unsigned seed = 0; seed < support::repetitions(2, 6); ++seed) {
     SCOPED_TRACE(seed);
     MeshData mesh = body(seed);
     flatten(mesh, seed);
