@@ -22,7 +22,7 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 // Of the diagonal: points nearer than this are one whatever they belong to; a seam may be this wide, and a
 // hole this large.
-constexpr double kSame = 1e-9, kWidestSeam = 2e-3, kLargestHole = 0.1;
+constexpr double kSamePlace = 1e-9, kWidestSeam = 2e-3, kLargestHole = 0.1;
 // Of the shortest free edge at a vertex: farther it does not move.
 constexpr double kShareOfEdge = 0.3;
 constexpr std::size_t kMostSides = 100;
@@ -128,7 +128,7 @@ class SurfaceRepair {
     std::iota(now.begin(), now.end(), 0u);
     std::iota(all.begin(), all.end(), 0u);
     const std::vector<std::uint32_t> order = by_x(all);
-    const double tolerance = kSame * diagonal_;
+    const double tolerance = kSamePlace * diagonal_;
     for (std::size_t i = 0; i < order.size(); ++i)
       for (std::size_t j = i + 1;
            j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j) {

@@ -82,17 +82,17 @@ std::vector<std::uint8_t> held_by_no_lower(Peers& peers, std::span<const Holding
   for (const Holding<N>& holding : holdings) mail.add(holding);
   const auto arrived = mail.deliver(peers);
 
-  struct Place {
+  struct Named {
     Holding<N> holding;
     std::size_t rank, index;
   };
-  std::vector<Place> places;
+  std::vector<Named> places;
   std::vector<std::vector<std::uint8_t>> lowest(arrived.size());
   for (std::size_t r = 0; r < arrived.size(); ++r) {
     lowest[r].resize(arrived[r].size());
     for (std::size_t i = 0; i < arrived[r].size(); ++i) places.push_back({arrived[r][i], r, i});
   }
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  std::sort(places.begin(), places.end(), [](const Named& a, const Named& b) {
     return std::tie(a.holding.key, a.holding.subdomain) < std::tie(b.holding.key, b.holding.subdomain);
   });
   for (std::size_t p = 0, first = 0; p < places.size(); ++p) {

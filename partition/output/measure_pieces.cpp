@@ -25,7 +25,7 @@ using meshing::Tet;
 using meshing::TetTotals;
 
 /// The part of a piece that is measured.
-struct Part {
+struct PieceMeasures {
   std::vector<Tet> tets;
   EdgeLists edges;                   ///< of the tets
   std::vector<std::uint8_t> counts;  ///< of edges.others: 1 where no lower subdomain measures the edge too
@@ -43,11 +43,11 @@ bool any_flag(std::span<const std::uint32_t> vertices, const std::vector<std::ui
 }
 
 /// Asks which edges with two shared ends a lower subdomain measures too.
-void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<Part>& parts) {
+void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceMeasures>& parts) {
   std::vector<Holding<2>> holdings;
   std::vector<std::uint8_t*> counts;
   for (std::size_t p = 0; p < mine.size(); ++p) {
-    Part& part = parts[p];
+    PieceMeasures& part = parts[p];
     const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
     part.counts.assign(part.edges.others.size(), 1);
     for (std::size_t v = 0; v < shared.size(); ++v) {
@@ -65,7 +65,7 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<Par
 }
 
 /// Counts the vertices of the parts' tets, each in the lowest subdomain that has it.
-void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine, std::vector<Part>& parts) {
+void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceMeasures>& parts) {
   std::vector<Holding<1>> holdings;
   std::vector<std::size_t> pieces;
   for (std::size_t p = 0; p < mine.size(); ++p) {
@@ -85,8 +85,8 @@ void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine, std::
 }
 
 /// `flags`: nullptr for everything.
-std::vector<Part> parts_of(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags* flags) {
-  std::vector<Part> parts(mine.size());
+std::vector<PieceMeasures> parts_of(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags* flags) {
+  std::vector<PieceMeasures> parts(mine.size());
   const std::vector<PieceShare> shares = shares_of(peers, mine);
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const meshing::MeshData& mesh = mine[p].mesh;
@@ -112,7 +112,7 @@ struct Sums {
   std::vector<double> qualities;
 };
 
-Sums sum_here(std::span<const MeshPiece> mine, const std::vector<Part>& parts) {
+Sums sum_here(std::span<const MeshPiece> mine, const std::vector<PieceMeasures>& parts) {
   Sums sums;
   std::vector<double> qualities;
   for (std::size_t p = 0; p < mine.size(); ++p) {
