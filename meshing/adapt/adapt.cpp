@@ -31,7 +31,8 @@ double bounding_box_diagonal(const MeshData& m) {
 
 /// Address space for many times the predicted size: holes and a mesh that must first grow cost slots.
 std::size_t capacity(double predicted, std::size_t input) {
-  return static_cast<std::size_t>(std::min(double{kMostTets}, 10 * predicted + 4 * static_cast<double>(input) + 1e6));
+  return static_cast<std::size_t>(
+      std::min(double{kMostTets}, 10 * predicted + 4 * static_cast<double>(input) + 1e6));
 }
 
 void check_background(const BackgroundData& background) {

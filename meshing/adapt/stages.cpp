@@ -129,8 +129,8 @@ class Adaptation {
       return static_cast<double>(f());
   }
 
-  /// A pass that lacked room is made once more with more of it. An allocation that fails ends the adaptation, but loses nothing: operators take what they need before
-  /// they change anything.
+  /// A pass that lacked room is made once more with more of it. An allocation that fails ends the adaptation,
+  /// but loses nothing: operators take what they need before they change anything.
   template <class F>
   double make(F f) try {
     double value = value_of(f);

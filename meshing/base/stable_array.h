@@ -51,8 +51,8 @@ class StableArray {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return bytes_ / sizeof(T); }
 
-  /// Room for `capacity` elements; what there was beyond is lost. The others may move: nobody else may have the
-  /// array. Throws NoAddressSpace, never for less than there is.
+  /// Room for `capacity` elements; what there was beyond is lost. The others may move: nobody else may have
+  /// the array. Throws NoAddressSpace, never for less than there is.
   void set_capacity(std::size_t capacity) {
     const std::size_t bytes = capacity * sizeof(T);
     if (bytes == bytes_) return;

@@ -111,7 +111,8 @@ void TetMesh::reserve(Room room) {
 void TetMesh::set_capacities(Room room) {
   const auto set = [](std::size_t capacity, auto&... arrays) { (arrays.set_capacity(capacity), ...); };
   set(room.tets, tets_, patches_, tet_refs_, quality_, marks_);
-  set(room.vertices, vertices_, vertex_marks_, vertex_refs_, labels_, background_hints_, surface_hints_, claims_);
+  set(room.vertices, vertices_, vertex_marks_, vertex_refs_, labels_, background_hints_, surface_hints_,
+      claims_);
 }
 
 bool TetMesh::grow() {

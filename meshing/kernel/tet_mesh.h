@@ -90,8 +90,8 @@ class TetMesh {
   std::uint32_t take_tet_slots(std::uint32_t count);
   /// Whether slots have been asked for in vain.
   bool is_full() const { return is_full_.load(std::memory_order_relaxed); }
-  /// Makes room for so many entities, no fewer than there is; is_full() is over. Slots stay what they are, but
-  /// places move: nobody else may be at work. Throws NoAddressSpace.
+  /// Makes room for so many entities, no fewer than there is; is_full() is over. Slots stay what they are,
+  /// but places move: nobody else may be at work. Throws NoAddressSpace.
   void reserve(Room room);
   /// The same for four times what there is, or as much as the system grants. False, and nothing has changed,
   /// where that is none, or a mesh cannot have more.

@@ -65,7 +65,8 @@ void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<Pie
 }
 
 /// Counts the vertices of the parts' tets, each in the lowest subdomain that has it.
-void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceMeasures>& parts) {
+void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine,
+                            std::vector<PieceMeasures>& parts) {
   std::vector<Holding<1>> holdings;
   std::vector<std::size_t> pieces;
   for (std::size_t p = 0; p < mine.size(); ++p) {

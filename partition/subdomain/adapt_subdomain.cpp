@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <string>
 #include <vector>
 
 #include "meshing/kernel/quality.h"
-#include "meshing/kernel/tet_mesh_arrays.h"
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/expectations.h"
 

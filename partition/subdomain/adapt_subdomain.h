@@ -19,9 +19,9 @@ std::size_t tet_slots_for(double predicted, std::uint64_t tets);
 void make_room(Subdomain& subdomain, std::uint64_t more);
 
 /// Adapts everything that is not frozen (`everything`), or what arrived and what borders on it (`fresh`;
-/// nothing is done where nothing is). `surface`: any part of the whole mesh's; the pieces are the subdomain's. Limits::hausd: not 0.
-/// `before_level` as in meshing::adapt_in_place; it names its own new vertices, others have their ids
-/// afterwards.
+/// nothing is done where nothing is). `surface`: any part of the whole mesh's; the pieces are the
+/// subdomain's. Limits::hausd: not 0. `before_level` as in meshing::adapt_in_place; it names its own new
+/// vertices, others have their ids afterwards.
 meshing::AdaptReport adapt_subdomain(Subdomain& subdomain, const meshing::Surface& surface,
                                      const meshing::Limits& limits, meshing::Extent extent,
                                      const meshing::AdaptOptions& options,

@@ -1,5 +1,5 @@
-// libFuzzer target: every reader of meshes and fields. The first line of an input is the extension that names its
-// format, the rest is the file. Anything but a result or an InputError is a finding.
+// libFuzzer target: every reader of meshes and fields. The first line of an input is the extension that names
+// its format, the rest is the file. Anything but a result or an InputError is a finding.
 #include <unistd.h>
 
 #include <algorithm>

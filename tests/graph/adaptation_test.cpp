@@ -159,7 +159,8 @@ PieceBytes gather_bytes(partition::Peers& peers, const std::vector<MeshPiece>& m
   return all;
 }
 
-/// The same on one rank of its own, whatever the test runs on; nothing but in the first process, which compares.
+/// The same on one rank of its own, whatever the test runs on; nothing but in the first process, which
+/// compares.
 PieceBytes on_one_rank(const MetricMesh& whole, const Setting& setting) {
   if (!weft::testing::is_first_process()) return {};
   engine::LoopbackNetwork network(1);
@@ -277,7 +278,8 @@ TEST(SimulatedAdaptation, ThePiecesAreThoseOfOneRankUnderBothBalancers) {
   const PieceBytes expected = on_one_rank(whole, setting);
   for (const auto& balancer : {engine::work_stealing(), engine::diffusion()}) {
     setting.balancer = balancer;
-    for (const int ranks : {3, kSlowness > 1 ? 8 : 64}) expect_on_simulated_ranks(ranks, whole, setting, expected);
+    for (const int ranks : {3, kSlowness > 1 ? 8 : 64})
+      expect_on_simulated_ranks(ranks, whole, setting, expected);
   }
 }
 

@@ -66,7 +66,8 @@ void expect_all_states_lead_to_the_same(const Case& c) {
   const AdaptResult expected = c.adapted();
   ASSERT_TRUE(same_bytes(c.adapted(keeping), expected)) << "keeping states changes nothing";
   ASSERT_GT(keeper.states.size(), 20u);
-  for (std::size_t i = 0; i < keeper.states.size(); i += support::repetitions(1 + i % 5, 1)) {  // passes of all kinds
+  for (std::size_t i = 0; i < keeper.states.size();
+       i += support::repetitions(1 + i % 5, 1)) {  // passes of all kinds
     AdaptOptions options;
     options.resume = &keeper.states[i];
     const AdaptResult resumed = c.adapted(options);

@@ -56,8 +56,8 @@ class Monitor {
   std::atomic<bool> own_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
   std::atomic<std::uint64_t> tets_ = 0;  ///< the most that have been told of
-  double memory_ = 0;             ///< bytes that this process may take; 0: what is left, infinity: no matter
-  double memory_at_begin_ = 0;    ///< that this process had
+  double memory_ = 0;           ///< bytes that this process may take; 0: what is left, infinity: no matter
+  double memory_at_begin_ = 0;  ///< that this process had
   std::mutex mutex_;
   std::condition_variable over_;
   bool ended_ = false;

@@ -19,8 +19,8 @@ inline constexpr double kMaxTets = (1u << 30) - 1;
 /// A subdomain may get so many times the mean's tets, and its arrays have as many slots once more for holes.
 inline constexpr double kSlotsOfSubdomain = 4;
 
-/// Bytes that the machine still has, less where a control group (a container, a batch job) allows less: whoever
-/// takes more is killed. Empty when the system does not tell.
+/// Bytes that the machine still has, less where a control group (a container, a batch job) allows less:
+/// whoever takes more is killed. Empty when the system does not tell.
 std::optional<double> memory_left();
 /// The same, less where ulimit -v allows less: then allocations fail.
 std::optional<double> available_memory();
@@ -36,8 +36,8 @@ std::optional<double> parse_mem_available(const std::string& meminfo);
 /// A process's control group out of the text of /proc/self/cgroup: of version 2 (line "0::PATH"), or of a
 /// controller of version 1 ("4:memory:PATH"). Empty where it has none.
 std::string parse_cgroup_path(const std::string& text, const std::string& controller = {});
-/// Bytes that the control groups of memory in `groups` (the text of /proc/self/cgroup), and those around them,
-/// leave. Their figures are below `root`. Empty without a group.
+/// Bytes that the control groups of memory in `groups` (the text of /proc/self/cgroup), and those around
+/// them, leave. Their figures are below `root`. Empty without a group.
 std::optional<double> control_group_room(const std::filesystem::path& root, const std::string& groups);
 
 /// A run that takes this share of what it may take ends: the result needs some room too.
