@@ -30,7 +30,10 @@ void read(const std::string& path) {
     }
     weft::MeshFile file = weft::read_mesh_file(path);
     weft::verify(file.mesh);
-    if (!file.mesh.tets.empty()) weft::repair(file.mesh);
+    if (!file.mesh.tets.empty())
+      weft::repair(file.mesh);
+    else if (!file.mesh.triangles.empty())
+      weft::repair_surface(file.mesh);
   } catch (const weft::InputError&) {
   }
 }

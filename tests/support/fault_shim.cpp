@@ -1,7 +1,8 @@
 // Preloaded into a program (LD_PRELOAD), it lets one call of a kind fail, by number: WEFT_FAULT="write:17" is
 // the 17th write; "write:17:0.2" comes 0.2 s late instead. Kinds: write, to files (ENOSPC, and every later
 // one, as on a full disk), read, of files (EIO), fsync, close, rename, open (for writing: ENOSPC; for
-// reading: EIO), mkdir, fork, shm (shared memory), new (std::bad_alloc), mpi (MPI_ERR_OTHER). With
+// reading: EIO), mkdir, fork, shm (shared memory), new (std::bad_alloc), map (address space: mmap of no file,
+// ENOMEM), grow (mremap, and every later one), mpi (MPI_ERR_OTHER). With
 // WEFT_FAULT_RANK only that rank of MPI_COMM_WORLD fails. WEFT_FAULT_COUNT names a file that gets the number
 // of calls of each kind when the program ends. What is called before main() does not count. Nor do
 // allocations before the first file is opened: CLI11 takes the command line apart in functions that must not
@@ -24,9 +25,24 @@
 
 namespace {
 
-enum Kind { kWrite, kRead, kFsync, kClose, kRename, kOpen, kMkdir, kFork, kShm, kNew, kMpi, kKinds };
-constexpr const char* kNames[kKinds] = {"write", "read", "fsync", "close", "rename", "open",
-                                        "mkdir", "fork", "shm",   "new",   "mpi"};
+enum Kind {
+  kWrite,
+  kRead,
+  kFsync,
+  kClose,
+  kRename,
+  kOpen,
+  kMkdir,
+  kFork,
+  kShm,
+  kNew,
+  kMap,
+  kGrow,
+  kMpi,
+  kKinds
+};
+constexpr const char* kNames[kKinds] = {"write", "read", "fsync", "close", "rename", "open", "mkdir",
+                                        "fork",  "shm",  "new",   "map",   "grow",   "mpi"};
 
 std::atomic<long> calls[kKinds];
 std::atomic<bool> started{false};
@@ -68,7 +84,7 @@ void sleep_for(double seconds) {
   }
 }
 
-/// A full disk stays full; anything else fails once.
+/// A full disk stays full, and so does an address space; anything else fails once.
 bool fails(Kind kind) {
   if (!started || (kind == kNew && calls[kOpen] == 0)) return false;
   const long number = ++calls[kind];
@@ -77,7 +93,7 @@ bool fails(Kind kind) {
     if (number == plan().number) sleep_for(plan().delay);
     return false;
   }
-  return kind == kWrite ? number >= plan().number : number == plan().number;
+  return kind == kWrite || kind == kGrow ? number >= plan().number : number == plan().number;
 }
 
 bool is_file(int descriptor) {
@@ -170,6 +186,23 @@ int open(const char* path, int flags, ...) {
   va_end(arguments);
   if (fails(kOpen)) return errno = flags & O_CREAT ? ENOSPC : EIO, -1;
   return real(path, flags, mode);
+}
+
+void* mmap(void* address, size_t size, int protection, int flags, int descriptor, off_t at) {
+  static const auto real = next<void* (*)(void*, size_t, int, int, int, off_t)>("mmap");
+  if (calls[kOpen] > 0 && flags & MAP_ANONYMOUS && fails(kMap)) return errno = ENOMEM, MAP_FAILED;
+  return real(address, size, protection, flags, descriptor, at);
+}
+
+void* mremap(void* address, size_t size, size_t new_size, int flags, ...) {
+  static const auto real = next<void* (*)(void*, size_t, size_t, int, ...)>("mremap");
+  va_list arguments;
+  va_start(arguments, flags);
+  void* target = flags & MREMAP_FIXED ? va_arg(arguments, void*) : nullptr;
+  va_end(arguments);
+  if (new_size > size && fails(kGrow)) return errno = ENOMEM, MAP_FAILED;
+  return flags & MREMAP_FIXED ? real(address, size, new_size, flags, target)
+                              : real(address, size, new_size, flags);
 }
 
 int mkdir(const char* path, mode_t mode) {

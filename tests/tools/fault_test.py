@@ -1,4 +1,4 @@
-"""One call fails or is late, by number: writes on a full disk, reads, fsync, rename, open, fork, allocations, calls of MPI ... However
+"""One call fails or is late, by number: writes on a full disk, reads, fsync, rename, open, fork, allocations, address space, calls of MPI ... However
 a run ends, the files that were there are whole: the old ones, or the new ones. What is late changes nothing.
 
 WEFT_FAULTS: how many points of each kind are tried in each mode (nightly: 250), a sixth of it on ranks.
@@ -30,7 +30,7 @@ MODES = {
     "ranks": (RANKS, ("--subdomains", 3, "--threads", 1)),
     "ranks with checkpoints": (RANKS, ("--subdomains", 3, "--threads", 1, "--checkpoint", "ck", "--checkpoint-every", "0.01")),
 }
-ALWAYS = {"write", "read", "fsync", "close", "rename", "open", "new"}  # calls that every run makes
+ALWAYS = {"write", "read", "fsync", "close", "rename", "open", "new", "map"}  # calls that every run makes
 
 
 class Faults(CommandTest):
@@ -41,17 +41,17 @@ class Faults(CommandTest):
         self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.5", "-o", "out.cgns", "--threads", 1, "--quiet")
         self.old = {name: (self.folder / name).read_bytes() for name in ("out.meshb", "out.solb", "out.cgns")}
 
-    def run_with(self, fault, mode, rank=0, words_beside=("--quiet",)):
+    def run_with(self, fault, mode, rank=0, words_beside=("--quiet",), mesh="box.meshb", metric="uniform:0.3"):
         ranks, words = MODES[mode]
         fault_words = {"LD_PRELOAD": SHIM, "WEFT_FAULT": fault, "WEFT_FAULT_COUNT": str(self.folder / "count"), "WEFT_FAULT_RANK": str(rank)}
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
         out = () if "-o" in words else ("-o", "out.meshb")
-        return subprocess.run([*launcher, "env", *(f"{name}={value}" for name, value in fault_words.items()), str(WEFT), "adapt", "box.meshb",
-                               "--metric-fn", "uniform:0.3", *out, *words_beside, *map(str, words)],
+        return subprocess.run([*launcher, "env", *(f"{name}={value}" for name, value in fault_words.items()), str(WEFT), "adapt", mesh,
+                               "--metric-fn", metric, *out, *words_beside, *map(str, words)],
                               cwd=self.folder, capture_output=True, text=True, timeout=SECONDS)
 
-    def calls(self, mode, rank, words_beside=("--quiet",)):
-        done = self.run_with("none:0", mode, rank, words_beside)
+    def calls(self, mode, rank, *words, **more_words):
+        done = self.run_with("none:0", mode, rank, *words, **more_words)
         self.assertIn(done.returncode, (0, 1), done.stderr)
         lines = (self.folder / "count").read_text().split()
         counts = dict(zip(lines[::2], map(int, lines[1::2])))
@@ -132,6 +132,19 @@ class Faults(CommandTest):
                 if left == 2:
                     break
             self.assertEqual(left, 2, mode)
+
+    def test_arrays_that_cannot_grow_leave_a_mesh(self):
+        """Those of a subdomain that was small when its room was reserved: each growth from the N-th on is refused."""
+        self.box(1, "cell.meshb")
+        words = {"words_beside": ("--progress", "none"), "mesh": "cell.meshb", "metric": "uniform:0.035"}
+        count = self.calls("subdomains", 0, **words)["grow"]
+        self.take_results()
+        self.assertGreater(count, 0)
+        for point in sorted({1, 2, count // 2, count}):
+            done = self.run_with(f"grow:{point}", "subdomains", **words)
+            told = f"grow:{point} of {count}: exit {done.returncode}\n{done.stdout}{done.stderr}"
+            self.assertNotEqual(done.returncode, 0, told)
+            self.assert_nothing_is_lost(done, "grow", False, told)
 
     def test_an_allocation_that_fails_once_the_mesh_is_there_costs_the_fields_alone(self):
         self.write("f.sol", solution_text([(i,) for i in range(27)], kind=1))

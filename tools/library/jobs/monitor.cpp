@@ -34,7 +34,11 @@ std::string text_of(EndReason reason) {
 }
 
 Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin)
-    : options_(options), sharers_(std::max(1, sharers)), begin_(begin), memory_(options.max_memory) {
+    : options_(options),
+      sharers_(std::max(1, sharers)),
+      sharers_here_(ranks_on_this_machine(sharers_)),
+      begin_(begin),
+      memory_(options.max_memory) {
   memory_at_begin_ = resident_bytes();
   if (options_.time_limit > 0 || std::isfinite(memory_)) watcher_ = std::thread([this] { watch(); });
 }
@@ -79,7 +83,7 @@ bool Monitor::memory_runs_out() const {
   if (memory_ > 0) return resident_bytes() > kMemoryInUse * memory_;
   const std::optional<double> left = memory_left();
   const double taken = resident_bytes() - memory_at_begin_;
-  return left && *left / ranks_on_this_machine(sharers_) < (1 / kMemoryInUse - 1) * taken;
+  return left && *left / sharers_here_ < (1 / kMemoryInUse - 1) * taken;
 }
 
 void Monitor::watch() {

@@ -52,6 +52,7 @@ class Monitor {
 
   const RunOptions& options_;
   const int sharers_;
+  const int sharers_here_;  ///< found at first: the environment may change while other threads run
   const Clock::time_point begin_;
   std::atomic<bool> own_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
