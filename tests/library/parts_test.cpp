@@ -417,6 +417,54 @@ TEST(Parts, WrongOnesAreRefusedOnAllRanksNamingRankAndEntity) {
   }
 }
 
+TEST(Parts, OptionsThatDifferBetweenRanksAreRefusedOnAllNamingRankAndOption) {
+  const Split split;
+  if (split.ranks == 1) return;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks), true);
+  const int last = split.ranks - 1;
+  const auto refused = [&](const std::function<void(Options&)>& change) {
+    Options options = options_of();
+    if (split.rank == last) change(options);
+    return common_error(split, [&] { adapt(split.communicator, part, metric_of(part), options); });
+  };
+  const std::string rank = "rank " + std::to_string(last) + ": options differ: ";
+  for (const auto& [name, value] : {std::pair{"subdomains", "7"},
+                                    {"layers", "3"},
+                                    {"hgrad", "1.7"},
+                                    {"partitioner", "bisection"},
+                                    {"balancer", "none"},
+                                    {"ghosts", "yes"},
+                                    {"no-verify", "yes"},
+                                    {"measure", "no"},
+                                    {"wall", "1,2"},
+                                    {"hgrad-space", "mixed"}}) {
+    const std::string told = refused([&](Options& o) { set_option(o, name, value); });
+    EXPECT_NE(told.find(rank + "--" + name + " " + value), std::string::npos) << told;
+  }
+  // A value that makes no sense on one rank ends the call on the others too.
+  Options senseless = options_of();
+  if (split.rank == last) senseless.metric.complexity = -1;
+  EXPECT_ANY_THROW(adapt(split.communicator, part, metric_of(part), senseless));
+  EXPECT_NO_THROW(adapt(split.communicator, part, metric_of(part), options_of()));
+}
+
+TEST(Parts, OfWhichSomeRanksAloneGiveAMetricAreRefused) {
+  const Split split;
+  if (split.ranks == 1) return;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks), true);
+  Options options = options_of();
+  options.metric.implied = true;
+  const std::string told = common_error(split, [&] {
+    if (split.rank == 0)
+      adapt(split.communicator, part, options);
+    else
+      adapt(split.communicator, part, metric_of(part), options);
+  });
+  EXPECT_NE(told.find("metric: some ranks give one"), std::string::npos) << told;
+}
+
 TEST(Parts, WrongSolutionsAreRefusedOnAllRanks) {
   const Split split;
   const Mesh whole = whole_box();

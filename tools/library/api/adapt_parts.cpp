@@ -50,11 +50,11 @@ double add_metric(partition::Peers& peers, const Part& part, const Metric* metri
   return 0;
 }
 
-/// All ranks: they go through different steps with a background and without.
-void agree_on_background(partition::Peers& peers, const Part* background) {
-  const int mine = background ? 1 : 0;
+/// All ranks: they go through different steps with a `what` and without.
+void agree_that_given(partition::Peers& peers, bool given, const std::string& what) {
+  const int mine = given ? 1 : 0;
   if (partition::max(peers, mine) != -partition::max(peers, -mine))
-    throw InputError("", "background", "some ranks give one, others do not");
+    throw InputError("", what, "some ranks give one, others do not");
 }
 
 /// Another mesh that has the metric (null: that options make), with which nothing is to be done any more.
@@ -92,7 +92,8 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   tools::Stopwatch watch, total;
   tools::DistributedRun run(options, transport);
   PartResult result;
-  agree_on_background(run.peers(), background);
+  agree_that_given(run.peers(), background != nullptr, "background");
+  agree_that_given(run.peers(), metric != nullptr, "metric");
   partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, background ? nullptr : metric);
   const auto model = run.read_model(part.mesh, "");
   double target = 0;
@@ -123,12 +124,14 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
 
 PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Part* background,
                          const Metric* metric, const Options& options) {
-  validate(options);
-  if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
   PartResult result;
-  tools::on_communicator(communicator, [&](engine::Transport& transport) {
-    result = adapt_part(transport, part, background, metric, options);
-  });
+  tools::on_communicator(communicator,
+                         [&](engine::Transport& transport) {  // what is wrong on one rank, all hear
+                           validate(options);
+                           if (options.run.repair)
+                             throw OptionError("--repair", "is not possible for a mesh in parts");
+                           result = adapt_part(transport, part, background, metric, options);
+                         });
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -17,10 +18,12 @@ namespace weft {
 namespace {
 
 using Setter = std::function<void(Options&, const std::string& option, const std::string& text)>;
+using Getter = std::function<std::string(const Options&)>;
 
 struct Row {
   NamedOption option;
   Setter set;
+  Getter get;
 };
 
 double number_of(const std::string& option, const std::string& text) {
@@ -60,12 +63,35 @@ std::vector<std::string> split(const std::string& text) {
 
 // Rows of each type. `place` gives the member that the option sets.
 
+/// Of numbers and texts; `text_of` is their text.
+template <class Place, class Text>
+Getter getter(Place place, Text text_of) {
+  // Nothing is changed: places serve setters too. A copy would have all solutions in memory.
+  return [place, text_of](const Options& options) { return text_of(place(const_cast<Options&>(options))); };
+}
+
+std::string yes_text(bool value) { return value ? "yes" : "no"; }
+std::string no_text(bool value) { return yes_text(!value); }
+
+template <class Values>
+std::string joined(const Values& values) {
+  std::string text;
+  for (const auto& value : values) text += fmt::format("{}{}", text.empty() ? "" : ",", value);
+  return text;
+}
+
+template <class Value>
+std::string text_or_auto(const std::optional<Value>& value) {
+  return value ? fmt::format("{}", *value) : "auto";
+}
+
 template <class Place>
 Row number(const char* name, const char* text, Place place, bool of_command = true) {
   return {{name, "number", text, of_command},
           [place](Options& options, const std::string& option, const std::string& value) {
             place(options) = number_of(option, value);
-          }};
+          },
+          getter(place, [](double value) { return fmt::format("{}", value); })};
 }
 
 template <class Place>
@@ -74,7 +100,8 @@ Row whole_number(const char* name, const char* text, Place place) {
           [place](Options& options, const std::string& option, const std::string& value) {
             auto& member = place(options);
             member = whole_number_of<std::remove_reference_t<decltype(member)>>(option, value);
-          }};
+          },
+          getter(place, [](auto value) { return fmt::format("{}", value); })};
 }
 
 template <class Place>
@@ -82,14 +109,15 @@ Row flag(const char* name, const char* text, Place place, bool of_command = true
   return {{name, "yes or no", text, of_command},
           [place](Options& options, const std::string& option, const std::string& value) {
             place(options) = yes_or_no(option, value);
-          }};
+          },
+          getter(place, yes_text)};
 }
 
 template <class Place>
 Row word(const char* name, const char* text, Place place) {
-  return {
-      {name, "text", text, true},
-      [place](Options& options, const std::string&, const std::string& value) { place(options) = value; }};
+  return {{name, "text", text, true},
+          [place](Options& options, const std::string&, const std::string& value) { place(options) = value; },
+          getter(place, [](const std::string& value) { return value; })};
 }
 
 /// One of several words, each of which means a value.
@@ -106,7 +134,11 @@ Row choice(const char* name, const char* text, Place place,
                 return;
               }
             throw OptionError(option, fmt::format("'{}' is none of {}", given, words));
-          }};
+          },
+          getter(place, [values](Value value) {
+            const auto same = [value](const auto& known) { return known.second == value; };
+            return std::string(std::ranges::find_if(values, same)->first);
+          })};
 }
 
 template <class Value>
@@ -120,7 +152,8 @@ void add_metric(std::vector<Row>& rows) {
       [](Options & o) -> auto& { return o.metric.function; }));
   rows.push_back(
       {{"sol", "texts", "file of a solution to resolve; adds to those before", true},
-       [](Options& o, const std::string&, const std::string& file) { o.metric.sol.push_back(file); }});
+       [](Options& o, const std::string&, const std::string& file) { o.metric.sol.push_back(file); },
+       [](const Options& o) { return joined(o.metric.sol); }});
   rows.push_back(number(
       "norm", "p of the Lp norm of the interpolation error, 1 to inf",
       [](Options & o) -> auto& { return o.metric.norm; }));
@@ -162,7 +195,8 @@ void add_boundary(std::vector<Row>& rows) {
                     o.metric.wall.refs.clear();
                     for (const std::string& ref : split(text))
                       o.metric.wall.refs.push_back(whole_number_of<std::int32_t>(option, ref));
-                  }});
+                  },
+                  [](const Options& o) { return joined(o.metric.wall.refs); }});
   rows.push_back(number(
       "wall-height", "size across the walls, of the first layer",
       [](Options & o) -> auto& { return o.metric.wall.height; }));
@@ -192,7 +226,8 @@ Row ban(const char* name, const char* text, Place place) {
   return {{name, "yes or no", text, true},
           [place](Options& options, const std::string& option, const std::string& value) {
             place(options) = !yes_or_no(option, value);
-          }};
+          },
+          getter(place, no_text)};
 }
 
 void add_operations(std::vector<Row>& rows) {
@@ -259,7 +294,8 @@ void add_subdomains(std::vector<Row>& rows) {
                   [](Options& o, const std::string& option, const std::string& text) {
                     o.distributed.layers.reset();
                     if (text != "auto") o.distributed.layers = whole_number_of<int>(option, text);
-                  }});
+                  },
+                  [](const Options& o) { return text_or_auto(o.distributed.layers); }});
   rows.push_back(choice(
       "layers-by", "what layers grow across", [](Options & o) -> auto& { return o.distributed.layers_by; },
       Words<Distributed::LayersBy>{
@@ -268,7 +304,8 @@ void add_subdomains(std::vector<Row>& rows) {
                   [](Options& o, const std::string& option, const std::string& text) {
                     o.distributed.shifts.reset();
                     if (text != "auto") o.distributed.shifts = whole_number_of<std::uint32_t>(option, text);
-                  }});
+                  },
+                  [](const Options& o) { return text_or_auto(o.distributed.shifts); }});
   rows.push_back(word(
       "balancer", "stealing, diffusion or none",
       [](Options & o) -> auto& { return o.distributed.balancer; }));
@@ -308,14 +345,24 @@ const std::vector<NamedOption>& named_options() {
   return names;
 }
 
-void set_option(Options& options, const std::string& name, const std::string& text) {
+namespace {
+
+const Row& row_of(const std::string& name) {
   std::string known = name;
   for (char& c : known)
     if (c == '_') c = '-';
-  const std::string option = "--" + printable(known);
   for (const Row& row : table())
-    if (row.option.name == known) return row.set(options, option, text);
-  throw OptionError(option, "is not an option; they are those of weft adapt --help");
+    if (row.option.name == known) return row;
+  throw OptionError("--" + printable(known), "is not an option; they are those of weft adapt --help");
 }
+
+}  // namespace
+
+void set_option(Options& options, const std::string& name, const std::string& text) {
+  const Row& row = row_of(name);
+  row.set(options, "--" + row.option.name, text);
+}
+
+std::string get_option(const Options& options, const std::string& name) { return row_of(name).get(options); }
 
 }  // namespace weft

@@ -2,11 +2,14 @@
 #include "tools/library/jobs/distributed_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <limits>
+#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "meshing/base/error.h"
@@ -32,6 +35,20 @@ using graph::adaptation::ShiftRecord;
 std::string partitioner_of(const DistributedOptions& options) {
   return options.partitioner.empty() ? "graph" : options.partitioner;
 }
+
+namespace {
+
+/// "--NAME VALUE" of each option in which all ranks have to agree.
+std::vector<std::string> options_of_all(const Options& options) {
+  constexpr std::array<std::string_view, 4> kOfRank = {"threads", "force", "time-limit", "max-memory"};
+  std::vector<std::string> texts;
+  for (const NamedOption& option : named_options())
+    if (std::ranges::find(kOfRank, option.name) == kOfRank.end())
+      texts.push_back(fmt::format("--{} {}", option.name, get_option(options, option.name)));
+  return texts;
+}
+
+}  // namespace
 
 DistributedRun::DistributedRun(const Options& options, engine::Transport& transport, const Keep& keep,
                                Monitor::Clock::time_point begin)
@@ -67,7 +84,22 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   exchange_.emplace(*runtime_);
   const bool simulated = transport.virtual_time() != nullptr;  // all ranks have this process's memory
   if (keep.record && !simulated) memory_.emplace(transport.rank().value);
+  agree_on_options();
   if (!options.checkpoint.resume.empty()) find_checkpoints();
+}
+
+/// Ranks that were asked for different things would wait for each other, or worse.
+void DistributedRun::agree_on_options() {
+  const std::vector<std::string> mine = options_of_all(options_);
+  const std::string first = partition::text_of_first(*peers_, fmt::format("{}", fmt::join(mine, "\n")));
+  std::istringstream lines(first);
+  std::string issue, line;
+  for (const std::string& option : mine) {
+    std::getline(lines, line);
+    if (issue.empty() && option != line)
+      issue = fmt::format("rank {}: options differ: {}; on rank 0: {}", runtime_->rank().value, option, line);
+  }
+  partition::agree(*peers_, issue);
 }
 
 /// Rank 0 looks, so that all go on from the same.

@@ -62,6 +62,7 @@ class DistributedRun {
   std::string name_of(engine::ObjectId id) const;
   std::uint32_t number_of_subdomains() const;
   graph::adaptation::DistributedOptions method_options(double target_complexity);
+  void agree_on_options();
   void find_checkpoints();
   void add_checkpoint(const std::string& text);
   void account_for_checkpoints(const engine::RunSummary& sums, Report& report);

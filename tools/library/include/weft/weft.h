@@ -248,6 +248,9 @@ WEFT_API const std::vector<NamedOption>& named_options();
 /// before. Throws OptionError for a name that none has and a text that means no value; which values make
 /// sense is what validate() says.
 WEFT_API void set_option(Options& options, const std::string& name, const std::string& text);
+/// The text of the value that an option has, as set_option() takes it (files of --sol with commas between
+/// them). Texts are equal where values are.
+WEFT_API std::string get_option(const Options& options, const std::string& name);
 
 // ---------------------------------------------------------------------------------------------------------------
 // What is known of a run
