@@ -14,7 +14,7 @@ std::string seconds_text(double seconds) { return text(std::fixed, std::setpreci
 }  // namespace
 
 std::string Scheduler::name_and_place(ObjectId id) const {
-  const std::string name = options_.name_of ? options_.name_of(id) : text("object ", id);
+  std::string name = options_.name_of ? options_.name_of(id) : text("object ", id);
   if (find(id) != nullptr) return name;
   return text(name, " (rank ", directory_.best_guess(id).rank.value, ")");
 }

@@ -70,6 +70,7 @@ struct Fiber::Implementation {
   bool finished = false;
 
   static void start(unsigned int high, unsigned int low) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): makecontext() passes ints only
     auto* self = reinterpret_cast<Implementation*>(std::uintptr_t{high} << 32 | low);
 #if defined(__SANITIZE_ADDRESS__)
     __sanitizer_finish_switch_fiber(nullptr, &self->outside.stack, &self->outside.stack_bytes);

@@ -86,7 +86,8 @@ class Labels {
     for (std::size_t i = 0; i < kActivities; ++i) {
       const std::string activity = name_of(static_cast<Activity>(i));
       const bool runs = static_cast<Activity>(i) == Activity::compute;
-      for (const std::string& name : names) labels_[i].push_back(quoted(runs ? name : activity + ' ' + name));
+      for (const std::string& name : names)
+        labels_[i].push_back(quoted(runs ? name : fmt::format("{} {}", activity, name)));
       unnamed_[i] = quoted(activity);
     }
   }

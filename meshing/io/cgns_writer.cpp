@@ -1,6 +1,7 @@
 // Arrays are written past the CGNS library: it makes them, HDF5 says where their values are in the file, and
 // any number of writers put these there.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -153,20 +154,21 @@ class ZoneLayout {
 /// The nodes of the arrays that ZoneLayout writes: coordinates, sections of tets, triangles and edges, and
 /// the components of fields.
 std::vector<std::string> array_nodes(const WholeMesh& whole) {
-  const std::string zone = std::string("/") + kBaseName + "/" + kZoneName + "/", values = "/ data";
+  const std::string zone = fmt::format("/{}/{}/", kBaseName, kZoneName);
   std::vector<std::string> nodes;
-  for (const char* name : kCoordinates) nodes.push_back(zone + "GridCoordinates/" + name + values);
+  for (const char* name : kCoordinates)
+    nodes.push_back(fmt::format("{}GridCoordinates/{}/ data", zone, name));
   NodeNames section_names;
   const auto add = [&](const RefCounts& counts, int dimension, const std::string& prefix) {
     for (const auto& [ref, count] : counts)
-      nodes.push_back(zone + section_names.unique(prefix + whole.names.name(dimension, ref)) +
-                      "/ElementConnectivity" + values);
+      nodes.push_back(fmt::format("{}{}/ElementConnectivity/ data", zone,
+                                  section_names.unique(prefix + whole.names.name(dimension, ref))));
   };
   add(whole.tets, 3, std::string(kTetPrefix));
   add(whole.triangles, 2, "");
   add(whole.edges, 1, std::string(kEdgePrefix));
   for (const std::string& name : component_names(whole.fields))
-    nodes.push_back(zone + kSolutionName + "/" + name + values);
+    nodes.push_back(fmt::format("{}{}/{}/ data", zone, kSolutionName, name));
   return nodes;
 }
 

@@ -49,14 +49,15 @@ std::uint64_t count_unreferenced(const MeshData& mesh) {
 
 }  // namespace
 
-void check_arrays(const MeshData& mesh, Problems& problems) {
+void check_arrays(const MeshData& mesh, Problems& problems, CollapsedTriangles collapsed) {
   check_references("vertex", mesh.point_refs.size(), mesh.points.size(), problems);
   check_references("tet", mesh.tet_refs.size(), mesh.tets.size(), problems);
   check_references("triangle", mesh.triangle_refs.size(), mesh.triangles.size(), problems);
   check_references("edge", mesh.edge_refs.size(), mesh.edges.size(), problems);
   check_coordinates(mesh.points, problems);
   check_vertices("tet", mesh.tets, mesh.points.size(), problems);
-  check_vertices("triangle", mesh.triangles, mesh.points.size(), problems);
+  check_vertices("triangle", mesh.triangles, mesh.points.size(), problems, 0,
+                 collapsed == CollapsedTriangles::allowed);
   check_vertices("edge", mesh.edges, mesh.points.size(), problems);
   check_list("corner", mesh.corners, mesh.points.size(), problems);
   check_list("required vertex", mesh.required_points, mesh.points.size(), problems);

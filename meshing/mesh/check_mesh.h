@@ -25,7 +25,11 @@ namespace weft::meshing {
 /// the caller's arena); 90 bytes a tet of temporaries.
 CheckReport check_mesh(const MeshData& mesh, int max_problems = 20);
 
+/// Triangles that have a vertex twice.
+enum class CollapsedTriangles { refused, allowed };
+
 /// The first of these checks alone, up to the lists being in range.
-void check_arrays(const MeshData& mesh, Problems& problems);
+void check_arrays(const MeshData& mesh, Problems& problems,
+                  CollapsedTriangles collapsed = CollapsedTriangles::refused);
 
 }  // namespace weft::meshing

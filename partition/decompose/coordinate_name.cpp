@@ -41,8 +41,7 @@ BoundaryCoordinate parse_coordinate(std::string_view text) {
   if (text.starts_with(kWall))
     return {BoundaryCoordinate::Kind::wall, parse_references(text.substr(kWall.size()))};
   if (!text.starts_with(kHarmonic)) throw std::invalid_argument(fmt::format("'{}' is not known", text));
-  const BoundaryCoordinate c{BoundaryCoordinate::Kind::harmonic,
-                             parse_references(text.substr(kHarmonic.size()))};
+  BoundaryCoordinate c{BoundaryCoordinate::Kind::harmonic, parse_references(text.substr(kHarmonic.size()))};
   if (c.refs.size() != 2 || c.refs[0] == c.refs[1])
     throw std::invalid_argument(fmt::format("'{}' does not name two different references", text));
   return c;

@@ -79,7 +79,7 @@ Partitioner parse_partitioner(const std::string& text, std::uint32_t num_subdoma
   const std::string_view name = parts[0];
   parts.erase(parts.begin());
   if (name == "pqr") {
-    const Partitioner p = parse_pqr(text, parts);
+    Partitioner p = parse_pqr(text, parts);
     const std::uint32_t product = p.slabs[0] * p.slabs[1] * p.slabs[2];
     if (product != 0 && num_subdomains != 0 && product != num_subdomains)
       refuse(text, fmt::format("{}x{}x{} makes {} subdomains, not {}", p.slabs[0], p.slabs[1], p.slabs[2],

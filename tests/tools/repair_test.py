@@ -3,7 +3,7 @@
 import json
 import unittest
 
-from command import CommandTest, mesh_text
+from command import CommandTest, mesh_text, solution_text
 
 
 def sections(text):
@@ -120,6 +120,23 @@ class Repair(CommandTest):
         self.assert_mended("metrics that are not finite or not positive definite replaced by their neighbours' mean",
                            "--metric", "m.sol")
 
+    def test_metrics_of_a_background(self):
+        self.weft("mesh", "box", "-o", "back.mesh", "--cells", 3, 3, 3)
+        metric = [(4, 0, 4, 0, 0, 4) for _ in range(64)]
+        metric[9] = (-1, 0, 4, 0, 0, 4)
+        self.write("m.sol", solution_text(metric))
+        words = ("adapt", "good.mesh", "--background", "back.mesh", "--metric", "m.sol", "-o", "out.meshb")
+        self.assert_fails(*words, says=["m.sol", "vertex 10"])
+        for mode in ((), ("--subdomains", 2)):
+            out = self.weft(*words, "--repair", *mode, "--threads", 1, expect=(0, 1)).stdout
+            self.assertIn("replaced by their neighbours' mean (background's vertex 10", out)
+            self.weft("verify", "out.meshb", "--against", "good.mesh")
+
+    def test_a_solution_that_is_not_finite_is_named(self):
+        self.write("s.sol", solution_text([("nan" if i == 7 else i,) for i in range(27)], kind=1))
+        for more in ((), ("--repair",)):
+            self.assert_fails("adapt", "good.mesh", "--sol", "s.sol", *more, "-o", "out.meshb", says=["s.sol", "vertex 8"])
+
     def test_what_cannot_be_mended_is_refused(self):
         self.mesh["Tetrahedra"].append([1, 2, 5, 27, 1])
         self.write("bad.mesh", text_of(self.mesh))
@@ -157,6 +174,13 @@ class Surfaces(CommandTest):
         n = len(self.points)
         self.triangles[3] = (n - 2, n - 1, n)
         self.assert_filled("vertices joined across seams")
+
+    def test_a_triangle_that_has_a_vertex_twice(self):
+        a, b, _ = self.triangles[7]
+        self.triangles.append((a, b, b))
+        self.assert_filled("triangles without area removed", refused=False)
+        out = self.weft("mesh", "bad.mesh", "-o", "out.meshb").stdout
+        self.assertIn("1 triangles without area dropped", out)
 
     def test_a_hole(self):
         vertex = self.triangles[0][0]

@@ -110,7 +110,7 @@ FillResult fill(const Mesh& surface, const FillOptions& options) {
   validate(common);
   if ((options.background == nullptr) != (options.metric == nullptr))
     throw OptionError("--background", "requires --metric and the reverse");
-  const WholeMesh whole(surface);
+  const WholeMesh whole(surface, meshing::CollapsedTriangles::allowed);  // they are left out
   if (options.metric) check_length(*options.background, options.metric->size(), "metric");
   return tools::with_threads(tools::number_of_threads(options.run.threads),
                              [&] { return Filling(*whole, options).run(); });

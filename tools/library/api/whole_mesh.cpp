@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "meshing/mesh/check_mesh.h"
 #include "meshing/mesh/problems.h"
 
 namespace weft {
@@ -30,7 +29,7 @@ void check_field(const Mesh& mesh, const Field& field, std::size_t number) {
 
 }  // namespace
 
-WholeMesh::WholeMesh(const Mesh& mesh) : mesh_(mesh) {
+WholeMesh::WholeMesh(const Mesh& mesh, meshing::CollapsedTriangles collapsed) : mesh_(mesh) {
   if (lacks(mesh.points, mesh.point_refs) || lacks(mesh.tets, mesh.tet_refs) ||
       lacks(mesh.triangles, mesh.triangle_refs) || lacks(mesh.edges, mesh.edge_refs)) {
     completed_ = mesh;
@@ -40,7 +39,7 @@ WholeMesh::WholeMesh(const Mesh& mesh) : mesh_(mesh) {
     if (mesh.edge_refs.empty()) completed_->edge_refs.assign(mesh.edges.size(), 0);
   }
   meshing::Problems problems(1);
-  meshing::check_arrays(**this, problems);
+  meshing::check_arrays(**this, problems, collapsed);
   if (problems.count() > 0) throw InputError("", "", problems.take().front());
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "meshing/mesh/check_mesh.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -13,7 +14,8 @@ namespace weft {
 /// missing.
 class WholeMesh {
  public:
-  explicit WholeMesh(const Mesh& mesh);
+  explicit WholeMesh(const Mesh& mesh,
+                     meshing::CollapsedTriangles collapsed = meshing::CollapsedTriangles::refused);
   const Mesh& operator*() const { return completed_ ? *completed_ : mesh_; }
 
  private:

@@ -57,13 +57,16 @@ class FileJob {
     read_seconds_ = watch_.lap();
   }
 
-  /// The metric of a background of its own is not looked at.
   void mend() {
-    MetricOptions of_background;
-    MetricOptions& metric = background_ ? of_background : options_.metric;
-    RepairedMetric repaired = repair_input(input_, files_.input, metric, fields_);
-    source_ = std::move(repaired.source);
+    MetricOptions none;
+    RepairedMetric repaired =
+        repair_input(input_, files_.input, background_ ? none : options_.metric, fields_);
     mends_ = std::move(repaired.mends);
+    if (background_) {
+      repaired = repair_background(*background_, files_.background, options_.metric);
+      mends_.insert(mends_.end(), repaired.mends.begin(), repaired.mends.end());
+    }
+    source_ = std::move(repaired.source);
   }
 
   void adapt() {

@@ -6,6 +6,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/metric/repair_metric.h"
+#include "meshing/metric/sources/multiscale.h"
 #include "tools/common/naming.h"
 
 namespace weft::tools {
@@ -61,9 +62,18 @@ RepairedMetric repair_input(meshing::MeshData& mesh, const std::string& file, Me
     result.source = meshing::metric_from_solution(metric, mesh.points.size(), options.file);
     options.file.clear();
   }
-  for (const std::string& solution : options.sol)
+  for (const std::string& solution : options.sol) {
     options.solutions.push_back(read_for(solution, points_read, repair.points));
+    meshing::scalar_fields(options.solutions.back(), mesh.points.size(), solution);  // a fault is the file's
+  }
   options.sol.clear();
+  return result;
+}
+
+RepairedMetric repair_background(meshing::MeshData& mesh, const std::string& file, MetricOptions& options) {
+  Fields none;
+  RepairedMetric result = repair_input(mesh, file, options, none);
+  for (Mend& mend : result.mends) mend.entity = "background's " + mend.entity;
   return result;
 }
 

@@ -26,5 +26,7 @@ struct RepairedMetric {
 };
 RepairedMetric repair_input(meshing::MeshData& mesh, const std::string& file, MetricOptions& options,
                             Fields& fields);
+/// The same of a background, whose mends say so.
+RepairedMetric repair_background(meshing::MeshData& mesh, const std::string& file, MetricOptions& options);
 
 }  // namespace weft::tools

@@ -128,6 +128,27 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
   return input;
 }
 
+/// The same of a background.
+void mend_background(Peers& peers, const Files& files, const Options& options,
+                     const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
+  MeshData whole;  // on rank 0, with its metric
+  LogMetricMade made;
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    whole = meshing::read_mesh(files.background);
+    if (whole.tets.empty()) throw InputError(files.background, "", "has no tetrahedra");
+    MetricOptions metric = options.metric;
+    RepairedMetric repaired = repair_background(whole, files.background, metric);
+    input.mends.insert(input.mends.end(), repaired.mends.begin(), repaired.mends.end());
+    made = make_log_metric(metric, whole, files.background, repaired.source ? &*repaired.source : nullptr,
+                           model);
+    input.warnings.insert(input.warnings.end(), made.warnings.begin(), made.warnings.end());
+  });
+  input.background = deal_out(peers, whole, made.field);
+  input.background->boundary = {};
+  count_boundary(peers, *input.background);
+}
+
 /// Values at vertices in files of other formats than GMF.
 void warn_of_fields(Peers& peers, const Files& files, const Options& options, SliceInput& input) {
   if (peers.ranks() == 1 || options.run.repair) return;
@@ -155,7 +176,10 @@ SliceInput read_slice(Peers& peers, const Files& files, const Options& options,
   if (has_background(files)) {
     input.whole.reset();
     input.target_complexity = 0;
-    add_background(peers, files, options, model, input);
+    if (options.run.repair)
+      mend_background(peers, files, options, model, input);
+    else
+      add_background(peers, files, options, model, input);
   } else if (peers.ranks() == 1 && !input.whole) {
     keep_whole(input);
   }
