@@ -1,6 +1,7 @@
 // Files of a rank, and the order in which they become a checkpoint.
 #include "graph/adaptation/checkpoint_writer.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -30,9 +31,15 @@ CheckpointWriter::~CheckpointWriter() {
 void CheckpointWriter::begin(const CheckpointManifest& manifest) {
   manifest_ = manifest;
   manifest_.file_sizes.assign(static_cast<std::size_t>(ranks_), 0);
-  next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(every_));
+  constexpr double kFirst = 10;  // seconds
+  wait(std::min(every_, kFirst));
   pending_ = false;
   active_ = true;
+}
+
+void CheckpointWriter::wait(double seconds) {
+  interval_ = seconds;
+  next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 void CheckpointWriter::end() {
@@ -119,7 +126,7 @@ bool CheckpointWriter::wait_until_stored() {
 
 void CheckpointWriter::finish(std::uint64_t epoch, bool whole) {
   pending_ = false;
-  next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(every_));
+  wait(std::min(every_, 2 * interval_));
   const fs::path folder = checkpoint_folder(folder_, manifest_.first_number + epoch);
   if (!whole) return fail("a rank could not write its part of " + folder.string());
   in_background([this, folder] {

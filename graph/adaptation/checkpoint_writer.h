@@ -27,7 +27,8 @@ class CheckpointWriter final : public engine::SnapshotSink {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `every`: seconds; 0: only when `now` is set, which may be null.
+  /// `every`: seconds; 0: only when `now` is set, which may be null. The first ones come sooner, after 10
+  /// seconds and each time twice that, so that a young run that is killed has one too.
   CheckpointWriter(std::filesystem::path folder, double every, std::atomic<bool>* now, int rank, int ranks);
   ~CheckpointWriter() override;
 
@@ -56,6 +57,7 @@ class CheckpointWriter final : public engine::SnapshotSink {
   void add(std::uint64_t epoch, CheckpointRecord::Kind kind, const engine::Payload& copy);
   template <class Work>
   void in_background(Work work);
+  void wait(double seconds);
   void write_manifest(const std::filesystem::path& folder);
   void fail(const std::string& why);
 
@@ -67,6 +69,7 @@ class CheckpointWriter final : public engine::SnapshotSink {
   std::atomic<bool> active_ = false;
   bool pending_ = false;  ///< one is wanted or goes on; of the communication thread
   Clock::time_point next_;
+  double interval_ = 0;  ///< seconds, of those up to next_
   CheckpointManifest manifest_;
 
   mutable std::mutex mutex_;

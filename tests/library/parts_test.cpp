@@ -437,7 +437,7 @@ TEST(Parts, OptionsThatDifferBetweenRanksAreRefusedOnAllNamingRankAndOption) {
                                     {"ghosts", "yes"},
                                     {"no-verify", "yes"},
                                     {"measure", "no"},
-                                    {"wall", "1,2"},
+                                    {"complexity", "900"},
                                     {"hgrad-space", "mixed"}}) {
     const std::string told = refused([&](Options& o) { set_option(o, name, value); });
     EXPECT_NE(told.find(rank + "--" + name + " " + value), std::string::npos) << told;

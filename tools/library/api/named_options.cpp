@@ -263,7 +263,8 @@ void add_run(std::vector<Row>& rows) {
       "checkpoint", "folder for states to go on from",
       [](Options & o) -> auto& { return o.checkpoint.folder; }));
   rows.push_back(number(
-      "checkpoint-every", "seconds between checkpoints; 0: only when asked for",
+      "checkpoint-every",
+      "seconds between checkpoints, the first after 10, 20, 40 ...; 0: only when asked for",
       [](Options & o) -> auto& { return o.checkpoint.every; }));
   rows.push_back(word(
       "resume", "folder of checkpoints to go on from",

@@ -205,7 +205,8 @@ void add_checkpoints(CLI::App& sub, AdaptCommand& command) {
                  "keep states to go on from in DIR while the run goes on; SIGUSR2: one now")
       ->type_name("DIR")
       ->group(kGroup);
-  sub.add_option("--checkpoint-every", checkpoint.every, "default 600; 0: only at SIGUSR2")
+  sub.add_option("--checkpoint-every", checkpoint.every,
+                 "default 600, the first after 10, 20, 40 ...; 0: only at SIGUSR2")
       ->type_name("SECONDS")
       ->check(CLI::NonNegativeNumber.description(""))
       ->needs("--checkpoint")

@@ -188,7 +188,9 @@ struct RunOptions {
 /// is not complete is never taken for one that is.
 struct CheckpointOptions {
   std::string folder;  ///< on a file system that all ranks see; empty: no checkpoints
-  double every = 600;  ///< seconds between the end of one and the next; 0: only when asked for
+  /// Seconds between the end of one and the next, at most: the first comes after 10, the next after 20, 40
+  /// ... 0: only when asked for.
+  double every = 600;
   /// A folder of checkpoints: the run goes on from the latest that is not damaged, on as many ranks and
   /// threads as there are now.
   /// Input and options must be those of the run that wrote it. A folder without one: it starts anew.
