@@ -1,5 +1,6 @@
-// weft adapts tetrahedral meshes to anisotropic metric fields. This is the whole interface of the library:
-// what the `weft` command can do, a program can do through these functions, because the command itself calls
+// weft adapts tetrahedral meshes to anisotropic metric fields. This is the interface of the library; beside
+// it on_ranks.h has what the command does with files on all ranks, and replay.h simulated replays of runs.
+// What the `weft` command can do, a program can do through these functions, because the command itself calls
 // nothing else.
 //
 //   weft::Mesh mesh = weft::read_mesh("wing.meshb");
@@ -8,10 +9,11 @@
 //   weft::Result fine = weft::adapt(mesh, weft::read_metric("wing.solb", mesh), options);
 //   weft::write_mesh("fine.meshb", fine.mesh);
 //
-// The library prints nothing, handles no signals and never ends the process. Errors are exceptions:
-// InputError for data that cannot be used (it names file, entity and reason), OptionError for options that
-// make no sense; in a run on several ranks all ranks throw alike. Functions may be called from several
-// threads at the same time, each on data of its own. With one thread the same input gives the same bytes.
+// The library prints nothing, handles no signals and never ends the process (but see adapt_files()). Errors
+// are exceptions: InputError for data that cannot be used (it names file, entity and reason), OptionError for
+// options that make no sense; in a run on several ranks all ranks throw alike. Functions may be called from
+// several threads at the same time, each on data of its own. With one thread the same input gives the same
+// bytes.
 #pragma once
 
 #include <mpi.h>
@@ -489,7 +491,8 @@ struct FilesResult : Report {
 
 /// Reads, adapts, measures, writes; files appear whole or not at all. Under mpirun it works on all ranks of
 /// the world (and starts and ends MPI, unless the caller has started it): every rank reads its share where
-/// formats and metric allow.
+/// formats and metric allow. Where it has started MPI itself and a rank dies or MPI fails, it ends all ranks
+/// by MPI_Abort with status 2, the only way out of MPI then.
 WEFT_API FilesResult adapt_files(const Files& files, const Options& options = {});
 /// Whether adapt_files works in subdomains: asked to, or under mpirun.
 WEFT_API bool in_subdomains(const Options& options);
