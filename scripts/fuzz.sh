@@ -14,7 +14,8 @@ cmake --build --preset fuzz --parallel "$(nproc)" --target weft_fuzz_readers wef
 corpus=build-fuzz/corpus-readers
 mkdir -p "$corpus" build-fuzz/corpus-options
 for file in tests/data/formats/*.* tests/data/*.meshb; do
-  { echo ".${file##*.}" && cat "$file"; } >"$corpus/$(basename "$file")"
+  name=$(basename "$file")
+  { echo ".${name#*.}" && cat "$file"; } >"$corpus/$name"
 done
 
 # HDF5 and OpenCASCADE are not built for it: what they leak is not ours.

@@ -80,9 +80,9 @@ namespace detail {
 
 /// One address for each method (and type), in whatever source it is named.
 template <auto Method>
-inline constexpr char method_key = 0;
+[[gnu::visibility("hidden")]] inline constexpr char method_key = 0;  // GCC forgets -fvisibility here
 template <class T>
-inline constexpr char type_key = 0;
+[[gnu::visibility("hidden")]] inline constexpr char type_key = 0;
 
 template <class T>
 concept Movable = requires(T& value, Packer& packer, Unpacker& unpacker) {

@@ -29,10 +29,10 @@ namespace detail {
 
 /// One address for each body, in whatever source it is named.
 template <auto Body>
-inline constexpr char body_key = 0;
+[[gnu::visibility("hidden")]] inline constexpr char body_key = 0;  // GCC forgets -fvisibility here
 /// One address for each type of values; none for Nothing, which takes whatever comes.
 template <class T>
-inline constexpr char type_key = 0;
+[[gnu::visibility("hidden")]] inline constexpr char type_key = 0;
 template <class T>
 constexpr const void* input_key() {
   return std::is_same_v<T, Nothing> ? nullptr : &type_key<T>;

@@ -17,12 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 14> kExtensions = {".meshb", ".mesh", ".solb", ".sol",  ".msh",
-                                                          ".ugrid", ".su2",  ".vtu",  ".pvtu", ".cgns",
-                                                          ".stl",   ".ply",  ".obj",  ".off"};
+constexpr std::array<std::string_view, 16> kExtensions = {
+    ".lb8.ugrid", ".b8.ugrid", ".meshb", ".mesh", ".solb", ".sol", ".msh", ".ugrid",
+    ".su2",       ".vtu",      ".pvtu",  ".cgns", ".stl",  ".ply", ".obj", ".off"};
 
-void read(const std::string& path) {
-  const std::string extension = fs::path(path).extension();
+void read(const std::string& path, std::string_view extension) {
   try {
     if (extension == ".solb" || extension == ".sol") {
       weft::read_fields(path);
@@ -42,14 +41,14 @@ void read(const std::string& path) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view input(reinterpret_cast<const char*>(data), size);
-  const std::size_t end = input.substr(0, 8).find('\n');
+  const std::size_t end = input.substr(0, 12).find('\n');
   if (end == std::string_view::npos) return 0;
   const std::string_view extension = input.substr(0, end), contents = input.substr(end + 1);
   if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) return 0;
   const fs::path path =
       fs::temp_directory_path() / ("weft-fuzz-" + std::to_string(getpid()) + std::string(extension));
   std::ofstream(path, std::ios::binary).write(contents.data(), static_cast<std::streamsize>(contents.size()));
-  read(path.string());
+  read(path.string(), extension);
   fs::remove(path);
   return 0;
 }

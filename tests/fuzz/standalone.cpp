@@ -21,7 +21,8 @@ using Bytes = std::vector<std::uint8_t>;
 /// As readers.cpp takes it.
 Bytes read(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  const std::string extension = std::filesystem::path(path).extension().string() + "\n";
+  const std::string name = std::filesystem::path(path).filename();
+  const std::string extension = name.substr(std::min(name.find('.'), name.size())) + "\n";  // .lb8.ugrid too
   Bytes bytes(extension.begin(), extension.end());
   bytes.insert(bytes.end(), std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   return bytes;

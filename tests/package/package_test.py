@@ -58,6 +58,23 @@ class Package(unittest.TestCase):
                    and " WEFT_0" not in line and not re.search(r" weft_\w+@@WEFT_C_0$", line)
                    and " WEFT_C_0" not in line]
         self.assertEqual(strange, [])
+        self.assertEqual([line for line in symbols.splitlines() if "::detail::" in line], [])
+
+    def test_a_project_that_has_the_sources_keeps_its_own_settings(self):
+        host = self.folder / "host"
+        host.mkdir()
+        (host / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.25)\nproject(host CXX)\n"
+            f"add_subdirectory({SOURCES.parents[1]} weft EXCLUDE_FROM_ALL)\ninclude(CTest)\n"
+            "add_executable(host host.cpp)\ntarget_link_libraries(host PRIVATE weft::weft)\n")
+        (host / "host.cpp").write_text("#include <weft/weft.h>\nint main() { return weft::box({}).tets.empty(); }\n")
+        run("cmake", "-S", host, "-B", host / "build", "-G", "Ninja", f"-DCMAKE_CXX_COMPILER={CXX}")
+        cache = (host / "build" / "CMakeCache.txt").read_text()
+        self.assertIn("BUILD_TESTING:BOOL=ON", cache)
+        self.assertRegex(cache, "(?m)^CMAKE_BUILD_TYPE:STRING=$")
+        commands = run("ninja", "-C", host / "build", "-t", "commands", "host")
+        compiled = next(line for line in commands.splitlines() if "host.cpp.o -c" in line)
+        self.assertNotRegex(compiled, r" -(O|W|march|f)")
         self.assertNotIn("weft::meshing::Kernel", symbols)
         self.assertNotIn("MPI_", symbols)
 

@@ -175,6 +175,8 @@ class DistributedFileJob {
       write_accounts();
     } catch (const meshing::InputError& error) {
       report_error_ = error.what();
+    } catch (const std::bad_alloc&) {
+      report_error_ = "not enough memory to report the result";
     }
   }
 
@@ -186,6 +188,7 @@ class DistributedFileJob {
     }
     if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
     if (account_.report_path.empty()) return;
+    require_memory_for_report();
     write_text(account_.report_path, json_of(account_).dump(1) + "\n");
     if (files_.page) write_record(account_, record, files_.case_name);
   }

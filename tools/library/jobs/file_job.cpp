@@ -104,6 +104,7 @@ class FileJob {
     run_.peak_memory = peak_memory_bytes();
     if (run_.report_path.empty()) return;
     once_written([this] {
+      require_memory_for_report();
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
       if (files_.page)
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);
