@@ -197,8 +197,8 @@ GmfOutput mesh_output(Peers& peers, const Share& share, const std::filesystem::p
 
 /// The mesh and the solutions beside it, which appear once it has.
 template <class Mesh>
-void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& solution,
-               int version) {
+void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesystem::path& name,
+               const std::filesystem::path& solution, int version) {
   std::optional<GmfOutput> metrics = solution_output(
       peers, share, solution, meshing::solution_from_metric({}),
       [&](std::size_t p) { return own_metrics(share.pieces[p], share.numbering.pieces[p]); }, version);
@@ -215,6 +215,7 @@ void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesyst
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
+    const meshing::FormerFile mesh_before(name), fields_before(share.fields.file);
     mesh.commit();
     if (fields) fields->commit();
     if (metrics) metrics->commit();
@@ -234,7 +235,7 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
   const Share share{peers.rank() == 0, mine, numbering, fields};
   if (is_mesh(mesh)) {
     GmfOutput file = mesh_output(peers, share, mesh, carried, version);
-    write_all(peers, share, file, solution, version);
+    write_all(peers, share, file, mesh, solution, version);
   } else if (meshing::can_be_written_as_text(mesh)) {
     DescribedMesh described = describe_pieces(peers, mine, numbering);
     if (share.first) described.whole.names = names;
@@ -242,10 +243,10 @@ void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::file
       for_parts(share, described.pieces, false,
                 [&](std::size_t p, const meshing::MeshPart& part) { action(mine[p].subdomain.value, part); });
     });
-    write_all(peers, share, file, solution, version);
+    write_all(peers, share, file, mesh, solution, version);
   } else {
     CommonMesh file(peers, share, mesh, names);
-    write_all(peers, share, file, solution, version);
+    write_all(peers, share, file, mesh, solution, version);
   }
 }
 

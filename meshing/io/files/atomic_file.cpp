@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <exception>
 #include <string>
 #include <system_error>
 
@@ -98,6 +99,24 @@ void AtomicFile::write_through(const std::byte* data, std::size_t size) {
 
 void AtomicFile::fail(int error) const {
   throw InputError(target_.string(), "", "cannot write: " + std::generic_category().message(error));
+}
+
+FormerFile::FormerFile(const fs::path& target)
+    : target_(resolve(target)), is_new_(!fs::exists(target_)), exceptions_(std::uncaught_exceptions()) {
+  if (is_new_) return;
+  link_ = temporary_beside(target_);
+  std::error_code error;
+  fs::create_hard_link(target_, link_, error);
+  if (error) link_.clear();
+}
+
+FormerFile::~FormerFile() {
+  const bool failed = std::uncaught_exceptions() > exceptions_;
+  std::error_code ignored;
+  if (failed && is_new_) fs::remove(target_, ignored);
+  if (link_.empty()) return;
+  if (failed) fs::rename(link_, target_, ignored);
+  fs::remove(link_, ignored);  // still there where it was renamed to another name of itself
 }
 
 }  // namespace weft::meshing

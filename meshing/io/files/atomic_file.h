@@ -61,4 +61,20 @@ class AtomicFile {
   std::uint64_t flushed_ = 0;
 };
 
+/// While files of a pair are replaced one after the other: one that is left by an exception gets back what
+/// was there when this was made (nothing where nothing was), on file systems that have hard links.
+class FormerFile {
+ public:
+  explicit FormerFile(const std::filesystem::path& target);
+  ~FormerFile();
+  FormerFile(const FormerFile&) = delete;
+  FormerFile& operator=(const FormerFile&) = delete;
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path link_;  ///< another name of what was there; empty: there was nothing, or no link
+  bool is_new_;
+  int exceptions_;
+};
+
 }  // namespace weft::meshing

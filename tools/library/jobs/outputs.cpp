@@ -93,6 +93,7 @@ void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData&
     inside = solution;
     std::ranges::copy(fields.fields, std::back_inserter(inside.fields));
   }
+  const meshing::FormerFile mesh_before(paths.mesh), fields_before(paths.fields);
   // The mesh appears whole or not at all by itself; it is not renamed because some formats name other files
   // in it.
   meshing::write_mesh_contents(paths.mesh, {mesh, inside, names});
@@ -108,6 +109,7 @@ void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mes
     beside.emplace(meshing::solution_beside(path).string());
     beside->fill([&](const std::string& file) { meshing::write_solution(file, fields); });
   }
+  const meshing::FormerFile before(path);
   meshing::write_mesh_contents(path, {mesh, inside ? fields : meshing::SolutionData{}, names});
   if (beside) beside->commit();
 }
