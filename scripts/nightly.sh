@@ -15,6 +15,8 @@ ctest --test-dir build --output-on-failure --tests-regex '^mpi\.(engine|transpor
 build/bin/weft_engine_tests --gtest_filter='Ranks/*' --gtest_repeat=100 --gtest_brief=1
 # Runs killed at random moments go on to the same bytes, and time limits are kept.
 scripts/kill_runs.py build/bin/weft --runs 200 --limits 50
+# Warnings of Clang and findings of clang-tidy are errors.
+scripts/lint.sh
 # Error paths that no test runs.
 scripts/coverage.sh
 # Calls that fail, by number.

@@ -12,6 +12,7 @@
 #include "tools/library/jobs/monitor.h"
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/result_check.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
 #include "weft/weft.h"
@@ -85,6 +86,10 @@ class Filling {
     result_.mesh = std::move(filled.mesh);
     result_.metric = Metric::from_logarithms(std::move(filled.log_metrics));
     result_.cancelled = filled.report.interrupted;
+    if (options_.run.verify) {
+      monitor_.update("checking the result", 0.99, result_.mesh.tets.size());
+      tools::check_conforms(result_.mesh);
+    }
     if (const auto& model = filled.report.model; model && model->off > 0)
       result_.warnings.push_back(
           fmt::format("{} vertices are off the model, the farthest by {:.3g}", model->off, model->largest));

@@ -41,7 +41,8 @@ std::string_view processor_level() {
 
 std::string assertions() {
 #ifdef WEFT_ASSERTION_LEVEL
-  return WEFT_ASSERTION_LEVEL > 0 ? fmt::format("level {} of 3", WEFT_ASSERTION_LEVEL) : "none";
+  constexpr const char* kLevels[] = {"none", "light", "normal", "heavy"};
+  return kLevels[WEFT_ASSERTION_LEVEL];
 #else
   return "none";
 #endif

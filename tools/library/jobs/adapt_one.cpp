@@ -10,8 +10,6 @@
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
-#include "meshing/mesh/check_mesh.h"
-#include "meshing/mesh/face_sums.h"
 #include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
 #include "tools/common/field_text.h"
@@ -21,6 +19,7 @@
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/result_check.h"
 #include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/sources/metric_source.h"
@@ -30,15 +29,6 @@ namespace weft::tools {
 namespace {
 
 using meshing::InputError;
-
-/// The sums say only that something is wrong, the full check what.
-void check_conforms(const meshing::MeshData& mesh) {
-  if (meshing::sum_faces(mesh).ok()) return;
-  const CheckReport report = meshing::check_mesh(mesh, 5);
-  std::string text = "the result does not conform";
-  for (const std::string& problem : report.problems) text += "\n  " + problem;
-  throw RunError(text);
-}
 
 /// The steps in order, each leaving its part of the result.
 class OneMesh {

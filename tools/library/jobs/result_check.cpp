@@ -1,0 +1,19 @@
+// The sums say only that something is wrong, the full check what.
+#include "tools/library/jobs/result_check.h"
+
+#include <string>
+
+#include "meshing/mesh/check_mesh.h"
+#include "meshing/mesh/face_sums.h"
+
+namespace weft::tools {
+
+void check_conforms(const Mesh& mesh) {
+  if (meshing::sum_faces(mesh).ok()) return;
+  const CheckReport report = meshing::check_mesh(mesh, 5);
+  std::string text = "the result does not conform";
+  for (const std::string& problem : report.problems) text += "\n  " + problem;
+  throw RunError(text);
+}
+
+}  // namespace weft::tools
