@@ -242,8 +242,8 @@ void check_size_of_parts(const std::string& name, double complexity, const RunOp
   const std::string size = size_text(complexity, predicted);
   if (!(kSlotsOfSubdomain * predicted.tets / parts < kMaxTets))
     throw InputError(name, "", size + ", more tets than subdomains can have: more --subdomains");
-  // Libraries and messages on their way, whatever the size; the rank that has the most. A wing to 500,000 on 8
-  // ranks: 254 MB, 234 to 289 measured; a cube to 60,000 on 2: 163 MB, 139 measured.
+  // Libraries and messages on their way, whatever the size; the rank that has the most. A wing to 500,000 on
+  // 8 ranks: 254 MB, 234 to 289 measured; a cube to 60,000 on 2: 163 MB, 139 measured.
   constexpr double kOfEachRank = 60e6, kMostLoaded = 1.25;
   const double of_rank = predicted.bytes / ranks * (ranks > 1 ? kMostLoaded : 1) + kOfEachRank;
   if (run.force || !room || of_rank <= *room) return;
