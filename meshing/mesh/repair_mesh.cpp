@@ -13,6 +13,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/join_hanging.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/tet_tables.h"
 
@@ -51,14 +52,16 @@ class Repair {
     complete(m_.tet_refs, m_.tets.size());
     complete(m_.triangle_refs, m_.triangles.size());
     complete(m_.edge_refs, m_.edges.size());
-    tet_source_.resize(m_.tets.size());
-    std::iota(tet_source_.begin(), tet_source_.end(), 0u);
+    number(tet_source_, m_.tets.size());
+    number(triangle_source_, m_.triangles.size());
+    number(edge_source_, m_.edges.size());
   }
 
   MeshRepair run() {
     check_points();
     merge_points();
     drop_degenerate_tets();
+    join_hanging();
     turn_tets();
     untangle();
     drop_flat_tets();
@@ -72,6 +75,11 @@ class Repair {
  private:
   static void complete(std::vector<std::int32_t>& refs, std::size_t count) {
     if (refs.empty()) refs.assign(count, 0);
+  }
+
+  static void number(std::vector<std::uint32_t>& source, std::size_t count) {
+    source.resize(count);
+    std::iota(source.begin(), source.end(), 0u);
   }
 
   MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
@@ -141,6 +149,20 @@ class Repair {
     }
     now[from] = into;
     mend("vertices at the same place merged", "vertex", "distance").add(from, distance);
+  }
+
+  void join_hanging() {
+    const HangingJoins joins = join_hanging_vertices(m_);
+    for (const auto& [v, distance] : joins.vertices)
+      mend("hanging vertices joined", "vertex", "distance").add(v, distance);
+    const auto extend = [](std::vector<std::uint32_t>& source, const std::vector<std::uint32_t>& parents) {
+      for (const std::uint32_t p : parents) source.push_back(source[p]);
+    };
+    extend(tet_source_, joins.tets);
+    for (const std::uint32_t t : joins.swapped)
+      mend("pairs of tets swapped to fit what is beyond their faces", "tet").add(tet_source_[t]);
+    extend(triangle_source_, joins.triangles);
+    extend(edge_source_, joins.edges);
   }
 
   void drop_unused_points() {
@@ -360,7 +382,7 @@ class Repair {
     for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
       const bool degenerate = repeats(m_.triangles[i]);
       if (degenerate || codes[i] == kNoNeighbour) {
-        mend("triangles that are no faces of tets removed", "triangle").add(i);
+        mend("triangles that are no faces of tets removed", "triangle").add(triangle_source_[i]);
         if (!degenerate) remember_ref(m_.triangles[i], m_.triangle_refs[i]);
         continue;
       }
@@ -369,7 +391,7 @@ class Repair {
         mend(known->second == m_.triangle_refs[i] ? "repeated triangles removed"
                                                   : "repeated triangles with another reference removed",
              "triangle")
-            .add(i);
+            .add(triangle_source_[i]);
         continue;
       }
       new_index[i] = static_cast<std::uint32_t>(kept);
@@ -445,7 +467,7 @@ class Repair {
       const bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] &&
                         used[e[1]] && there.insert(in_order(e)).second;
       if (!good) {
-        mend("edges that are repeated, or of no tets, removed", "edge").add(i);
+        mend("edges that are repeated, or of no tets, removed", "edge").add(edge_source_[i]);
         continue;
       }
       new_index[i] = static_cast<std::uint32_t>(kept);
@@ -465,8 +487,9 @@ class Repair {
   }
 
   MeshData& m_;
-  std::vector<std::uint32_t> tet_source_;  ///< of each tet: its number in the input
-  std::vector<Tet> flat_;                  ///< those that were removed
+  std::vector<std::uint32_t> tet_source_;                     ///< of each tet: its number in the input
+  std::vector<std::uint32_t> triangle_source_, edge_source_;  ///< until their turn comes
+  std::vector<Tet> flat_;                                     ///< those that were removed
   std::map<std::size_t, std::int32_t> flat_refs_;
   std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> beside_;  ///< edge -> listed triangles
   MeshRepair result_;

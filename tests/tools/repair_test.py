@@ -61,6 +61,62 @@ class Repair(CommandTest):
         tet[tet.index(centre)] = len(self.mesh["Vertices"])
         self.assert_mended("vertices at the same place merged", refused=False)
 
+    def point_on(self, *vertices, shares=None):
+        """A new vertex between these."""
+        shares = shares or [1 / len(vertices)] * len(vertices)
+        places = [self.mesh["Vertices"][v - 1] for v in vertices]
+        self.mesh["Vertices"].append([sum(s * p[c] for s, p in zip(shares, places)) for c in range(3)] + [0])
+        return len(self.mesh["Vertices"])
+
+    def split(self, name, row, corners, new):
+        """One row alone becomes as many as there are corners that the new vertex replaces."""
+        self.mesh[name].remove(row)
+        self.mesh[name] += [[new if v == corner else v for v in row[:-1]] + row[-1:] for corner in corners]
+
+    def tet_with(self, *vertices):
+        return next(t for t in self.mesh["Tetrahedra"] if set(vertices) <= set(t[:4]))
+
+    def test_vertices_on_edges_of_other_tets(self):
+        """Of edges inside the box that one tet alone has divided."""
+        centre = self.vertex_at(0.5, 0.5, 0.5)
+        for end in ((1, 1, 1), (0.5, 0.5, 1), (0.5, 1, 1), (0, 0, 0)):
+            edge = (centre, self.vertex_at(*end))
+            self.split("Tetrahedra", self.tet_with(*edge), edge, self.point_on(*edge))
+        self.assert_mended("hanging vertices joined", refused=False)
+        self.assert_mended("pairs of tets swapped to fit what is beyond their faces", refused=False)
+
+    def test_several_vertices_on_an_edge(self):
+        edge = (self.vertex_at(0.5, 0.5, 0.5), self.vertex_at(1, 1, 1))
+        new = self.point_on(*edge)
+        self.split("Tetrahedra", self.tet_with(*edge), edge, new)
+        for end in edge:
+            self.split("Tetrahedra", self.tet_with(end, new), (end, new), self.point_on(end, new, shares=(0.3, 0.7)))
+        self.assert_mended("hanging vertices joined", refused=False)
+
+    def test_vertices_on_edges_of_the_boundary(self):
+        for divided in (False, True):
+            for edge in (((0, 0, 0), (0.5, 0, 0)), ((0, 0, 0), (0.5, 0, 0.5)), ((0.5, 0.5, 0), (1, 1, 0)), ((1, 0, 0), (1, 0, 0.5))):
+                self.setUp()
+                self.mesh["Triangles"] = [[*t[:3], t[3] + 10 * i] for i, t in enumerate(self.mesh["Triangles"])]
+                self.write("good.mesh", text_of(self.mesh))
+                ends = tuple(self.vertex_at(*end) for end in edge)
+                new = self.point_on(*ends)
+                tet = self.tet_with(*ends)
+                self.split("Tetrahedra", tet, ends, new)
+                for triangle in [t for t in self.mesh["Triangles"] if divided and set(ends) <= set(t[:3]) <= set(tet[:4])]:
+                    self.split("Triangles", triangle, ends, new)
+                self.assert_mended("hanging vertices joined", refused=False)
+
+    def test_vertices_in_faces_of_other_tets(self):
+        face = (self.vertex_at(0.5, 0.5, 0.5), self.vertex_at(1, 1, 1), self.vertex_at(0.5, 1, 1))
+        both = [t for t in self.mesh["Tetrahedra"] if set(face) <= set(t[:4])]
+        self.assertEqual(len(both), 2)
+        new = self.point_on(*face)
+        self.split("Tetrahedra", both[0], face, new)
+        inner = (face[0], face[1], new)
+        self.split("Tetrahedra", self.tet_with(*inner, *(v for v in both[0][:4] if v not in face)), inner, self.point_on(*inner))
+        self.assert_mended("hanging vertices joined", refused=False)
+
     def test_unused_vertices(self):
         self.mesh["Vertices"].insert(0, [9, 9, 9, 0])
         for name in ("Tetrahedra", "Triangles", "Edges"):
