@@ -10,6 +10,7 @@
 
 #include "meshing/base/box.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/close_cracks.h"
 #include "meshing/mesh/open_faces.h"
 #include "meshing/mesh/point_tree.h"
 #include "meshing/mesh/predicates.h"

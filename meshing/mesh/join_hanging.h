@@ -24,10 +24,4 @@ struct HangingJoins {
 /// swapped. On and on, until nothing changes. What would turn a tet over, or make it flat, is left.
 HangingJoins join_hanging_vertices(MeshData& mesh);
 
-/// What is nearer to something in a mesh than this, against its diagonal, may be meant to be there: files in
-/// single precision are off by 1e-7 of it.
-inline constexpr double kNearlyThere = 1e-6;
-/// The same against edges.
-inline constexpr double kNearlyThereOfEdge = 0.01;
-
 }  // namespace weft::meshing

@@ -13,6 +13,7 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/close_cracks.h"
 #include "meshing/mesh/join_hanging.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/tet_tables.h"
@@ -61,6 +62,7 @@ class Repair {
     check_points();
     merge_points();
     drop_degenerate_tets();
+    close_cracks();
     join_hanging();
     turn_tets();
     untangle();
@@ -123,6 +125,10 @@ class Repair {
       for (std::size_t j = i + 1;
            j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j)
         merge(order[i], order[j], tolerance, tets, now);
+    renumber_points(now);
+  }
+
+  void renumber_points(const std::vector<std::uint32_t>& now) {
     for (auto& t : m_.tets)
       for (std::uint32_t& v : t) v = now[v];
     const auto renumber = [&](auto& entities) {
@@ -148,7 +154,22 @@ class Repair {
         return;
     }
     now[from] = into;
-    mend("vertices at the same place merged", "vertex", "distance").add(from, distance);
+    tell_merged(from, distance);
+  }
+  void tell_merged(std::uint32_t v, double distance) {
+    mend("vertices at the same place merged", "vertex", "distance").add(v, distance);
+  }
+
+  void close_cracks() {
+    const auto merges = cracks_to_close(m_);
+    if (merges.empty()) return;
+    std::vector<std::uint32_t> now;
+    number(now, m_.points.size());
+    for (const auto& [from, into] : merges) {
+      now[from] = into;
+      tell_merged(from, norm(m_.points[from] - m_.points[into]));
+    }
+    renumber_points(now);
   }
 
   void join_hanging() {

@@ -61,6 +61,37 @@ class Repair(CommandTest):
         tet[tet.index(centre)] = len(self.mesh["Vertices"])
         self.assert_mended("vertices at the same place merged", refused=False)
 
+    def test_vertices_nearly_at_the_same_place(self):
+        """One tet has vertices of its own, off by some units of single precision: inside, at the boundary, all four."""
+        for corner in ((0.5, 0.5, 0.5), (0.5, 0.5, 1), (1, 1, 1), None):
+            self.setUp()
+            tet = self.tet_with(self.vertex_at(*(corner or (0.5, 0.5, 0.5))))
+            for vertex in [self.vertex_at(*corner)] if corner else tet[:4]:
+                x, y, z = self.mesh["Vertices"][vertex - 1][:3]
+                self.mesh["Vertices"].append([x + 1e-7, y - 1e-7, z, 0])
+                tet[tet.index(vertex)] = len(self.mesh["Vertices"])
+            self.assert_mended("vertices at the same place merged", refused=False)
+
+    def test_all_tets_have_their_own_vertices(self):
+        places = []
+        for i, tet in enumerate(self.mesh["Tetrahedra"]):
+            for k in range(4):
+                places.append([x + (i % 5 - 2) * 1e-8 for x in self.mesh["Vertices"][tet[k] - 1][:3]] + [0])
+                tet[k] = len(places)
+        self.mesh.update(Vertices=places, Triangles=[], Edges=[])
+        self.write("bad.mesh", text_of(self.mesh))
+        out = self.weft("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", expect=(0, 1)).stdout
+        self.assertIn("repaired: 165 vertices at the same place merged", out)
+
+    def test_a_gap_between_surfaces_stays(self):
+        count = len(self.mesh["Vertices"])
+        self.mesh["Vertices"] += [[x + 1 + 1e-9, y, z, ref] for x, y, z, ref in self.mesh["Vertices"]]
+        for name in ("Tetrahedra", "Triangles", "Edges"):
+            self.mesh[name] += [[v + count for v in row[:-1]] + row[-1:] for row in self.mesh[name]]
+        self.write("gap.mesh", text_of(self.mesh))
+        out = self.weft("adapt", "gap.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", expect=(0, 1)).stdout
+        self.assertNotIn("repaired", out)
+
     def point_on(self, *vertices, shares=None):
         """A new vertex between these."""
         shares = shares or [1 / len(vertices)] * len(vertices)
