@@ -8,6 +8,8 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
+#include <string>
 #include <unordered_map>
 
 #include "meshing/base/box.h"
@@ -64,6 +66,7 @@ class Repair {
     drop_degenerate_tets();
     close_cracks();
     join_hanging();
+    drop_overlapping_tets();
     turn_tets();
     untangle();
     drop_flat_tets();
@@ -234,15 +237,87 @@ class Repair {
 
   void drop_degenerate_tets() {
     std::vector<bool> drop(m_.tets.size());
-    std::set<Tet> there;
+    std::map<Tet, std::int32_t> there;
     for (std::size_t t = 0; t < m_.tets.size(); ++t) {
       const bool degenerate = repeats(m_.tets[t]);
-      drop[t] = degenerate || !there.insert(in_order(m_.tets[t])).second;
+      const auto [known, is_new] = there.try_emplace(in_order(m_.tets[t]), m_.tet_refs[t]);
+      drop[t] = degenerate || !is_new;
       if (!drop[t]) continue;
-      mend(degenerate ? "tets with a repeated vertex removed" : "repeated tets removed", "tet")
+      mend(degenerate                        ? "tets with a repeated vertex removed"
+           : known->second == m_.tet_refs[t] ? "repeated tets removed"
+                                             : "repeated tets with another reference removed",
+           "tet")
           .add(tet_source_[t]);
     }
     erase_tets(drop);
+  }
+
+  struct Side {
+    Triangle face;       ///< ascending
+    std::uint32_t code;  ///< 4 tet + face
+    friend auto operator<=>(const Side&, const Side&) = default;
+  };
+  using Sides = std::span<const Side>;
+
+  std::vector<Side> all_sides() const {
+    std::vector<Side> sides;
+    sides.reserve(4 * m_.tets.size());
+    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
+      for (std::uint32_t f = 0; f < 4; ++f)
+        sides.push_back({in_order(face_of(m_.tets[t], static_cast<int>(f))), 4 * t + f});
+    std::sort(sides.begin(), sides.end());
+    return sides;
+  }
+
+  /// Three tets at a face, or two on the same side of it: what is listed the wrong way round, or lies so, is
+  /// not.
+  bool overlap(Sides at) const {
+    if (at.size() != 2) return at.size() > 2;
+    const std::uint32_t a = at[0].code, b = at[1].code;
+    const int sign = sign_of(m_, m_.tets[a >> 2]);
+    return sign != 0 && sign == sign_of(m_, m_.tets[b >> 2]) &&
+           !turns_alike(m_.tets[a >> 2], static_cast<int>(a & 3), m_.tets[b >> 2], static_cast<int>(b & 3));
+  }
+
+  /// A tet that nothing but such a face joins to the others is the one too many; else nobody can tell which
+  /// is.
+  void drop_overlapping_tets() {
+    const std::vector<Side> sides = all_sides();
+    std::vector<std::uint8_t> partners(m_.tets.size(), 0);  // faces that other tets have too
+    const auto for_faces = [&](const auto& action) {
+      for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+        while (end < sides.size() && sides[end].face == sides[i].face) ++end;
+        if (end - i > 1) action(Sides(sides).subspan(i, end - i));
+      }
+    };
+    for_faces([&](Sides at) {
+      for (const Side& side : at) ++partners[side.code >> 2];
+    });
+    std::vector<bool> drop(m_.tets.size());
+    for_faces([&](Sides at) {
+      if (!overlap(at)) return;
+      std::vector<std::uint32_t> loose;
+      for (const Side& side : at)
+        if (partners[side.code >> 2] == 1) loose.push_back(side.code >> 2);
+      if (loose.size() != 1 || at.size() > 3) refuse_overlap(at);
+      drop[loose[0]] = true;
+      mend("overlapping tets removed", "tet").add(tet_source_[loose[0]]);
+    });
+    erase_tets(drop);
+  }
+
+  [[noreturn]] void refuse_overlap(Sides at) const {
+    std::string tets;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      tets += fmt::format("{}{}",
+                          i == 0               ? ""
+                          : i + 1 == at.size() ? " and "
+                                               : ", ",
+                          tet_source_[at[i].code >> 2] + 1);
+    const Triangle& v = at[0].face;
+    throw InputError("", "tets " + tets,
+                     at.size() > 2 ? fmt::format("share the face ({} {} {})", v[0] + 1, v[1] + 1, v[2] + 1)
+                                   : "overlap: they lie on the same side of their common face");
   }
 
   /// Whether two tets across a face turn it in opposite ways.

@@ -208,11 +208,24 @@ class Repair(CommandTest):
                            "--metric", "m.sol")
 
     def test_what_cannot_be_mended_is_refused(self):
-        self.mesh["Tetrahedra"].append([1, 2, 5, 27, 1])
+        """Two tets that both could be the one too many."""
+        face = self.mesh["Tetrahedra"][0][:3]
+        self.mesh["Tetrahedra"] += [[*face, 27, 1], [*face, 26, 1]]
         self.write("bad.mesh", text_of(self.mesh))
-        before = self.files()
-        self.weft("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", "--quiet", expect=2)
-        self.assertEqual(self.files(), before)
+        self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
+                          says=["bad.mesh", "49 and 50: share the face ("])
+
+    def test_a_tet_that_overlaps_others(self):
+        for apex in (27, 26):
+            self.mesh["Tetrahedra"].append([*self.mesh["Tetrahedra"][0][:3], apex, 1])
+            self.assert_mended("overlapping tets removed")
+            self.mesh["Tetrahedra"].pop()
+
+    def test_repeated_tets(self):
+        for ref, says in ((self.mesh["Tetrahedra"][3][4], "repeated tets removed"), (77, "repeated tets with another reference removed")):
+            self.mesh["Tetrahedra"].append([*self.mesh["Tetrahedra"][3][:4], ref])
+            self.assert_mended(says)
+            self.mesh["Tetrahedra"].pop()
 
 
 class Surfaces(CommandTest):
