@@ -8,11 +8,15 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
+#include <string>
 #include <unordered_map>
 
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/close_cracks.h"
+#include "meshing/mesh/join_hanging.h"
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/tet_tables.h"
 
@@ -51,14 +55,18 @@ class Repair {
     complete(m_.tet_refs, m_.tets.size());
     complete(m_.triangle_refs, m_.triangles.size());
     complete(m_.edge_refs, m_.edges.size());
-    tet_source_.resize(m_.tets.size());
-    std::iota(tet_source_.begin(), tet_source_.end(), 0u);
+    number(tet_source_, m_.tets.size());
+    number(triangle_source_, m_.triangles.size());
+    number(edge_source_, m_.edges.size());
   }
 
   MeshRepair run() {
     check_points();
     merge_points();
     drop_degenerate_tets();
+    close_cracks();
+    join_hanging();
+    drop_overlapping_tets();
     turn_tets();
     untangle();
     drop_flat_tets();
@@ -72,6 +80,11 @@ class Repair {
  private:
   static void complete(std::vector<std::int32_t>& refs, std::size_t count) {
     if (refs.empty()) refs.assign(count, 0);
+  }
+
+  static void number(std::vector<std::uint32_t>& source, std::size_t count) {
+    source.resize(count);
+    std::iota(source.begin(), source.end(), 0u);
   }
 
   MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
@@ -115,6 +128,10 @@ class Repair {
       for (std::size_t j = i + 1;
            j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j)
         merge(order[i], order[j], tolerance, tets, now);
+    renumber_points(now);
+  }
+
+  void renumber_points(const std::vector<std::uint32_t>& now) {
     for (auto& t : m_.tets)
       for (std::uint32_t& v : t) v = now[v];
     const auto renumber = [&](auto& entities) {
@@ -140,7 +157,36 @@ class Repair {
         return;
     }
     now[from] = into;
-    mend("vertices at the same place merged", "vertex", "distance").add(from, distance);
+    tell_merged(from, distance);
+  }
+  void tell_merged(std::uint32_t v, double distance) {
+    mend("vertices at the same place merged", "vertex", "distance").add(v, distance);
+  }
+
+  void close_cracks() {
+    const auto merges = cracks_to_close(m_);
+    if (merges.empty()) return;
+    std::vector<std::uint32_t> now;
+    number(now, m_.points.size());
+    for (const auto& [from, into] : merges) {
+      now[from] = into;
+      tell_merged(from, norm(m_.points[from] - m_.points[into]));
+    }
+    renumber_points(now);
+  }
+
+  void join_hanging() {
+    const HangingJoins joins = join_hanging_vertices(m_);
+    for (const auto& [v, distance] : joins.vertices)
+      mend("hanging vertices joined", "vertex", "distance").add(v, distance);
+    const auto extend = [](std::vector<std::uint32_t>& source, const std::vector<std::uint32_t>& parents) {
+      for (const std::uint32_t p : parents) source.push_back(source[p]);
+    };
+    extend(tet_source_, joins.tets);
+    for (const std::uint32_t t : joins.swapped)
+      mend("pairs of tets swapped to fit what is beyond their faces", "tet").add(tet_source_[t]);
+    extend(triangle_source_, joins.triangles);
+    extend(edge_source_, joins.edges);
   }
 
   void drop_unused_points() {
@@ -191,15 +237,87 @@ class Repair {
 
   void drop_degenerate_tets() {
     std::vector<bool> drop(m_.tets.size());
-    std::set<Tet> there;
+    std::map<Tet, std::int32_t> there;
     for (std::size_t t = 0; t < m_.tets.size(); ++t) {
       const bool degenerate = repeats(m_.tets[t]);
-      drop[t] = degenerate || !there.insert(in_order(m_.tets[t])).second;
+      const auto [known, is_new] = there.try_emplace(in_order(m_.tets[t]), m_.tet_refs[t]);
+      drop[t] = degenerate || !is_new;
       if (!drop[t]) continue;
-      mend(degenerate ? "tets with a repeated vertex removed" : "repeated tets removed", "tet")
+      mend(degenerate                        ? "tets with a repeated vertex removed"
+           : known->second == m_.tet_refs[t] ? "repeated tets removed"
+                                             : "repeated tets with another reference removed",
+           "tet")
           .add(tet_source_[t]);
     }
     erase_tets(drop);
+  }
+
+  struct Side {
+    Triangle face;       ///< ascending
+    std::uint32_t code;  ///< 4 tet + face
+    friend auto operator<=>(const Side&, const Side&) = default;
+  };
+  using Sides = std::span<const Side>;
+
+  std::vector<Side> all_sides() const {
+    std::vector<Side> sides;
+    sides.reserve(4 * m_.tets.size());
+    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
+      for (std::uint32_t f = 0; f < 4; ++f)
+        sides.push_back({in_order(face_of(m_.tets[t], static_cast<int>(f))), 4 * t + f});
+    std::sort(sides.begin(), sides.end());
+    return sides;
+  }
+
+  /// Three tets at a face, or two on the same side of it: what is listed the wrong way round, or lies so, is
+  /// not.
+  bool overlap(Sides at) const {
+    if (at.size() != 2) return at.size() > 2;
+    const std::uint32_t a = at[0].code, b = at[1].code;
+    const int sign = sign_of(m_, m_.tets[a >> 2]);
+    return sign != 0 && sign == sign_of(m_, m_.tets[b >> 2]) &&
+           !turns_alike(m_.tets[a >> 2], static_cast<int>(a & 3), m_.tets[b >> 2], static_cast<int>(b & 3));
+  }
+
+  /// A tet that nothing but such a face joins to the others is the one too many; else nobody can tell which
+  /// is.
+  void drop_overlapping_tets() {
+    const std::vector<Side> sides = all_sides();
+    std::vector<std::uint8_t> partners(m_.tets.size(), 0);  // faces that other tets have too
+    const auto for_faces = [&](const auto& action) {
+      for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+        while (end < sides.size() && sides[end].face == sides[i].face) ++end;
+        if (end - i > 1) action(Sides(sides).subspan(i, end - i));
+      }
+    };
+    for_faces([&](Sides at) {
+      for (const Side& side : at) ++partners[side.code >> 2];
+    });
+    std::vector<bool> drop(m_.tets.size());
+    for_faces([&](Sides at) {
+      if (!overlap(at)) return;
+      std::vector<std::uint32_t> loose;
+      for (const Side& side : at)
+        if (partners[side.code >> 2] == 1) loose.push_back(side.code >> 2);
+      if (loose.size() != 1 || at.size() > 3) refuse_overlap(at);
+      drop[loose[0]] = true;
+      mend("overlapping tets removed", "tet").add(tet_source_[loose[0]]);
+    });
+    erase_tets(drop);
+  }
+
+  [[noreturn]] void refuse_overlap(Sides at) const {
+    std::string tets;
+    for (std::size_t i = 0; i < at.size(); ++i)
+      tets += fmt::format("{}{}",
+                          i == 0               ? ""
+                          : i + 1 == at.size() ? " and "
+                                               : ", ",
+                          tet_source_[at[i].code >> 2] + 1);
+    const Triangle& v = at[0].face;
+    throw InputError("", "tets " + tets,
+                     at.size() > 2 ? fmt::format("share the face ({} {} {})", v[0] + 1, v[1] + 1, v[2] + 1)
+                                   : "overlap: they lie on the same side of their common face");
   }
 
   /// Whether two tets across a face turn it in opposite ways.
@@ -360,7 +478,7 @@ class Repair {
     for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
       const bool degenerate = repeats(m_.triangles[i]);
       if (degenerate || codes[i] == kNoNeighbour) {
-        mend("triangles that are no faces of tets removed", "triangle").add(i);
+        mend("triangles that are no faces of tets removed", "triangle").add(triangle_source_[i]);
         if (!degenerate) remember_ref(m_.triangles[i], m_.triangle_refs[i]);
         continue;
       }
@@ -369,7 +487,7 @@ class Repair {
         mend(known->second == m_.triangle_refs[i] ? "repeated triangles removed"
                                                   : "repeated triangles with another reference removed",
              "triangle")
-            .add(i);
+            .add(triangle_source_[i]);
         continue;
       }
       new_index[i] = static_cast<std::uint32_t>(kept);
@@ -445,7 +563,7 @@ class Repair {
       const bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] &&
                         used[e[1]] && there.insert(in_order(e)).second;
       if (!good) {
-        mend("edges that are repeated, or of no tets, removed", "edge").add(i);
+        mend("edges that are repeated, or of no tets, removed", "edge").add(edge_source_[i]);
         continue;
       }
       new_index[i] = static_cast<std::uint32_t>(kept);
@@ -465,8 +583,9 @@ class Repair {
   }
 
   MeshData& m_;
-  std::vector<std::uint32_t> tet_source_;  ///< of each tet: its number in the input
-  std::vector<Tet> flat_;                  ///< those that were removed
+  std::vector<std::uint32_t> tet_source_;                     ///< of each tet: its number in the input
+  std::vector<std::uint32_t> triangle_source_, edge_source_;  ///< until their turn comes
+  std::vector<Tet> flat_;                                     ///< those that were removed
   std::map<std::size_t, std::int32_t> flat_refs_;
   std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> beside_;  ///< edge -> listed triangles
   MeshRepair result_;

@@ -27,13 +27,15 @@ struct MeshRepair {
 };
 
 /// In this order: merges vertices at the same place (within 1e-12 of the diagonal), where no tet with volume
-/// collapses; removes tets with a repeated vertex and those that are there twice; turns tets whose vertices
-/// are listed the wrong way round; untangles tets that lie the wrong way round, or flat, by moving vertices
-/// that are no vertices of triangles or of the boundary; removes tets that are flat and lie at the boundary;
-/// removes triangles that are no faces, or are there twice (the first one's reference counts), edges and
-/// marks of what is no more, and unused vertices; and lists the triangles that are missing, with the
-/// references of those they replace, or of those beside them in their plane. Throws InputError (no file
-/// name) for what is left.
+/// collapses; removes tets with a repeated vertex and those that are there twice (the first one's reference
+/// counts); makes vertices one that are nearly at the same place on both sides of a crack (close_cracks.h);
+/// joins hanging vertices (join_hanging.h); removes a tet that overlaps others and hangs on one face alone;
+/// turns tets whose vertices are listed the wrong way round; untangles tets that lie the wrong way round, or
+/// flat, by moving vertices that are no vertices of triangles or of the boundary; removes tets that are flat
+/// and lie at the boundary; removes triangles that are no faces, or are there twice (the first one's
+/// reference counts), edges and marks of what is no more, and unused vertices; and lists the triangles that
+/// are missing, with the references of those they replace, or of those beside them in their plane. Throws
+/// InputError (no file name) for what is left.
 MeshRepair repair_mesh(MeshData& mesh);
 
 }  // namespace weft::meshing

@@ -61,6 +61,93 @@ class Repair(CommandTest):
         tet[tet.index(centre)] = len(self.mesh["Vertices"])
         self.assert_mended("vertices at the same place merged", refused=False)
 
+    def test_vertices_nearly_at_the_same_place(self):
+        """One tet has vertices of its own, off by some units of single precision: inside, at the boundary, all four."""
+        for corner in ((0.5, 0.5, 0.5), (0.5, 0.5, 1), (1, 1, 1), None):
+            self.setUp()
+            tet = self.tet_with(self.vertex_at(*(corner or (0.5, 0.5, 0.5))))
+            for vertex in [self.vertex_at(*corner)] if corner else tet[:4]:
+                x, y, z = self.mesh["Vertices"][vertex - 1][:3]
+                self.mesh["Vertices"].append([x + 1e-7, y - 1e-7, z, 0])
+                tet[tet.index(vertex)] = len(self.mesh["Vertices"])
+            self.assert_mended("vertices at the same place merged", refused=False)
+
+    def test_all_tets_have_their_own_vertices(self):
+        places = []
+        for i, tet in enumerate(self.mesh["Tetrahedra"]):
+            for k in range(4):
+                places.append([x + (i % 5 - 2) * 1e-8 for x in self.mesh["Vertices"][tet[k] - 1][:3]] + [0])
+                tet[k] = len(places)
+        self.mesh.update(Vertices=places, Triangles=[], Edges=[])
+        self.write("bad.mesh", text_of(self.mesh))
+        out = self.weft("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", expect=(0, 1)).stdout
+        self.assertIn("repaired: 165 vertices at the same place merged", out)
+
+    def test_a_gap_between_surfaces_stays(self):
+        count = len(self.mesh["Vertices"])
+        self.mesh["Vertices"] += [[x + 1 + 1e-9, y, z, ref] for x, y, z, ref in self.mesh["Vertices"]]
+        for name in ("Tetrahedra", "Triangles", "Edges"):
+            self.mesh[name] += [[v + count for v in row[:-1]] + row[-1:] for row in self.mesh[name]]
+        self.write("gap.mesh", text_of(self.mesh))
+        out = self.weft("adapt", "gap.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", expect=(0, 1)).stdout
+        self.assertNotIn("repaired", out)
+
+    def point_on(self, *vertices, shares=None):
+        """A new vertex between these."""
+        shares = shares or [1 / len(vertices)] * len(vertices)
+        places = [self.mesh["Vertices"][v - 1] for v in vertices]
+        self.mesh["Vertices"].append([sum(s * p[c] for s, p in zip(shares, places)) for c in range(3)] + [0])
+        return len(self.mesh["Vertices"])
+
+    def split(self, name, row, corners, new):
+        """One row alone becomes as many as there are corners that the new vertex replaces."""
+        self.mesh[name].remove(row)
+        self.mesh[name] += [[new if v == corner else v for v in row[:-1]] + row[-1:] for corner in corners]
+
+    def tet_with(self, *vertices):
+        return next(t for t in self.mesh["Tetrahedra"] if set(vertices) <= set(t[:4]))
+
+    def test_vertices_on_edges_of_other_tets(self):
+        """Of edges inside the box that one tet alone has divided."""
+        centre = self.vertex_at(0.5, 0.5, 0.5)
+        for end in ((1, 1, 1), (0.5, 0.5, 1), (0.5, 1, 1), (0, 0, 0)):
+            edge = (centre, self.vertex_at(*end))
+            self.split("Tetrahedra", self.tet_with(*edge), edge, self.point_on(*edge))
+        self.assert_mended("hanging vertices joined", refused=False)
+        self.assert_mended("pairs of tets swapped to fit what is beyond their faces", refused=False)
+
+    def test_several_vertices_on_an_edge(self):
+        edge = (self.vertex_at(0.5, 0.5, 0.5), self.vertex_at(1, 1, 1))
+        new = self.point_on(*edge)
+        self.split("Tetrahedra", self.tet_with(*edge), edge, new)
+        for end in edge:
+            self.split("Tetrahedra", self.tet_with(end, new), (end, new), self.point_on(end, new, shares=(0.3, 0.7)))
+        self.assert_mended("hanging vertices joined", refused=False)
+
+    def test_vertices_on_edges_of_the_boundary(self):
+        for divided in (False, True):
+            for edge in (((0, 0, 0), (0.5, 0, 0)), ((0, 0, 0), (0.5, 0, 0.5)), ((0.5, 0.5, 0), (1, 1, 0)), ((1, 0, 0), (1, 0, 0.5))):
+                self.setUp()
+                self.mesh["Triangles"] = [[*t[:3], t[3] + 10 * i] for i, t in enumerate(self.mesh["Triangles"])]
+                self.write("good.mesh", text_of(self.mesh))
+                ends = tuple(self.vertex_at(*end) for end in edge)
+                new = self.point_on(*ends)
+                tet = self.tet_with(*ends)
+                self.split("Tetrahedra", tet, ends, new)
+                for triangle in [t for t in self.mesh["Triangles"] if divided and set(ends) <= set(t[:3]) <= set(tet[:4])]:
+                    self.split("Triangles", triangle, ends, new)
+                self.assert_mended("hanging vertices joined", refused=False)
+
+    def test_vertices_in_faces_of_other_tets(self):
+        face = (self.vertex_at(0.5, 0.5, 0.5), self.vertex_at(1, 1, 1), self.vertex_at(0.5, 1, 1))
+        both = [t for t in self.mesh["Tetrahedra"] if set(face) <= set(t[:4])]
+        self.assertEqual(len(both), 2)
+        new = self.point_on(*face)
+        self.split("Tetrahedra", both[0], face, new)
+        inner = (face[0], face[1], new)
+        self.split("Tetrahedra", self.tet_with(*inner, *(v for v in both[0][:4] if v not in face)), inner, self.point_on(*inner))
+        self.assert_mended("hanging vertices joined", refused=False)
+
     def test_unused_vertices(self):
         self.mesh["Vertices"].insert(0, [9, 9, 9, 0])
         for name in ("Tetrahedra", "Triangles", "Edges"):
@@ -138,11 +225,24 @@ class Repair(CommandTest):
             self.assert_fails("adapt", "good.mesh", "--sol", "s.sol", *more, "-o", "out.meshb", says=["s.sol", "vertex 8"])
 
     def test_what_cannot_be_mended_is_refused(self):
-        self.mesh["Tetrahedra"].append([1, 2, 5, 27, 1])
+        """Two tets that both could be the one too many."""
+        face = self.mesh["Tetrahedra"][0][:3]
+        self.mesh["Tetrahedra"] += [[*face, 27, 1], [*face, 26, 1]]
         self.write("bad.mesh", text_of(self.mesh))
-        before = self.files()
-        self.weft("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair", "--quiet", expect=2)
-        self.assertEqual(self.files(), before)
+        self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
+                          says=["bad.mesh", "49 and 50: share the face ("])
+
+    def test_a_tet_that_overlaps_others(self):
+        for apex in (27, 26):
+            self.mesh["Tetrahedra"].append([*self.mesh["Tetrahedra"][0][:3], apex, 1])
+            self.assert_mended("overlapping tets removed")
+            self.mesh["Tetrahedra"].pop()
+
+    def test_repeated_tets(self):
+        for ref, says in ((self.mesh["Tetrahedra"][3][4], "repeated tets removed"), (77, "repeated tets with another reference removed")):
+            self.mesh["Tetrahedra"].append([*self.mesh["Tetrahedra"][3][:4], ref])
+            self.assert_mended(says)
+            self.mesh["Tetrahedra"].pop()
 
 
 class Surfaces(CommandTest):

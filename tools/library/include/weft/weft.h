@@ -575,8 +575,9 @@ WEFT_API Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh
 
 /// Mends what can be mended of a mesh that adapt() would refuse, and says what it did: duplicate and unused
 /// vertices, coordinates that are no numbers, tets with repeated vertices, of no volume, twice in the mesh or
-/// inverted, triangles that are doubled or missing, entities that contradict each other. `fields` at its
-/// vertices follow. Throws InputError for what cannot be mended.
+/// inverted, vertices that lie on edges or faces of tets that do not have them, triangles that are doubled or
+/// missing, entities that contradict each other. `fields` at its vertices follow. Throws InputError for what
+/// cannot be mended.
 WEFT_API std::vector<Mend> repair(Mesh& mesh, Fields* fields = nullptr);
 /// The same for a metric in `fields` (tensors or sizes): values that are not finite or not positive definite
 /// become means of their neighbours'.
