@@ -14,10 +14,11 @@ GEOMETRY = ["geometry/model", "geometry/surface"]
 MESHING = {
     "meshing/base": [],
     "meshing/mesh": ["base"],
+    "meshing/mesh/repair": ["base", "mesh"],
     "meshing/geometry/model": ["base", "mesh"],
     "meshing/geometry/surface": ["base", "mesh", "geometry/model"],
     "meshing/cad": ["base", "mesh", "geometry/model"],
-    "meshing/metric": ["base", "mesh", *GEOMETRY],
+    "meshing/metric": ["base", "mesh", "mesh/repair", *GEOMETRY],
     "meshing/metric/sources": ["base", "mesh", *GEOMETRY, "metric"],
     "meshing/fields": ["base", "mesh", "metric"],
     "meshing/io/files": ["base", "mesh"],
@@ -29,7 +30,7 @@ MESHING = {
     "meshing/adapt": ["base", "mesh", *GEOMETRY, "metric", "kernel", "operators"],
     "meshing/initial/grid": ["base", "mesh"],
     "meshing/initial/recovery": ["base", "mesh", "initial/grid"],
-    "meshing/initial": ["base", "mesh", "metric", "kernel", "adapt", "io/files", "initial/grid", "initial/recovery"],
+    "meshing/initial": ["base", "mesh", "mesh/repair", "metric", "kernel", "adapt", "io/files", "initial/grid", "initial/recovery"],
 }
 ENGINE = {
     "engine/base": [],

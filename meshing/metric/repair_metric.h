@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "meshing/mesh/mesh_data.h"
-#include "meshing/mesh/repair_mesh.h"
+#include "meshing/mesh/repair/repair_mesh.h"
 
 namespace weft::meshing {
 

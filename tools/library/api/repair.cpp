@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "meshing/initial/repair_surface.h"
-#include "meshing/mesh/repair_mesh.h"
+#include "meshing/mesh/repair/repair_mesh.h"
 #include "meshing/metric/repair_metric.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/sources/repaired_input.h"

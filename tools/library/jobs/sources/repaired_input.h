@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "meshing/mesh/repair_mesh.h"
+#include "meshing/mesh/repair/repair_mesh.h"
 #include "meshing/metric/metric_field.h"
 #include "weft/weft.h"
 

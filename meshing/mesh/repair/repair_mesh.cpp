@@ -1,5 +1,5 @@
 // The mends, one after the other.
-#include "meshing/mesh/repair_mesh.h"
+#include "meshing/mesh/repair/repair_mesh.h"
 
 #include <fmt/format.h>
 
@@ -15,9 +15,9 @@
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
-#include "meshing/mesh/close_cracks.h"
-#include "meshing/mesh/join_hanging.h"
 #include "meshing/mesh/predicates.h"
+#include "meshing/mesh/repair/close_cracks.h"
+#include "meshing/mesh/repair/join_hanging.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::meshing {

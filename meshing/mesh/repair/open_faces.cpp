@@ -1,5 +1,5 @@
 // By sorting faces and triangles.
-#include "meshing/mesh/open_faces.h"
+#include "meshing/mesh/repair/open_faces.h"
 
 #include <tbb/parallel_sort.h>
 

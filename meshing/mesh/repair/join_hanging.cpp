@@ -1,5 +1,5 @@
 // Rounds: edges first, then faces, as a split edge makes other faces.
-#include "meshing/mesh/join_hanging.h"
+#include "meshing/mesh/repair/join_hanging.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 
 #include "meshing/base/box.h"
 #include "meshing/mesh/adjacency.h"
-#include "meshing/mesh/close_cracks.h"
-#include "meshing/mesh/open_faces.h"
-#include "meshing/mesh/point_tree.h"
 #include "meshing/mesh/predicates.h"
+#include "meshing/mesh/repair/close_cracks.h"
+#include "meshing/mesh/repair/open_faces.h"
+#include "meshing/mesh/repair/point_tree.h"
 
 namespace weft::meshing {
 namespace {

@@ -1,5 +1,5 @@
 // Near vertices, then the faces that become one when these do.
-#include "meshing/mesh/close_cracks.h"
+#include "meshing/mesh/repair/close_cracks.h"
 
 #include <algorithm>
 #include <numeric>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "meshing/base/box.h"
-#include "meshing/mesh/open_faces.h"
-#include "meshing/mesh/point_tree.h"
 #include "meshing/mesh/predicates.h"
+#include "meshing/mesh/repair/open_faces.h"
+#include "meshing/mesh/repair/point_tree.h"
 
 namespace weft::meshing {
 namespace {
