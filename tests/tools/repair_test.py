@@ -232,6 +232,20 @@ class Repair(CommandTest):
         self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
                           says=["bad.mesh", "49 and 50: share the face ("])
 
+    def test_inverted_tets_that_are_listed_as_if_they_were_not(self):
+        """As written by a program that gives every tet a positive volume."""
+        self.mesh["Vertices"][self.vertex_at(0.5, 0.5, 0.5) - 1][:3] = [1.2, 0.6, 0.5]
+        for tet in self.mesh["Tetrahedra"]:
+            a, b, c, d = (self.mesh["Vertices"][v - 1][:3] for v in tet[:4])
+            u, v, w = ([x - y for x, y in zip(p, a)] for p in (b, c, d))
+            if u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) + u[2] * (v[0] * w[1] - v[1] * w[0]) < 0:
+                tet[0], tet[1] = tet[1], tet[0]
+        self.assert_mended("vertices of inverted or flat tets moved")
+
+    def test_an_unused_vertex_far_away(self):
+        self.mesh["Vertices"].append([1e14, 0, 0, 0])
+        self.assert_mended("unused vertices removed", refused=False)
+
     def test_a_tet_that_overlaps_others(self):
         for apex in (27, 26):
             self.mesh["Tetrahedra"].append([*self.mesh["Tetrahedra"][0][:3], apex, 1])

@@ -113,7 +113,8 @@ class Repair {
   void merge_points() {
     constexpr double kTolerance = 1e-12;
     Box box;
-    for (const Point& p : m_.points) box.include(p);
+    for (const Tet& t : m_.tets)  // what nobody uses may be anywhere
+      for (const std::uint32_t v : t) box.include(m_.points[v]);
     const double tolerance = kTolerance * norm(box.size());
     std::vector<std::uint32_t> order(m_.points.size()), now(m_.points.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -279,8 +280,9 @@ class Repair {
            !turns_alike(m_.tets[a >> 2], static_cast<int>(a & 3), m_.tets[b >> 2], static_cast<int>(b & 3));
   }
 
-  /// A tet that nothing but such a face joins to the others is the one too many; else nobody can tell which
-  /// is.
+  /// A tet that nothing but such a face joins to the others, and that has none of the triangles, is the one
+  /// too many. Of three tets at a face nobody can tell else; of two one may lie the wrong way round
+  /// (untangle()).
   void drop_overlapping_tets() {
     const std::vector<Side> sides = all_sides();
     std::vector<std::uint8_t> partners(m_.tets.size(), 0);  // faces that other tets have too
@@ -293,15 +295,27 @@ class Repair {
     for_faces([&](Sides at) {
       for (const Side& side : at) ++partners[side.code >> 2];
     });
+    std::set<Triangle> listed;
+    for (const Triangle& t : m_.triangles) listed.insert(in_order(t));
+    const auto is_loose = [&](std::uint32_t code) {
+      if (partners[code >> 2] != 1 || listed.empty()) return false;
+      for (std::uint32_t f = 0; f < 4; ++f)
+        if (f != (code & 3) && listed.contains(in_order(face_of(m_.tets[code >> 2], static_cast<int>(f)))))
+          return false;
+      return true;
+    };
     std::vector<bool> drop(m_.tets.size());
     for_faces([&](Sides at) {
       if (!overlap(at)) return;
       std::vector<std::uint32_t> loose;
       for (const Side& side : at)
-        if (partners[side.code >> 2] == 1) loose.push_back(side.code >> 2);
-      if (loose.size() != 1 || at.size() > 3) refuse_overlap(at);
-      drop[loose[0]] = true;
-      mend("overlapping tets removed", "tet").add(tet_source_[loose[0]]);
+        if (is_loose(side.code)) loose.push_back(side.code >> 2);
+      if (loose.size() == 1 && at.size() <= 3) {
+        drop[loose[0]] = true;
+        mend("overlapping tets removed", "tet").add(tet_source_[loose[0]]);
+      } else if (at.size() > 2) {
+        refuse_overlap(at);
+      }
     });
     erase_tets(drop);
   }
@@ -316,8 +330,7 @@ class Repair {
                           tet_source_[at[i].code >> 2] + 1);
     const Triangle& v = at[0].face;
     throw InputError("", "tets " + tets,
-                     at.size() > 2 ? fmt::format("share the face ({} {} {})", v[0] + 1, v[1] + 1, v[2] + 1)
-                                   : "overlap: they lie on the same side of their common face");
+                     fmt::format("share the face ({} {} {})", v[0] + 1, v[1] + 1, v[2] + 1));
   }
 
   /// Whether two tets across a face turn it in opposite ways.
@@ -350,6 +363,7 @@ class Repair {
       }
       for (const std::uint32_t t : component)
         if ((sum < 0 ? -side[t] : side[t]) < 0) {
+          if (sign_of(m_, m_.tets[t]) > 0) against_neighbours_.insert(tet_source_[t]);
           std::swap(m_.tets[t][2], m_.tets[t][3]);
           mend("tets listed the wrong way round turned", "tet", "volume")
               .add(tet_source_[t], std::abs(volume(m_, m_.tets[t])));
@@ -459,7 +473,9 @@ class Repair {
   void refuse_what_is_left() const {
     for (const std::uint32_t t : not_positive())
       throw InputError("", fmt::format("tet {}", tet_source_[t] + 1),
-                       sign_of(m_, m_.tets[t]) < 0
+                       against_neighbours_.contains(tet_source_[t])
+                           ? "overlaps a neighbour: both lie on the same side of their common face"
+                       : sign_of(m_, m_.tets[t]) < 0
                            ? "is inverted, and moving its inner vertices does not help"
                            : "is flat, and neither at the boundary nor mended by moving its vertices");
   }
@@ -585,7 +601,8 @@ class Repair {
   MeshData& m_;
   std::vector<std::uint32_t> tet_source_;                     ///< of each tet: its number in the input
   std::vector<std::uint32_t> triangle_source_, edge_source_;  ///< until their turn comes
-  std::vector<Tet> flat_;                                     ///< those that were removed
+  std::set<std::uint32_t> against_neighbours_;  ///< as read: tets that had volume, and had to be turned
+  std::vector<Tet> flat_;                       ///< those that were removed
   std::map<std::size_t, std::int32_t> flat_refs_;
   std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> beside_;  ///< edge -> listed triangles
   MeshRepair result_;
