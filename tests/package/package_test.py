@@ -62,6 +62,10 @@ class Package(unittest.TestCase):
         self.assertNotIn("weft::meshing::Kernel", symbols)
         self.assertNotIn("MPI_", symbols)
 
+    def test_the_library_is_never_unloaded(self):
+        """Whoever opens it by name may close it, while threads of oneTBB still run."""
+        self.assertIn("NODELETE", run("readelf", "-d", next(self.prefix.rglob("libweft.so"))))
+
     def test_a_project_that_has_the_sources_keeps_its_own_settings(self):
         host = self.folder / "host"
         host.mkdir()
