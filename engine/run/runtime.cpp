@@ -289,7 +289,7 @@ bool Runtime::Implementation::turn(TimePoint time) {
   }
   if (snapshots_) snapshots_->step();
   balance(time);
-  busy |= scheduler_.send_leavers();
+  busy |= scheduler_.send_migrants();
   busy |= scheduler_.work_virtually();
   detect_end();
   return busy;

@@ -303,7 +303,7 @@ void Scheduler::move(ObjectId id, Rank to) {
   if (cell->state != Cell::State::running) migrating_.push_back(id);
 }
 
-bool Scheduler::send_leavers() {
+bool Scheduler::send_migrants() {
   std::vector<std::unique_ptr<Cell>> cells;
   {
     const Lock lock(mutex_);

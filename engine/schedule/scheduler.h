@@ -71,7 +71,7 @@ class Scheduler {
   void receive_location(Payload payload);
 
   /// Packs and sends the objects that are to move and rest; true when there were any.
-  bool send_leavers();
+  bool send_migrants();
 
   /// Asks an object to move as soon as no worker has it. Nothing happens when it is not here, or cannot move.
   void move(ObjectId id, Rank to);

@@ -47,7 +47,8 @@ class Adaptation {
              const BeforeLevel& before_level)
       : kernel_(kernel),
         mesh_(kernel.mesh),
-        crew_(kernel, std::max(1, options.threads), options.interrupt, options.abandon, options.idle_threads),
+        workers_(kernel, std::max(1, options.threads), options.interrupt, options.abandon,
+                 options.idle_threads),
         options_(options),
         extent_(extent),
         report_(report),
@@ -98,9 +99,9 @@ class Adaptation {
     StageReport s;
     s.name = stage_;
     s.seconds = seconds_of_stage();
-    s.tets = crew_.live_tets();
-    s.vertices = crew_.live_vertices();
-    s.counts = crew_.take_counts();
+    s.tets = workers_.live_tets();
+    s.vertices = workers_.live_vertices();
+    s.counts = workers_.take_counts();
     return s;
   }
 
@@ -146,15 +147,16 @@ class Adaptation {
 
   /// While passes are told: of the one that was told last, as the mesh is that of the end.
   const PassResult& told() const { return passes_[next_pass_ > 0 ? next_pass_ - 1 : 0]; }
-  std::uint64_t live_tets() const { return replays() ? told().tets : crew_.live_tets(); }
+  std::uint64_t live_tets() const { return replays() ? told().tets : workers_.live_tets(); }
   std::uint64_t tet_slots() const { return replays() ? told().tet_slots : mesh_.tet_slots(); }
-  bool interrupted() const { return !replays() && crew_.interrupted(); }
+  bool interrupted() const { return !replays() && workers_.interrupted(); }
 
   /// A pass that an interruption has cut short is none to go on from.
   void note(double value) {
-    passes_.push_back({value, crew_.live_tets(), mesh_.tet_slots()});
+    passes_.push_back({value, workers_.live_tets(), mesh_.tet_slots()});
     next_pass_ = passes_.size();
-    if (!crew_.interrupted() && options_.states->wanted()) options_.states->keep([this] { return state(); });
+    if (!workers_.interrupted() && options_.states->wanted())
+      options_.states->keep([this] { return state(); });
   }
 
   AdaptationState state() const {
@@ -164,7 +166,7 @@ class Adaptation {
     for (const StageReport& s : report_.stages)
       state.stages.push_back({s.name, s.seconds, s.vertices, s.tets, s.counts});
     state.seconds = seconds_of_stage();
-    crew_.save(state);
+    workers_.save(state);
     return state;
   }
 
@@ -173,20 +175,20 @@ class Adaptation {
     for (const StageDone& s : state.stages)
       done_before_.push_back({s.name, s.seconds, s.vertices, s.tets, s.counts});
     seconds_before_ = state.seconds;
-    crew_.restore(state);
+    workers_.restore(state);
   }
 
   std::uint64_t split() {
-    return changes([&] { return split_pass(crew_); });
+    return changes([&] { return split_pass(workers_); });
   }
   std::uint64_t collapse() {
-    return changes([&] { return collapse_pass(crew_); });
+    return changes([&] { return collapse_pass(workers_); });
   }
   std::uint64_t smooth() {
-    return changes([&] { return smooth_pass(crew_); });
+    return changes([&] { return smooth_pass(workers_); });
   }
   std::uint64_t swap(double quality, double quality_at_frozen = 1) {
-    return changes([&] { return swap_pass(crew_, quality, quality_at_frozen); });
+    return changes([&] { return swap_pass(workers_, quality, quality_at_frozen); });
   }
   template <class F>
   std::uint64_t changes(F f) {
@@ -209,7 +211,7 @@ class Adaptation {
     const PredictedWork work = predict_work(tets(), expected_tets_);
     meter_.spend(work.import);
     meter_.expect(work.sum() - work.import);
-    crew_.watch([this](double share) { tell_progress(share); });
+    workers_.watch([this](double share) { tell_progress(share); });
   }
 
   /// The pass before it is over. `work_of_tet`: predicted for each tet, in the units of work.h.
@@ -275,7 +277,7 @@ class Adaptation {
   void snap_to_model() {
     constexpr int kMostRounds = 4;
     for (int round = 0; round < kMostRounds && !interrupted(); ++round)
-      if (pass([&] { return snap_pass(crew_); }) == 0) return;
+      if (pass([&] { return snap_pass(workers_); }) == 0) return;
   }
 
   /// A coarse mesh on a curved boundary first gets its boundary right, judged by plain shapes: in the metric
@@ -286,7 +288,7 @@ class Adaptation {
     judge_by(MetricMean::euclidean);
     bool any = false;
     for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
-      if (pass([&] { return resolve_curved_pass(crew_); }) == 0) break;
+      if (pass([&] { return resolve_curved_pass(workers_); }) == 0) break;
       any = true;
       swap(kSwapBelowWhileCreating);
       smooth();
@@ -463,8 +465,8 @@ class Adaptation {
     kernel_.policy.mean = MetricMean::log_euclidean;
     for_all_tets([&](TetId t) { mark_if_poor(t); });
     for (int round = 0; round < kMostRounds && !interrupted(); ++round) {
-      if (pass([&] { return improve_pass(crew_, kRepairBelow); }) == 0) return;
-      pass([&] { return smooth_poor(crew_, kRepairBelow); });
+      if (pass([&] { return improve_pass(workers_, kRepairBelow); }) == 0) return;
+      pass([&] { return smooth_poor(workers_, kRepairBelow); });
       collapse();
     }
   }
@@ -499,7 +501,7 @@ class Adaptation {
   void for_all_tets(F f) {
     pass([&] {
       if (leaves_at_once()) return;
-      crew_.run([&] {
+      workers_.run([&] {
         tbb::parallel_for(0u, mesh_.tet_slots(), [&](std::uint32_t i) {
           if (mesh_.alive(TetId(i))) f(TetId(i));
         });
@@ -535,7 +537,7 @@ class Adaptation {
       with_long += (mesh_.marks(TetId(i)) & kCheckLong) != 0;
       wrong += is_marked_wrong(TetId(i));
     }
-    const auto all = static_cast<double>(std::max<std::uint64_t>(crew_.live_tets(), 1));
+    const auto all = static_cast<double>(std::max<std::uint64_t>(workers_.live_tets(), 1));
     report_.share_wrong = static_cast<double>(wrong) / all;
     return static_cast<double>(with_long) / all;
   }
@@ -606,7 +608,7 @@ class Adaptation {
 
   /// The power of two that makes the longest edge at most twice too long at the first level.
   double first_level() {
-    const double longest = crew_.run([&] {
+    const double longest = workers_.run([&] {
       return tbb::parallel_reduce(
           tbb::blocked_range<std::uint32_t>(0, mesh_.tet_slots()), 1.0,
           [&](const tbb::blocked_range<std::uint32_t>& r, double longest_yet) {
@@ -641,7 +643,7 @@ class Adaptation {
     std::uint64_t changes = 0;
     for (const Operator op : {Operator::split, Operator::collapse, Operator::swap_edge, Operator::swap_face})
       changes += report_.counts(op, Verdict::accepted);
-    return static_cast<double>(changes) < kLittle * static_cast<double>(crew_.live_tets()) &&
+    return static_cast<double>(changes) < kLittle * static_cast<double>(workers_.live_tets()) &&
            is_in_order(mesh_);
   }
 
@@ -660,16 +662,16 @@ class Adaptation {
   void renumber() {
     was_renumbered_ = true;
     pass([&] {
-      crew_.run([&] {
+      workers_.run([&] {
         renumber_along_curve(mesh_);
-        crew_.forget_free_slots();
+        workers_.forget_free_slots();
       });
     });
   }
 
   Kernel& kernel_;
   TetMesh& mesh_;
-  WorkerPool crew_;
+  WorkerPool workers_;
   const AdaptOptions& options_;
   const Extent extent_;
   AdaptReport& report_;
