@@ -32,12 +32,12 @@ void CheckpointWriter::begin(const CheckpointManifest& manifest) {
   manifest_ = manifest;
   manifest_.file_sizes.assign(static_cast<std::size_t>(ranks_), 0);
   constexpr double kFirst = 10;  // seconds
-  wait(std::min(every_, kFirst));
+  schedule(std::min(every_, kFirst));
   pending_ = false;
   active_ = true;
 }
 
-void CheckpointWriter::wait(double seconds) {
+void CheckpointWriter::schedule(double seconds) {
   interval_ = seconds;
   next_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
@@ -126,7 +126,7 @@ bool CheckpointWriter::wait_until_stored() {
 
 void CheckpointWriter::finish(std::uint64_t epoch, bool whole) {
   pending_ = false;
-  wait(std::min(every_, 2 * interval_));
+  schedule(std::min(every_, 2 * interval_));
   const fs::path folder = checkpoint_folder(folder_, manifest_.first_number + epoch);
   if (!whole) return fail("a rank could not write its part of " + folder.string());
   in_background([this, folder] {

@@ -57,7 +57,7 @@ class CheckpointWriter final : public engine::SnapshotSink {
   void add(std::uint64_t epoch, CheckpointRecord::Kind kind, const engine::Payload& copy);
   template <class Work>
   void in_background(Work work);
-  void wait(double seconds);
+  void schedule(double seconds);
   void write_manifest(const std::filesystem::path& folder);
   void fail(const std::string& why);
 

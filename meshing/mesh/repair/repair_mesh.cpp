@@ -18,6 +18,7 @@
 #include "meshing/mesh/predicates.h"
 #include "meshing/mesh/repair/close_cracks.h"
 #include "meshing/mesh/repair/join_hanging.h"
+#include "meshing/mesh/repair/open_faces.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::meshing {
@@ -253,26 +254,11 @@ class Repair {
     erase_tets(drop);
   }
 
-  struct Side {
-    Triangle face;       ///< ascending
-    std::uint32_t code;  ///< 4 tet + face
-    friend auto operator<=>(const Side&, const Side&) = default;
-  };
-  using Sides = std::span<const Side>;
-
-  std::vector<Side> all_sides() const {
-    std::vector<Side> sides;
-    sides.reserve(4 * m_.tets.size());
-    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
-      for (std::uint32_t f = 0; f < 4; ++f)
-        sides.push_back({in_order(face_of(m_.tets[t], static_cast<int>(f))), 4 * t + f});
-    std::sort(sides.begin(), sides.end());
-    return sides;
-  }
+  using Faces = std::span<const OpenFace>;  ///< with the same vertices
 
   /// Three tets at a face, or two on the same side of it: what is listed the wrong way round, or lies so, is
   /// not.
-  bool overlap(Sides at) const {
+  bool overlap(Faces at) const {
     if (at.size() != 2) return at.size() > 2;
     const std::uint32_t a = at[0].code, b = at[1].code;
     const int sign = sign_of(m_, m_.tets[a >> 2]);
@@ -284,43 +270,41 @@ class Repair {
   /// too many. Of three tets at a face nobody can tell else; of two one may lie the wrong way round
   /// (untangle()).
   void drop_overlapping_tets() {
-    const std::vector<Side> sides = all_sides();
+    const std::vector<OpenFace> faces = sorted_faces(m_);
     std::vector<std::uint8_t> partners(m_.tets.size(), 0);  // faces that other tets have too
-    const auto for_faces = [&](const auto& action) {
-      for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-        while (end < sides.size() && sides[end].face == sides[i].face) ++end;
-        if (end - i > 1) action(Sides(sides).subspan(i, end - i));
-      }
-    };
-    for_faces([&](Sides at) {
-      for (const Side& side : at) ++partners[side.code >> 2];
-    });
+    std::vector<Faces> overlaps;
+    for (std::size_t i = 0, end = 0; i < faces.size(); i = end) {
+      while (end < faces.size() && faces[end].vertices == faces[i].vertices) ++end;
+      if (end - i < 2) continue;
+      const Faces at = Faces(faces).subspan(i, end - i);
+      for (const OpenFace& face : at) ++partners[face.code >> 2];
+      if (overlap(at)) overlaps.push_back(at);
+    }
+    if (overlaps.empty()) return;
     std::set<Triangle> listed;
     for (const Triangle& t : m_.triangles) listed.insert(in_order(t));
-    const auto is_loose = [&](std::uint32_t code) {
-      if (partners[code >> 2] != 1 || listed.empty()) return false;
+    const auto is_loose = [&](const OpenFace& face) {
+      const Tet& tet = m_.tets[face.code >> 2];
+      bool loose = partners[face.code >> 2] == 1 && !listed.empty();
       for (std::uint32_t f = 0; f < 4; ++f)
-        if (f != (code & 3) && listed.contains(in_order(face_of(m_.tets[code >> 2], static_cast<int>(f)))))
-          return false;
-      return true;
+        loose =
+            loose && (f == (face.code & 3) || !listed.contains(in_order(face_of(tet, static_cast<int>(f)))));
+      return loose;
     };
     std::vector<bool> drop(m_.tets.size());
-    for_faces([&](Sides at) {
-      if (!overlap(at)) return;
-      std::vector<std::uint32_t> loose;
-      for (const Side& side : at)
-        if (is_loose(side.code)) loose.push_back(side.code >> 2);
-      if (loose.size() == 1 && at.size() <= 3) {
-        drop[loose[0]] = true;
-        mend("overlapping tets removed", "tet").add(tet_source_[loose[0]]);
+    for (const Faces at : overlaps) {
+      const auto loose = std::ranges::find_if(at, is_loose);
+      if (std::ranges::count_if(at, is_loose) == 1 && at.size() <= 3) {
+        drop[loose->code >> 2] = true;
+        mend("overlapping tets removed", "tet").add(tet_source_[loose->code >> 2]);
       } else if (at.size() > 2) {
         refuse_overlap(at);
       }
-    });
+    }
     erase_tets(drop);
   }
 
-  [[noreturn]] void refuse_overlap(Sides at) const {
+  [[noreturn]] void refuse_overlap(Faces at) const {
     std::string tets;
     for (std::size_t i = 0; i < at.size(); ++i)
       tets += fmt::format("{}{}",
@@ -328,7 +312,7 @@ class Repair {
                           : i + 1 == at.size() ? " and "
                                                : ", ",
                           tet_source_[at[i].code >> 2] + 1);
-    const Triangle& v = at[0].face;
+    const Triangle& v = at[0].vertices;
     throw InputError("", "tets " + tets,
                      fmt::format("share the face ({} {} {})", v[0] + 1, v[1] + 1, v[2] + 1));
   }

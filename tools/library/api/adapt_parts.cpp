@@ -125,13 +125,12 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
 PartResult adapt_checked(MPI_Comm communicator, const Part& part, const Part* background,
                          const Metric* metric, const Options& options) {
   PartResult result;
-  tools::on_communicator(communicator,
-                         [&](engine::Transport& transport) {  // what is wrong on one rank, all hear
-                           validate(options);
-                           if (options.run.repair)
-                             throw OptionError("--repair", "is not possible for a mesh in parts");
-                           result = adapt_part(transport, part, background, metric, options);
-                         });
+  const auto adapt_here = [&](engine::Transport& transport) {
+    validate(options);  // on the transport: what is wrong on one rank, all hear
+    if (options.run.repair) throw OptionError("--repair", "is not possible for a mesh in parts");
+    result = adapt_part(transport, part, background, metric, options);
+  };
+  tools::on_communicator(communicator, adapt_here);
   return result;
 }
 

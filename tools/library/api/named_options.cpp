@@ -1,5 +1,6 @@
 // Options by their names: one table, for all languages but C++ and the command line.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -75,9 +76,7 @@ std::string no_text(bool value) { return yes_text(!value); }
 
 template <class Values>
 std::string joined(const Values& values) {
-  std::string text;
-  for (const auto& value : values) text += fmt::format("{}{}", text.empty() ? "" : ",", value);
-  return text;
+  return fmt::format("{}", fmt::join(values, ","));
 }
 
 template <class Value>
@@ -137,7 +136,8 @@ Row choice(const char* name, const char* text, Place place,
           },
           getter(place, [values](Value value) {
             const auto same = [value](const auto& known) { return known.second == value; };
-            return std::string(std::ranges::find_if(values, same)->first);
+            const auto found = std::ranges::find_if(values, same);
+            return found == values.end() ? "none of its values" : std::string(found->first);
           })};
 }
 

@@ -90,12 +90,13 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
 
 /// Ranks that were asked for different things would wait for each other, or worse.
 void DistributedRun::agree_on_options() {
+  constexpr std::string_view kEnd("\0", 1);  // names of files may have any other character
   const std::vector<std::string> mine = options_of_all(options_);
-  const std::string first = partition::text_of_first(*peers_, fmt::format("{}", fmt::join(mine, "\n")));
+  const std::string first = partition::text_of_first(*peers_, fmt::format("{}", fmt::join(mine, kEnd)));
   std::istringstream lines(first);
   std::string issue, line;
   for (const std::string& option : mine) {
-    std::getline(lines, line);
+    std::getline(lines, line, kEnd[0]);
     if (issue.empty() && option != line)
       issue = fmt::format("rank {}: options differ: {}; on rank 0: {}", runtime_->rank().value, option, line);
   }

@@ -53,6 +53,13 @@ void add_metric(Peers& peers, const Files& files, const Options& options,
   input.warnings = std::move(made.warnings);
 }
 
+/// With its metric; nobody looks at its boundary.
+void keep_background(Peers& peers, MeshSlice slice, SliceInput& input) {
+  slice.boundary = {};
+  count_boundary(peers, slice);
+  input.background = std::move(slice);
+}
+
 /// The metric on its own mesh, with which nothing is to be done any more.
 void add_background(Peers& peers, const Files& files, const Options& options,
                     const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
@@ -60,9 +67,7 @@ void add_background(Peers& peers, const Files& files, const Options& options,
   if (share.slice.num_tets == 0) throw InputError(files.background, "", "has no tetrahedra");
   LogMetricMade made = make_metric_in_parts(peers, options.metric, share.slice, files.background, model);
   share.slice.log_metrics = std::move(made.field);
-  share.slice.boundary = {};
-  count_boundary(peers, share.slice);
-  input.background = std::move(share.slice);
+  keep_background(peers, std::move(share.slice), input);
   input.warnings = std::move(made.warnings);
   if (share.read_whole && peers.ranks() > 1)
     input.warnings.push_back(read_whole_warning(files.background, "meshes"));
@@ -144,9 +149,7 @@ void mend_background(Peers& peers, const Files& files, const Options& options,
                            model);
     input.warnings.insert(input.warnings.end(), made.warnings.begin(), made.warnings.end());
   });
-  input.background = deal_out(peers, whole, made.field);
-  input.background->boundary = {};
-  count_boundary(peers, *input.background);
+  keep_background(peers, deal_out(peers, whole, made.field), input);
 }
 
 /// Values at vertices in files of other formats than GMF.
