@@ -13,7 +13,8 @@ namespace weft::tools {
 namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(50);
-constexpr unsigned kTurnsOfMemory = 4;  // some files are read for it
+/// Some files are read to see what memory is left: not at each turn while there is plenty.
+constexpr unsigned kTurnsWherePlenty = 4;
 
 }  // namespace
 
@@ -79,11 +80,12 @@ double Monitor::seconds_to_finish() const {
 }
 
 /// Whoever takes the last memory of a machine or a control group is killed, and the mesh with it.
-bool Monitor::memory_runs_out() const {
-  if (memory_ > 0) return resident_bytes() > kMemoryInUse * memory_;
+std::optional<double> Monitor::memory_to_take() const {
+  const double resident = resident_bytes();
+  if (memory_ > 0) return kMemoryInUse * memory_ - resident;
   const std::optional<double> left = memory_left();
-  const double taken = resident_bytes() - memory_at_begin_;
-  return left && *left / sharers_here_ < (1 / kMemoryInUse - 1) * taken;
+  if (!left) return std::nullopt;
+  return *left / sharers_here_ - (1 / kMemoryInUse - 1) * (resident - memory_at_begin_);
 }
 
 void Monitor::watch() {
@@ -92,14 +94,20 @@ void Monitor::watch() {
     const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
     if (options_.time_limit > 0 && seconds + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
-    if (turn % kTurnsOfMemory == 0) watch_memory();
+    if (!plenty_ || turn % kTurnsWherePlenty == 0) watch_memory();
   }
 }
 
-/// To look takes a little memory too.
+/// As much as was taken since the last look may be taken before the next one (100 MB a second have been seen
+/// on one thread, whose group allowed 150 MB). To look takes a little memory too.
 void Monitor::watch_memory() {
   try {
-    if (memory_runs_out()) cancel(EndReason::memory_limit);
+    const std::optional<double> to_take = memory_to_take();
+    if (!to_take) return;
+    const double taken = std::max(0.0, to_take_ - *to_take);
+    if (*to_take < taken) cancel(EndReason::memory_limit);
+    plenty_ = *to_take > resident_bytes() - memory_at_begin_;
+    to_take_ = *to_take;
   } catch (const std::bad_alloc&) {
     out_of_memory();
   }

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -46,7 +47,8 @@ class Monitor {
  private:
   void watch();
   void watch_memory();
-  bool memory_runs_out() const;
+  /// Bytes that may still be taken before the run must end; none where the system does not tell.
+  std::optional<double> memory_to_take() const;
   void cancel(EndReason reason);
   double seconds_to_finish() const;
 
@@ -59,6 +61,8 @@ class Monitor {
   std::atomic<std::uint64_t> tets_ = 0;  ///< the most that have been told of
   double memory_ = 0;           ///< bytes that this process may take; 0: what is left, infinity: no matter
   double memory_at_begin_ = 0;  ///< that this process had
+  double to_take_ = 0;          ///< memory_to_take() at the last look
+  bool plenty_ = false;         ///< then: more than the run has taken
   std::mutex mutex_;
   std::condition_variable over_;
   bool ended_ = false;
