@@ -16,11 +16,15 @@
 namespace weft::meshing {
 namespace {
 
+Verdict counted(Worker& w, Operator op, Verdict v) {
+  w.counts.add(op, v);
+  return v;
+}
+
 /// Counts a verdict and lets go of everything the operator claimed.
 Verdict done(Worker& w, Operator op, Verdict v) {
-  w.counts.add(op, v);
   w.claims.release();
-  return v;
+  return counted(w, op, v);
 }
 
 struct EdgeLength {
@@ -83,25 +87,48 @@ void remember_short(TetMesh& mesh, VertexId v, bool has_short) {
     mesh.take_marks(v, kHasShort);
 }
 
-/// Collapses `v` into one of its neighbours nearer than `nearest`, the nearest that can be.
-Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
-  if (w.mesh.frozen(v)) return done(w, Operator::collapse, Verdict::frozen);
-  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted)
-    return done(w, Operator::collapse, r);
-  if (w.mesh.fixed(v)) return done(w, Operator::collapse, Verdict::not_needed);
+/// Collapses the centre of the gathered ball into one of its neighbours nearer than `nearest`, the nearest
+/// that can be. Counts what it tries, and leaves the claims.
+Verdict collapse_gathered(Worker& w, double nearest, CollapseGoal goal) {
+  const VertexId v = w.ball.centre;
+  Verdict r = Verdict::not_needed;
+  if (w.mesh.fixed(v)) return counted(w, Operator::collapse, r);
   std::vector<Neighbour>& found = w.neighbours;
   neighbours_within(w, nearest, found);
   if (goal == CollapseGoal::length) remember_short(w.mesh, v, !found.empty());
-  Verdict r = Verdict::not_needed;
+  if (found.empty()) return counted(w, Operator::collapse, r);
   for (const Neighbour& n : found) {
-    r = collapse_edge(w, v, n.vertex, goal);
+    r = counted(w, Operator::collapse, collapse_edge(w, v, n.vertex, goal));
     if (r == Verdict::accepted || r == Verdict::conflict) break;
-    w.counts.add(Operator::collapse, r);
   }
-  if (r == Verdict::not_needed || r == Verdict::accepted || r == Verdict::conflict)
-    return done(w, Operator::collapse, r);
+  return r;
+}
+
+/// Gathers and claims the ball of `v`. Anything but accepted is counted for `op`, and nothing claimed then.
+Verdict gather(Worker& w, Operator op, VertexId v) {
+  if (w.mesh.frozen(v)) return done(w, op, Verdict::frozen);
+  const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball);
+  return r == Verdict::accepted ? r : done(w, op, r);
+}
+
+Verdict collapse_vertex(Worker& w, VertexId v, double nearest, CollapseGoal goal) {
+  if (const Verdict r = gather(w, Operator::collapse, v); r != Verdict::accepted) return r;
+  const Verdict r = collapse_gathered(w, nearest, goal);
   w.claims.release();
   return r;
+}
+
+/// What the marks say, with one look at the ball: its move may have made an edge short.
+Verdict smooth_and_collapse(Worker& w, VertexId v, std::uint8_t marks) {
+  const bool smooths = marks & kCheckPlace;
+  if (const Verdict r = gather(w, smooths ? Operator::smooth : Operator::collapse, v); r != Verdict::accepted)
+    return r;
+  const Verdict smoothed = smooths ? counted(w, Operator::smooth, smooth_gathered(w)) : Verdict::not_needed;
+  Verdict collapsed = Verdict::not_needed;
+  if ((marks | w.mesh.take_marks(v, kCheckShort)) & kCheckShort)
+    collapsed = collapse_gathered(w, w.kernel.limits.short_edge, CollapseGoal::length);
+  w.claims.release();
+  return collapsed == Verdict::accepted || collapsed == Verdict::conflict ? collapsed : smoothed;
 }
 
 /// The neighbours of a vertex that are inside; none where others hold them. Claims nothing in the end.
@@ -290,13 +317,14 @@ Verdict swap_any(Worker& w, TetId t) {
   Verdict r = w.claims.claim_tet(t);
   if (r != Verdict::accepted) return done(w, Operator::swap_edge, r);
   const TetVertices v = w.mesh.vertices(t);
-  for (int f = 0; f < 4; ++f)
-    if (const TetFace n = w.mesh.neighbour(t, f); n.valid()) {
-      w.mesh.prefetch(n.tet());
-      w.mesh.prefetch_quality(n.tet());
-    }
+  std::array<bool, 4> left;  // to the tet across a face: with it the face's edges
+  for (int f = 0; f < 4; ++f) {
+    const TetFace n = w.mesh.neighbour(t, f);
+    if (n.valid()) w.mesh.prefetch(n.tet());
+    left[f] = n.valid() && leaves_swap_to(w.mesh, t, n.tet());
+  }
   for (const auto& e : kTetEdges) {
-    r = swap_edge(w, t, v[e[0]], v[e[1]]);
+    r = left[e[2]] || left[e[3]] ? Verdict::not_needed : swap_edge(w, t, v[e[0]], v[e[1]]);
     if (r == Verdict::accepted || r == Verdict::conflict) return done(w, Operator::swap_edge, r);
     w.counts.add(Operator::swap_edge, r);
   }
@@ -410,7 +438,7 @@ std::uint64_t split_pass(WorkerPool& pool) {
 
 std::uint64_t collapse_pass(WorkerPool& pool) {
   if (!pool.allowed().insert) return 0;
-  return pool.sweep_vertices(kCheckShort, [](Worker& w, VertexId v) {
+  return pool.sweep_vertices(kCheckShort, [](Worker& w, VertexId v, std::uint8_t) {
     return collapse_vertex(w, v, w.kernel.limits.short_edge, CollapseGoal::length);
   });
 }
@@ -426,8 +454,15 @@ std::uint64_t swap_pass(WorkerPool& pool, double quality, double quality_at_froz
 
 std::uint64_t smooth_pass(WorkerPool& pool) {
   if (!pool.allowed().move) return 0;
-  return pool.sweep_vertices(
-      kCheckPlace, [](Worker& w, VertexId v) { return done(w, Operator::smooth, smooth_vertex(w, v)); });
+  return pool.sweep_vertices(kCheckPlace, [](Worker& w, VertexId v, std::uint8_t) {
+    return done(w, Operator::smooth, smooth_vertex(w, v));
+  });
+}
+
+std::uint64_t smooth_and_collapse_pass(WorkerPool& pool) {
+  if (!pool.allowed().insert) return smooth_pass(pool);
+  if (!pool.allowed().move) return collapse_pass(pool);
+  return pool.sweep_vertices(kCheckPlace | kCheckShort, smooth_and_collapse);
 }
 
 std::uint64_t smooth_poor(WorkerPool& pool, double quality) {

@@ -187,6 +187,9 @@ class Adaptation {
   std::uint64_t smooth() {
     return changes([&] { return smooth_pass(workers_); });
   }
+  std::uint64_t smooth_and_collapse() {
+    return changes([&] { return smooth_and_collapse_pass(workers_); });
+  }
   std::uint64_t swap(double quality, double quality_at_frozen = 1) {
     return changes([&] { return swap_pass(workers_, quality, quality_at_frozen); });
   }
@@ -403,10 +406,8 @@ class Adaptation {
       collapse();
       begin_pass(work::kSwap);
       swap(kSwapBelowWhileCreating);
-      begin_pass(work::kSmooth);
-      smooth();
-      begin_pass(work::kCollapseAgain);
-      collapse();
+      begin_pass(work::kSmoothAndCollapse);
+      smooth_and_collapse();
       end_pass();
       renumber_if_grown(kGrown);
     }
@@ -429,10 +430,8 @@ class Adaptation {
   void polish(double work_of_tet) {
     begin_pass(0.45 * work_of_tet);
     swap_for_quality();
-    begin_pass(0.37 * work_of_tet);
-    smooth();
-    begin_pass(0.13 * work_of_tet);
-    collapse();
+    begin_pass(0.5 * work_of_tet);
+    smooth_and_collapse();
     retry_curved_boundary();
     begin_pass(0.05 * work_of_tet);
     split();

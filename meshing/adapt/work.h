@@ -18,8 +18,8 @@ PredictedWork predict_work(double tets, double wanted);
 /// A tet's part in the passes of a round that creates points, and in a round of reconnection; measured with
 /// one thread on cube-polar2 to 50,000, the delta wing to 100,000 and a mesh made ten times coarser.
 namespace work {
-inline constexpr double kSplit = 0.5, kCollapse = 0.4, kSwap = 0.15, kSmooth = 0.8, kCollapseAgain = 0.35;
-inline constexpr double kRound = kSplit + kCollapse + kSwap + kSmooth + kCollapseAgain;
+inline constexpr double kSplit = 0.5, kCollapse = 0.4, kSwap = 0.15, kSmoothAndCollapse = 1.0;
+inline constexpr double kRound = kSplit + kCollapse + kSwap + kSmoothAndCollapse;
 /// Every round of reconnection changes less than the one before.
 inline constexpr std::array<double, 6> kReconnect = {2.4, 1.8, 1.3, 1.0, 0.55, 0.3};
 inline constexpr double kImprove = 0.1;

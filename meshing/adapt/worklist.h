@@ -39,15 +39,16 @@ class WorkerPool {
     });
   }
 
-  /// The same for every vertex that has mark `mark`.
+  /// Calls operation(worker, vertex, its marks of these) -> Verdict for every vertex that has any of `marks`.
   template <class Operation>
-  std::uint64_t sweep_vertices(VertexMark mark, Operation operation) {
+  std::uint64_t sweep_vertices(std::uint8_t marks, Operation operation) {
     TetMesh& mesh = kernel_.mesh;
-    return sweep(mesh.vertex_slots(), [&, mark](Worker& w, std::uint32_t i) {
+    return sweep(mesh.vertex_slots(), [&, marks](Worker& w, std::uint32_t i) {
       const VertexId v(i);
-      if (!mesh.take_marks(v, mark)) return false;
-      const Verdict r = operation(w, v);
-      if (r == Verdict::conflict && mesh.alive(v)) mesh.mark(v, mark);
+      const std::uint8_t taken = mesh.take_marks(v, marks);
+      if (!taken) return false;
+      const Verdict r = operation(w, v, taken);
+      if (r == Verdict::conflict && mesh.alive(v)) mesh.mark(v, taken);
       return r == Verdict::accepted;
     });
   }

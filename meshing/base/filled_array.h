@@ -20,7 +20,7 @@ class FilledArray {
   void clear() { size_ = 0; }
   /// Room for `count` more.
   void make_room(std::size_t count) {
-    if (storage_.size() < size_ + count) storage_.resize(2 * (size_ + count));
+    if (storage_.size() < size_ + count) grow(count);
   }
   /// Adds `value` where `add` says so; there must be room either way.
   void push_if(bool add, const T& value) {
@@ -29,6 +29,8 @@ class FilledArray {
   }
 
  private:
+  [[gnu::noinline]] void grow(std::size_t count) { storage_.resize(2 * (size_ + count)); }
+
   std::vector<T> storage_;
   std::size_t size_ = 0;
 };

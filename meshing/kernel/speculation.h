@@ -29,7 +29,7 @@ class Claims {
   void work_alone(bool sole) { sole_ = sole; }
 
   /// accepted (held now, or already), conflict, or frozen (FrozenPolicy::untouchable).
-  Verdict claim(VertexId v) {
+  [[gnu::always_inline]] Verdict claim(VertexId v) {
     if (sole_) return untouchable(v) ? Verdict::frozen : Verdict::accepted;
     const std::uint32_t seen = std::atomic_ref(mesh_.claim_word(v)).load(std::memory_order_relaxed);
     if (seen == owner_) return Verdict::accepted;
@@ -65,7 +65,7 @@ class Claims {
  private:
   bool untouchable(VertexId v) const { return frozen_ == FrozenPolicy::untouchable && mesh_.frozen(v); }
 
-  Verdict take(VertexId v) {
+  [[gnu::noinline]] Verdict take(VertexId v) {
     const std::atomic_ref ref(mesh_.claim_word(v));
     std::uint32_t seen = TetMesh::kFree;
     if (!ref.compare_exchange_strong(seen, owner_, std::memory_order_acquire, std::memory_order_relaxed))

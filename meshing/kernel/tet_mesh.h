@@ -122,7 +122,7 @@ class TetMesh {
     if (a.valid()) set_neighbour(a.tet(), a.face(), b);
     if (b.valid()) set_neighbour(b.tet(), b.face(), a);
   }
-  int local_index(TetId t, VertexId v) const {
+  [[gnu::always_inline]] int local_index(TetId t, VertexId v) const {
     // Without branches: which of the four it is cannot be predicted.
     const Tet& r = tets_[t.value];
     return (load(r.v[0]) == v.value) + 2 * (load(r.v[1]) == v.value) + 3 * (load(r.v[2]) == v.value) +
@@ -191,7 +191,6 @@ class TetMesh {
 
   // --- asked for in advance, as walks wait for memory more than for anything else ---
   void prefetch(TetId t) const { __builtin_prefetch(&tets_[t.value]); }
-  void prefetch_quality(TetId t) const { __builtin_prefetch(&quality_[t.value]); }
   /// Place, kind and metric.
   void prefetch(VertexId v) const {
     const char* p = reinterpret_cast<const char*>(&vertices_[v.value]);

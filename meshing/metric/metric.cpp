@@ -111,6 +111,31 @@ std::optional<SymTensor> positive_part(const SymTensor& a) {
   return identity_tensor(d123 * e3 * e2 - d23 * e3) + (d23 - d123 * (e3 + e2)) * d + d123 * d2;
 }
 
+/// exp(mean I + A) of a symmetric A without trace and with a norm up to kMostBySeries; `a2` is its square. By
+/// Cayley and Hamilton A^3 = s A + d I, so that all powers are sums u I + v A + w A^2: the series of a
+/// 64th of A is summed and squared six times in these three numbers (half the time of the closed form).
+constexpr double kMostBySeries = 10;
+Metric exp_by_series(double mean, const SymTensor& a, const SymTensor& a2) {
+  constexpr int kSquarings = 6;  // the first term left out is below 1e-16
+  constexpr double kShare = 1.0 / (1 << kSquarings);
+  const double s = 0.5 * kShare * kShare * trace(a2), d = kShare * kShare * kShare * determinant(a);
+  double p = 1, q = 1, r = 0.5;  // the sum
+  double u = 0, v = 0, w = 0.5;  // its last term
+  for (const double share : {1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8, 1.0 / 9, 1.0 / 10}) {
+    const double of_identity = w * d, of_a = u + w * s;
+    w = share * v, u = share * of_identity, v = share * of_a;
+    p += u, q += v, r += w;
+  }
+  for (int i = 0; i < kSquarings; ++i) {
+    const double qr = 2 * q * r, rr = r * r;
+    r = 2 * p * r + q * q + rr * s;
+    q = 2 * p * q + qr * s + rr * d;
+    p = p * p + qr * d;
+  }
+  const double scale = std::exp(mean);
+  return identity_tensor(scale * p) + (scale * kShare * q) * a + (scale * kShare * kShare * r) * a2;
+}
+
 }  // namespace
 
 Eigen3 eigen_decomposition(const SymTensor& a) {
@@ -154,6 +179,7 @@ Metric exp_fast(const LogMetric& l) {
   const double mean = trace(l) / 3;
   const SymTensor a = l - identity_tensor(mean);
   const SymTensor a2 = square(a);
+  if (trace(a2) <= kMostBySeries * kMostBySeries) return exp_by_series(mean, a, a2);
   const double p = std::sqrt(trace(a2) / 6);
   if (p < 1e-7) return std::exp(mean) * (identity_tensor() + a + 0.5 * a2);
   const double half_det = 0.5 * determinant(a) / (p * p * p);

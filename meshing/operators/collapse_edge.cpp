@@ -130,8 +130,16 @@ double longest_spoke(Worker& w) {
   return longest;
 }
 
+/// The vertices of the ring around the edge from the ball's centre to `kept`, and its ends.
+void gather_ring(Worker& w, VertexId kept, SmallSet& ring) {
+  ring.clear();
+  for (const auto& [t, local] : w.ball.tets)
+    if (w.mesh.local_index(t, kept) >= 0)
+      for (const VertexId v : w.mesh.vertices(t)) ring.insert(v.value);
+}
+
 /// Lengths of the edges that would appear: from `kept` to the link of `removed` beyond their ring. The short
-/// ones are listed in `plan`.
+/// ones are listed in `plan`. Nine of ten collapses are refused here: the ring is gathered when it is needed.
 Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   const VertexId kept = plan.kept;
   const TetMesh& mesh = w.mesh;
@@ -140,16 +148,18 @@ Verdict judge_lengths(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
                              ? std::max(w.kernel.limits.collapse_longest, longest_spoke(w))
                              : w.kernel.limits.collapse_longest;
   SmallSet& ring = w.vertices_seen;
-  ring.clear();
+  bool has_ring = false;
   w.short_edges.clear();
-  for (const auto& [t, local] : w.ball.tets)
-    if (mesh.local_index(t, kept) >= 0)
-      for (const VertexId v : mesh.vertices(t)) ring.insert(v.value);
   for (const auto& [v, first] : w.ball.link) {
-    if (ring.contains(v.value)) continue;
+    if (v == kept) continue;
     const MetricLength length = edge_between(mesh, v, kept);
-    if (length.above(longest)) return Verdict::too_long;
-    if (length.below(w.kernel.limits.short_edge)) w.short_edges.push_back({v, length.value()});
+    const bool too_long = length.above(longest);
+    if (!too_long && !length.below(w.kernel.limits.short_edge)) continue;
+    if (!has_ring) gather_ring(w, kept, ring);
+    has_ring = true;
+    if (ring.contains(v.value)) continue;
+    if (too_long) return Verdict::too_long;
+    w.short_edges.push_back({v, length.value()});
   }
   plan.short_edges = w.short_edges;
   return Verdict::accepted;

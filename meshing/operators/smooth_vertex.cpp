@@ -51,9 +51,14 @@ double sum_of_inverses(const std::vector<float>& qualities) {
 }  // namespace
 
 Verdict smooth_vertex(Worker& w, VertexId v) {
+  if (w.mesh.frozen(v)) return Verdict::frozen;
+  if (const Verdict r = gather_ball(w.mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
+  return smooth_gathered(w);
+}
+
+Verdict smooth_gathered(Worker& w) {
   TetMesh& mesh = w.mesh;
-  if (mesh.frozen(v)) return Verdict::frozen;
-  if (const Verdict r = gather_ball(mesh, w.claims, v, w.ball); r != Verdict::accepted) return r;
+  const VertexId v = w.ball.centre;
   MoveSpace space;
   if (const Verdict r = move_space(w, v, space); r != Verdict::accepted) return r;
   w.faces.gather(w.mean(), mesh, w.ball);

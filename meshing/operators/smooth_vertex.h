@@ -10,4 +10,7 @@ namespace weft::meshing {
 /// with the metric read at the new place.
 Verdict smooth_vertex(Worker& w, VertexId v);
 
+/// The same of the centre of the gathered ball, which is not frozen. The ball stays gathered.
+Verdict smooth_gathered(Worker& w);
+
 }  // namespace weft::meshing

@@ -248,13 +248,10 @@ Verdict swap_on_interface(Worker& w, const Shell& shell, PatchId patch, double e
 Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b) {
   TetMesh& mesh = w.mesh;
   const Shell& shell = w.shell;
-  // Every tet of a shell would try the same swap: it is left to a worse one that is going to be visited.
-  const float own = mesh.quality(t);
-  float worst = own;
+  float worst = mesh.quality(t);
   const auto is_ours = [&](TetId u) {
-    const float q = mesh.quality(u);
-    worst = std::min(worst, q);
-    return q >= own || !(mesh.marks(u) & kCheckSwap);
+    worst = std::min(worst, mesh.quality(u));
+    return !leaves_swap_to(mesh, t, u);
   };
   if (const Verdict r = gather_shell_while(mesh, w.claims, t, a, b, w.shell, is_ours); r != Verdict::accepted)
     return r;

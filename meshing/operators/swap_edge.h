@@ -13,4 +13,9 @@ inline constexpr int kMaxRing = 9;
 /// patch; feature edges never.
 Verdict swap_edge(Worker& w, TetId t, VertexId a, VertexId b);
 
+/// Every tet of a shell would try the same swap: it is left to a worse one that is going to be visited.
+inline bool leaves_swap_to(const TetMesh& mesh, TetId t, TetId other) {
+  return mesh.quality(other) < mesh.quality(t) && mesh.marks(other) & kCheckSwap;
+}
+
 }  // namespace weft::meshing
