@@ -337,12 +337,36 @@ void add_reports(py::module_& module) {
       .def_readonly("cancelled", &FillResult::cancelled);
 }
 
+bool is_text(const py::handle& value) {
+  return py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value);
+}
+
+/// Not an array of no dimensions.
+bool is_list(const py::handle& value) {
+  if (is_text(value) || PySequence_Check(value.ptr()) == 0) return false;
+  const bool has_length = PySequence_Size(value.ptr()) >= 0;
+  if (!has_length) PyErr_Clear();
+  return has_length;
+}
+
+/// What C would read the start of is no text.
+std::string whole_text(const py::handle& value) {
+  std::string text = value.cast<std::string>();
+  if (text.find('\0') != std::string::npos) throw py::cast_error();
+  return text;
+}
+
 std::string text_of(const std::string& name, const py::handle& value) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "yes" : "no";
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::hasattr(value, "__fspath__")) return py::str(py::module_::import("os").attr("fspath")(value));
-  if (py::hasattr(value, "__index__")) return py::str(py::module_::import("operator").attr("index")(value));
-  if (PyNumber_Check(value.ptr())) return py::repr(py::float_(py::reinterpret_borrow<py::object>(value)));
+  try {
+    if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "yes" : "no";
+    if (is_text(value)) return whole_text(value);
+    if (py::hasattr(value, "__fspath__")) return whole_text(py::module_::import("os").attr("fspath")(value));
+    if (py::hasattr(value, "__index__")) return py::str(py::module_::import("operator").attr("index")(value));
+    if (PyNumber_Check(value.ptr())) return py::repr(py::float_(py::reinterpret_borrow<py::object>(value)));
+  } catch (const py::cast_error&) {
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+  }
   throw UsageError(name + ": is a " + std::string(py::str(py::type::of(value).attr("__name__"))) +
                    ", neither a number nor a text");
 }
@@ -354,7 +378,7 @@ Options options_of(const py::dict& values) {
   for (const auto& [key, value] : values) {
     const std::string name = py::str(key);
     if (value.is_none()) continue;
-    const bool several = py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
+    const bool several = is_list(value);
     if (several && name == "sol") {
       for (const py::handle one : value) set_option(options, name, text_of(name, one));
     } else if (several) {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Mapping, Optional
 
 from . import _weft
+from ._arguments import checked
 from ._errors import InputError, UsageError
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     import pyvista
 
 Mesh = _weft.Mesh
+_Fields = Mapping[str, "np.ndarray"]
 _VTK_LINE, _VTK_TRIANGLE, _VTK_TETRA = 3, 5, 10
 _REFERENCES = ("ref", "medit:ref", "gmsh:physical", "cell_tags")
 
@@ -40,6 +42,8 @@ def from_meshio(mesh: "meshio.Mesh") -> Mesh:
     References are the cell data called ref, medit:ref, gmsh:physical or cell_tags. Other volume elements are
     refused; vertices and the like are left out.
     """
+    if not (hasattr(mesh, "cells") and hasattr(mesh, "cell_data")):
+        raise UsageError(f"mesh: is a {type(mesh).__name__}, not a mesh of meshio")
     import numpy as np
 
     rows: dict = {"tetra": [], "triangle": [], "line": []}
@@ -59,10 +63,12 @@ def from_meshio(mesh: "meshio.Mesh") -> Mesh:
                 triangle_refs=labels["triangle"], edge_refs=labels["line"])
 
 
-def to_meshio(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None) -> "meshio.Mesh":
+@checked
+def to_meshio(mesh: Mesh, fields: Optional[_Fields] = None) -> "meshio.Mesh":
     """A meshio.Mesh of a weft.Mesh, with references as the cell data `ref` and fields as point data."""
     import meshio
 
+    mesh = as_mesh(mesh)
     kinds = (("tetra", mesh.tets, mesh.tet_refs), ("triangle", mesh.triangles, mesh.triangle_refs),
              ("line", mesh.edges, mesh.edge_refs))
     there = [(kind, rows, refs) for kind, rows, refs in kinds if len(rows) > 0]
@@ -119,13 +125,15 @@ def vtk_cells(mesh: Mesh, boundary: bool = False) -> tuple:
     return np.concatenate(cells), np.concatenate(types), np.concatenate([refs for _, _, refs in kinds])
 
 
-def to_pyvista(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None, *,
+@checked
+def to_pyvista(mesh: Mesh, fields: Optional[_Fields] = None, *,
                boundary: bool = False) -> "pyvista.UnstructuredGrid":
     """A pyvista.UnstructuredGrid of the tets (and, with `boundary`, the triangles) of a weft.Mesh, with references
     as the cell data `ref` and fields as point data."""
     import numpy as np
     import pyvista
 
+    mesh = as_mesh(mesh)
     cells, types, refs = vtk_cells(mesh, boundary)
     grid = pyvista.UnstructuredGrid(cells, types, np.array(mesh.points))
     grid.cell_data["ref"] = refs
@@ -140,6 +148,9 @@ def as_mesh(mesh: Any) -> Mesh:
     if isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, Mapping):
+        strange = [name for name in mesh if not isinstance(getattr(Mesh, str(name), None), property)]
+        if strange or "points" not in mesh:
+            raise UsageError(f"mesh: has no member {strange[0]!r}" if strange else "mesh: has no points")
         return Mesh(**mesh)
     if isinstance(mesh, (tuple, list)):
         if not 2 <= len(mesh) <= 3:
