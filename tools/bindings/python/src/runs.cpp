@@ -117,25 +117,26 @@ struct PreparedPart {
   Options options;
 };
 
-/// A mesh and the numbers of its points and tets; `prefix` stands before the names of these two arrays.
-Part part_of(const Mesh& mesh, const py::object& ids, const py::object& tet_ids, const std::string& prefix) {
+/// A mesh, which is taken if nobody else has it, and the numbers of its points and tets; `prefix` stands
+/// before the names of these two arrays.
+Part part_of(Mesh& mesh, bool take, const py::object& ids, const py::object& tet_ids,
+             const std::string& prefix) {
   const std::string name = prefix + "ids", tets = prefix + "tet_ids";
   if (ids.is_none() && !mesh.points.empty()) throw UsageError(name + ": are needed with comm");
   Part part;
   part.ids = ids_of(ids, mesh.points.size(), name.c_str());
   part.tet_ids = ids_of(tet_ids, mesh.tets.size(), tets.c_str());
-  part.mesh = mesh;
+  part.mesh = take ? std::move(mesh) : mesh;
   return part;
 }
 
-/// `order` is that of the fields' tensors.
-std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
-                                           const std::shared_ptr<Metric>& metric, const py::object& ids,
-                                           const py::object& tet_ids, const std::shared_ptr<Mesh>& background,
-                                           const py::object& background_ids,
-                                           const py::object& background_tet_ids, const py::dict& values,
-                                           const py::object& fields, const py::object& solutions,
-                                           const std::optional<std::string>& order) {
+/// `order` is that of the fields' tensors; `take`, `take_background`: the meshes have been made for this
+/// call.
+std::shared_ptr<PreparedPart> prepare_part(
+    const std::shared_ptr<Mesh>& mesh, const std::shared_ptr<Metric>& metric, const py::object& ids,
+    const py::object& tet_ids, const std::shared_ptr<Mesh>& background, const py::object& background_ids,
+    const py::object& background_tet_ids, const py::dict& values, const py::object& fields,
+    const py::object& solutions, const std::optional<std::string>& order, bool take, bool take_background) {
   auto prepared = std::make_shared<PreparedPart>();
   prepared->options = options_of(values);
   const Mesh& of_metric = background ? *background : *mesh;
@@ -143,10 +144,12 @@ std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
     prepared->options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order, "solutions")};
   check_that_a_metric_is_given(metric, prepared->options);
   validate(prepared->options);
-  prepared->part = part_of(*mesh, ids, tet_ids, "");
-  prepared->part.fields = fields_of(fields, mesh->points.size(), order);
+  Fields carried = fields_of(fields, mesh->points.size(), order);
+  prepared->part = part_of(*mesh, take, ids, tet_ids, "");
+  prepared->part.fields = std::move(carried);
   if (background)
-    prepared->background = part_of(*background, background_ids, background_tet_ids, "background_");
+    prepared->background =
+        part_of(*background, take_background, background_ids, background_tet_ids, "background_");
   prepared->metric = metric;
   return prepared;
 }

@@ -174,6 +174,11 @@ def _as_background(background: MeshLike) -> Optional[Mesh]:
         raise type(error)(f"background: {error}") from error
 
 
+def _is_no_mesh_of_weft(mesh: MeshLike) -> bool:
+    """as_mesh() makes one then, which nobody else has."""
+    return not isinstance(mesh, Mesh) and not isinstance(getattr(mesh, "mesh", None), Mesh)
+
+
 def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, Any, Any], metric: MetricLike,
                  fields: Any, solutions: Any, order: Optional[str], progress: Optional[Progress],
                  cancel: Optional[Cancel], options: Dict[str, Any]) -> PartResult:
@@ -187,7 +192,8 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
         if other is None and any(numbers is not None for numbers in of_other):
             raise UsageError("background_ids: are those of a background, and there is none")
         prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, _as_background(other),
-                                      *of_other, options, fields, solutions, order)
+                                      *of_other, options, fields, solutions, order, _is_no_mesh_of_weft(mesh),
+                                      _is_no_mesh_of_weft(other))
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
         issue, cause = f"{kind}\n{error}", error
