@@ -13,7 +13,10 @@ if [[ -z $root ]]; then
 fi
 mkdir -p "$root/packages"
 cp "${packages[@]}" "$root/packages/"
-inside() { chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive LC_ALL=C "$@"; }
+inside() {
+  chroot "$root" /usr/bin/env DEBIAN_FRONTEND=noninteractive LC_ALL=C \
+    MPIRUN="mpirun --allow-run-as-root --oversubscribe --bind-to none -n 2" "$@"
+}
 
 inside apt-get update -qq
 mapfile -t inside_packages < <(cd "$root" && printf '/%s\n' packages/*.deb)
@@ -35,7 +38,12 @@ if [[ -e $root/usr/lib/x86_64-linux-gnu/libweft_fortran.a ]]; then
   inside apt-get install -y -qq --no-install-recommends gfortran >/dev/null
   inside sh -c 'cd /tmp && gfortran -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_file.f90 -o from_fortran -lweft_fortran -lweft &&
     ./from_fortran box.meshb box.solb from-fortran.meshb | head -1 && cmp from-c.meshb from-fortran.meshb'
+  cp tools/bindings/fortran/examples/adapt_parts.f90 "$root/tmp/"
+  inside sh -c 'cd /tmp && mpifort -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_parts.f90 -o parts_fortran -lweft_fortran -lweft && $MPIRUN ./parts_fortran'
 fi
+cp tools/bindings/c/examples/adapt_parts.c "$root/tmp/"
+inside sh -c 'cd /tmp && mpicc -std=c99 adapt_parts.c -o parts_c $(pkg-config --cflags --libs weft) && $MPIRUN ./parts_c'
+inside sh -c 'cd /tmp && $MPIRUN weft adapt box.meshb --metric box.solb -o parts.meshb --quiet && weft verify parts.meshb --against box.meshb --quiet'
 inside sh -c 'test -s /usr/share/man/man1/weft-adapt.1.gz && test -s /usr/share/bash-completion/completions/weft'
 if [[ -e $root/usr/lib/python3/dist-packages/weft ]]; then
   inside python3 -c 'import weft; print(len(weft.adapt(weft.box((3, 3, 3)), metric_fn="uniform:0.3").mesh.tets), "tets from Python")'
