@@ -24,10 +24,10 @@ namespace {
   throw py::error_already_set();
 }
 
-/// While one lives, freed arrays go back to the system at once, as in the command (its main.cpp says why).
-/// glibc's thresholds cannot be read: afterwards they are the largest that it comes to by itself in a process
-/// that has freed large arrays, so that NumPy keeps its own. Whoever sets them in the environment is left
-/// alone.
+/// While one lives, freed arrays go back to the system at once, as in the command (its main.cpp says why),
+/// and what the caller has freed before. glibc's thresholds cannot be read: afterwards they are the largest
+/// that it comes to by itself in a process that has freed large arrays, so that NumPy keeps its own. Whoever
+/// sets them in the environment is left alone.
 class FreedArraysGoBack {
  public:
   FreedArraysGoBack() {
@@ -50,6 +50,7 @@ class FreedArraysGoBack {
     if (std::getenv("MALLOC_MMAP_THRESHOLD_") || std::getenv("MALLOC_TRIM_THRESHOLD_")) return;
     mallopt(M_MMAP_THRESHOLD, map);
     mallopt(M_TRIM_THRESHOLD, trim);
+    malloc_trim(0);
 #endif
   }
 };
