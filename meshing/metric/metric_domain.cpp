@@ -39,7 +39,8 @@ class LimitedComplexity {
 };
 
 void check_scalable(double complexity, double target) {
-  if (!(complexity > 0)) throw InputError("", "complexity", "cannot be scaled: the mesh has no volume");
+  if (!(complexity > 0))
+    throw InputError("", "complexity", "cannot be scaled: the mesh has no volume, or inverted tets");
   if (!(target > 0)) throw InputError("", "complexity", "the target is not positive");
 }
 

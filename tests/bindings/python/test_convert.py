@@ -49,6 +49,14 @@ def test_grids_like_pyvistas_are_understood(box):
     assert np.array_equal(weft.as_mesh(surface).triangles, box.triangles)
 
 
+def test_tets_that_are_all_inverted_are_turned(box):
+    grid = grid_of(box)
+    grid.cells_dict[10] = np.array(box.tets)[:, [0, 2, 1, 3]]
+    assert weft.verify(weft.as_mesh(grid), against=box)
+    grid.cells_dict[10][0] = box.tets[0]
+    assert not weft.verify(weft.as_mesh(grid))
+
+
 def test_vtk_arrays_count_vertices_cell_by_cell(box):
     cells, kinds, refs = weft._convert.vtk_cells(box, boundary=True)
     assert len(cells) == 5 * len(box.tets) + 4 * len(box.triangles)

@@ -1,4 +1,4 @@
-# A recipe for Spack. Not run here: written by Spack's documentation, of which the place to build is without.
+# A recipe for Spack. Not run here: written by its documentation and its recipes for what weft needs.
 from spack.package import *
 
 
@@ -9,11 +9,15 @@ class Weft(CMakePackage):
     version("main", branch="main")
 
     variant("python", default=False, description="The module for Python")
+    variant("fortran", default=False, description="The module for Fortran")
+    variant("cad", default=False, description="CAD models, through OpenCASCADE")
+    variant("simgrid", default=False, description="SimGrid's networks for simulated ranks")
     variant("petsc", default=False, description="The adaptor for PETSc: -dm_adaptor weft")
     variant("native", default=False, description="For the processor that it is built on alone")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
+    depends_on("fortran", type="build", when="+fortran")
     depends_on("cmake@3.25:", type="build")
     depends_on("ninja", type="build")
     depends_on("pkgconfig", type="build")
@@ -32,9 +36,11 @@ class Weft(CMakePackage):
     depends_on("zlib-api")
     depends_on("cgns@3.4:~mpi")
     depends_on("hdf5~mpi")
-    depends_on("cairo+pdf+svg")
+    depends_on("cairo+fc+ft+pdf+png+svg")
     depends_on("metis@5:")
-    depends_on("petsc@3.18", when="+petsc")
+    depends_on("opencascade@7.6:7.7", when="+cad")  # from 7.8 on its libraries have other names
+    depends_on("simgrid@3.32:", when="+simgrid")
+    depends_on("petsc@3.18~hdf5", when="+petsc")  # HDF5 is the serial one of CGNS
     extends("python", when="+python")
     depends_on("py-pybind11@2.10:", when="+python", type="build")
     depends_on("py-numpy", when="+python", type=("build", "run"))
@@ -47,5 +53,8 @@ class Weft(CMakePackage):
             self.define("WEFT_TESTS", self.run_tests),
             self.define_from_variant("WEFT_NATIVE", "native"),
             self.define_from_variant("WEFT_PYTHON", "python"),
+            self.define_from_variant("WEFT_FORTRAN", "fortran"),
+            self.define_from_variant("WEFT_CAD", "cad"),
+            self.define_from_variant("WEFT_SIMGRID", "simgrid"),
             self.define("WEFT_ARCH", ""),
         ]

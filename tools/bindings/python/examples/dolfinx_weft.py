@@ -1,13 +1,10 @@
-"""weft for dolfinx 0.5: adapt(u, complexity), and what it takes: meshes as parts and back, a metric of a solution."""
+"""weft for dolfinx 0.5: adapt(u, complexity), and what it takes: meshes as parts and back, values at their points."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
-from dolfinx.fem.petsc import assemble_vector
-from mpi4py import MPI
-from petsc4py import PETSc
 
 import weft
 
@@ -64,50 +61,6 @@ def boundary_dofs(V):
     return fem.locate_dofs_topological(V, 2, mesh.exterior_facet_indices(V.mesh.topology))
 
 
-def recovered(V, derivative):
-    """The derivative of a P1 function at the vertices: its L2 projection with the lumped mass matrix."""
-    v, g = ufl.TestFunction(V), fem.Function(V)
-    load, mass = (assemble_vector(fem.form(integrand * v * ufl.dx))
-                  for integrand in (derivative, fem.Constant(V.mesh, PETSc.ScalarType(1))))
-    for vector in (load, mass):
-        vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-    load.pointwiseDivide(load, mass)
-    g.x.array[:V.dofmap.index_map.size_local] = load.array
-    g.x.scatter_forward()
-    return g
-
-
-def hessian(u):
-    """At the vertices; at those of the boundary the mean of the inner neighbours, because averages are one-sided there."""
-    V = u.function_space
-    inside = fem.Function(V)
-    inside.x.array[:] = 1
-    inside.x.array[boundary_dofs(V)] = 0
-    weight = recovered(V, inside).x.array.real
-    outer = (inside.x.array.real == 0) & (weight > 0)
-    gradient = [recovered(V, u.dx(i)) for i in range(3)]
-    H = np.empty((len(weight), 3, 3))
-    for i, j in (0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2):
-        second = recovered(V, (gradient[i].dx(j) + gradient[j].dx(i)) / 2)
-        mean = recovered(V, inside * second).x.array.real
-        H[:, i, j] = H[:, j, i] = np.where(outer, mean / np.where(outer, weight, 1), second.x.array.real)
-    return H
-
-
-def metric_of(u, norm=2):
-    """|H| det|H|^(-1/(2p+3)): the metric of least interpolation error of u in L^p, up to a factor, at the points."""
-    V, H = u.function_space, hessian(u)
-    comm = V.mesh.comm
-    values, directions = np.linalg.eigh(H)
-    largest = comm.allreduce(np.abs(values).max(initial=0), MPI.MAX)
-    values = np.maximum(np.abs(values), 1e-3 * largest)
-    values *= np.prod(values, axis=1, keepdims=True) ** (-1 / (2 * norm + 3))
-    tensors = np.einsum("nij,nj,nkj->nik", directions, values, directions)
-    at_points = np.empty((len(V.mesh.geometry.x), 3, 3))
-    at_points[V.mesh.geometry.dofmap.array] = tensors[V.dofmap.list.array]
-    return at_points
-
-
 def adapt(u, complexity):
     """A mesh of about 2 * complexity vertices on which u, a P1 function, has the least interpolation error; and u's values at
     its points. In memory, on all ranks of the mesh's communicator."""
@@ -116,7 +69,8 @@ def adapt(u, complexity):
     at_points = np.empty(len(domain.geometry.x))
     at_points[domain.geometry.dofmap.array] = u.x.array[V.dofmap.list.array].real
     part = part_of_mesh(domain)
-    result = weft.adapt((part.points, part.tets), metric_of(u)[part.which], fields={"u": at_points[part.which]},
-                        comm=comm, ids=part.ids, complexity=complexity, threads=1, subdomains=2 * comm.size)
+    solution = {"u": at_points[part.which]}
+    result = weft.adapt((part.points, part.tets), solutions=solution, fields=solution, comm=comm, ids=part.ids,
+                        complexity=complexity, threads=1, subdomains=2 * comm.size)
     adapted = mesh_of_part(comm, result)
     return adapted, values_at(comm, adapted, result, result.fields["u"])

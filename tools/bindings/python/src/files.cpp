@@ -36,9 +36,15 @@ py::tuple run_read_all(const std::string& path) {
 RefNames names_of(const py::object& dictionary) {
   RefNames names;
   if (dictionary.is_none()) return names;
-  for (const auto& [key, name] : dictionary.cast<py::dict>()) {
-    const auto [dimension, ref] = key.cast<std::pair<int, std::int32_t>>();
-    names.set(dimension, ref, name.cast<std::string>());
+  const char* what = "names: is no dictionary from (dimension, reference) to texts";
+  if (!py::isinstance<py::dict>(dictionary)) throw UsageError(what);
+  try {
+    for (const auto& [key, name] : py::reinterpret_borrow<py::dict>(dictionary)) {
+      const auto [dimension, ref] = key.cast<std::pair<int, std::int32_t>>();
+      names.set(dimension, ref, name.cast<std::string>());
+    }
+  } catch (const py::cast_error&) {
+    throw UsageError(what);
   }
   return names;
 }
@@ -63,7 +69,7 @@ void run_write_fields(const std::string& path, const py::object& fields,
                       const std::optional<std::string>& order) {
   const py::dict all = fields.cast<py::dict>();
   std::size_t points = 0;
-  for (const auto& [name, values] : all) points = py::len(values);
+  for (const auto& [name, values] : all) points = py::hasattr(values, "__len__") ? py::len(values) : 0;
   const Fields given = fields_of(fields, points, order);
   const py::gil_scoped_release released;
   write_fields(path, given);
@@ -74,41 +80,51 @@ void run_write_metric(const std::string& path, const Metric& metric) {
   write_fields(path, metric.fields());
 }
 
+template <class Value>
+Value value_of(const std::string& name, const py::object& value) {
+  try {
+    return value.cast<Value>();
+  } catch (const std::exception&) {  // pybind11's, or Python's own
+    throw UsageError(name + ": a " + std::string(py::str(py::type::of(value).attr("__name__"))) +
+                     " makes no sense there");
+  }
+}
+
 void set_picture_option(PictureOptions& options, const std::string& name, const py::object& value) {
   if (name == "color_by")
-    options.color_by = value.cast<std::string>();
+    options.color_by = value_of<std::string>(name, value);
   else if (name == "size")
-    options.size = value.cast<std::string>();
+    options.size = value_of<std::string>(name, value);
   else if (name == "view_from")
-    options.from = value.cast<std::string>();
+    options.from = value_of<std::string>(name, value);
   else if (name == "up")
-    options.up = value.cast<std::string>();
+    options.up = value_of<std::string>(name, value);
   else if (name == "clip")
-    options.clip = value.cast<std::string>();
+    options.clip = value_of<std::string>(name, value);
   else if (name == "focus")
-    options.focus = value.cast<std::string>();
+    options.focus = value_of<std::string>(name, value);
   else if (name == "range")
-    options.range = value.cast<std::string>();
+    options.range = value_of<std::string>(name, value);
   else if (name == "title")
-    options.title = value.cast<std::string>();
+    options.title = value_of<std::string>(name, value);
   else if (name == "only")
-    options.only = value.cast<std::vector<std::int32_t>>();
+    options.only = value_of<std::vector<std::int32_t>>(name, value);
   else if (name == "zoom")
-    options.zoom = value.cast<double>();
+    options.zoom = value_of<double>(name, value);
   else if (name == "line_width")
-    options.line_width = value.cast<double>();
+    options.line_width = value_of<double>(name, value);
   else if (name == "dark")
-    options.dark = value.cast<bool>();
+    options.dark = value_of<bool>(name, value);
   else if (name == "flip")
-    options.flip = value.cast<bool>();
+    options.flip = value_of<bool>(name, value);
   else if (name == "slice")
-    options.slice = value.cast<bool>();
+    options.slice = value_of<bool>(name, value);
   else if (name == "edges")
-    options.edges = value.cast<bool>();
+    options.edges = value_of<bool>(name, value);
   else if (name == "legend")
-    options.legend = value.cast<bool>();
+    options.legend = value_of<bool>(name, value);
   else if (name == "axes")
-    options.axes = value.cast<bool>();
+    options.axes = value_of<bool>(name, value);
   else
     throw OptionError("--" + printable(name), "is not an option of pictures");
 }

@@ -124,14 +124,23 @@ Arrays that it gives out are views of its memory, not to be written to.)");
   type.def("__repr__", &described);
 }
 
+std::optional<std::string> order_of(const py::object& order) {
+  if (order.is_none()) return {};
+  try {
+    return order.cast<std::string>();
+  } catch (const py::cast_error&) {
+    throw UsageError("order: is no text");
+  }
+}
+
 void add_metric(py::module_& module) {
   py::class_<Metric, std::shared_ptr<Metric>>(module, "Metric", R"(A metric at every vertex of a mesh.
 
 Of values (n,): sizes, the same in all directions; (n, 3, 3): symmetric positive definite tensors, in which edges
 of the wanted size have length 1; (n, 6): the same, with order= 'sol' (11 12 22 13 23 33), 'rows' (11 12 13 22 23
 33, as in Mmg's interface) or 'voigt' (11 22 33 23 13 12). Sizes are in the unit of the points.)")
-      .def(py::init([](const py::object& values, const std::optional<std::string>& order) {
-             return std::make_shared<Metric>(metric_of(values, order));
+      .def(py::init([](const py::object& values, const py::object& order) {
+             return std::make_shared<Metric>(metric_of(values, order_of(order)));
            }),
            py::arg("values"), py::kw_only(), py::arg("order") = py::none())
       .def("__len__", &Metric::size)
@@ -139,8 +148,10 @@ of the wanted size have length 1; (n, 6): the same, with order= 'sol' (11 12 22 
            [](const Metric& metric) {
              return "<weft.Metric at " + std::to_string(metric.size()) + " vertices>";
            })
-      .def("tensors", &tensors_of, py::arg("order") = py::none(),
-           "The tensors: (n, 3, 3), or (n, 6) in the order named.");
+      .def(
+          "tensors",
+          [](const Metric& metric, const py::object& order) { return tensors_of(metric, order_of(order)); },
+          py::arg("order") = py::none(), "The tensors: (n, 3, 3), or (n, 6) in the order named.");
 }
 
 }  // namespace

@@ -24,10 +24,10 @@ namespace {
   throw py::error_already_set();
 }
 
-/// While one lives, freed arrays go back to the system at once, as in the command (its main.cpp says why).
-/// glibc's thresholds cannot be read: afterwards they are the largest that it comes to by itself in a process
-/// that has freed large arrays, so that NumPy keeps its own. Whoever sets them in the environment is left
-/// alone.
+/// While one lives, freed arrays go back to the system at once, as in the command (its main.cpp says why),
+/// and what the caller has freed before. glibc's thresholds cannot be read: afterwards they are the largest
+/// that it comes to by itself in a process that has freed large arrays, so that NumPy keeps its own. Whoever
+/// sets them in the environment is left alone.
 class FreedArraysGoBack {
  public:
   FreedArraysGoBack() {
@@ -50,6 +50,7 @@ class FreedArraysGoBack {
     if (std::getenv("MALLOC_MMAP_THRESHOLD_") || std::getenv("MALLOC_TRIM_THRESHOLD_")) return;
     mallopt(M_MMAP_THRESHOLD, map);
     mallopt(M_TRIM_THRESHOLD, trim);
+    malloc_trim(0);
 #endif
   }
 };
@@ -117,25 +118,26 @@ struct PreparedPart {
   Options options;
 };
 
-/// A mesh and the numbers of its points and tets; `prefix` stands before the names of these two arrays.
-Part part_of(const Mesh& mesh, const py::object& ids, const py::object& tet_ids, const std::string& prefix) {
+/// A mesh, which is taken if nobody else has it, and the numbers of its points and tets; `prefix` stands
+/// before the names of these two arrays.
+Part part_of(Mesh& mesh, bool take, const py::object& ids, const py::object& tet_ids,
+             const std::string& prefix) {
   const std::string name = prefix + "ids", tets = prefix + "tet_ids";
   if (ids.is_none() && !mesh.points.empty()) throw UsageError(name + ": are needed with comm");
   Part part;
   part.ids = ids_of(ids, mesh.points.size(), name.c_str());
   part.tet_ids = ids_of(tet_ids, mesh.tets.size(), tets.c_str());
-  part.mesh = mesh;
+  part.mesh = take ? std::move(mesh) : mesh;
   return part;
 }
 
-/// `order` is that of the fields' tensors.
-std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
-                                           const std::shared_ptr<Metric>& metric, const py::object& ids,
-                                           const py::object& tet_ids, const std::shared_ptr<Mesh>& background,
-                                           const py::object& background_ids,
-                                           const py::object& background_tet_ids, const py::dict& values,
-                                           const py::object& fields, const py::object& solutions,
-                                           const std::optional<std::string>& order) {
+/// `order` is that of the fields' tensors; `take`, `take_background`: the meshes have been made for this
+/// call.
+std::shared_ptr<PreparedPart> prepare_part(
+    const std::shared_ptr<Mesh>& mesh, const std::shared_ptr<Metric>& metric, const py::object& ids,
+    const py::object& tet_ids, const std::shared_ptr<Mesh>& background, const py::object& background_ids,
+    const py::object& background_tet_ids, const py::dict& values, const py::object& fields,
+    const py::object& solutions, const std::optional<std::string>& order, bool take, bool take_background) {
   auto prepared = std::make_shared<PreparedPart>();
   prepared->options = options_of(values);
   const Mesh& of_metric = background ? *background : *mesh;
@@ -143,10 +145,12 @@ std::shared_ptr<PreparedPart> prepare_part(const std::shared_ptr<Mesh>& mesh,
     prepared->options.metric.solutions = {fields_of(solutions, of_metric.points.size(), order, "solutions")};
   check_that_a_metric_is_given(metric, prepared->options);
   validate(prepared->options);
-  prepared->part = part_of(*mesh, ids, tet_ids, "");
-  prepared->part.fields = fields_of(fields, mesh->points.size(), order);
+  Fields carried = fields_of(fields, mesh->points.size(), order);
+  prepared->part = part_of(*mesh, take, ids, tet_ids, "");
+  prepared->part.fields = std::move(carried);
   if (background)
-    prepared->background = part_of(*background, background_ids, background_tet_ids, "background_");
+    prepared->background =
+        part_of(*background, take_background, background_ids, background_tet_ids, "background_");
   prepared->metric = metric;
   return prepared;
 }
@@ -337,12 +341,36 @@ void add_reports(py::module_& module) {
       .def_readonly("cancelled", &FillResult::cancelled);
 }
 
+bool is_text(const py::handle& value) {
+  return py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value);
+}
+
+/// Not an array of no dimensions.
+bool is_list(const py::handle& value) {
+  if (is_text(value) || PySequence_Check(value.ptr()) == 0) return false;
+  const bool has_length = PySequence_Size(value.ptr()) >= 0;
+  if (!has_length) PyErr_Clear();
+  return has_length;
+}
+
+/// What C would read the start of is no text.
+std::string whole_text(const py::handle& value) {
+  std::string text = value.cast<std::string>();
+  if (text.find('\0') != std::string::npos) throw py::cast_error();
+  return text;
+}
+
 std::string text_of(const std::string& name, const py::handle& value) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "yes" : "no";
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::hasattr(value, "__fspath__")) return py::str(py::module_::import("os").attr("fspath")(value));
-  if (py::hasattr(value, "__index__")) return py::str(py::module_::import("operator").attr("index")(value));
-  if (PyNumber_Check(value.ptr())) return py::repr(py::float_(py::reinterpret_borrow<py::object>(value)));
+  try {
+    if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "yes" : "no";
+    if (is_text(value)) return whole_text(value);
+    if (py::hasattr(value, "__fspath__")) return whole_text(py::module_::import("os").attr("fspath")(value));
+    if (py::hasattr(value, "__index__")) return py::str(py::module_::import("operator").attr("index")(value));
+    if (PyNumber_Check(value.ptr())) return py::repr(py::float_(py::reinterpret_borrow<py::object>(value)));
+  } catch (const py::cast_error&) {
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+  }
   throw UsageError(name + ": is a " + std::string(py::str(py::type::of(value).attr("__name__"))) +
                    ", neither a number nor a text");
 }
@@ -354,7 +382,7 @@ Options options_of(const py::dict& values) {
   for (const auto& [key, value] : values) {
     const std::string name = py::str(key);
     if (value.is_none()) continue;
-    const bool several = py::isinstance<py::sequence>(value) && !py::isinstance<py::str>(value);
+    const bool several = is_list(value);
     if (several && name == "sol") {
       for (const py::handle one : value) set_option(options, name, text_of(name, one));
     } else if (several) {

@@ -21,6 +21,7 @@ from operator import index as _index
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _errors, _weft
+from ._arguments import checked as _checked, of_kind as _of_kind
 from ._convert import as_mesh, from_meshio, from_pyvista, to_meshio, to_pyvista
 from ._errors import (Error, InputError, InternalError, Interrupted, OptionError, OutOfMemory, RunError,
                       UsageError)
@@ -45,7 +46,8 @@ MeshLike = Any
 MetricLike = Any
 #: progress(stage, done, tets): `done` is the share of the time, 0 to 1. Returning False cancels.
 Progress = Callable[[str, float, int], Optional[bool]]
-_Path = Union[str, "_os.PathLike[str]"]
+_Path = Union[str, bytes, "_os.PathLike[str]"]
+_Point = Sequence[float]
 _Fields = Mapping[str, "_np.ndarray"]
 
 __all__ = [
@@ -83,12 +85,20 @@ def version_details() -> str:
 
 
 def _as_metric(metric: MetricLike, order: Optional[str]) -> Optional[Metric]:
+    order = _of_kind("order", order, "Optional[str]")
     return metric if metric is None or isinstance(metric, Metric) else Metric(metric, order=order)
 
 
+def _some_metric(metric: MetricLike, order: Optional[str]) -> Metric:
+    if metric is None:
+        raise UsageError("metric: is None, not a weft.Metric nor the values of one")
+    made = _as_metric(metric, order)
+    assert made is not None
+    return made
+
+
 def _check_watch(progress: Any, cancel: Any) -> None:
-    if progress is not None and not callable(progress):
-        raise UsageError(f"progress: is a {type(progress).__name__}, not a function")
+    _of_kind("progress", progress, "Optional[Progress]")
     if cancel is not None and not isinstance(cancel, Cancel):
         raise UsageError(f"cancel: is a {type(cancel).__name__}, not a weft.Cancel")
 
@@ -164,6 +174,11 @@ def _as_background(background: MeshLike) -> Optional[Mesh]:
         raise type(error)(f"background: {error}") from error
 
 
+def _is_no_mesh_of_weft(mesh: MeshLike) -> bool:
+    """as_mesh() makes one then, which nobody else has."""
+    return not isinstance(mesh, Mesh) and not isinstance(getattr(mesh, "mesh", None), Mesh)
+
+
 def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, Any, Any], metric: MetricLike,
                  fields: Any, solutions: Any, order: Optional[str], progress: Optional[Progress],
                  cancel: Optional[Cancel], options: Dict[str, Any]) -> PartResult:
@@ -177,7 +192,8 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
         if other is None and any(numbers is not None for numbers in of_other):
             raise UsageError("background_ids: are those of a background, and there is none")
         prepared = _weft.prepare_part(as_mesh(mesh), _as_metric(metric, order), ids, tet_ids, _as_background(other),
-                                      *of_other, options, fields, solutions, order)
+                                      *of_other, options, fields, solutions, order, _is_no_mesh_of_weft(mesh),
+                                      _is_no_mesh_of_weft(other))
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
         issue, cause = f"{kind}\n{error}", error
@@ -187,6 +203,7 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
     return _weft.adapt_prepared(handle, prepared, progress, cancel)
 
 
+@_checked
 def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), background: _Path = "",
                 report: _Path = "", page: bool = True, case: str = "", graph: _Path = "", trace: _Path = "",
                 simulate_ranks: int = 0, simulate_network: str = "2us,10GB/s", simulate_slowdown: float = 1,
@@ -200,10 +217,11 @@ def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), ba
     """
     _check_watch(progress, cancel)
     texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)
-    return _weft.adapt_files({name: _os.fspath(text) for name, text in texts.items()}, [_os.fspath(f) for f in fields],
-                             page, options, simulate_ranks, simulate_network, simulate_slowdown, progress, cancel)
+    return _weft.adapt_files(texts, fields, page, options, simulate_ranks, simulate_network, simulate_slowdown, progress,
+                             cancel)
 
 
+@_checked
 def loop(mesh: MeshLike, solve: Callable[[Mesh], _Fields], complexities: Sequence[float], *,
          on: Optional[Sequence[str]] = None, **options: Any) -> Iterator[Tuple[Mesh, Dict[str, "_np.ndarray"]]]:
     """Solves and adapts in turns: yields (mesh, solution) before the first adaptation and after each.
@@ -229,6 +247,7 @@ def loop(mesh: MeshLike, solve: Callable[[Mesh], _Fields], complexities: Sequenc
 # Metrics, measures, checks, transfer
 
 
+@_checked
 def make_metric(mesh: MeshLike, metric: MetricLike = None, *, solutions: Optional[_Fields] = None,
                 order: Optional[str] = None, **options: Any) -> Metric:
     """The metric that options ask for, as `weft metric` makes it: of `metric`, of solutions, of the mesh (implied=True),
@@ -246,16 +265,19 @@ def _warn(text: str) -> None:
     warnings.warn(text, stacklevel=3)
 
 
+@_checked
 def complexity(mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None) -> float:
     """The integral of sqrt(det M): about half the points of a mesh that conforms to the metric."""
-    return _weft.complexity(as_mesh(mesh), _as_metric(metric, order))
+    return _weft.complexity(as_mesh(mesh), _some_metric(metric, order))
 
 
+@_checked
 def measure(mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None) -> Dict[str, Any]:
     """Quality of the tets (mean ratio) and lengths of the edges in a metric, as report.json has them."""
-    return _json.loads(_weft.measure(as_mesh(mesh), _as_metric(metric, order)))
+    return _json.loads(_weft.measure(as_mesh(mesh), _some_metric(metric, order)))
 
 
+@_checked
 def stat(mesh: MeshLike, metric: MetricLike = None, *, order: Optional[str] = None,
          **options: Any) -> Dict[str, Any]:
     """What `weft stat` tells: counts, shapes, bounding box, volumes and areas by reference; with a metric also
@@ -292,6 +314,7 @@ class Check:
         return self.ok
 
 
+@_checked
 def verify(mesh: MeshLike, against: MeshLike = None, *, max_problems: int = 20) -> Check:
     """Checks with exact arithmetic that a mesh conforms. `against`: another mesh of the same domain, whose volumes and
     areas by reference must agree to 1e-9, as they do where the boundary is planar."""
@@ -310,6 +333,7 @@ class Transfer:
     accounts: List[Dict[str, Any]] = _field(default_factory=list)
 
 
+@_checked
 def interpolate(mesh: MeshLike, fields: _Fields, to: MeshLike, *, transfer: str = "linear", threads: int = 0,
                 order: Optional[str] = None) -> Transfer:
     """Fields at the points of `mesh`, at those of another. transfer: 'linear' or 'conservative'."""
@@ -321,6 +345,7 @@ def interpolate(mesh: MeshLike, fields: _Fields, to: MeshLike, *, transfer: str 
 # Initial meshes
 
 
+@_checked
 def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: float = 1e-9, materials: bool = False,
          remesh_surface: bool = False, background: MeshLike = None, metric: MetricLike = None,
          order: Optional[str] = None, progress: Optional[Progress] = None, cancel: Optional[Cancel] = None,
@@ -338,38 +363,42 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
                       _as_metric(metric, order), options, progress, cancel)
 
 
+@_checked
 def tessellate(geometry: _Path, *, geometry_scale: float = 1, hausd: float = 0, angle: float = 20) -> Mesh:
     """Triangles on a CAD model (.step, .iges, .brep, .egads), conforming, with its faces and edges as references.
     hausd: largest distance of an edge from the model, 0: 0.1 % of the diagonal and what a face's size and curvature
     bear. angle: degrees that the normal turns
     along an edge. fill(surface, remesh_surface=True, geometry=...) makes tets of them, as `weft mesh part.step` does.
     """
-    return _weft.tessellate(dict(geometry=_os.fspath(geometry), geometry_scale=geometry_scale, hausd=hausd), angle)
+    return _weft.tessellate(dict(geometry=geometry, geometry_scale=geometry_scale, hausd=hausd), angle)
 
 
-def box(cells: Union[int, Sequence[int]] = 8, *, min: Sequence[float] = (0, 0, 0),
-        max: Sequence[float] = (1, 1, 1)) -> Mesh:
+@_checked
+def box(cells: Union[int, Sequence[int]] = 8, *, min: _Point = (0, 0, 0), max: _Point = (1, 1, 1)) -> Mesh:
     """A structured box: `cells` in x, y and z (or in each), of 6 tets. Its sides have the references 1 to 6."""
     try:
         counts = [_index(count) for count in (cells if hasattr(cells, "__len__") else [cells] * 3)]
     except TypeError:
         raise UsageError(f"cells: {cells!r} is neither a whole number nor three of them") from None
-    if len(counts) != 3 or any(count < 1 for count in counts):
-        raise OptionError(f"--cells: {cells} are not three numbers above 0")
-    return _weft.box(counts, list(min), list(max))
+    if len(counts) != 3 or any(not 0 < count < 2**32 for count in counts):
+        raise OptionError(f"--cells: {cells} are not three numbers above 0 and below 2^32")
+    return _weft.box(counts, min, max)
 
 
-def ball_surface(radius: float = 1, *, center: Sequence[float] = (0, 0, 0), size: float = 0.1) -> Mesh:
+@_checked
+def ball_surface(radius: float = 1, *, center: _Point = (0, 0, 0), size: float = 0.1) -> Mesh:
     """The triangles of a sphere, with edges of length `size`; fill() makes tets of them."""
-    return _weft.ball_surface(radius, list(center), size)
+    return _weft.ball_surface(radius, center, size)
 
 
-def cylinder_surface(radius: float = 1, height: float = 2, *, base: Sequence[float] = (0, 0, 0),
+@_checked
+def cylinder_surface(radius: float = 1, height: float = 2, *, base: _Point = (0, 0, 0),
                      size: float = 0.1) -> Mesh:
     """The triangles of an upright cylinder."""
-    return _weft.cylinder_surface(radius, height, list(base), size)
+    return _weft.cylinder_surface(radius, height, base, size)
 
 
+@_checked
 def delta_wing_surface(size: float = 0) -> Mesh:
     """The triangles of UGAWG's delta wing in its far-field box."""
     return _weft.delta_wing_surface(size)
@@ -390,35 +419,41 @@ class MeshFile:
     dropped: List[Tuple[str, int]]
 
 
+@_checked
 def read(path: _Path) -> Mesh:
     """Reads a mesh of any format that weft knows."""
-    return _weft.read(_os.fspath(path))
+    return _weft.read(path)
 
 
+@_checked
 def read_file(path: _Path) -> MeshFile:
     """Reads everything that a mesh file has."""
-    return MeshFile(*_weft.read_all(_os.fspath(path)))
+    return MeshFile(*_weft.read_all(path))
 
 
+@_checked
 def read_fields(path: _Path) -> Dict[str, "_np.ndarray"]:
     """The fields of a .solb or .sol, or of a mesh file that has some."""
-    return _weft.read_fields(_os.fspath(path))
+    return _weft.read_fields(path)
 
 
+@_checked
 def read_metric(path: _Path, mesh: MeshLike) -> Metric:
     """The metric of a .solb or .sol for a mesh."""
-    return _weft.read_metric(_os.fspath(path), as_mesh(mesh))
+    return _weft.read_metric(path, as_mesh(mesh))
 
 
+@_checked
 def write(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, fields: Optional[_Fields] = None,
           order: Optional[str] = None, names: Optional[Mapping[Tuple[int, int], str]] = None) -> None:
     """Writes a mesh, or a result with its metric and fields as `weft adapt` does; whole or not at all."""
     if isinstance(mesh, (Result, PartResult)):
         metric = mesh.metric if metric is None else metric
         fields = mesh.fields if fields is None else fields
-    _weft.write(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), fields or {}, order, names)
+    _weft.write(path, as_mesh(mesh), _as_metric(metric, order), fields or {}, order, names)
 
 
+@_checked
 def convert(input: _Path, output: _Path, *, sol: _Path = "", encoding: str = "binary", msh_version: str = "4.1",
             compress: bool = False, pieces: int = 2) -> List[Tuple[str, int]]:
     """From file to file, with fields and names, as `weft convert` does; returns what had no place (what, how many).
@@ -426,22 +461,24 @@ def convert(input: _Path, output: _Path, *, sol: _Path = "", encoding: str = "bi
     sol: a file of fields at the points. encoding: 'binary', 'ascii' (.msh, .stl, .ply, .vtu), 'big-endian' (.ply).
     msh_version: '4.1' or '2.2'. compress: arrays of a .vtu or .pvtu. pieces: of a .pvtu.
     """
-    return _weft.convert(_os.fspath(input), _os.fspath(output), _os.fspath(sol), encoding, msh_version, compress,
-                         pieces)
+    return _weft.convert(input, output, sol, encoding, msh_version, compress, pieces)
 
 
+@_checked
 def write_fields(path: _Path, fields: _Fields, *, order: Optional[str] = None) -> None:
     """Writes fields as .solb or .sol."""
     if not fields:
         raise UsageError("fields: there are none to write")
-    _weft.write_fields(_os.fspath(path), dict(fields), order)
+    _weft.write_fields(path, fields, order)
 
 
+@_checked
 def write_metric(path: _Path, metric: MetricLike, *, order: Optional[str] = None) -> None:
     """Writes a metric as .solb or .sol."""
-    _weft.write_metric(_os.fspath(path), _as_metric(metric, order))
+    _weft.write_metric(path, _some_metric(metric, order))
 
 
+@_checked
 def draw(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, field: Any = None, order: Optional[str] = None,
          **options: Any) -> None:
     """Draws a mesh into a .png, .svg or .pdf, as `weft view` does.
@@ -450,10 +487,11 @@ def draw(path: _Path, mesh: MeshLike, *, metric: MetricLike = None, field: Any =
     metric), size ("1600x1200"), view_from, up, clip, focus, range, title, only, zoom, line_width, dark, flip, slice,
     edges, legend, axes.
     """
-    _weft.draw(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), field, options)
+    _weft.draw(path, as_mesh(mesh), _as_metric(metric, order), field, options)
 
 
+@_checked
 def draw_histograms(path: _Path, mesh: MeshLike, metric: MetricLike, *, order: Optional[str] = None,
                     title: str = "the mesh in the metric") -> None:
     """Draws histograms of quality and length in a metric into a .png, .svg or .pdf, as `weft stat --plot` does."""
-    _weft.draw_histograms(_os.fspath(path), as_mesh(mesh), _as_metric(metric, order), title)
+    _weft.draw_histograms(path, as_mesh(mesh), _some_metric(metric, order), title)

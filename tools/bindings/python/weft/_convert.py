@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Mapping, Optional
 
 from . import _weft
+from ._arguments import checked
 from ._errors import InputError, UsageError
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     import pyvista
 
 Mesh = _weft.Mesh
+_Fields = Mapping[str, "np.ndarray"]
 _VTK_LINE, _VTK_TRIANGLE, _VTK_TETRA = 3, 5, 10
 _REFERENCES = ("ref", "medit:ref", "gmsh:physical", "cell_tags")
 
@@ -34,12 +36,29 @@ def _whole_numbers(values: Any, name: str) -> np.ndarray:
     return values.ravel()
 
 
+def _turned(points: np.ndarray, tets: Optional[np.ndarray]) -> Optional[np.ndarray]:
+    """Tets that are all of the other orientation, as some filters of VTK make them. A mesh with both kinds stays as it is:
+    repair= looks at each of its tets."""
+    import numpy as np
+
+    def volumes(some: np.ndarray) -> np.ndarray:
+        return np.linalg.det(points[some[:, 1:]] - points[some[:, :1]])
+
+    if tets is None or len(tets) == 0 or tets.min() < 0 or tets.max() >= len(points) or points.shape[1:] != (3,):
+        return tets  # what is wrong is said of the mesh
+    if np.all(volumes(tets[:1]) < 0) and np.all(volumes(tets) < 0):
+        return tets[:, [1, 0, 2, 3]]
+    return tets
+
+
 def from_meshio(mesh: "meshio.Mesh") -> Mesh:
     """A weft.Mesh of the linear tets, triangles and lines of a meshio.Mesh.
 
     References are the cell data called ref, medit:ref, gmsh:physical or cell_tags. Other volume elements are
-    refused; vertices and the like are left out.
+    refused; vertices and the like are left out. Where all tets are inverted they are turned.
     """
+    if not (hasattr(mesh, "cells") and hasattr(mesh, "cell_data")):
+        raise UsageError(f"mesh: is a {type(mesh).__name__}, not a mesh of meshio")
     import numpy as np
 
     rows: dict = {"tetra": [], "triangle": [], "line": []}
@@ -55,14 +74,16 @@ def from_meshio(mesh: "meshio.Mesh") -> Mesh:
     arrays = {kind: np.concatenate(blocks) if blocks else None for kind, blocks in rows.items()}
     labels = {kind: np.concatenate(blocks) if blocks else None for kind, blocks in refs.items()}
     points = np.asarray(mesh.points)
-    return Mesh(points, arrays["tetra"], arrays["triangle"], edges=arrays["line"], tet_refs=labels["tetra"],
+    return Mesh(points, _turned(points, arrays["tetra"]), arrays["triangle"], edges=arrays["line"], tet_refs=labels["tetra"],
                 triangle_refs=labels["triangle"], edge_refs=labels["line"])
 
 
-def to_meshio(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None) -> "meshio.Mesh":
+@checked
+def to_meshio(mesh: Mesh, fields: Optional[_Fields] = None) -> "meshio.Mesh":
     """A meshio.Mesh of a weft.Mesh, with references as the cell data `ref` and fields as point data."""
     import meshio
 
+    mesh = as_mesh(mesh)
     kinds = (("tetra", mesh.tets, mesh.tet_refs), ("triangle", mesh.triangles, mesh.triangle_refs),
              ("line", mesh.edges, mesh.edge_refs))
     there = [(kind, rows, refs) for kind, rows, refs in kinds if len(rows) > 0]
@@ -88,7 +109,8 @@ def _pyvista_refs(cell_data: Mapping[str, Any], types: np.ndarray, kind: int) ->
 
 def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
     """A weft.Mesh of the linear tets, triangles and lines of a pyvista.UnstructuredGrid, or of the triangles of a
-    pyvista.PolyData. References are the cell data called ref."""
+    pyvista.PolyData. References are the cell data called ref. Where all tets are inverted, as PyVista's to_tetrahedra() leaves
+    them, they are turned."""
     import numpy as np
 
     if not hasattr(grid, "cells_dict"):
@@ -101,7 +123,8 @@ def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
     if strange:
         raise InputError(f"cells: elements of VTK's types {strange} are not possible, only tets (10), triangles (5) "
                          "and lines (3)")
-    return Mesh(np.asarray(grid.points, np.float64), cells.get(_VTK_TETRA), cells.get(_VTK_TRIANGLE),
+    points = np.asarray(grid.points, np.float64)
+    return Mesh(points, _turned(points, cells.get(_VTK_TETRA)), cells.get(_VTK_TRIANGLE),
                 edges=cells.get(_VTK_LINE), tet_refs=_pyvista_refs(grid.cell_data, types, _VTK_TETRA),
                 triangle_refs=_pyvista_refs(grid.cell_data, types, _VTK_TRIANGLE),
                 edge_refs=_pyvista_refs(grid.cell_data, types, _VTK_LINE))
@@ -119,13 +142,15 @@ def vtk_cells(mesh: Mesh, boundary: bool = False) -> tuple:
     return np.concatenate(cells), np.concatenate(types), np.concatenate([refs for _, _, refs in kinds])
 
 
-def to_pyvista(mesh: Mesh, fields: Optional[Mapping[str, np.ndarray]] = None, *,
+@checked
+def to_pyvista(mesh: Mesh, fields: Optional[_Fields] = None, *,
                boundary: bool = False) -> "pyvista.UnstructuredGrid":
     """A pyvista.UnstructuredGrid of the tets (and, with `boundary`, the triangles) of a weft.Mesh, with references
     as the cell data `ref` and fields as point data."""
     import numpy as np
     import pyvista
 
+    mesh = as_mesh(mesh)
     cells, types, refs = vtk_cells(mesh, boundary)
     grid = pyvista.UnstructuredGrid(cells, types, np.array(mesh.points))
     grid.cell_data["ref"] = refs
@@ -140,6 +165,9 @@ def as_mesh(mesh: Any) -> Mesh:
     if isinstance(mesh, Mesh):
         return mesh
     if isinstance(mesh, Mapping):
+        strange = [name for name in mesh if not isinstance(getattr(Mesh, str(name), None), property)]
+        if strange or "points" not in mesh:
+            raise UsageError(f"mesh: has no member {strange[0]!r}" if strange else "mesh: has no points")
         return Mesh(**mesh)
     if isinstance(mesh, (tuple, list)):
         if not 2 <= len(mesh) <= 3:
