@@ -39,11 +39,13 @@ if [[ "${packages[*]}" == *libweft-fortran-dev_* ]]; then
   inside sh -c 'cd /tmp && gfortran -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_file.f90 -o from_fortran -lweft_fortran -lweft &&
     ./from_fortran box.meshb box.solb from-fortran.meshb | head -1 && cmp from-c.meshb from-fortran.meshb'
   cp tools/bindings/fortran/examples/adapt_parts.f90 "$root/tmp/"
-  inside sh -c 'cd /tmp && mpifort -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_parts.f90 -o parts_fortran -lweft_fortran -lweft && $MPIRUN ./parts_fortran'
+  inside sh -c 'cd /tmp &&
+    mpifort -I/usr/lib/x86_64-linux-gnu/fortran/weft adapt_parts.f90 -o parts_fortran -lweft_fortran -lweft && $MPIRUN ./parts_fortran'
 fi
 cp tools/bindings/c/examples/adapt_parts.c "$root/tmp/"
 inside sh -c 'cd /tmp && mpicc -std=c99 adapt_parts.c -o parts_c $(pkg-config --cflags --libs weft) && $MPIRUN ./parts_c'
-inside sh -c 'cd /tmp && $MPIRUN weft adapt box.meshb --metric box.solb -o parts.meshb --quiet && weft verify parts.meshb --against box.meshb --quiet'
+inside sh -c 'cd /tmp && $MPIRUN weft adapt box.meshb --metric box.solb -o parts.meshb --quiet &&
+  weft verify parts.meshb --against box.meshb --quiet'
 inside sh -c 'test -s /usr/share/man/man1/weft-adapt.1.gz && test -s /usr/share/bash-completion/completions/weft'
 if [[ "${packages[*]}" == *python3-weft_* ]]; then
   inside python3 -c 'import weft; print(len(weft.adapt(weft.box((3, 3, 3)), metric_fn="uniform:0.3").mesh.tets), "tets from Python")'
