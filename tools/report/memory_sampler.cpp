@@ -3,7 +3,8 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
+
+#include "engine/json/json.h"
 
 namespace weft::report {
 namespace {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/replay/replay.h"
 #include "graph/replay/replay_plan.h"

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
@@ -104,7 +104,6 @@ class FileJob {
     run_.peak_memory = peak_memory_bytes();
     if (run_.report_path.empty()) return;
     once_written([this] {
-      require_memory_for_report();
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
       if (files_.page)
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);

@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 
 namespace weft::tools {

@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine/base/serialize.h"
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "partition/communication/reduce.h"
 #include "tools/library/jobs/distributed_stats.h"

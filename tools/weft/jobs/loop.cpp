@@ -10,10 +10,10 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "tools/common/shell_command.h"
 #include "tools/common/text.h"
 #include "tools/weft/terminal/exit_codes.h"

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "engine/json/json.h"
 #include "tools/weft/options/arguments.h"
 
 namespace weft::tools {
