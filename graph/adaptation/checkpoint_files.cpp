@@ -13,6 +13,7 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
 #include "graph/adaptation/word_packing.h"
@@ -82,6 +83,33 @@ std::optional<CheckpointManifest> read_manifest(const fs::path& folder) {
     if (error || size != manifest->file_sizes[r]) return {};
   }
   return manifest;
+}
+
+/// What CheckpointFile::pack() has made of it. Throws std::runtime_error for anything else.
+engine::Payload unpacked_record(std::span<const std::byte> packed) {
+  const auto require = [](bool good) {
+    if (!good) throw std::runtime_error("is no record");
+  };
+  std::uint64_t segments = 0;
+  require(packed.size() >= 2 * sizeof segments);
+  std::memcpy(&segments, packed.data(), sizeof segments);
+  require(segments <= packed.size() / sizeof segments - 2);
+  std::vector<std::uint64_t> sizes(segments + 2);
+  std::memcpy(sizes.data(), packed.data(), sizes.size() * sizeof sizes[0]);
+  packed = packed.subspan(sizes.size() * sizeof sizes[0]);
+  const auto room_for = [&](std::uint64_t size) {
+    require(size / kMostUnpacked <= packed.size());
+    return size;
+  };
+  engine::Payload payload;
+  payload.bytes.resize(room_for(sizes[1]));
+  packed = unpack_words(packed, payload.bytes);
+  for (std::size_t s = 2; s < sizes.size(); ++s) {
+    engine::Blob& segment = payload.segments.emplace_back(engine::Blob::allocate(room_for(sizes[s])));
+    packed = unpack_words(packed, {segment.data(), segment.size()});
+  }
+  require(packed.empty());
+  return payload;
 }
 
 }  // namespace
@@ -251,23 +279,11 @@ engine::Payload CheckpointReader::read(const CheckpointRecord& record) const {
   std::vector<std::byte> packed(record.size);
   read_at(record.begin, packed.data(), packed.size());
   if (hash_bytes(packed.data(), packed.size(), 0) != record.hash) refuse("a record is damaged");
-  std::uint64_t segments = 0;
-  if (packed.size() < 2 * sizeof segments) refuse("a record is damaged");
-  std::memcpy(&segments, packed.data(), sizeof segments);
-  if (segments > packed.size() / sizeof segments - 2) refuse("a record is damaged");
-  std::vector<std::uint64_t> sizes(segments + 2);
-  std::memcpy(sizes.data(), packed.data(), sizes.size() * sizeof sizes[0]);
-  std::span<const std::byte> rest = std::span(packed).subspan(sizes.size() * sizeof sizes[0]);
-  engine::Payload payload;
-  payload.bytes.resize(sizes[1]);
-  rest = unpack_words(rest, payload.bytes);
-  for (std::size_t s = 2; s < sizes.size(); ++s) {
-    payload.segments.push_back(engine::Blob::allocate(sizes[s]));
-    engine::Blob& segment = payload.segments.back();
-    rest = unpack_words(rest, {segment.data(), segment.size()});
+  try {
+    return unpacked_record(packed);
+  } catch (const std::runtime_error&) {
+    refuse("a record is damaged");
   }
-  if (!rest.empty()) refuse("a record is damaged");
-  return payload;
 }
 
 }  // namespace weft::graph::adaptation
