@@ -99,7 +99,7 @@ class Loop {
   static Json read_marker(const fs::path& path) {
     std::ifstream in(path);
     Json marker = Json::parse(in, nullptr, false);
-    const bool good = marker.is_object() && marker.value("schema", "") == kSchema &&
+    const bool good = marker.is_object() && marker.value("schema", Json()) == kSchema &&
                       marker.contains("settings") && marker["settings"].is_object() &&
                       marker.contains("goal_met");
     if (!good)
