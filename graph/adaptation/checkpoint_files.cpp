@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "engine/base/text.h"
 #include "graph/adaptation/word_packing.h"
 #include "meshing/base/error.h"
 
@@ -73,7 +74,7 @@ std::vector<std::pair<std::uint64_t, fs::path>> numbered_folders(const fs::path&
 
 std::optional<CheckpointManifest> read_manifest(const fs::path& folder) {
   std::ifstream in(folder / kManifestName);
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   text << in.rdbuf();
   std::optional<CheckpointManifest> manifest = CheckpointManifest::parse(text.str());
   if (!manifest) return {};
@@ -115,7 +116,7 @@ engine::Payload unpacked_record(std::span<const std::byte> packed) {
 }  // namespace
 
 std::string CheckpointManifest::text() const {
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   text << "weft-checkpoint 2\nrun " << run << "\nsubdomains " << subdomains << "\nhome_ranks " << home_ranks
        << "\nfiles " << file_sizes.size() << "\n";
   for (const std::uint64_t size : file_sizes) text << size << "\n";
