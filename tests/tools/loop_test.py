@@ -233,6 +233,8 @@ class Failures(LoopTest):
         self.assert_fails("loop", "none.json", says="none.json: cannot be opened")
         self.write("bad.json", '{"mesh": "a",\n "solver" }')
         self.assert_fails("loop", "bad.json", says=["bad.json: is not JSON: at line 2"])
+        self.write("bad.json", '{"mesh": 1e999}')
+        self.assert_fails("loop", "bad.json", says="bad.json: has a number that is too large")
         self.write("bad.json", "[]")
         self.assert_fails("loop", "bad.json", says="must be an object")
         self.assert_fails("loop", says="CONFIG", code=64)
