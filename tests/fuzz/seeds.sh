@@ -9,8 +9,10 @@ sed -i 's/weft-box_[01]/piece/' weft-box.pvtu  # that piece is there when it is 
 "$weft" mesh box -o box.meshb --cells 1 1 1 >log
 "$weft" adapt box.meshb --metric-fn uniform:0.9 -o one.meshb --threads 1 --checkpoint one --checkpoint-every 0.001 >>log
 "$weft" adapt box.meshb --metric-fn uniform:0.9 -o two.meshb --threads 1 --subdomains 2 --report . >>log
-mv "$(ls -d one/*/ | tail -n 1)rank-0" state.rank
-mv "$(ls -d one/*/ | tail -n 1)complete" state.manifest
+for checkpoint in one/*/; do
+  cp "${checkpoint}rank-0" state.rank
+  cp "${checkpoint}complete" state.manifest
+done
 cat >loop.json <<END
 {"mesh": "box.meshb", "solver": "solve {mesh} {solution}", "complexities": [300, 600], "metric": {"norm": 2, "hgrad": 1.5},
  "adapt": {"threads": 1, "subdomains": 2}, "transfer": "conservative"}

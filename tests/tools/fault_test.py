@@ -74,6 +74,7 @@ class Faults(CommandTest):
         self.box(2, "box.mesh")
         turned = re.sub(r"(Tetrahedra\s+\d+\s+)(\d+) (\d+)", r"\1\3 \2", (self.folder / "box.mesh").read_text())
         self.write("bad.mesh", turned)
+        (self.folder / "r").mkdir()
         for folder, words in (("one", ()), ("parts", SUBDOMAINS)):
             self.weft("adapt", "box.meshb", *MODES["one mesh"].metric, "-o", "out.meshb", "--quiet", *words,
                       "--checkpoint", folder, "--checkpoint-every", "0.01")
