@@ -34,7 +34,8 @@ MESHING = {
 }
 ENGINE = {
     "engine/base": [],
-    "engine/trace": ["base"],
+    "engine/json": [],
+    "engine/trace": ["base", "json"],
     "engine/network": ["base"],
     "engine/mpi": ["base", "network"],
     "engine/objects": ["base", "trace"],
@@ -79,9 +80,9 @@ ALLOWED = {
     "tools": ["meshing", "engine", "partition", "graph"],
     "tools/common": [],
     "tools/picture": ["meshing/base", "meshing/mesh", "meshing/kernel", "meshing/metric", "meshing/io/files"],
-    "tools/report": ["tools/picture", *MESHING_FOLDERS, "engine/trace", "graph/dataflow/dump"],
+    "tools/report": ["tools/picture", *MESHING_FOLDERS, "engine/json", "engine/trace", "graph/dataflow/dump"],
     "tools/library": ["tools/common", "tools/report", "tools/picture", "meshing", "engine", "partition", "graph"],
-    "tools/weft": ["tools/common"],
+    "tools/weft": ["tools/common", "engine/json"],
     # Bindings translate: they know the public headers alone, which need no rule.
     "tools/bindings/c": [],
     "tools/bindings/petsc": [],
@@ -99,6 +100,7 @@ LIBRARIES = {
              "tools/bench/engine/plain_mpi.cpp", "tests/engine/guest_test.cpp", "tests/support/fault_shim.cpp", "tests/library/",
              "tests/bindings/"]),
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
+    "nlohmann's JSON": (re.compile(r"nlohmann/json\.hpp$"), ["engine/json/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
     "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns.", "meshing/io/cgns_"]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_bytes.", "tools/report/encode/gzip."]),
@@ -201,6 +203,7 @@ FORBIDDEN = [
     ("partition/decompose/decomposition.cpp", "<metis.h>"),
     ("meshing/io/gmf/gmf.cpp", "<pugixml.hpp>"),
     ("tools/weft/a.cpp", "<zlib.h>"),
+    ("tools/weft/a.cpp", "<nlohmann/json.hpp>"),
     ("meshing/io/vtk/vtu.cpp", "<cgnslib.h>"),
     ("tools/weft/a.cpp", "<CGAL/Kernel.h>"),
     ("tools/picture/legend.cpp", "<cairo.h>"),

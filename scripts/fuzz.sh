@@ -6,20 +6,21 @@ cd "$(dirname "$0")/.."
 seconds=${1:?usage: fuzz.sh SECONDS}
 
 scripts/setup.sh --all
-# Compiles the library alone and the two targets.
+# Compiles the command and the two targets.
 cmake --preset fuzz --log-level=WARNING
-cmake --build --preset fuzz --parallel "$(nproc)" --target weft_fuzz_readers weft_fuzz_options
+cmake --build --preset fuzz --parallel "$(nproc)" --target weft weft_fuzz_readers weft_fuzz_options
 
 # The first line of an input names the format of the rest (tests/fuzz/readers.cpp).
+export ASAN_OPTIONS=detect_leaks=0  # HDF5 and OpenCASCADE are not built for it: what they leak is not ours
 corpus=build-fuzz/corpus-readers
 mkdir -p "$corpus" build-fuzz/corpus-options
-for file in tests/data/formats/*.* tests/data/*.meshb; do
+tests/fuzz/seeds.sh build-fuzz/bin/weft build-fuzz/seeds
+for file in build-fuzz/seeds/*; do
   name=$(basename "$file")
   { echo ".${name#*.}" && cat "$file"; } >"$corpus/$name"
 done
 
-# HDF5 and OpenCASCADE are not built for it: what they leak is not ours.
-export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 failed=0
 for target in readers options; do
   build-fuzz/bin/weft_fuzz_$target "build-fuzz/corpus-$target" -max_total_time="$seconds" -max_len=65536 -timeout=60 \

@@ -10,9 +10,10 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
+
+#include "engine/json/json.h"
 
 namespace weft::engine {
 namespace {

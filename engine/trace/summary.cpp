@@ -7,9 +7,10 @@
 #include <cstddef>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+
+#include "engine/json/json.h"
 
 namespace weft::engine {
 namespace {

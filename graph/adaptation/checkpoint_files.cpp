@@ -13,8 +13,10 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
+#include "engine/base/text.h"
 #include "graph/adaptation/word_packing.h"
 #include "meshing/base/error.h"
 
@@ -72,7 +74,7 @@ std::vector<std::pair<std::uint64_t, fs::path>> numbered_folders(const fs::path&
 
 std::optional<CheckpointManifest> read_manifest(const fs::path& folder) {
   std::ifstream in(folder / kManifestName);
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   text << in.rdbuf();
   std::optional<CheckpointManifest> manifest = CheckpointManifest::parse(text.str());
   if (!manifest) return {};
@@ -84,10 +86,37 @@ std::optional<CheckpointManifest> read_manifest(const fs::path& folder) {
   return manifest;
 }
 
+/// What CheckpointFile::pack() has made of it. Throws std::runtime_error for anything else.
+engine::Payload unpacked_record(std::span<const std::byte> packed) {
+  const auto require = [](bool good) {
+    if (!good) throw std::runtime_error("is no record");
+  };
+  std::uint64_t segments = 0;
+  require(packed.size() >= 2 * sizeof segments);
+  std::memcpy(&segments, packed.data(), sizeof segments);
+  require(segments <= packed.size() / sizeof segments - 2);
+  std::vector<std::uint64_t> sizes(segments + 2);
+  std::memcpy(sizes.data(), packed.data(), sizes.size() * sizeof sizes[0]);
+  packed = packed.subspan(sizes.size() * sizeof sizes[0]);
+  const auto room_for = [&](std::uint64_t size) {
+    require(size / kMostUnpacked <= packed.size());
+    return size;
+  };
+  engine::Payload payload;
+  payload.bytes.resize(room_for(sizes[1]));
+  packed = unpack_words(packed, payload.bytes);
+  for (std::size_t s = 2; s < sizes.size(); ++s) {
+    engine::Blob& segment = payload.segments.emplace_back(engine::Blob::allocate(room_for(sizes[s])));
+    packed = unpack_words(packed, {segment.data(), segment.size()});
+  }
+  require(packed.empty());
+  return payload;
+}
+
 }  // namespace
 
 std::string CheckpointManifest::text() const {
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   text << "weft-checkpoint 2\nrun " << run << "\nsubdomains " << subdomains << "\nhome_ranks " << home_ranks
        << "\nfiles " << file_sizes.size() << "\n";
   for (const std::uint64_t size : file_sizes) text << size << "\n";
@@ -251,23 +280,11 @@ engine::Payload CheckpointReader::read(const CheckpointRecord& record) const {
   std::vector<std::byte> packed(record.size);
   read_at(record.begin, packed.data(), packed.size());
   if (hash_bytes(packed.data(), packed.size(), 0) != record.hash) refuse("a record is damaged");
-  std::uint64_t segments = 0;
-  if (packed.size() < 2 * sizeof segments) refuse("a record is damaged");
-  std::memcpy(&segments, packed.data(), sizeof segments);
-  if (segments > packed.size() / sizeof segments - 2) refuse("a record is damaged");
-  std::vector<std::uint64_t> sizes(segments + 2);
-  std::memcpy(sizes.data(), packed.data(), sizes.size() * sizeof sizes[0]);
-  std::span<const std::byte> rest = std::span(packed).subspan(sizes.size() * sizeof sizes[0]);
-  engine::Payload payload;
-  payload.bytes.resize(sizes[1]);
-  rest = unpack_words(rest, payload.bytes);
-  for (std::size_t s = 2; s < sizes.size(); ++s) {
-    payload.segments.push_back(engine::Blob::allocate(sizes[s]));
-    engine::Blob& segment = payload.segments.back();
-    rest = unpack_words(rest, {segment.data(), segment.size()});
+  try {
+    return unpacked_record(packed);
+  } catch (const std::runtime_error&) {
+    refuse("a record is damaged");
   }
-  if (!rest.empty()) refuse("a record is damaged");
-  return payload;
 }
 
 }  // namespace weft::graph::adaptation

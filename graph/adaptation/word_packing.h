@@ -12,6 +12,9 @@ namespace weft::graph::adaptation {
 /// a second and more; indices and references shrink to a half and less, coordinates by a few per cent.
 void pack_words(std::span<const std::byte> data, std::vector<std::byte>& packed);
 
+/// A byte of what is packed stands for so many at the most.
+inline constexpr std::size_t kMostUnpacked = 16;
+
 /// The other way, into `data`, which has the size that was packed. Returns what of `packed` comes behind, or
 /// throws std::runtime_error where it is not what pack_words has made.
 std::span<const std::byte> unpack_words(std::span<const std::byte> packed, std::span<std::byte> data);

@@ -10,8 +10,9 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include "engine/json/json.h"
 
 namespace weft::examples {
 Options options_of(int argc, char** argv, const std::string& about, Options defaults) {

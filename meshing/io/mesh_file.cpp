@@ -302,6 +302,11 @@ MeshData read_mesh(const fs::path& path, RefNames* names) {
   return std::move(contents.mesh);
 }
 
+MeshData read_mesh_to_repair(const fs::path& path, RefNames* names) {
+  if (format_of(path).read == &read_gmf) return read_gmf_mesh(path, Coordinates::any);
+  return read_mesh(path, names);
+}
+
 Association read_carried_model(const fs::path& path) {
   return format_of(path).read == &read_gmf ? read_gmf_model(path, read_gmf_layout(path)) : Association{};
 }

@@ -23,6 +23,9 @@ namespace weft::meshing {
 /// references.
 MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr);
 
+/// The same for repair_mesh(): GMF files may have vertices with coordinates that are not finite.
+MeshData read_mesh_to_repair(const std::filesystem::path& path, RefNames* names = nullptr);
+
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
 MeshContents read_mesh_contents(const std::filesystem::path& path);
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "engine/base/serialize.h"
+#include "engine/json/json.h"
 
 namespace weft::engine::chrome_trace_test {
 namespace {

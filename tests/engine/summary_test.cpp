@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/base/serialize.h"
+#include "engine/json/json.h"
 
 namespace weft::engine::summary_test {
 namespace {

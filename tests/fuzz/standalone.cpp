@@ -1,6 +1,6 @@
-// A fuzz target without libFuzzer: PROGRAM RUNS SEED FILES... gives it each file, and then files with a few
-// changed, cut, doubled and foreign pieces. WEFT_FUZZ_KEEP names a file that has the input which is being
-// tried, so that a crash leaves it.
+// A fuzz target without libFuzzer: PROGRAM RUNS SEED FOLDER gives it each file of a folder, and then files
+// with a few changed, cut, doubled and foreign pieces, of all formats by turns. WEFT_FUZZ_KEEP names a file
+// that has the input which is being tried, so that a crash leaves it.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,11 +20,16 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// All of it: .lb8.ugrid.
+std::string extension_of(const std::filesystem::path& path) {
+  const std::string name = path.filename();
+  return name.substr(std::min(name.find('.'), name.size()));
+}
+
 /// As readers.cpp takes it.
-Bytes read(const std::string& path) {
+Bytes read(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
-  const std::string name = std::filesystem::path(path).filename();
-  const std::string extension = name.substr(std::min(name.find('.'), name.size())) + "\n";  // .lb8.ugrid too
+  const std::string extension = extension_of(path) + "\n";
   Bytes bytes(extension.begin(), extension.end());
   bytes.insert(bytes.end(), std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   return bytes;
@@ -75,20 +82,28 @@ void attempt(const Bytes& bytes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 4) return std::fprintf(stderr, "usage: %s RUNS SEED FILES...\n", argv[0]), 64;
+  if (argc != 4) return std::fprintf(stderr, "usage: %s RUNS SEED FOLDER\n", argv[0]), 64;
   const std::uint64_t runs = std::strtoull(argv[1], nullptr, 10);
   std::mt19937_64 random(std::strtoull(argv[2], nullptr, 10));
-  std::vector<Bytes> corpus;
-  for (int i = 3; i < argc; ++i) corpus.push_back(read(argv[i]));
-  for (const Bytes& bytes : corpus) attempt(bytes);
-  for (std::uint64_t i = 0; i < runs; ++i) {
-    Bytes bytes = corpus[random() % corpus.size()];
-    const Bytes& other = corpus[random() % corpus.size()];
-    for (std::uint64_t changes = 1 + random() % 6; changes > 0 && bytes.size() > 2; --changes)
-      change(bytes, other, random);
-    attempt(bytes);
+  std::set<std::filesystem::path> files;  // in the same order everywhere
+  for (const auto& entry : std::filesystem::directory_iterator(argv[3])) files.insert(entry.path());
+  std::map<std::string, std::vector<Bytes>> corpus;
+  for (const std::filesystem::path& file : files) corpus[extension_of(file)].push_back(read(file));
+  const auto any = [&](const std::vector<Bytes>& of) -> const Bytes& { return of[random() % of.size()]; };
+  for (const auto& [extension, inputs] : corpus) {
+    for (const Bytes& bytes : inputs) attempt(bytes);
+    const std::uint64_t share = (runs + corpus.size() - 1) / corpus.size();
+    for (std::uint64_t i = 0; i < share; ++i) {
+      Bytes bytes = any(inputs);
+      const Bytes& other =
+          any(std::next(corpus.begin(), static_cast<std::ptrdiff_t>(random() % corpus.size()))->second);
+      for (std::uint64_t changes = 1 + random() % 6; changes > 0 && bytes.size() > 2; --changes)
+        change(bytes, other, random);
+      attempt(bytes);
+    }
+    std::printf("%-11s %zu files, %llu changed ones: no crash\n", extension.c_str(), inputs.size(),
+                static_cast<unsigned long long>(share));
+    std::fflush(stdout);
   }
-  std::printf("%zu files, %llu changed ones: no crash\n", corpus.size(),
-              static_cast<unsigned long long>(runs));
   return 0;
 }

@@ -108,6 +108,22 @@ TEST_F(CheckpointFiles, AnyChangedByteIsFound) {
   }
 }
 
+TEST_F(CheckpointFiles, RecordsThatAreNoneAreRefusedThoughTheirHashesFit) {
+  const std::vector<std::byte> good = CheckpointFile::pack(payload(500));
+  const fs::path path = folder / rank_file(0);
+  std::mt19937 random(6);
+  for (std::size_t i = 0; i < 200; ++i) {
+    std::vector<std::byte> bad = good;
+    if (i % 2 == 0) bad.resize(random() % good.size());
+    if (i % 2 == 1) bad[random() % 24] = static_cast<std::byte>(8 + random() % 248);  // the sizes
+    CheckpointFile file(path);
+    file.add(CheckpointRecord::Kind::object, {engine::Rank(0), 1}, bad);
+    file.commit();
+    const CheckpointReader reader(path);
+    EXPECT_THROW(reader.read(reader.index()[0]), meshing::InputError);
+  }
+}
+
 TEST_F(CheckpointFiles, WhatARunHasLeftUnfinishedGoesAndNothingElse) {
   write(1, false);
   write(2, true);

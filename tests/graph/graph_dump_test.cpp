@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "graph/dataflow/rank_exchange.h"

@@ -266,6 +266,8 @@ class Reports(SampleTest):
         self.write("hollow.json", '{"schema": "weft-profile-1"}')
         self.assert_fails("report", "profile.json", "hollow.json", says="hollow.json")
         self.assert_fails("report", "hollow.json", "-o", "page.html", says="hollow.json")
+        self.write("huge.json", '{"schema": 1e999}')
+        self.assert_fails("report", "huge.json", "-o", "page.html", says="huge.json: has a number that is too large")
 
 
 class Runs(SampleTest):

@@ -176,8 +176,9 @@ class Resumption(LoopTest):
         self.fails("run.json: complexity: has changed since cycle 1", "001", complexities=[301, 600])
         self.fails("run.json: metric: has changed since cycle 1", complexities=[300, 600], metric={"hgrad": 1.3})
         self.fails("run.json: solver: has changed since cycle 0", metric={}, solver=POISSON + " ")
-        (self.folder / "run/001/done.json").write_text("{}")
-        self.fails("001/done.json", "no marker", solver=POISSON)
+        for text in ("{}", '{"schema": 1}'):
+            (self.folder / "run/001/done.json").write_text(text)
+            self.fails("001/done.json", "no marker", solver=POISSON)
 
 
 class Failures(LoopTest):
@@ -232,6 +233,8 @@ class Failures(LoopTest):
         self.assert_fails("loop", "none.json", says="none.json: cannot be opened")
         self.write("bad.json", '{"mesh": "a",\n "solver" }')
         self.assert_fails("loop", "bad.json", says=["bad.json: is not JSON: at line 2"])
+        self.write("bad.json", '{"mesh": 1e999}')
+        self.assert_fails("loop", "bad.json", says="bad.json: has a number that is too large")
         self.write("bad.json", "[]")
         self.assert_fails("loop", "bad.json", says="must be an object")
         self.assert_fails("loop", says="CONFIG", code=64)

@@ -1,6 +1,7 @@
 """`--repair`: what is refused without it is mended with it, and every mend is told."""
 
 import json
+import math
 import unittest
 
 from command import CommandTest, mesh_text, solution_text
@@ -154,6 +155,16 @@ class Repair(CommandTest):
             for row in self.mesh[name]:
                 row[:-1] = [i + 1 for i in row[:-1]]
         self.assert_mended("unused vertices removed", refused=False)
+
+    def test_an_unused_vertex_at_no_place(self):
+        self.mesh["Vertices"].append([math.nan, 9, math.inf, 0])
+        self.assert_mended("unused vertices removed")
+
+    def test_a_vertex_at_no_place_that_tets_have_is_refused(self):
+        self.mesh["Vertices"][self.vertex_at(0.5, 0.5, 0.5) - 1][1] = math.nan
+        self.write("bad.mesh", text_of(self.mesh))
+        self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
+                          says=["bad.mesh", "vertex", "not finite"])
 
     def test_tets_listed_the_wrong_way_round(self):
         tet = self.mesh["Tetrahedra"][5]

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <new>
 
 namespace weft::report {
 namespace {
@@ -27,6 +27,8 @@ std::uint64_t resident_bytes() {
 
 MemorySampler::MemorySampler(int rank, std::chrono::milliseconds interval) : interval_(interval) {
   samples_.rank = rank;
+  samples_.seconds.reserve(kMostSamples);
+  samples_.bytes.reserve(kMostSamples);
   thread_ = std::thread([this] { loop(); });
 }
 
@@ -42,8 +44,14 @@ MemorySamples MemorySampler::stop() {
   return samples_;
 }
 
+/// Nobody would catch what the thread throws: its lists have their room, and where the file cannot be read
+/// there is no sample.
 void MemorySampler::sample() {
-  const std::uint64_t bytes = resident_bytes();
+  std::uint64_t bytes = 0;
+  try {
+    bytes = resident_bytes();
+  } catch (const std::bad_alloc&) {
+  }
   if (bytes == 0) return;
   samples_.seconds.push_back(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());

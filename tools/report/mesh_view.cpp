@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "engine/json/json.h"
 #include "meshing/metric/measures.h"
 #include "tools/picture/shown_faces.h"
 #include "tools/report/encode/base64.h"

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <tuple>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "tools/report/lanes.h"

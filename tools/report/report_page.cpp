@@ -1,9 +1,9 @@
 #include "tools/report/report_page.h"
 
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "engine/json/json.h"
 #include "tools/report/assets.h"
 #include "tools/report/encode/base64.h"
 #include "tools/report/encode/gzip.h"

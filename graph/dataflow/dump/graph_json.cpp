@@ -2,10 +2,10 @@
 #include "graph/dataflow/dump/graph_json.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 
 namespace weft::graph::dataflow {

@@ -3,6 +3,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "engine/base/text.h"
 #include "graph/dataflow/dump/graph_files.h"
 
 namespace weft::graph::dataflow {
@@ -96,7 +97,7 @@ std::string graphml_of(const Drawing& drawing) {
     element.append_attribute("target") = drawing.vertices[edge.to].id.c_str();
     for (const auto& [name, value] : all_of(edge)) edge_keys.put(element, name, value);
   }
-  std::ostringstream out;
+  std::ostringstream out = engine::text_stream();
   document.save(out, " ", pugi::format_default, pugi::encoding_utf8);
   return out.str();
 }

@@ -24,11 +24,11 @@ namespace {
 using namespace gmf;
 
 template <class File>
-MeshData read_mesh_of(const File& file) {
+MeshData read_mesh_of(const File& file, Coordinates wanted) {
   file.layout().refuse_foreign_volumes(file.name());
   MeshData mesh;
   const Section& vertices = vertices_section(file);
-  read_vertices(file, vertices, all_rows(vertices), mesh.points, mesh.point_refs);
+  read_vertices(file, vertices, all_rows(vertices), mesh.points, mesh.point_refs, wanted);
   read_part_of_elements(file, kTetrahedra, {}, mesh.tets, mesh.tet_refs);
   read_boundary(file, {}, mesh);
   read_association(file, mesh.association);
@@ -128,8 +128,8 @@ void write_file(const std::filesystem::path& path, int version, const std::vecto
 
 }  // namespace
 
-MeshData read_gmf_mesh(const std::filesystem::path& path) {
-  return is_text(path) ? read_mesh_of(TextFile(path)) : read_mesh_of(BinaryFile(path));
+MeshData read_gmf_mesh(const std::filesystem::path& path, Coordinates wanted) {
+  return is_text(path) ? read_mesh_of(TextFile(path), wanted) : read_mesh_of(BinaryFile(path), wanted);
 }
 
 SolutionData read_gmf_solution(const std::filesystem::path& path) {

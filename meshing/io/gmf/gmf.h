@@ -13,11 +13,14 @@ namespace weft::meshing {
 // Binary versions: 1 has 32-bit reals; 2 has 64-bit reals; 3 adds 64-bit file positions; 4 adds 64-bit
 // indices. A path with the extension .mesh or .sol is ASCII, any other is binary.
 
+/// What coordinates a reader lets pass; `any` is for repair_mesh(), which judges them.
+enum class Coordinates { finite, any };
+
 /// Reads a tetrahedral mesh: versions 1 to 4, either byte order, or ASCII. Keeps what MeshData can hold and
 /// skips other keywords; volume elements other than linear tetrahedra are refused. Throws InputError naming
 /// file, entity (1-based) and reason for anything missing, damaged, duplicated, out of range or not finite.
 /// No allocation exceeds a small multiple of the file's size, whatever the file claims.
-MeshData read_gmf_mesh(const std::filesystem::path& path);
+MeshData read_gmf_mesh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// Reads the fields at the vertices (SolAtVertices) likewise. Values may be NaN or infinite: what they mean,
 /// and whether that is an error, only the caller knows.

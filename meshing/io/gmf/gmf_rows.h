@@ -11,6 +11,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
+#include "meshing/io/gmf/gmf.h"
 #include "meshing/io/gmf/gmf_format.h"
 #include "meshing/mesh/mesh_data.h"
 
@@ -56,11 +57,11 @@ auto rows_of(const File& file, const Section& section, RowRange range) {
 }
 
 template <class Rows>
-Point read_point(Rows& rows) {
+Point read_point(Rows& rows, Coordinates wanted = Coordinates::finite) {
   Point p;
   for (int c = 0; c < 3; ++c) {
     p[c] = rows.real();
-    if (!std::isfinite(p[c])) rows.fail("a coordinate is not finite");
+    if (wanted == Coordinates::finite && !std::isfinite(p[c])) rows.fail("a coordinate is not finite");
   }
   return p;
 }
@@ -74,13 +75,13 @@ std::array<std::uint32_t, N> read_element(Rows& rows, std::uint64_t num_points) 
 
 template <class File>
 void read_vertices(const File& file, const Section& section, RowRange range, std::vector<Point>& points,
-                   std::vector<std::int32_t>& refs) {
+                   std::vector<std::int32_t>& refs, Coordinates wanted = Coordinates::finite) {
   auto rows = rows_of(file, section, range);
   points.resize(range.count);
   refs.resize(range.count);
   for (std::size_t i = 0; i < points.size(); ++i) {
     rows.begin_row();
-    points[i] = read_point(rows);
+    points[i] = read_point(rows, wanted);
     refs[i] = read_ref(rows);
   }
   rows.finish();

@@ -105,8 +105,13 @@ class Repair {
         if (!finite(m_.points[v]))
           throw InputError("", fmt::format("vertex {}", v + 1), "has a coordinate that is not finite");
       }
-    for (Point& p : m_.points)
-      if (!finite(p)) p = {};  // no tet has it
+    Box box;
+    for (const Tet& t : m_.tets)
+      for (const std::uint32_t v : t) box.include(m_.points[v]);
+    if (m_.tets.empty()) box.include({});
+    Point free = box.hi;
+    for (Point& p : m_.points)  // no tet has them: where nothing else is, until they are removed
+      if (!finite(p)) p = free = free + box.size();
   }
 
   // --- Vertices

@@ -4,8 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
+#include "engine/json/json.h"
 #include "tests/tools/report/sample_run.h"
 
 namespace weft::report::compare_test {

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 
+#include "engine/json/json.h"
 #include "meshing/mesh/structured_box.h"
 #include "meshing/metric/metric_field.h"
 

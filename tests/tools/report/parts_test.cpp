@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
+#include "engine/json/json.h"
 #include "tools/report/assets.h"
 #include "tools/report/encode/base64.h"
 #include "tools/report/hardware.h"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "tests/tools/report/sample_run.h"

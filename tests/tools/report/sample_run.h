@@ -2,8 +2,7 @@
 // adapted.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_dump.h"
 #include "tests/support/simulated_run.h"
 #include "tools/library/jobs/run_result.h"

@@ -2,9 +2,9 @@
 // a simulated run, for the tests that look at the page and the dumps from outside.
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "tests/tools/report/sample_run.h"
 #include "tools/report/report_page.h"

@@ -2,10 +2,10 @@
 // trace|idle. Figures as JSON on rank 0's standard output.
 #include <cstdio>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
+#include "engine/json/json.h"
 #include "engine/run/launch.h"
 #include "tools/bench/engine/benches.h"
 

@@ -3,12 +3,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 #include <thread>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "engine/run/runtime.h"
 #include "tools/bench/engine/benches.h"
 #include "tools/bench/engine/measures.h"

@@ -1,8 +1,8 @@
 // Benchmarks of single messages and moves.
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "engine/run/runtime.h"
 #include "tools/bench/engine/benches.h"
 #include "tools/bench/engine/measures.h"

@@ -1,8 +1,8 @@
 // Adaptation of one mesh in memory, as one or in subdomains; adaptation of files.
-#include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "engine/mpi/mpi_transport.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"

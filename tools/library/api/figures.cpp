@@ -1,6 +1,5 @@
 // All that can be measured of a mesh, and its JSON.
-#include <nlohmann/json.hpp>
-
+#include "engine/json/json.h"
 #include "weft/weft.h"
 
 namespace weft {

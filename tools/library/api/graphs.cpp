@@ -1,9 +1,9 @@
 // Task graphs and reports of runs: filtered, drawn, compared.
 #include <map>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_drawing.h"
 #include "meshing/base/error.h"
 #include "tools/common/naming.h"

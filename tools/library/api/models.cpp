@@ -1,8 +1,8 @@
 // CAD models: how a mesh lies on one, and triangles on one.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 #include "meshing/cad/load_model.h"
 #include "meshing/kernel/import_mesh.h"

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
 
+#include "engine/base/text.h"
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/replay/replay.h"
 #include "graph/replay/replay_plan.h"
@@ -182,7 +183,7 @@ engine::Annotations annotations_of(const GraphDump& graph) {
 }
 
 void write_trace(const std::string& path, const graph::replay::Replayed& replayed) {
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   engine::write_chrome_trace(text, replayed.timelines, annotations_of(replayed.graph));
   tools::write_text(path, text.str());
 }

@@ -1,11 +1,11 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
@@ -188,7 +188,6 @@ class DistributedFileJob {
     }
     if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
     if (account_.report_path.empty()) return;
-    require_memory_for_report();
     write_text(account_.report_path, json_of(account_).dump(1) + "\n");
     if (files_.page) write_record(account_, record, files_.case_name);
   }

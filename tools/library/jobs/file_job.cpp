@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/ugrid.h"
@@ -48,9 +48,10 @@ class FileJob {
  private:
   void read() {
     monitor_.update("reading", 0, 0);
-    input_ = meshing::read_mesh(files_.input, &names_);
+    const auto read_mesh = options_.run.repair ? meshing::read_mesh_to_repair : meshing::read_mesh;
+    input_ = read_mesh(files_.input, &names_);
     if (!files_.background.empty() && !same_file(files_.background, files_.input))
-      background_ = meshing::read_mesh(files_.background);
+      background_ = read_mesh(files_.background, nullptr);
     if (input_.tets.empty()) throw InputError(files_.input, "", "has no tetrahedra");
     fields_ = read_all_fields(files_.fields, input_.points.size(), files_.input);
     if (options_.run.repair) mend();
@@ -104,7 +105,6 @@ class FileJob {
     run_.peak_memory = peak_memory_bytes();
     if (run_.report_path.empty()) return;
     once_written([this] {
-      require_memory_for_report();
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
       if (files_.page)
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);

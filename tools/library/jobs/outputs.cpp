@@ -31,10 +31,7 @@ class TemporaryFile {
         (resolved.parent_path() / (".weft-" + std::to_string(getpid()) + "-" + resolved.filename().string()))
             .string();
   }
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
+  ~TemporaryFile() { ::unlink(path_.c_str()); }  // as a path it would take memory
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 

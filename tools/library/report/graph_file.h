@@ -1,10 +1,10 @@
 // A recorded graph, from whatever file holds one.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_dump.h"
 #include "meshing/base/error.h"
 

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_files.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "meshing/base/error.h"

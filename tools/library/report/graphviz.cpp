@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/base/text.h"
 #include "meshing/base/error.h"
 #include "tools/common/shell_command.h"
 
@@ -41,7 +42,7 @@ constexpr int kMostSeconds = 60;
 constexpr int kTimedOut = 124;  // as coreutils' timeout says it
 
 std::string text_in(const fs::path& path) {
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   text << std::ifstream(path, std::ios::binary).rdbuf();
   return text.str();
 }

@@ -3,8 +3,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "engine/json/json.h"
 #include "meshing/base/error.h"
 
 namespace weft::tools {
@@ -16,6 +16,8 @@ nlohmann::ordered_json read_json(const std::string& path) {
     return nlohmann::ordered_json::parse(file);
   } catch (const nlohmann::json::parse_error& error) {
     throw meshing::InputError(path, "byte " + std::to_string(error.byte), "is no JSON");
+  } catch (const nlohmann::json::out_of_range&) {
+    throw meshing::InputError(path, "", "has a number that is too large");
   }
 }
 

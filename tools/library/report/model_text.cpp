@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 
+#include "engine/json/json.h"
 #include "tools/common/text.h"
 
 namespace weft::tools {

@@ -1,8 +1,7 @@
 // Builds the JSON values.
 #include "tools/library/report/report_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include "engine/json/json.h"
 #include "tools/library/jobs/distributed_stats.h"
 #include "tools/library/report/model_text.h"
 #include "tools/library/version.h"

@@ -3,10 +3,11 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine/base/serialize.h"
+#include "engine/base/text.h"
+#include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_json.h"
 #include "partition/communication/reduce.h"
 #include "tools/library/jobs/distributed_stats.h"
@@ -200,7 +201,7 @@ engine::Annotations trace_annotations(const RunRecord& record,
 
 void write_trace(const std::string& path, const RunRecord& record,
                  const graph::adaptation::AdaptationPlan& plan) {
-  std::ostringstream text;
+  std::ostringstream text = engine::text_stream();
   engine::write_chrome_trace(text, record.timelines, trace_annotations(record, plan));
   write_text(path, text.str());
 }

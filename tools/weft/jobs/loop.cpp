@@ -10,10 +10,10 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "tools/common/shell_command.h"
 #include "tools/common/text.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -99,7 +99,7 @@ class Loop {
   static Json read_marker(const fs::path& path) {
     std::ifstream in(path);
     Json marker = Json::parse(in, nullptr, false);
-    const bool good = marker.is_object() && marker.value("schema", "") == kSchema &&
+    const bool good = marker.is_object() && marker.value("schema", Json()) == kSchema &&
                       marker.contains("settings") && marker["settings"].is_object() &&
                       marker.contains("goal_met");
     if (!good)

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
+#include "engine/json/json.h"
 #include "tools/weft/options/arguments.h"
 
 namespace weft::tools {
@@ -28,6 +28,8 @@ Json parse(const std::string& file) {
     const std::string text = error.what();  // "[json.exception...] parse error at line 1, column 2: ..."
     const auto at = text.find("at line");
     throw InputError(file, "", "is not JSON: " + (at == std::string::npos ? text : text.substr(at)));
+  } catch (const Json::out_of_range&) {
+    throw InputError(file, "", "has a number that is too large");
   }
 }
 

@@ -1,10 +1,10 @@
 #include "tools/weft/terminal/help_data.h"
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "engine/json/json.h"
 #include "tools/weft/terminal/help.h"
 
 namespace weft::tools {

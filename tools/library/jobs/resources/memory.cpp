@@ -10,7 +10,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "meshing/base/stable_array.h"
 #include "meshing/metric/expectations.h"
 
 #ifdef __GLIBC__
@@ -144,11 +143,6 @@ std::optional<double> room_of_rank(int ranks, double limit) {
   if (room) *room /= ranks_on_this_machine(ranks);
   if (limit > 0) lower(room, limit);
   return room;
-}
-
-void require_memory_for_report() {
-  constexpr std::size_t kReport = std::size_t{64} << 20;
-  const meshing::StableArray<char> room(kReport, meshing::Pages::small);
 }
 
 double resident_bytes() {

@@ -31,10 +31,6 @@ std::optional<double> room_of_rank(int ranks, double limit);
 /// How many of a run's ranks are on this machine, as the launcher says; all of them where it does not.
 int ranks_on_this_machine(int ranks);
 
-/// Throws std::bad_alloc where ulimit -v leaves too little to make a report of: JSON takes memory to be taken
-/// apart, and where there is none then the process ends.
-void require_memory_for_report();
-
 /// "MemAvailable" of the text of /proc/meminfo, in bytes.
 std::optional<double> parse_mem_available(const std::string& meminfo);
 /// A process's control group out of the text of /proc/self/cgroup: of version 2 (line "0::PATH"), or of a
