@@ -181,6 +181,20 @@ class Repair(CommandTest):
         centre[:3] = [1.2, 0.6, 0.5]
         self.assert_mended("vertices of inverted or flat tets moved")
 
+    def test_inverted_tets_at_a_vertex_of_the_boundary(self):
+        for place in ([0.3, 0.45, 0.5], [1.0, 1.3, 0.5]):
+            with self.subTest(place=place):
+                vertex = self.mesh["Vertices"][self.vertex_at(1.0, 0.5, 0.5) - 1]
+                vertex[:3] = place
+                self.assert_mended("vertices of the boundary at inverted or flat tets moved")
+                vertex[:3] = [1.0, 0.5, 0.5]
+
+    def test_inverted_tets_at_a_corner(self):
+        self.mesh["Vertices"][self.vertex_at(1.0, 1.0, 1.0) - 1][:3] = [0.3, 0.35, 0.4]
+        self.write("bad.mesh", text_of(self.mesh))
+        self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
+                          says=["bad.mesh", "is inverted, and moving its vertices does not help"])
+
     def test_flat_tets_inside(self):
         centre = self.mesh["Vertices"][self.vertex_at(0.5, 0.5, 0.5) - 1]
         centre[:3] = [1.0, 0.6, 0.55]

@@ -19,6 +19,8 @@
 #include "meshing/mesh/repair/close_cracks.h"
 #include "meshing/mesh/repair/join_hanging.h"
 #include "meshing/mesh/repair/open_faces.h"
+#include "meshing/mesh/repair/signed_tets.h"
+#include "meshing/mesh/repair/untangle.h"
 #include "meshing/mesh/tet_tables.h"
 
 namespace weft::meshing {
@@ -37,17 +39,6 @@ bool repeats(const std::array<std::uint32_t, N>& v) {
   const auto s = in_order(v);
   return std::adjacent_find(s.begin(), s.end()) != s.end();
 }
-
-double volume(const MeshData& m, const Tet& t) {
-  const auto& p = m.points;
-  return dot(p[t[1]] - p[t[0]], cross(p[t[2]] - p[t[0]], p[t[3]] - p[t[0]])) / 6;
-}
-
-int sign_of(const MeshData& m, const Tet& t) {
-  return orientation(m.points[t[0]], m.points[t[1]], m.points[t[2]], m.points[t[3]]);
-}
-
-Triangle face_of(const Tet& t, int f) { return {t[kTetFaces[f][0]], t[kTetFaces[f][1]], t[kTetFaces[f][2]]}; }
 
 class Repair {
  public:
@@ -69,8 +60,9 @@ class Repair {
     join_hanging();
     drop_overlapping_tets();
     turn_tets();
-    untangle();
+    untangle(VertexGroup::inner);
     drop_flat_tets();
+    untangle(VertexGroup::boundary);
     refuse_what_is_left();
     mend_triangles();
     mend_edges();
@@ -360,85 +352,12 @@ class Repair {
     }
   }
 
-  /// Vertices that may be moved: in the interior, and not listed.
-  std::vector<bool> movable() const {
-    std::vector<bool> free(m_.points.size(), true);
-    const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
-    for (std::size_t t = 0; t < m_.tets.size(); ++t)
-      for (int f = 0; f < 4; ++f)
-        if (adjacency.neighbours[t][f] == kNoNeighbour)
-          for (const std::uint32_t v : face_of(m_.tets[t], f)) free[v] = false;
-    const auto hold = [&](std::uint32_t v) {
-      if (v < free.size()) free[v] = false;
-    };
-    for (const auto& t : m_.triangles) std::for_each(t.begin(), t.end(), hold);
-    for (const auto& e : m_.edges) std::for_each(e.begin(), e.end(), hold);
-    for (const std::uint32_t v : m_.corners) hold(v);
-    for (const std::uint32_t v : m_.required_points) hold(v);
-    return free;
-  }
-
-  std::vector<std::uint32_t> not_positive() const {
-    std::vector<std::uint32_t> tets;
-    for (std::uint32_t t = 0; t < m_.tets.size(); ++t)
-      if (sign_of(m_, m_.tets[t]) <= 0) tets.push_back(t);
-    return tets;
-  }
-
-  /// Of the tets at a vertex, how many are not positive, and the smallest volume.
-  std::pair<int, double> state_of(std::uint32_t v, const VertexLists& tets) const {
-    int bad = 0;
-    double least = std::numeric_limits<double>::max();
-    for (const std::uint32_t t : tets.of(v)) {
-      bad += sign_of(m_, m_.tets[t]) <= 0;
-      least = std::min(least, volume(m_, m_.tets[t]));
-    }
-    return {bad, least};
-  }
-
-  /// Moves vertices of bad tets towards the middle of their neighbours, or of their tets' faces, as long as
-  /// that makes fewer tets bad, or the worst less so.
-  void untangle() {
-    constexpr int kMostRounds = 50;
-    std::vector<std::uint32_t> bad = not_positive();
-    if (bad.empty()) return;
-    const VertexLists tets = vertex_tets(m_.tets, m_.points.size());
-    const VertexLists near = vertex_neighbours(m_.tets, m_.points.size());
-    const std::vector<bool> free = movable();
-    std::map<std::uint32_t, Point> before;
-    for (int round = 0; round < kMostRounds && !bad.empty(); ++round) {
-      bool any = false;
-      for (const std::uint32_t t : bad)
-        for (const std::uint32_t v : m_.tets[t])
-          if (free[v]) {
-            before.try_emplace(v, m_.points[v]);
-            any |= improve_place(v, tets, near);
-          }
-      bad = not_positive();
-      if (!any) break;
-    }
-    for (const auto& [v, point] : before)
-      if (!(point == m_.points[v]))
-        mend("vertices of inverted or flat tets moved", "vertex", "distance")
-            .add(v, norm(m_.points[v] - point));
-  }
-
-  bool improve_place(std::uint32_t v, const VertexLists& tets, const VertexLists& near) {
-    const Point old = m_.points[v];
-    Point middle{};
-    for (const std::uint32_t n : near.of(v))
-      middle = middle + (1.0 / static_cast<double>(near.of(v).size())) * m_.points[n];
-    auto best = state_of(v, tets);
-    Point best_place = old;
-    for (const double share : {1.0, 0.7, 0.4, 0.2, 0.1, 0.03, 0.01}) {
-      m_.points[v] = old + share * (middle - old);
-      const auto state = state_of(v, tets);
-      if (state.first > best.first || (state.first == best.first && !(state.second > best.second))) continue;
-      best = state;
-      best_place = m_.points[v];
-    }
-    m_.points[v] = best_place;
-    return !(best_place == old);
+  void untangle(VertexGroup group) {
+    for (const MovedVertex& moved : meshing::untangle(m_, group))
+      mend(group == VertexGroup::inner ? "vertices of inverted or flat tets moved"
+                                       : "vertices of the boundary at inverted or flat tets moved",
+           "vertex", "distance")
+          .add(moved.vertex, norm(m_.points[moved.vertex] - moved.from));
   }
 
   /// What lies flat on the boundary adds nothing to the domain.
@@ -447,7 +366,7 @@ class Repair {
       const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
       std::vector<bool> drop(m_.tets.size());
       bool any = false;
-      for (const std::uint32_t t : not_positive()) {
+      for (const std::uint32_t t : tets_not_positive(m_)) {
         const auto& n = adjacency.neighbours[t];
         if (sign_of(m_, m_.tets[t]) != 0 || std::count(n.begin(), n.end(), kNoNeighbour) == 0) continue;
         drop[t] = any = true;
@@ -460,12 +379,12 @@ class Repair {
   }
 
   void refuse_what_is_left() const {
-    for (const std::uint32_t t : not_positive())
+    for (const std::uint32_t t : tets_not_positive(m_))
       throw InputError("", fmt::format("tet {}", tet_source_[t] + 1),
                        against_neighbours_.contains(tet_source_[t])
                            ? "overlaps a neighbour: both lie on the same side of their common face"
                        : sign_of(m_, m_.tets[t]) < 0
-                           ? "is inverted, and moving its inner vertices does not help"
+                           ? "is inverted, and moving its vertices does not help"
                            : "is flat, and neither at the boundary nor mended by moving its vertices");
   }
 

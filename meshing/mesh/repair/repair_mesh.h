@@ -32,7 +32,8 @@ struct MeshRepair {
 /// joins hanging vertices (join_hanging.h); removes a tet that overlaps others and hangs on one face alone;
 /// turns tets whose vertices are listed the wrong way round; untangles tets that lie the wrong way round, or
 /// flat, by moving vertices that are no vertices of triangles or of the boundary; removes tets that are flat
-/// and lie at the boundary; removes triangles that are no faces, or are there twice (the first one's
+/// and lie at the boundary; untangles what is left by moving vertices within smooth parts of the boundary too
+/// (untangle.h); removes triangles that are no faces, or are there twice (the first one's
 /// reference counts), edges and marks of what is no more, and unused vertices; and lists the triangles that
 /// are missing, with the references of those they replace, or of those beside them in their plane. Throws
 /// InputError (no file name) for what is left.

@@ -1,0 +1,151 @@
+// A descent, vertex by vertex, on the number of tets that are not positive and the least volume.
+#include "meshing/mesh/repair/untangle.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/repair/signed_tets.h"
+
+namespace weft::meshing {
+namespace {
+
+class Untangling {
+ public:
+  Untangling(MeshData& mesh, VertexGroup group)
+      : m_(mesh),
+        bad_(tets_not_positive(mesh)),
+        tets_(vertex_tets(mesh.tets, mesh.points.size())),
+        near_(vertex_neighbours(mesh.tets, mesh.points.size())),
+        where_(mesh.points.size(), Where::inside) {
+    find_boundary(group);
+  }
+
+  std::vector<MovedVertex> run() {
+    constexpr int kMostRounds = 50;
+    for (int round = 0; round < kMostRounds && !bad_.empty(); ++round) {
+      bool any = false;
+      for (const Where where : {Where::on_boundary, Where::inside})
+        for (const std::uint32_t t : bad_)
+          for (const std::uint32_t v : m_.tets[t])
+            if (where_[v] == where) any |= improve_place(v);
+      bad_ = tets_not_positive(m_);
+      if (!any) break;
+    }
+    std::vector<MovedVertex> moved;
+    for (const auto& [v, point] : before_)
+      if (!(point == m_.points[v])) moved.push_back({v, point});
+    return moved;
+  }
+
+ private:
+  enum class Where : std::uint8_t { inside, on_boundary, held };
+
+  /// Boundary vertices of bad tets, with their faces there; all others there are held, and what is listed.
+  void find_boundary(VertexGroup group) {
+    const Where on_boundary = group == VertexGroup::boundary ? Where::on_boundary : Where::held;
+    const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
+    for (std::size_t t = 0; t < m_.tets.size(); ++t)
+      for (int f = 0; f < 4; ++f)
+        if (adjacency.neighbours[t][f] == kNoNeighbour)
+          for (const std::uint32_t v : face_of(m_.tets[t], f)) where_[v] = on_boundary;
+    const auto hold = [&](std::uint32_t v) {
+      if (v < where_.size()) where_[v] = Where::held;
+    };
+    for (const auto& t : m_.triangles)
+      for (const std::uint32_t v : t)
+        if (v < where_.size() && where_[v] == Where::inside) hold(v);  // between materials
+    for (const auto& e : m_.edges) std::for_each(e.begin(), e.end(), hold);
+    for (const std::uint32_t v : m_.corners) hold(v);
+    for (const std::uint32_t v : m_.required_points) hold(v);
+    for (const std::uint32_t t : bad_)
+      for (const std::uint32_t v : m_.tets[t])
+        if (where_[v] == Where::on_boundary) faces_[v];
+    for (std::size_t t = 0; t < m_.tets.size() && !faces_.empty(); ++t)
+      for (int f = 0; f < 4; ++f)
+        if (adjacency.neighbours[t][f] == kNoNeighbour) {
+          const Triangle face = face_of(m_.tets[t], f);
+          for (const std::uint32_t v : face)
+            if (const auto at = faces_.find(v); at != faces_.end()) at->second.push_back(face);
+        }
+  }
+
+  /// Of the tets at a vertex, how many are not positive, and the smallest volume.
+  std::pair<int, double> state_of(std::uint32_t v) const {
+    int bad = 0;
+    double least = std::numeric_limits<double>::max();
+    for (const std::uint32_t t : tets_.of(v)) {
+      bad += sign_of(m_, m_.tets[t]) <= 0;
+      least = std::min(least, volume(m_, m_.tets[t]));
+    }
+    return {bad, least};
+  }
+
+  /// The middle of the neighbours; of a boundary vertex, of those there.
+  Point middle_of(std::uint32_t v) const {
+    Point sum{};
+    double count = 0;
+    const auto add = [&](std::uint32_t n) {
+      sum = sum + m_.points[n];
+      ++count;
+    };
+    if (where_[v] == Where::inside) {
+      for (const std::uint32_t n : near_.of(v)) add(n);
+    } else {
+      for (const Triangle& face : faces_.at(v))
+        for (const std::uint32_t n : face)
+          if (n != v) add(n);
+    }
+    return (1 / count) * sum;
+  }
+
+  /// Whether the boundary's triangles at a vertex there face the same way, within 30 degrees of their mean.
+  bool is_smooth(std::uint32_t v) const {
+    constexpr double kLeastCosine = 0.866;
+    const auto normal = [&](const Triangle& f) {
+      return cross(m_.points[f[1]] - m_.points[f[0]], m_.points[f[2]] - m_.points[f[0]]);
+    };
+    Vec sum{};
+    for (const Triangle& f : faces_.at(v)) sum = sum + normal(f);
+    return std::ranges::all_of(faces_.at(v), [&](const Triangle& f) {
+      const Vec n = normal(f);
+      return dot(n, sum) > kLeastCosine * norm(n) * norm(sum);
+    });
+  }
+
+  bool improve_place(std::uint32_t v) {
+    const Point old = m_.points[v], middle = middle_of(v);
+    before_.try_emplace(v, old);
+    auto best = state_of(v);
+    Point best_place = old;
+    for (const double share : {1.0, 0.7, 0.4, 0.2, 0.1, 0.03, 0.01}) {
+      m_.points[v] = old + share * (middle - old);
+      if (where_[v] == Where::on_boundary && !is_smooth(v)) continue;
+      const auto state = state_of(v);
+      if (state.first > best.first || (state.first == best.first && !(state.second > best.second))) continue;
+      best = state;
+      best_place = m_.points[v];
+    }
+    m_.points[v] = best_place;
+    return !(best_place == old);
+  }
+
+  MeshData& m_;
+  std::vector<std::uint32_t> bad_;
+  const VertexLists tets_, near_;
+  std::vector<Where> where_;
+  std::map<std::uint32_t, std::vector<Triangle>>
+      faces_;  ///< of the boundary, at vertices that may move there
+  std::map<std::uint32_t, Point> before_;
+};
+
+}  // namespace
+
+std::vector<MovedVertex> untangle(MeshData& mesh, VertexGroup group) {
+  if (tets_not_positive(mesh).empty()) return {};
+  return Untangling(mesh, group).run();
+}
+
+}  // namespace weft::meshing
