@@ -356,6 +356,7 @@ class MpiTransport::Impl {
   void close();
   void abandon(std::uint32_t ended_phase) noexcept;
   bool abandoned() const { return state_ == State::kAbandoned; }
+  bool owns_mpi() const { return mpi_ == Mpi::own; }
 
   /// MPI may still read and write its buffers, so it is never destroyed; leak checkers see it in a list.
   static void leave_behind(std::unique_ptr<Impl> impl) noexcept {
@@ -879,6 +880,7 @@ bool MpiTransport::watches(Rank rank) const { return impl_->watches(rank); }
 void MpiTransport::leave(const std::string& why) noexcept { impl_->leave(ended_phase(), why); }
 void MpiTransport::close() { impl_->close(); }
 void MpiTransport::abandon() noexcept { impl_->abandon(ended_phase()); }
+bool MpiTransport::abandoning_ends_process() const { return impl_->owns_mpi(); }
 std::vector<std::pair<std::string, long>> MpiTransport::calls() const { return mpi_calls(); }
 
 }  // namespace weft::engine

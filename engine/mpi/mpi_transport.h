@@ -77,6 +77,7 @@ class MpiTransport final : public Transport {
   /// have died the caller's MPI_Finalize may hang; that is for the caller to decide.
   /// Does nothing after close().
   void abandon() noexcept override;
+  bool abandoning_ends_process() const override;
 
   std::vector<std::pair<std::string, long>> calls() const override;
 

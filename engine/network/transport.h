@@ -122,6 +122,7 @@ class Transport {
   /// Gives up on the network without waiting for anybody; allowed when a peer has died. Whether it ends the
   /// process is said by each transport; if not, all later use but wake() throws TransportError.
   virtual void abandon() noexcept = 0;
+  virtual bool abandoning_ends_process() const { return false; }
 
   /// Network calls made so far by this process, by name ("MPI_Isend"), for reports and for the test that none
   /// of the loop's is collective; empty when the transport has none to count.

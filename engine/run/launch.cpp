@@ -56,14 +56,26 @@ int run_as_guest(const std::function<int(Transport&)>& body, MpiTransportOptions
   return status;
 }
 
-/// Of a rank whose body has thrown: what that was is of more interest than how the end went.
-/// True when all have come.
-bool close_after_failure(Transport& transport) noexcept {
+/// What nobody has reported is told here where the process ends: no caller will hear of it.
+void abandon_because(Transport& transport, const char* why) noexcept {
+  if (transport.abandoning_ends_process()) {
+    std::fprintf(stderr, "error: rank %d: %s\n", transport.rank().value, why);
+    std::fflush(nullptr);
+  }
+  transport.abandon();
+}
+
+/// Of a rank whose body has thrown, which is of more interest than how the end went: `why`, unless it has
+/// been reported. True when all have come.
+bool close_after_failure(Transport& transport, const char* why) noexcept {
   try {
     transport.close();
     return true;
   } catch (const TransportError&) {
-    transport.abandon();
+    if (why)
+      abandon_because(transport, why);
+    else
+      transport.abandon();
     return false;
   }
 }
@@ -73,7 +85,7 @@ void close_after_success(Transport& transport) {
   try {
     transport.close();
   } catch (const TransportError& error) {
-    transport.abandon();
+    abandon_because(transport, error.what());
     throw RunFailure(error.what(), false, true);
   }
   if (const auto lost = transport.lost_peer()) {
@@ -92,15 +104,15 @@ void run_and_close(Transport& transport, const std::function<void(Transport&)>& 
       throw;
     }
     transport.leave(std::string("has failed: ") + failure.what());
-    if (close_after_failure(transport)) throw;
+    if (close_after_failure(transport, nullptr)) throw;
     throw RunFailure(failure.what(), failure.reported_here(), true);
   } catch (const std::exception& error) {
     transport.leave(std::string("has failed: ") + error.what());
-    close_after_failure(transport);
+    close_after_failure(transport, error.what());
     throw;
   } catch (...) {
     transport.leave("has failed: an exception of unknown type");
-    close_after_failure(transport);
+    close_after_failure(transport, "an exception of unknown type");
     throw;
   }
   close_after_success(transport);
