@@ -259,7 +259,10 @@ class OneMesh(Checkpoints):
         self.assertIn("one mesh", self.adapt("--resume", "ck", "-o", "second.meshb", "--subdomains", 3, expect=2))
 
     def test_of_subdomains_is_refused(self):
-        self.adapt("--subdomains", 3, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        for _ in range(10):  # a run may be through before its first one
+            self.adapt("--subdomains", 3, "--checkpoint", "ck", "--checkpoint-every", 0.005, "-o", "first.meshb")
+            if self.complete():
+                break
         self.assertIn("in subdomains", self.adapt("--resume", "ck", "-o", "second.meshb", expect=2))
 
     def test_when_asked_by_a_signal(self):
