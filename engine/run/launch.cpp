@@ -56,26 +56,23 @@ int run_as_guest(const std::function<int(Transport&)>& body, MpiTransportOptions
   return status;
 }
 
-/// What nobody has reported is told here where the process ends: no caller will hear of it.
+/// `why`, unless it has been reported, is told here where the process ends: no caller will hear of it.
 void abandon_because(Transport& transport, const char* why) noexcept {
-  if (transport.abandoning_ends_process()) {
+  if (why && transport.abandoning_ends_process()) {
     std::fprintf(stderr, "error: rank %d: %s\n", transport.rank().value, why);
     std::fflush(nullptr);
   }
   transport.abandon();
 }
 
-/// Of a rank whose body has thrown, which is of more interest than how the end went: `why`, unless it has
-/// been reported. True when all have come.
+/// Of a rank whose body has thrown, which is of more interest than how the end went: `why`, null where
+/// it has been reported. True when all have come.
 bool close_after_failure(Transport& transport, const char* why) noexcept {
   try {
     transport.close();
     return true;
   } catch (const TransportError&) {
-    if (why)
-      abandon_because(transport, why);
-    else
-      transport.abandon();
+    abandon_because(transport, why);
     return false;
   }
 }

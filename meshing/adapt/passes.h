@@ -21,7 +21,7 @@ std::uint64_t collapse_pass(WorkerPool& pool);
 std::uint64_t swap_pass(WorkerPool& pool, double quality, double quality_at_frozen = 1);
 /// Smooths marked vertices.
 std::uint64_t smooth_pass(WorkerPool& pool);
-/// Both, vertex by vertex: half of the balls that smoothing gathers are those that collapses look at.
+/// Both, vertex by vertex: what both look at is gathered once.
 std::uint64_t smooth_and_collapse_pass(WorkerPool& pool);
 /// Smooths the vertices of tets with a mean ratio below `quality` that have changed.
 std::uint64_t smooth_poor(WorkerPool& pool, double quality);

@@ -181,7 +181,6 @@ Metric exp_fast(const LogMetric& l) {
   const SymTensor a2 = square(a);
   if (trace(a2) <= kMostBySeries * kMostBySeries) return exp_by_series(mean, a, a2);
   const double p = std::sqrt(trace(a2) / 6);
-  if (p < 1e-7) return std::exp(mean) * (identity_tensor() + a + 0.5 * a2);
   const double half_det = 0.5 * determinant(a) / (p * p * p);
   const double phi = std::acos(std::clamp(half_det, -1.0, 1.0)) / 3;
   const double c = std::cos(phi), s = 0.86602540378443865 * std::sqrt(std::max(0.0, 1 - c * c));

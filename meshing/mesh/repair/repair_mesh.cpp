@@ -353,7 +353,7 @@ class Repair {
   }
 
   void untangle(VertexGroup group) {
-    for (const MovedVertex& moved : meshing::untangle(m_, group))
+    for (const MovedPoint& moved : meshing::untangle(m_, group))
       mend(group == VertexGroup::inner ? "vertices of inverted or flat tets moved"
                                        : "vertices of the boundary at inverted or flat tets moved",
            "vertex", "distance")

@@ -23,7 +23,7 @@ class Untangling {
     find_boundary(group);
   }
 
-  std::vector<MovedVertex> run() {
+  std::vector<MovedPoint> run() {
     constexpr int kMostRounds = 50;
     for (int round = 0; round < kMostRounds && !bad_.empty(); ++round) {
       bool any = false;
@@ -34,7 +34,7 @@ class Untangling {
       bad_ = tets_not_positive(m_);
       if (!any) break;
     }
-    std::vector<MovedVertex> moved;
+    std::vector<MovedPoint> moved;
     for (const auto& [v, point] : before_)
       if (!(point == m_.points[v])) moved.push_back({v, point});
     return moved;
@@ -143,7 +143,7 @@ class Untangling {
 
 }  // namespace
 
-std::vector<MovedVertex> untangle(MeshData& mesh, VertexGroup group) {
+std::vector<MovedPoint> untangle(MeshData& mesh, VertexGroup group) {
   if (tets_not_positive(mesh).empty()) return {};
   return Untangling(mesh, group).run();
 }

@@ -13,13 +13,13 @@ namespace weft::meshing {
 /// such a vertex. Neither moves what lies on listed edges or is a corner or required.
 enum class VertexGroup { inner, boundary };
 
-struct MovedVertex {
+struct MovedPoint {
   std::uint32_t vertex;
   Point from;
 };
 
 /// Moves vertices of tets that are not positive as long as fewer tets become so, or the worst gets better.
 /// Some may be left.
-std::vector<MovedVertex> untangle(MeshData& mesh, VertexGroup group);
+std::vector<MovedPoint> untangle(MeshData& mesh, VertexGroup group);
 
 }  // namespace weft::meshing
