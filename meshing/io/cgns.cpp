@@ -46,9 +46,10 @@ class ZoneReader {
   ZoneReader(const Library& library, int zone, std::uint64_t most, ZoneRefs& refs)
       : library_(library), zone_(zone), most_(most), refs_(refs) {}
 
-  MeshPiece read() {
+  MeshPiece read(Coordinates wanted) {
     read_size();
     range_ = {0, num_points_, 0, kAll};
+    coordinates_ = wanted;
     read_mesh();
     read_solutions();
     contents().complete();
@@ -134,7 +135,7 @@ class ZoneReader {
                                    values.data()),
                      zone_name_ + ", " + name);
       for (std::size_t i = 0; i < count; ++i) {
-        if (!std::isfinite(values[i])) {
+        if (!passes(values[i], coordinates_)) {
           library_.fail(zone_name_ + ", point " + std::to_string(range_.first_point + i + 1),
                         "a coordinate is not finite");
         }
@@ -399,6 +400,7 @@ class ZoneReader {
   int zone_;
   std::uint64_t most_, num_points_ = 0;
   MeshRange range_;
+  Coordinates coordinates_ = Coordinates::finite;
   std::uint64_t tets_passed_ = 0;  ///< in the sections read
   MeshPiece piece_;
   ZoneRefs& refs_;
@@ -457,13 +459,13 @@ struct OpenFile {
 
 }  // namespace
 
-MeshContents read_cgns(const std::filesystem::path& path) {
+MeshContents read_cgns(const std::filesystem::path& path, Coordinates wanted) {
   const OpenFile open(path);
   RefNames names;
   ZoneRefs refs(names);
   std::vector<MeshPiece> pieces;
   for (int zone = 1; zone <= open.zones; ++zone)
-    pieces.push_back(ZoneReader(open.library, zone, open.size, refs).read());
+    pieces.push_back(ZoneReader(open.library, zone, open.size, refs).read(wanted));
   MeshContents contents = merge_pieces(std::move(pieces));
   contents.names = std::move(names);
   contents.drop("bases after the first", static_cast<std::uint64_t>(open.bases - 1));

@@ -17,7 +17,7 @@ namespace weft::meshing {
 /// triangles and bars. References are given to names: of boundary conditions at faces, else of sections.
 /// Solutions at vertices are fields (NAMEX, NAMEY, NAMEZ are a vector). Other elements and nodes of CGNS are
 /// dropped. Throws InputError.
-MeshContents read_cgns(const std::filesystem::path& path);
+MeshContents read_cgns(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// How many points and tets there are; nothing for a file that is read whole only: of several zones, or with
 /// sections of mixed elements.

@@ -50,7 +50,7 @@ enum Keeps : unsigned {
 struct Format {
   std::string_view extension;
   unsigned keeps;
-  MeshContents (*read)(const fs::path&);
+  MeshContents (*read)(const fs::path&, Coordinates);
   void (*write)(const fs::path&, const MeshView&, const WriteOptions&);
   std::optional<MeshSize> (*size)(const fs::path&) = nullptr;  ///< where ranges can be read
   MeshContents (*read_range)(const fs::path&, const MeshRange&) = nullptr;
@@ -74,11 +74,16 @@ struct Format {
   std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
 
-MeshContents read_gmf(const fs::path& path) {
+MeshContents read_gmf(const fs::path& path, Coordinates wanted) {
   MeshContents contents;
-  contents.mesh = read_gmf_mesh(path);
+  contents.mesh = read_gmf_mesh(path, wanted);
   contents.fields.num_points = contents.mesh.points.size();
   return contents;
+}
+/// Surfaces have finite coordinates.
+template <MeshContents (*read)(const fs::path&)>
+MeshContents read_surface(const fs::path& path, Coordinates) {
+  return read(path);
 }
 std::optional<MeshSize> gmf_size(const fs::path& path) {
   const GmfLayout layout = read_gmf_layout(path);
@@ -184,10 +189,10 @@ constexpr std::array kFormats = {
            .in_parts = always,
            .begin_parts = begin_cgns_parts,
            .open_part = open_cgns_part},
-    Format{".stl", kTriangleRefs, read_stl, write_stl},
-    Format{".obj", kEdges | kTriangleRefs | kNames, read_obj, write_obj},
-    Format{".off", 0, read_off, write_off},
-    Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_ply, write_ply},
+    Format{".stl", kTriangleRefs, read_surface<read_stl>, write_stl},
+    Format{".obj", kEdges | kTriangleRefs | kNames, read_surface<read_obj>, write_obj},
+    Format{".off", 0, read_surface<read_off>, write_off},
+    Format{".ply", kEdges | kTriangleRefs | kPointRefs | kScalars, read_surface<read_ply>, write_ply},
 };
 
 const Format* find_format(const fs::path& path) {
@@ -249,7 +254,9 @@ void refuse_foreign_volumes(std::uint64_t count, const fs::path& path) {
                        " volume elements other than linear tetrahedra, which weft does not adapt");
 }
 
-MeshContents read_mesh_contents(const fs::path& path) { return format_of(path).read(path); }
+MeshContents read_mesh_contents(const fs::path& path, Coordinates wanted) {
+  return format_of(path).read(path, wanted);
+}
 
 std::optional<MeshSize> size_for_ranges(const fs::path& path) {
   const Format& format = format_of(path);
@@ -295,16 +302,11 @@ MeshContents stream_mesh(const fs::path& path, MeshStream& stream, OtherVolumes 
   return contents;
 }
 
-MeshData read_mesh(const fs::path& path, RefNames* names) {
-  MeshContents contents = read_mesh_contents(path);
+MeshData read_mesh(const fs::path& path, RefNames* names, Coordinates wanted) {
+  MeshContents contents = read_mesh_contents(path, wanted);
   refuse_foreign_volumes(contents.foreign_volumes, path);
   if (names) *names = std::move(contents.names);
   return std::move(contents.mesh);
-}
-
-MeshData read_mesh_to_repair(const fs::path& path, RefNames* names) {
-  if (format_of(path).read == &read_gmf) return read_gmf_mesh(path, Coordinates::any);
-  return read_mesh(path, names);
 }
 
 Association read_carried_model(const fs::path& path) {

@@ -21,13 +21,11 @@ namespace weft::meshing {
 /// Reads a mesh of any format that mesh_extensions() lists. A file with volume elements other than linear
 /// tetrahedra is refused; whatever else has no place in a MeshData is left out. `names` gets the names of
 /// references.
-MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr);
-
-/// The same for repair_mesh(): GMF files may have vertices with coordinates that are not finite.
-MeshData read_mesh_to_repair(const std::filesystem::path& path, RefNames* names = nullptr);
+MeshData read_mesh(const std::filesystem::path& path, RefNames* names = nullptr,
+                   Coordinates wanted = Coordinates::finite);
 
 /// Reads everything, and says what it had to leave out: also volume elements that are no tetrahedra.
-MeshContents read_mesh_contents(const std::filesystem::path& path);
+MeshContents read_mesh_contents(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// What is done with a mesh that has volume elements other than linear tetrahedra.
 enum class OtherVolumes { refused, dropped };

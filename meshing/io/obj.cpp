@@ -104,7 +104,7 @@ class ObjReader {
       const std::string_view word = words.next();
       const auto value = parse_real(word);
       if (!value) in_.fail("expected three coordinates");
-      p[c] = in_.finite(*value);
+      p[c] = in_.coordinate(*value);
     }
     contents_.mesh.points.push_back(p);
     in_.entity_count(contents_.mesh.points.size());

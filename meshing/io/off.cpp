@@ -58,7 +58,7 @@ class Reader {
   void read_point() {
     in_.next_row();
     Point p;
-    for (int c = 0; c < 3; ++c) p[c] = in_.finite(in_.text_real());
+    for (int c = 0; c < 3; ++c) p[c] = in_.coordinate(in_.text_real());
     contents_.mesh.points.push_back(p);
     if (drop_rest_of_line()) contents_.drop("colours or normals of points");
   }

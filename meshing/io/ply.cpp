@@ -237,7 +237,7 @@ class Body {
       case Role::x:
       case Role::y:
       case Role::z:
-        point_[static_cast<int>(property.role) - static_cast<int>(Role::x)] = in_.finite(value);
+        point_[static_cast<int>(property.role) - static_cast<int>(Role::x)] = in_.coordinate(value);
         break;
       case Role::ref:
         ref_ = in_.ref(integer(value));

@@ -71,7 +71,7 @@ void read_binary(Cursor& in, MeshContents& contents) {
     in.take(kNormalSize);
     std::array<Point, 3> corners;
     for (Point& p : corners) {
-      for (int c = 0; c < 3; ++c) p[c] = in.finite(in.value<float>());
+      for (int c = 0; c < 3; ++c) p[c] = in.coordinate(in.value<float>());
     }
     facets.add(corners, in.value<std::uint16_t>());
   }
@@ -110,7 +110,7 @@ class AsciiReader {
     std::array<Point, 3> corners;
     for (Point& p : corners) {
       expect("vertex");
-      for (int c = 0; c < 3; ++c) p[c] = in_.finite(in_.text_real());
+      for (int c = 0; c < 3; ++c) p[c] = in_.coordinate(in_.text_real());
     }
     expect("endloop");
     expect("endfacet");

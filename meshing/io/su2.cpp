@@ -158,7 +158,7 @@ class Su2Reader {
     for (std::uint64_t i = 0; i < count; ++i) {
       in_.next_row();
       Point p;
-      for (int c = 0; c < 3; ++c) p[c] = in_.finite(in_.text_real());
+      for (int c = 0; c < 3; ++c) p[c] = in_.coordinate(in_.text_real());
       points_.add(p);
       in_.line();  // may hold the point's number
     }
@@ -302,22 +302,24 @@ class Su2Part final : public TextPart {
 
 }  // namespace
 
-MeshContents read_su2(const std::filesystem::path& path) {
+MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted) {
   MeshCollector collector;
-  MeshContents contents = stream_su2(path, collector);
+  MeshContents contents = stream_su2(path, collector, wanted);
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
 }
 
-MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream) {
+MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream, Coordinates wanted) {
   const InputFile file(path);
   Cursor in(file);
+  in.set_coordinates(wanted);
   MeshContents contents;
   Su2Reader reader(in, contents, stream);
   reader.read();
   if (reader.greatest_vertex() >= reader.num_points()) {
     Cursor again(file);
+    again.set_coordinates(wanted);
     MeshContents none;
     TetChecker checker(file.name(), reader.num_points());
     Su2Reader(again, none, checker).read();

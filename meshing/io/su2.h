@@ -14,9 +14,10 @@ namespace weft::meshing {
 
 /// Reads one three-dimensional zone: tets and the triangles of the markers, whose names get references (a
 /// number is its own). Other elements and what SU2 keeps besides are dropped. Throws InputError.
-MeshContents read_su2(const std::filesystem::path& path);
+MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same, but for points and tets, which go to the stream: the file is never in memory as a whole.
-MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream);
+MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream,
+                        Coordinates wanted = Coordinates::finite);
 
 /// Writes tets, points and a marker for each reference of triangles, whole or not at all; exactly.
 void write_su2(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});

@@ -148,7 +148,7 @@ class UgridReader {
   Point read_point() {
     in_.next_row();
     Point p;
-    for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    for (int c = 0; c < 3; ++c) p[c] = in_.coordinate(real());
     return p;
   }
   template <std::size_t N>
@@ -397,18 +397,19 @@ class UgridRows {
 
 }  // namespace
 
-MeshContents read_ugrid(const fs::path& path) {
+MeshContents read_ugrid(const fs::path& path, Coordinates wanted) {
   MeshCollector collector;
-  MeshContents contents = stream_ugrid(path, collector);
+  MeshContents contents = stream_ugrid(path, collector, wanted);
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
 }
 
-MeshContents stream_ugrid(const fs::path& path, MeshStream& stream) {
+MeshContents stream_ugrid(const fs::path& path, MeshStream& stream, Coordinates wanted) {
   const Encoding encoding = encoding_of(path);
   const InputFile file(path);
   Cursor in(file);
+  in.set_coordinates(wanted);
   MeshContents contents;
   UgridReader(in, encoding, contents).read(stream);
   if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);

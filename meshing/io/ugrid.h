@@ -19,10 +19,11 @@ namespace weft::meshing {
 /// Reads tets and triangles; the references of triangles are the surface IDs, with names where NAME.mapbc
 /// lies beside the file; those of tets the volume IDs, where it has them. Other elements are dropped. Throws
 /// InputError.
-MeshContents read_ugrid(const std::filesystem::path& path);
+MeshContents read_ugrid(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The same, but for points and tets, which go to the stream.
-MeshContents stream_ugrid(const std::filesystem::path& path, MeshStream& stream);
+MeshContents stream_ugrid(const std::filesystem::path& path, MeshStream& stream,
+                          Coordinates wanted = Coordinates::finite);
 bool is_ascii_ugrid(const std::filesystem::path& path);
 
 /// How many points and tets a binary file has; nothing for ASCII, of which no range can be found.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/io/files/byte_order.h"
+#include "meshing/io/files/coordinates.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/text_numbers.h"
 
@@ -145,9 +145,11 @@ class Cursor {
 
   // Checks
 
-  double finite(double coordinate) const {
-    if (!std::isfinite(coordinate)) fail("a coordinate is not finite");
-    return coordinate;
+  void set_coordinates(Coordinates wanted) { coordinates_ = wanted; }
+  /// Fails where it is none of those wanted: by default, where it is not finite.
+  double coordinate(double value) const {
+    if (!passes(value, coordinates_)) fail("a coordinate is not finite");
+    return value;
   }
   /// An index that counts from `first`, as one that counts from 0.
   std::uint32_t index(std::int64_t index, std::int64_t first, std::uint64_t limit) const {
@@ -204,6 +206,7 @@ class Cursor {
   std::uint64_t row_ = 0;  ///< 1-based; 0: none yet
   char comment_ = 0;
   bool swapped_ = false;
+  Coordinates coordinates_ = Coordinates::finite;
 };
 
 }  // namespace weft::meshing

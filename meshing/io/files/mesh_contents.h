@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "meshing/io/files/coordinates.h"
 #include "meshing/mesh/mesh_data.h"
 #include "weft/data.h"
 

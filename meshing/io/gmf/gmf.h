@@ -6,15 +6,13 @@
 #include <span>
 #include <vector>
 
+#include "meshing/io/files/coordinates.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
 
 // Binary versions: 1 has 32-bit reals; 2 has 64-bit reals; 3 adds 64-bit file positions; 4 adds 64-bit
 // indices. A path with the extension .mesh or .sol is ASCII, any other is binary.
-
-/// What coordinates a reader lets pass; `any` is for repair_mesh(), which judges them.
-enum class Coordinates { finite, any };
 
 /// Reads a tetrahedral mesh: versions 1 to 4, either byte order, or ASCII. Keeps what MeshData can hold and
 /// skips other keywords; volume elements other than linear tetrahedra are refused. Throws InputError naming

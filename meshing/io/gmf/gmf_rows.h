@@ -61,7 +61,7 @@ Point read_point(Rows& rows, Coordinates wanted = Coordinates::finite) {
   Point p;
   for (int c = 0; c < 3; ++c) {
     p[c] = rows.real();
-    if (wanted == Coordinates::finite && !std::isfinite(p[c])) rows.fail("a coordinate is not finite");
+    if (!passes(p[c], wanted)) rows.fail("a coordinate is not finite");
   }
   return p;
 }

@@ -321,7 +321,7 @@ class Reader {
 
   void read_point() {
     Point p;
-    for (int c = 0; c < 3; ++c) p[c] = in_.finite(real());
+    for (int c = 0; c < 3; ++c) p[c] = in_.coordinate(real());
     points_.add(p);
   }
 
@@ -828,9 +828,10 @@ MeshContents read_gmsh_range(const std::filesystem::path& path, const MeshRange&
   return contents;
 }
 
-MeshContents read_gmsh(const std::filesystem::path& path) {
+MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted) {
   const InputFile file(path);
   Cursor in(file);
+  in.set_coordinates(wanted);
   MeshContents contents;
   MeshCollector collector;
   Reader(in, contents, collector, true).read();

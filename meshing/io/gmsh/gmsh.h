@@ -13,7 +13,7 @@ namespace weft::meshing {
 /// order. References are physical groups with their names; in a dimension without any, the geometric
 /// entities. Node data are fields. Other elements and sections are dropped. Throws InputError naming file,
 /// entity and reason.
-MeshContents read_gmsh(const std::filesystem::path& path);
+MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
 /// ... nothing is kept, of others their tags.
 MeshContents stream_gmsh(const std::filesystem::path& path, MeshStream& stream);

@@ -132,9 +132,9 @@ std::string index_text(const SolutionData& fields, const std::vector<std::string
 }
 
 /// The pieces of each file that the index names.
-std::vector<std::vector<MeshPiece>> read_sources(const fs::path& path) {
+std::vector<std::vector<MeshPiece>> read_sources(const fs::path& path, Coordinates wanted) {
   std::vector<std::vector<MeshPiece>> sources;
-  for (const fs::path& source : pvtu_sources(path)) sources.push_back(read_vtu_pieces(source));
+  for (const fs::path& source : pvtu_sources(path)) sources.push_back(read_vtu_pieces(source, wanted));
   return sources;
 }
 
@@ -158,10 +158,12 @@ std::vector<fs::path> pvtu_sources(const fs::path& path) {
   return sources;
 }
 
-MeshContents read_pvtu(const fs::path& path) { return merged(read_sources(path)); }
+MeshContents read_pvtu(const fs::path& path, Coordinates wanted) {
+  return merged(read_sources(path, wanted));
+}
 
 MeshContents read_pvtu_by_piece(const fs::path& path) {
-  std::vector<std::vector<MeshPiece>> sources = read_sources(path);
+  std::vector<std::vector<MeshPiece>> sources = read_sources(path, Coordinates::finite);
   for (std::size_t i = 0; i < sources.size(); ++i)
     for (MeshPiece& piece : sources[i])
       std::ranges::fill(piece.contents.mesh.tet_refs, static_cast<std::int32_t>(i));

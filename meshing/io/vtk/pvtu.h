@@ -12,7 +12,7 @@ namespace weft::meshing {
 /// Reads all pieces as one mesh. Points are the same where their global IDs are (point data that PointData
 /// names as GlobalIds, or called GlobalPointIds), without IDs where their coordinates are. Ghost cells are
 /// left out.
-MeshContents read_pvtu(const std::filesystem::path& path);
+MeshContents read_pvtu(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The files of the pieces, in the order of the index.
 std::vector<std::filesystem::path> pvtu_sources(const std::filesystem::path& path);

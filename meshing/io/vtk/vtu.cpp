@@ -74,8 +74,8 @@ class PieceReader {
         num_points_(document.count(piece, "NumberOfPoints")),
         num_cells_(document.count(piece, "NumberOfCells")) {}
 
-  MeshPiece read() {
-    read_points();
+  MeshPiece read(Coordinates wanted = Coordinates::finite) {
+    read_points(wanted);
     find_cell_data();
     read_cells();
     read_point_data();
@@ -113,7 +113,7 @@ class PieceReader {
     return range_ ? Rows{length * range_->rows.first_point, length * range_->rows.num_points} : Rows{};
   }
 
-  void read_points() {
+  void read_points(Coordinates wanted) {
     const pugi::xml_node array = piece_.child("Points").child("DataArray");
     if (!array) {
       if (num_points_ == 0) return;
@@ -124,7 +124,7 @@ class PieceReader {
     for (std::size_t i = 0; i < mesh().points.size(); ++i) {
       for (int c = 0; c < 3; ++c) {
         const double x = coordinates[3 * i + static_cast<std::size_t>(c)];
-        if (!std::isfinite(x))
+        if (!passes(x, wanted))
           document_.fail("point " + std::to_string(i + (range_ ? range_->rows.first_point : 0)),
                          "a coordinate is not finite");
         mesh().points[i][c] = x;
@@ -613,15 +613,17 @@ std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
 
 }  // namespace
 
-std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path) {
+std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path, Coordinates wanted) {
   const VtkDocument document(path, "UnstructuredGrid");
   std::vector<MeshPiece> pieces;
   for (const pugi::xml_node piece : pieces_of(document))
-    pieces.push_back(PieceReader(document, piece).read());
+    pieces.push_back(PieceReader(document, piece).read(wanted));
   return pieces;
 }
 
-MeshContents read_vtu(const std::filesystem::path& path) { return merge_pieces(read_vtu_pieces(path)); }
+MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted) {
+  return merge_pieces(read_vtu_pieces(path, wanted));
+}
 
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {
   const VtkDocument document(path, "UnstructuredGrid");

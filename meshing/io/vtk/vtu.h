@@ -18,7 +18,7 @@ namespace weft::meshing {
 /// Reads tets, triangles, lines, and vertices (which become corners): arrays as text, base64 or raw, inline
 /// or appended, also compressed with zlib. Integer cell data called ref (or by the names of Gmsh and Medit)
 /// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
-MeshContents read_vtu(const std::filesystem::path& path);
+MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The size of a file with one piece; nothing of one with several. Reads the types of all cells.
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
@@ -51,7 +51,8 @@ struct CellData {
 
 /// The pieces of one .vtu, and a .vtu as one of several. More cell data than `ref` are for viewers: readers
 /// here drop them.
-std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path);
+std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path,
+                                       Coordinates wanted = Coordinates::finite);
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
                      const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
                      const std::vector<CellData>& cell_data = {});

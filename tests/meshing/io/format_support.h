@@ -146,11 +146,13 @@ void change_every_byte(const fs::path& path, const std::string& bytes, Read read
   }
 }
 
-/// Reads every version of `bytes` with one byte changed; what is not refused must be usable.
-inline void damage_everywhere(const fs::path& path, const std::string& bytes,
-                              MeshContents (*read)(const fs::path&)) {
+/// Reads every version of `bytes` with one byte changed; what is not refused must be usable. `Wanted`:
+/// Coordinates, where the reader knows them.
+template <class... Wanted>
+void damage_everywhere(const fs::path& path, const std::string& bytes,
+                       MeshContents (*read)(const fs::path&, Wanted...)) {
   change_every_byte(path, bytes, [read](const fs::path& damaged) {
-    const MeshContents contents = read(damaged);
+    const MeshContents contents = read(damaged, Wanted{}...);
     expect_in_range(contents.mesh);
     check_lengths(contents.mesh, contents.fields);
   });
@@ -158,11 +160,12 @@ inline void damage_everywhere(const fs::path& path, const std::string& bytes,
 
 /// Reads every beginning of `bytes`. All must be refused, except that the last `optional` bytes may be
 /// missing.
-inline void truncate_everywhere(const fs::path& path, const std::string& bytes,
-                                MeshContents (*read)(const fs::path&), std::size_t optional = 0) {
+template <class... Wanted>
+void truncate_everywhere(const fs::path& path, const std::string& bytes,
+                         MeshContents (*read)(const fs::path&, Wanted...), std::size_t optional = 0) {
   for (std::size_t length = 0; length + optional < bytes.size(); ++length) {
     put_bytes(path, bytes.substr(0, length));
-    const std::string message = message_of([&] { read(path); });
+    const std::string message = message_of([&] { read(path, Wanted{}...); });
     EXPECT_TRUE(message.starts_with(path.string() + ": ")) << "length " << length << ": " << message;
   }
 }

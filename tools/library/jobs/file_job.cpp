@@ -48,10 +48,10 @@ class FileJob {
  private:
   void read() {
     monitor_.update("reading", 0, 0);
-    const auto read_mesh = options_.run.repair ? meshing::read_mesh_to_repair : meshing::read_mesh;
-    input_ = read_mesh(files_.input, &names_);
+    const auto wanted = options_.run.repair ? meshing::Coordinates::any : meshing::Coordinates::finite;
+    input_ = meshing::read_mesh(files_.input, &names_, wanted);
     if (!files_.background.empty() && !same_file(files_.background, files_.input))
-      background_ = read_mesh(files_.background, nullptr);
+      background_ = meshing::read_mesh(files_.background, nullptr, wanted);
     if (input_.tets.empty()) throw InputError(files_.input, "", "has no tetrahedra");
     fields_ = read_all_fields(files_.fields, input_.points.size(), files_.input);
     if (options_.run.repair) mend();

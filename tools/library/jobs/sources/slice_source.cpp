@@ -109,7 +109,7 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
   if (only_scaled(metric)) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
-    input.whole = meshing::read_mesh_to_repair(files.input, &input.names);
+    input.whole = meshing::read_mesh(files.input, &input.names, meshing::Coordinates::any);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
     fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
     MetricOptions none;
@@ -140,7 +140,7 @@ void mend_background(Peers& peers, const Files& files, const Options& options,
   LogMetricMade made;
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
-    whole = meshing::read_mesh_to_repair(files.background);
+    whole = meshing::read_mesh(files.background, nullptr, meshing::Coordinates::any);
     if (whole.tets.empty()) throw InputError(files.background, "", "has no tetrahedra");
     MetricOptions metric = options.metric;
     RepairedMetric repaired = repair_background(whole, files.background, metric);
