@@ -300,17 +300,7 @@ class Su2Part final : public TextPart {
   std::vector<std::vector<std::uint32_t>> of_markers_;  ///< the triangles of each
 };
 
-}  // namespace
-
-MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted) {
-  MeshCollector collector;
-  MeshContents contents = stream_su2(path, collector, wanted);
-  collector.put_into(contents.mesh);
-  contents.complete();
-  return contents;
-}
-
-MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream, Coordinates wanted) {
+MeshContents read_into(const std::filesystem::path& path, MeshStream& stream, Coordinates wanted) {
   const InputFile file(path);
   Cursor in(file);
   in.set_coordinates(wanted);
@@ -327,6 +317,20 @@ MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream, C
   reader.check_markers();
   contents.mesh.triangle_refs.resize(contents.mesh.triangles.size());
   return contents;
+}
+
+}  // namespace
+
+MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted) {
+  MeshCollector collector;
+  MeshContents contents = read_into(path, collector, wanted);
+  collector.put_into(contents.mesh);
+  contents.complete();
+  return contents;
+}
+
+MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream) {
+  return read_into(path, stream, Coordinates::finite);
 }
 
 void write_su2(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {

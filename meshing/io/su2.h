@@ -16,8 +16,7 @@ namespace weft::meshing {
 /// number is its own). Other elements and what SU2 keeps besides are dropped. Throws InputError.
 MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same, but for points and tets, which go to the stream: the file is never in memory as a whole.
-MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream,
-                        Coordinates wanted = Coordinates::finite);
+MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream);
 
 /// Writes tets, points and a marker for each reference of triangles, whole or not at all; exactly.
 void write_su2(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});

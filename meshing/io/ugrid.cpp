@@ -395,17 +395,7 @@ class UgridRows {
   Encoding encoding_;
 };
 
-}  // namespace
-
-MeshContents read_ugrid(const fs::path& path, Coordinates wanted) {
-  MeshCollector collector;
-  MeshContents contents = stream_ugrid(path, collector, wanted);
-  collector.put_into(contents.mesh);
-  contents.complete();
-  return contents;
-}
-
-MeshContents stream_ugrid(const fs::path& path, MeshStream& stream, Coordinates wanted) {
+MeshContents read_into(const fs::path& path, MeshStream& stream, Coordinates wanted) {
   const Encoding encoding = encoding_of(path);
   const InputFile file(path);
   Cursor in(file);
@@ -414,6 +404,20 @@ MeshContents stream_ugrid(const fs::path& path, MeshStream& stream, Coordinates 
   UgridReader(in, encoding, contents).read(stream);
   if (fs::exists(mapbc_beside(path))) read_mapbc(mapbc_beside(path), contents);
   return contents;
+}
+
+}  // namespace
+
+MeshContents read_ugrid(const fs::path& path, Coordinates wanted) {
+  MeshCollector collector;
+  MeshContents contents = read_into(path, collector, wanted);
+  collector.put_into(contents.mesh);
+  contents.complete();
+  return contents;
+}
+
+MeshContents stream_ugrid(const fs::path& path, MeshStream& stream) {
+  return read_into(path, stream, Coordinates::finite);
 }
 
 bool is_ascii_ugrid(const fs::path& path) { return encoding_of(path).ascii; }

@@ -22,8 +22,7 @@ namespace weft::meshing {
 MeshContents read_ugrid(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The same, but for points and tets, which go to the stream.
-MeshContents stream_ugrid(const std::filesystem::path& path, MeshStream& stream,
-                          Coordinates wanted = Coordinates::finite);
+MeshContents stream_ugrid(const std::filesystem::path& path, MeshStream& stream);
 bool is_ascii_ugrid(const std::filesystem::path& path);
 
 /// How many points and tets a binary file has; nothing for ASCII, of which no range can be found.
