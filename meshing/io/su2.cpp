@@ -300,7 +300,7 @@ class Su2Part final : public TextPart {
   std::vector<std::vector<std::uint32_t>> of_markers_;  ///< the triangles of each
 };
 
-MeshContents read_into(const std::filesystem::path& path, MeshStream& stream, Coordinates wanted) {
+MeshContents read_su2_into(const std::filesystem::path& path, MeshStream& stream, Coordinates wanted) {
   const InputFile file(path);
   Cursor in(file);
   in.set_coordinates(wanted);
@@ -323,14 +323,14 @@ MeshContents read_into(const std::filesystem::path& path, MeshStream& stream, Co
 
 MeshContents read_su2(const std::filesystem::path& path, Coordinates wanted) {
   MeshCollector collector;
-  MeshContents contents = read_into(path, collector, wanted);
+  MeshContents contents = read_su2_into(path, collector, wanted);
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
 }
 
 MeshContents stream_su2(const std::filesystem::path& path, MeshStream& stream) {
-  return read_into(path, stream, Coordinates::finite);
+  return read_su2_into(path, stream, Coordinates::finite);
 }
 
 void write_su2(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {

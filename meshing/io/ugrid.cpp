@@ -395,7 +395,7 @@ class UgridRows {
   Encoding encoding_;
 };
 
-MeshContents read_into(const fs::path& path, MeshStream& stream, Coordinates wanted) {
+MeshContents read_ugrid_into(const fs::path& path, MeshStream& stream, Coordinates wanted) {
   const Encoding encoding = encoding_of(path);
   const InputFile file(path);
   Cursor in(file);
@@ -410,14 +410,14 @@ MeshContents read_into(const fs::path& path, MeshStream& stream, Coordinates wan
 
 MeshContents read_ugrid(const fs::path& path, Coordinates wanted) {
   MeshCollector collector;
-  MeshContents contents = read_into(path, collector, wanted);
+  MeshContents contents = read_ugrid_into(path, collector, wanted);
   collector.put_into(contents.mesh);
   contents.complete();
   return contents;
 }
 
 MeshContents stream_ugrid(const fs::path& path, MeshStream& stream) {
-  return read_into(path, stream, Coordinates::finite);
+  return read_ugrid_into(path, stream, Coordinates::finite);
 }
 
 bool is_ascii_ugrid(const fs::path& path) { return encoding_of(path).ascii; }

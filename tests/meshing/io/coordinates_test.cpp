@@ -63,16 +63,17 @@ TEST_P(CoordinatesOfFormats, AVertexOfATetIsRefusedByRepair) {
 std::string name_of(const testing::TestParamInfo<FileKind>& info) {
   std::string name = info.param.name;
   std::ranges::replace(name, '.', '_');
-  return name + (info.param.options.ascii ? "_ascii" : "");
+  return name + (info.param.options.encoding == WriteOptions::Encoding::ascii ? "_ascii" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Io, CoordinatesOfFormats,
                          testing::Values(FileKind{"m.meshb", {}}, FileKind{"m.mesh", {}},
                                          FileKind{"m.su2", {}}, FileKind{"m.ugrid", {}},
                                          FileKind{"m.lb8.ugrid", {}}, FileKind{"m.msh", {}},
-                                         FileKind{"m.msh", {.ascii = true}}, FileKind{"m.vtu", {}},
-                                         FileKind{"m.vtu", {.ascii = true}}, FileKind{"m.pvtu", {}},
-                                         FileKind{"m.cgns", {}}),
+                                         FileKind{"m.msh", {.encoding = WriteOptions::Encoding::ascii}},
+                                         FileKind{"m.vtu", {}},
+                                         FileKind{"m.vtu", {.encoding = WriteOptions::Encoding::ascii}},
+                                         FileKind{"m.pvtu", {}}, FileKind{"m.cgns", {}}),
                          name_of);
 
 }  // namespace
