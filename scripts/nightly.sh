@@ -27,7 +27,8 @@ scripts/fuzz.sh 3600
 scripts/fuzz_runs.py build/bin/weft --seconds 3600
 # A thousand ranks in one thread, and real ones: the same bytes.
 scripts/many_ranks.py
-# Several hosts over TCP, links that are slow or cut; skips loudly where network namespaces are not permitted.
+# Several hosts over TCP, links that are slow, lossy or cut, hosts that are lost; skips loudly where network namespaces are not permitted.
 scripts/several_hosts.py --hosts 4
+scripts/several_hosts.py --random 100
 scripts/bench.sh
 scripts/bench.sh engine

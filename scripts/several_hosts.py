@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
 """Runs weft over TCP on several hosts that are network namespaces of this machine: latency, limited bandwidth, a link
-that is cut and restored, a host that is cut for good. Needs root, ip and Open MPI; says loudly what it cannot do."""
+that is cut and restored, a host that is cut off for good or killed; or trials at random of all these. Needs root, ip and Open MPI; says loudly what it cannot do."""
 
 import argparse
 import atexit
 import os
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+
+from soft_switch import MTU, SoftSwitch
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PREFIX = f"weft{os.getpid() % 10000}"
@@ -24,6 +27,7 @@ exec ip netns exec {prefix}-${{host##*.}} unshare --uts bash -c 'hostname "$0"; 
 # Silence after which a rank on another host counts as dead (RuntimeOptions::silence), the grace to agree on it, and
 # what mpirun takes to end.
 PATIENCE = 120
+RETRIES = 6  # of what nobody acknowledges: some 25 s
 
 
 def sh(*words, check=True):
@@ -38,31 +42,27 @@ def skip(why):
 
 
 class Hosts:
-    """Namespaces 1 to n at 10.77.0.1 to n, joined by a bridge in a namespace of its own."""
+    """Namespaces 1 to n at 10.77.0.1 to n, joined by a switch."""
 
     def __init__(self, count):
-        self.count, self.switch = count, f"{PREFIX}-s"
+        self.count = count
         atexit.register(self.remove)
-        sh("ip", "netns", "add", self.switch)
-        self.within(self.switch, "ip", "link", "add", "bridge", "type", "bridge")
-        self.within(self.switch, "ip", "link", "set", "bridge", "up")
-        for host in range(1, count + 1):
-            self.add(host)
+        names = [self.name(host) for host in range(1, count + 1)]
+        for name in names:
+            sh("ip", "netns", "add", name)
+        self.switch = SoftSwitch(names, "weft0")
+        for host, name in enumerate(names, 1):
+            self.within(name, "ip", "address", "add", f"10.77.0.{host}/24", "dev", "weft0")
+            self.within(name, "ip", "link", "set", "lo", "up")
+            self.within(name, "ip", "link", "set", "weft0", "mtu", MTU, "up")
+            # Open MPI's daemons notice a silent host by TCP alone, which gives up after a quarter of an hour by default.
+            self.within(name, "sysctl", "-qw", f"net.ipv4.tcp_retries2={RETRIES}")
 
     def name(self, host):
         return f"{PREFIX}-{host}"
 
     def within(self, name, *words, check=True):
         return sh("ip", "netns", "exec", name, *words, check=check)
-
-    def add(self, host):
-        name = self.name(host)
-        sh("ip", "netns", "add", name)
-        self.within(self.switch, "ip", "link", "add", f"port{host}", "type", "veth", "peer", "name", "weft0", "netns", name)
-        self.within(self.switch, "ip", "link", "set", f"port{host}", "master", "bridge", "up")
-        self.within(name, "ip", "address", "add", f"10.77.0.{host}/24", "dev", "weft0")
-        self.within(name, "ip", "link", "set", "lo", "up")
-        self.within(name, "ip", "link", "set", "weft0", "up")
 
     def works(self, host, program):
         """Whether a process of that program runs there."""
@@ -90,22 +90,14 @@ class Hosts:
             except OSError:
                 pass
 
-    def shape(self, *words):
-        """A queueing discipline on every link; False where the kernel has none such."""
-        for host in range(1, self.count + 1):
-            self.within(self.switch, "tc", "qdisc", "del", "dev", f"port{host}", "root", check=False)
-            if words and self.within(self.switch, "tc", "qdisc", "add", "dev", f"port{host}", "root", *words, check=False).returncode != 0:
-                return False
-        return True
-
-    def link(self, host, state):
-        self.within(self.switch, "ip", "link", "set", f"port{host}", state)
+    def link(self, host, up):
+        self.switch.link(host - 1, up)
 
     def remove(self):
         for host in range(1, self.count + 1):
             self.kill(host)
-        for name in [self.switch, *map(self.name, range(1, self.count + 1))]:
-            sh("ip", "netns", "del", name, check=False)
+        for host in range(1, self.count + 1):
+            sh("ip", "netns", "del", self.name(host), check=False)
 
 
 class Run:
@@ -169,50 +161,81 @@ class Trials:
         run = Run(self.options, self.hosts, self.folder, "out")
         meanwhile(run)
         code, said, seconds = run.end(self.options.limit)
-        same = code == self.code and run.output.exists() and run.output.read_bytes() == self.bytes
+        same = self.is_right(run, code)
         self.say(name, same, f"the mesh of one process in {seconds:.1f} s" if same else f"exit {code} after {seconds:.1f} s\n{said}")
         run.output.unlink(missing_ok=True)
 
-    def shaped(self, name, *words):
-        if self.hosts.shape(*words):
-            self.same_mesh(name)
-        else:
-            skip(f"{name}: this kernel has no '{words[0]}'")
-        self.hosts.shape()
+    def is_right(self, run, code):
+        return code == self.code and run.output.exists() and run.output.read_bytes() == self.bytes
+
+    def shaped(self, name, meanwhile=lambda run: None, **how):
+        self.hosts.switch.shape(**how)
+        self.same_mesh(name, meanwhile)
+        self.hosts.switch.shape()
+
+    def cut(self, host, after, seconds):
+        """What cuts a host off for a while."""
+        def meanwhile(run):
+            run.under_way(self.hosts, after)
+            self.hosts.link(host, False)
+            time.sleep(seconds)
+            self.hosts.link(host, True)
+        return meanwhile
 
     def cut_and_restored(self, seconds):
-        def cut(run):
-            run.under_way(self.hosts, self.options.cut_after)
-            self.hosts.link(self.hosts.count, "down")
-            time.sleep(seconds)
-            self.hosts.link(self.hosts.count, "up")
-        self.same_mesh(f"a link cut for {seconds} s", cut)
+        self.same_mesh(f"a link cut for {seconds} s", self.cut(self.hosts.count, self.options.cut_after, seconds))
 
-    def cut_for_good(self):
+    def lost(self, name, host, after, lose):
+        """A host that goes for good: the run ends and names it, no process goes on and nothing is written; unless it is over before."""
         run = Run(self.options, self.hosts, self.folder, "out")
-        if not run.under_way(self.hosts, self.options.cut_after):
-            return self.say("a host cut for good", False, "the run was over before the cut: give a larger --complexity")
-        self.hosts.link(self.hosts.count, "down")
+        run.under_way(self.hosts, after)
+        lose(host)
         code, said, seconds = run.end(PATIENCE)
-        left = self.hosts.left_over(self.hosts.count, PATIENCE)
-        self.hosts.link(self.hosts.count, "up")
-        if left:
-            said += "error: processes went on on the host that was cut off\n"
-            code = None
-        named = "rank" in said or "10.77.0." in said or self.hosts.name(self.hosts.count) in said
-        good = code not in (None, 0) and named  # mpirun has codes of its own and not run.output.exists()
-        what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
-        self.say("a host cut for good", good, f"exit {code} after {seconds:.1f} s: {what}")
+        left = [h for h in range(1, self.hosts.count + 1) if self.hosts.left_over(h, PATIENCE)]
+        self.hosts.link(host, True)
+        if self.is_right(run, code):
+            self.say(name, True, f"was over before, after {seconds:.1f} s")
+        else:
+            told_by_nobody = lose == self.hosts.kill and host == 1  # mpirun was killed too
+            named = told_by_nobody or "rank" in said or "10.77.0." in said or self.hosts.name(host) in said
+            good = code not in (None, 0) and named and not left and not run.output.exists()  # mpirun has codes of its own
+            what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
+            self.say(name, good, f"exit {code} after {seconds:.1f} s: {what}{f'; processes went on on hosts {left}' if left else ''}")
+        run.output.unlink(missing_ok=True)
+
+    def cut_for_good(self, host, after):
+        self.lost(f"host {host} cut off for good", host, after, lambda lost: self.hosts.link(lost, False))
+
+    def killed(self, host, after):
+        self.lost(f"all processes of host {host} killed", host, after, self.hosts.kill)
+
+    def at_random(self, draw):
+        """One trial: links of any kind, then perhaps a cut, or a host that goes for good."""
+        host, after = draw.randrange(1, self.hosts.count + 1), draw.uniform(0, 2 * self.options.cut_after)
+        kind = draw.choices(["slow", "cut", "cut for good", "killed"], [4, 3, 1, 2])[0]
+        if kind == "killed":
+            return self.killed(host, after)
+        if kind == "cut for good":
+            return self.cut_for_good(host, after)
+        delay = draw.uniform(0, 0.02)
+        how = {"delay": delay, "jitter": draw.uniform(0, delay / 2), "loss": 10 ** draw.uniform(-4, -2.3), "rate": 10 ** draw.uniform(6.5, 8)}
+        name = f"{1000 * how['delay']:.1f} +- {1000 * how['jitter']:.1f} ms, {100 * how['loss']:.2f} % lost, {8e-6 * how['rate']:.0f} Mbit/s"
+        if kind == "slow":
+            return self.shaped(name, **how)
+        seconds = draw.uniform(0.5, 8)
+        return self.shaped(f"{name}, host {host} cut off for {seconds:.1f} s", self.cut(host, after, seconds), **how)
 
 
 def why_not():
     if os.geteuid() != 0:
         return "network namespaces need root"
-    for tool in ("ip", "tc", "unshare", "mpirun"):
+    for tool in ("ip", "unshare", "mpirun"):
         if shutil.which(tool) is None:
             return f"{tool} is not installed"
     if "Open MPI" not in sh("mpirun", "--version", check=False).stdout:
         return "mpirun is not Open MPI's"
+    if not os.access("/dev/net/tun", os.R_OK | os.W_OK):
+        return "there is no /dev/net/tun, for devices of programs"
     made = sh("ip", "netns", "add", f"{PREFIX}-t", check=False)
     sh("ip", "netns", "del", f"{PREFIX}-t", check=False)
     return f"network namespaces are not permitted here: {made.stderr.strip()}" if made.returncode != 0 else None
@@ -232,8 +255,10 @@ def main():
     parser.add_argument("--complexity", type=int, default=4000)
     parser.add_argument("--cut-after", type=float, default=3, help="seconds after the ranks have started")
     parser.add_argument("--limit", type=float, default=600, help="seconds after which a run hangs")
-    parser.add_argument("--only", choices=["plain", "latency", "bandwidth", "restored", "cut"], help="one of the trials")
+    parser.add_argument("--only", choices=["plain", "latency", "bandwidth", "restored", "cut", "killed"], help="one of the trials")
     parser.add_argument("--repeat", type=int, default=1)
+    parser.add_argument("--random", type=int, default=0, help="so many trials at random in place of these")
+    parser.add_argument("--seed", type=int, default=1, help="of the first; the next ones count on")
     options = parser.parse_args()
     options.weft = options.weft.resolve()
     signal.signal(signal.SIGTERM, end_by_signal)
@@ -242,13 +267,16 @@ def main():
     with tempfile.TemporaryDirectory(prefix="weft-hosts-") as folder:
         hosts = Hosts(options.hosts)
         trials = Trials(options, hosts, pathlib.Path(folder))
-        for _ in range(options.repeat):
+        for seed in range(options.seed, options.seed + options.random):
+            trials.at_random(random.Random(seed))
+        for _ in range(0 if options.random else options.repeat):
             for name, trial in {
                 "plain": lambda: trials.same_mesh(f"{options.hosts} hosts"),
-                "latency": lambda: trials.shaped("latency of 20 ms, jitter 5 ms, 0.1 % lost", "netem", "delay", "20ms", "5ms", "loss", "0.1%"),
-                "bandwidth": lambda: trials.shaped("100 Mbit/s", "tbf", "rate", "100mbit", "burst", "64kb", "latency", "200ms"),
+                "latency": lambda: trials.shaped("latency of 20 ms, jitter 5 ms, 0.1 % lost", delay=0.02, jitter=0.005, loss=0.001),
+                "bandwidth": lambda: trials.shaped("100 Mbit/s", rate=100e6 / 8),
                 "restored": lambda: trials.cut_and_restored(3),
-                "cut": trials.cut_for_good,
+                "cut": lambda: trials.cut_for_good(options.hosts, options.cut_after),
+                "killed": lambda: trials.killed(options.hosts, options.cut_after),
             }.items():
                 if options.only in (None, name):
                     trial()
