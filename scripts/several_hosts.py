@@ -56,7 +56,7 @@ class Hosts:
             self.within(name, "ip", "link", "set", "lo", "up")
             self.within(name, "ip", "link", "set", "weft0", "mtu", MTU, "up")
             # Open MPI's daemons notice a silent host by TCP alone, which gives up after a quarter of an hour by default.
-            self.within(name, "sysctl", "-qw", f"net.ipv4.tcp_retries2={RETRIES}")
+            self.within(name, "sh", "-c", f"echo {RETRIES} >/proc/sys/net/ipv4/tcp_retries2")
 
     def name(self, host):
         return f"{PREFIX}-{host}"
