@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What fuzzing starts from, one file of each kind at least: files of other programs, and those that weft writes: seeds.sh WEFT FOLDER.
 set -euo pipefail
-weft=$1
+weft=$(realpath "$1")
 mkdir -p "$2"
 cp "$(dirname "$0")"/../data/formats/*.* "$(dirname "$0")"/../data/*.meshb "$2"
 cd "$2"
