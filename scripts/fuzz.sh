@@ -11,6 +11,7 @@ cmake --preset fuzz --log-level=WARNING
 cmake --build --preset fuzz --parallel "$(nproc)" --target weft weft_fuzz_readers weft_fuzz_options
 
 # The first line of an input names the format of the rest (tests/fuzz/readers.cpp).
+export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1:suppressions=$PWD/scripts/known_undefined.txt
 export ASAN_OPTIONS=detect_leaks=0  # HDF5 and OpenCASCADE are not built for it: what they leak is not ours
 corpus=build-fuzz/corpus-readers
 mkdir -p "$corpus" build-fuzz/corpus-options
@@ -20,7 +21,6 @@ for file in build-fuzz/seeds/*; do
   { echo ".${name#*.}" && cat "$file"; } >"$corpus/$name"
 done
 
-export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
 failed=0
 for target in readers options; do
   build-fuzz/bin/weft_fuzz_$target "build-fuzz/corpus-$target" -max_total_time="$seconds" -max_len=65536 -timeout=60 \
