@@ -4,6 +4,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 
 template <>
@@ -62,3 +63,14 @@ inline void nlohmann::ordered_json::json_value::destroy(value_t type) {
   if (type == value_t::string) delete string;
   if (type == value_t::binary) delete binary;
 }
+
+namespace weft::engine {
+
+/// The document's "schema"; empty where it has none that is text.
+inline std::string schema_of(const nlohmann::ordered_json& document) {
+  if (!document.is_object()) return {};
+  const auto found = document.find("schema");
+  return found != document.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace weft::engine

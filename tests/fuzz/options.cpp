@@ -44,7 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     *number = values.take<double>();
   o.run.threads = values.take<int>();
   o.distributed.subdomains = values.take<std::uint32_t>();
-  if (values.take<bool>()) o.distributed.layers = values.take<int>();
+  if (values.take<std::uint8_t>() % 2 == 1) o.distributed.layers = values.take<int>();
   o.metric.function = values.text();
   o.distributed.partitioner = values.text();
   o.distributed.balancer = values.text();

@@ -35,7 +35,7 @@ std::string lacks(const std::string& name, const std::string& member) {
 }
 
 Document document(const std::string& name, const Json& json) {
-  const std::string schema = json.is_object() ? json.value("schema", "") : "";
+  const std::string schema = engine::schema_of(json);
   if (schema != "weft-profile-1" && schema != "weft-report-1")
     throw std::invalid_argument(name + " is neither a profile (weft-profile-1) nor a report (weft-report-1)");
   if (schema == "weft-profile-1")

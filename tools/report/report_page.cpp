@@ -55,7 +55,7 @@ nlohmann::ordered_json completed(nlohmann::ordered_json profile) {
 }  // namespace
 
 std::string report_page(const nlohmann::ordered_json& any_profile) {
-  if (!any_profile.is_object() || any_profile.value("schema", "") != "weft-profile-1")
+  if (engine::schema_of(any_profile) != "weft-profile-1")
     throw std::invalid_argument("no weft-profile-1 document");
   const nlohmann::ordered_json profile = completed(any_profile);
   std::string scripts = script(asset("chart.min.js"));

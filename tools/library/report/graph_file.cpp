@@ -10,7 +10,7 @@ namespace weft::tools {
 
 graph::dataflow::GraphDump read_graph(const std::string& path) {
   nlohmann::ordered_json json = read_json(path);
-  if (json.is_object() && json.value("schema", "") == "weft-profile-1") {
+  if (engine::schema_of(json) == "weft-profile-1") {
     nlohmann::ordered_json inner = std::move(json["graph"]);
     if (inner.is_null()) throw meshing::InputError(path, "", "contains no graph: the run recorded none");
     json = std::move(inner);

@@ -99,9 +99,8 @@ class Loop {
   static Json read_marker(const fs::path& path) {
     std::ifstream in(path);
     Json marker = Json::parse(in, nullptr, false);
-    const bool good = marker.is_object() && marker.value("schema", Json()) == kSchema &&
-                      marker.contains("settings") && marker["settings"].is_object() &&
-                      marker.contains("goal_met");
+    const bool good = engine::schema_of(marker) == kSchema && marker.contains("settings") &&
+                      marker["settings"].is_object() && marker.contains("goal_met");
     if (!good)
       throw InputError(path.string(), "", "is no marker of a cycle: remove it to do the cycle again");
     return marker;
