@@ -57,7 +57,9 @@ MeshData prepared(const MeshData& start, const FillOptions& options) {
 AdaptResult fill_kept_surface(const MeshData& input, const FillOptions& options) {
   const LogMetricField metric =
       PointDistribution(input, options.growth, options.size).sample_inside(input, 1);
-  return adapt(input, {&input, &metric}, options.adapt);
+  AdaptOptions adapt_options = options.adapt;
+  adapt_options.coarsen = false;  // the points are where they should be, however poor the tets are
+  return adapt(input, {&input, &metric}, adapt_options);
 }
 
 /// A surface that is adapted has lost its own sizes after the coarse pass, which makes points to carry them.
