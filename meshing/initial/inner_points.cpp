@@ -45,11 +45,11 @@ class Front {
     bool in_sphere;  ///< of the tet that it is to break up
   };
   // Shares of the size.
-  static constexpr double kLargeRadius = 0.85;  ///< of a tet that is broken up; a regular one has 0.61
-  static constexpr double kNearest = 0.7;       ///< of a new point to any other
-  static constexpr double kFarApart = 2;        ///< of the first points
-  static constexpr double kFlattest = 0.5;      ///< height of a new point over the face it is made for
-  static constexpr double kOverFacet = 0.35;    ///< least height over facets
+  static constexpr double kLargeRadius = 0.8;  ///< of a tet that is broken up; a regular one has 0.61
+  static constexpr double kNearest = 0.7;      ///< of a new point to any other
+  static constexpr double kFarApart = 2;       ///< of the first points
+  static constexpr double kFlattest = 0.5;     ///< height of a new point over the face it is made for
+  static constexpr double kOverFacet = 0.35;   ///< least height over facets
 
   /// A tet whose circumcentre is far from everything.
   struct Huge {

@@ -39,9 +39,30 @@ ExactPlace TetGrid::place(std::uint32_t v) const {
   return is_exact(v) ? places_[exact_[v]] : ExactPlace::at(points[v]);
 }
 
+namespace {
+
+double largest_coordinate(const Point& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
+
+/// The sign of orientation() where it is the same for all points that are rounded to these, else 0: each
+/// coordinate is off by a unit in its last place at most (2.3e-16 of the largest), a difference by twice
+/// that, and each of the three differences has minors of at most twice the largest one's square.
+int sign_of_rounded(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const Vec u = b - a, v = c - a, w = d - a;
+  const double longest = std::max({largest_coordinate(u), largest_coordinate(v), largest_coordinate(w)});
+  const double farthest =
+      std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c), largest_coordinate(d)});
+  const double det = dot(cross(u, v), w);
+  const double bound = 2e-14 * (farthest + longest) * longest * longest;  // twice what it can be
+  return det > bound ? 1 : det < -bound ? -1 : 0;
+}
+
+}  // namespace
+
 int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d))
-    return orientation(place(a), place(b), place(c), place(d));
+  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d)) {
+    const int sign = sign_of_rounded(points[a], points[b], points[c], points[d]);
+    return sign != 0 ? sign : orientation(place(a), place(b), place(c), place(d));
+  }
   return orientation(points[a], points[b], points[c], points[d]);
 }
 
