@@ -22,28 +22,6 @@ struct Regions {
   std::vector<int> depth;
 };
 
-std::vector<std::uint32_t> flood(const TetGrid& grid, std::uint32_t& count) {
-  std::vector<std::uint32_t> region(grid.tets.size(), kNothing), stack;
-  count = 0;
-  for (std::uint32_t first = 0; first < grid.tets.size(); ++first) {
-    if (!grid.alive(first) || region[first] != kNothing) continue;
-    region[first] = count;
-    stack.assign(1, first);
-    while (!stack.empty()) {
-      const std::uint32_t t = stack.back();
-      stack.pop_back();
-      for (int f = 0; f < 4; ++f) {
-        const std::uint32_t n = grid.tets[t].n[f];
-        if (n == kNothing || grid.tets[t].facet[f] != kNothing || region[n >> 2] != kNothing) continue;
-        region[n >> 2] = count;
-        stack.push_back(n >> 2);
-      }
-    }
-    ++count;
-  }
-  return region;
-}
-
 /// Connected pieces of the surface (through vertices), numbered by facet.
 std::vector<std::uint32_t> shells(const std::vector<Face3>& facets, std::size_t num_points) {
   std::vector<std::uint32_t> parent(num_points);
@@ -65,7 +43,7 @@ Regions find_regions(const Recovery& r, std::uint32_t outside_vertex) {
   const TetGrid& grid = r.grid;
   Regions regions;
   std::uint32_t count = 0;
-  regions.of_tet = flood(grid, count);
+  regions.of_tet = flood_regions(grid, count);
   regions.depth.assign(count, -1);
   std::map<std::uint32_t, std::vector<std::uint32_t>> of_shell;   // shell -> regions at it
   std::map<std::uint32_t, std::vector<std::uint32_t>> at_region;  // region -> shells at it
@@ -119,7 +97,7 @@ class Export {
 
   void run() {
     std::uint32_t count = 0;
-    region_ = flood(grid_, count);
+    region_ = flood_regions(grid_, count);
     number_regions(count);
     add_points();
     add_tets();
@@ -207,12 +185,12 @@ class Export {
 };
 
 /// Steiner points that found no way off the surface may find one when the tets beside them are better.
-void improve_grid(Recovery& r, InitialGrid& result) {
+void free_surface(Recovery& r, InitialGrid& result) {
   constexpr int kMostRounds = 3;
   for (int round = 0; round < kMostRounds; ++round) {
     result.left_on_surface = lift_steiner_points(r);
-    improve_tets(r);
     if (result.left_on_surface == 0) return;
+    improve_tets(r.grid);
   }
   round_steiner_points(r);
 }
@@ -230,7 +208,7 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   const auto outside = static_cast<std::uint32_t>(surface.mesh.points.size());
   carve(r.grid, find_regions(r, outside), options);
   InitialGrid result;
-  improve_grid(r, result);
+  free_surface(r, result);
   Export(r, surface, result).run();
   return result;
 }

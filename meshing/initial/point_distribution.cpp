@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "meshing/initial/spread_sizes.h"
-
 namespace weft::meshing {
 
 PointDistribution::PointDistribution(const MeshData& mesh, double growth, double size)
@@ -107,15 +105,19 @@ LogMetricField PointDistribution::sample(std::span<const Point> points, double f
   return field;
 }
 
-LogMetricField PointDistribution::sample_inside(const MeshData& mesh, double factor) const {
+std::vector<SizeSource> PointDistribution::size_sources() const {
   std::vector<SizeSource> given(sources_.size());
   tbb::parallel_for(std::size_t{0}, sources_.size(), [&](std::size_t i) {
     given[i] = {sources_[i].vertex, sources_[i].size, steepest(sources_[i])};
   });
-  const std::vector<double> sizes = spread_sizes(mesh, given);
+  return given;
+}
+
+LogMetricField PointDistribution::sample_inside(const MeshData& mesh, double factor) const {
+  const std::vector<SpreadSize> sizes = spread_sizes(mesh, size_sources());
   LogMetricField field(sizes.size());
   for (std::size_t v = 0; v < sizes.size(); ++v)
-    field[v] = identity_tensor(-2 * std::log(factor * std::min(sizes[v], size_)));
+    field[v] = identity_tensor(-2 * std::log(factor * std::min(sizes[v].size, size_)));
   return field;
 }
 

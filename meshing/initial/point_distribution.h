@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/spread_sizes.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_field.h"
 
@@ -18,7 +19,7 @@ namespace weft::meshing {
 /// A surface that is kept may grow faster than `growth`, or be fine on one side of a thin gap and coarse on
 /// the other; its large triangles must not stand among points that are far too dense for them. For such, s_w
 /// is at least the steepest way from w to any surface vertex v, (h_v - h_w) / max(|v - w|, h_w), up to 0.6
-/// (sample_inside).
+/// (size_sources).
 class PointDistribution {
  public:
   /// `mesh`: its triangles are the surface. `size`: 0 for no limit.
@@ -28,8 +29,10 @@ class PointDistribution {
   /// Isotropic metrics at the points, of sizes `factor` times h. Multithreaded on TBB.
   LogMetricField sample(std::span<const Point> points, double factor) const;
   /// The same at the vertices of `mesh`, for a surface that is kept: h_w at surface vertices, distances
-  /// within the volume (spread_sizes.h). `mesh` is the one that this was made of.
+  /// within the volume (spread_sizes.h). `mesh` has the vertices and triangles that this was made of.
   LogMetricField sample_inside(const MeshData& mesh, double factor) const;
+  /// h_w and s_w of a surface that is kept, to be spread within the volume.
+  std::vector<SizeSource> size_sources() const;
 
  private:
   struct Source {

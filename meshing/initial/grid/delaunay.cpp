@@ -54,7 +54,7 @@ class Insertion {
   void insert(std::uint32_t v) {
     dig(locate(v), v);
     grid_.star(cavity_, v, fresh_);
-    last_ = grid_.replace(cavity_, fresh_).front();
+    last_ = grid_.fill_star(cavity_, fresh_).front();
   }
 
  private:

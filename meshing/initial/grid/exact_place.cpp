@@ -1,14 +1,14 @@
-// Sums and products of doubles are exact in CGAL's MP_Float; no quotient is ever needed but a rounded one.
+// Sums and products of doubles are exact in CGAL's Mpzf; no quotient is ever needed but a rounded one.
 #include "meshing/initial/grid/exact_place.h"
 
 #include <CGAL/Interval_nt.h>
-#include <CGAL/MP_Float.h>
+#include <CGAL/Mpzf.h>
 #include <CGAL/Simple_cartesian.h>
 
 namespace weft::meshing {
 namespace {
 
-using Exact = CGAL::MP_Float;
+using Exact = CGAL::Mpzf;
 using Interval = CGAL::Interval_nt_advanced;
 
 template <class Number>

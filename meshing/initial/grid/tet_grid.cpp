@@ -2,6 +2,7 @@
 #include "meshing/initial/grid/tet_grid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -38,9 +39,30 @@ ExactPlace TetGrid::place(std::uint32_t v) const {
   return is_exact(v) ? places_[exact_[v]] : ExactPlace::at(points[v]);
 }
 
+namespace {
+
+double largest_coordinate(const Point& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
+
+/// The sign of orientation() where it is the same for all points that are rounded to these, else 0: each
+/// coordinate is off by a unit in its last place at most (2.3e-16 of the largest), a difference by twice
+/// that, and each of the three differences has minors of at most twice the largest one's square.
+int sign_of_rounded(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const Vec u = b - a, v = c - a, w = d - a;
+  const double longest = std::max({largest_coordinate(u), largest_coordinate(v), largest_coordinate(w)});
+  const double farthest =
+      std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c), largest_coordinate(d)});
+  const double det = dot(cross(u, v), w);
+  const double bound = 2e-14 * (farthest + longest) * longest * longest;  // twice what it can be
+  return det > bound ? 1 : det < -bound ? -1 : 0;
+}
+
+}  // namespace
+
 int TetGrid::orient(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
-  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d))
-    return orientation(place(a), place(b), place(c), place(d));
+  if (is_exact(a) || is_exact(b) || is_exact(c) || is_exact(d)) {
+    const int sign = sign_of_rounded(points[a], points[b], points[c], points[d]);
+    return sign != 0 ? sign : orientation(place(a), place(b), place(c), place(d));
+  }
   return orientation(points[a], points[b], points[c], points[d]);
 }
 
@@ -148,6 +170,7 @@ std::span<const std::uint32_t> TetGrid::replace(std::span<const std::uint32_t> o
 
 bool TetGrid::star(std::span<const std::uint32_t> cavity, std::uint32_t v, std::vector<Tet4>& fresh) {
   fresh.clear();
+  beyond_.clear();
   begin_marking();
   for (const std::uint32_t t : cavity) mark(t);
   for (const std::uint32_t t : cavity)
@@ -156,9 +179,46 @@ bool TetGrid::star(std::span<const std::uint32_t> cavity, std::uint32_t v, std::
       if (n != kNothing && marked(n >> 2)) continue;
       const Face3 w = face(t, f);
       fresh.push_back({w[0], w[1], w[2], v});
+      beyond_.push_back({n, tets[t].facet[f]});
       if (!positive(fresh.back())) return false;
     }
   return true;
+}
+
+std::span<const std::uint32_t> TetGrid::fill_star(std::span<const std::uint32_t> cavity,
+                                                  std::span<const Tet4> fresh) {
+  check_interrupt(interrupt);
+  for (const std::uint32_t t : cavity) remove(t);
+  if (spokes_.size() < 4 * fresh.size()) spokes_.assign(std::bit_ceil(8 * fresh.size()), {});
+  ++spoke_stamp_;
+  slots_.clear();
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    const std::uint32_t t = take_slot();
+    const Tet4& v = tets[t].v = fresh[i];
+    slots_.push_back(t);
+    for (const std::uint32_t w : v) vertex_tet[w] = t;
+    tets[t].n[3] = beyond_[i].code;
+    tets[t].facet[3] = beyond_[i].facet;
+    if (beyond_[i].code != kNothing) tets[beyond_[i].code >> 2].n[beyond_[i].code & 3] = 4 * t + 3;
+    for (std::uint32_t f = 0; f < 3; ++f) glue_spoke(v[(f + 1) % 3], v[(f + 2) % 3], 4 * t + f);
+  }
+  return slots_;
+}
+
+void TetGrid::glue_spoke(std::uint32_t u, std::uint32_t w, std::uint32_t code) {
+  const std::uint64_t edge = u < w ? std::uint64_t{u} << 32 | w : std::uint64_t{w} << 32 | u;
+  const std::size_t mask = spokes_.size() - 1;
+  for (std::size_t at = (edge * 0x9E3779B97F4A7C15ull) >> 32;; ++at) {
+    Spoke& spoke = spokes_[at & mask];
+    if (spoke.stamp == spoke_stamp_ && spoke.edge != edge) continue;
+    if (spoke.stamp != spoke_stamp_) {
+      spoke = {edge, code, spoke_stamp_};
+      return;
+    }
+    tets[code >> 2].n[code & 3] = spoke.code;
+    tets[spoke.code >> 2].n[spoke.code & 3] = code;
+    return;
+  }
 }
 
 void TetGrid::remove(std::uint32_t t) {
@@ -224,6 +284,28 @@ void TetGrid::shell(std::uint32_t tet, std::uint32_t a, std::uint32_t b, EdgeShe
     if (t == first) break;
   }
   out.closed = true;
+}
+
+std::vector<std::uint32_t> flood_regions(const TetGrid& grid, std::uint32_t& count) {
+  std::vector<std::uint32_t> region(grid.tets.size(), kNothing), stack;
+  count = 0;
+  for (std::uint32_t first = 0; first < grid.tets.size(); ++first) {
+    if (!grid.alive(first) || region[first] != kNothing) continue;
+    region[first] = count;
+    stack.assign(1, first);
+    while (!stack.empty()) {
+      const std::uint32_t t = stack.back();
+      stack.pop_back();
+      for (int f = 0; f < 4; ++f) {
+        const std::uint32_t n = grid.tets[t].n[f];
+        if (n == kNothing || grid.tets[t].facet[f] != kNothing || region[n >> 2] != kNothing) continue;
+        region[n >> 2] = count;
+        stack.push_back(n >> 2);
+      }
+    }
+    ++count;
+  }
+  return region;
 }
 
 }  // namespace weft::meshing

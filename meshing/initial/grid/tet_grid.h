@@ -74,6 +74,9 @@ class TetGrid {
                                          std::span<const FacetFace> facets = {});
   /// Whether v sees all outer faces of the cavity strictly; fills `fresh` with the tets to v.
   bool star(std::span<const std::uint32_t> cavity, std::uint32_t v, std::vector<Tet4>& fresh);
+  /// The same as replace() for what star() has just filled, without a search for what is glued to what.
+  std::span<const std::uint32_t> fill_star(std::span<const std::uint32_t> cavity,
+                                           std::span<const Tet4> fresh);
   void remove(std::uint32_t t);
   void set_facet(std::uint32_t t, int f, std::uint32_t facet);
 
@@ -90,7 +93,17 @@ class TetGrid {
     std::uint32_t code, facet;
     bool outer;
   };
+  /// What lies beyond an outer face of a star's cavity.
+  struct Beyond {
+    std::uint32_t code, facet;
+  };
+  /// A face of a star's tet at the star's vertex, known by the edge opposite, that waits for the other side.
+  struct Spoke {
+    std::uint64_t edge;
+    std::uint32_t code, stamp;
+  };
   std::uint32_t take_slot();
+  void glue_spoke(std::uint32_t u, std::uint32_t w, std::uint32_t code);
   void collect_outer(std::span<const std::uint32_t> old);
   void collect_fresh(std::span<const std::uint32_t> slots);
   void glue_sides();
@@ -105,11 +118,17 @@ class TetGrid {
   std::vector<ExactPlace> places_;
   std::vector<std::uint32_t> free_, slots_, around_;
   std::vector<Side> sides_;
+  std::vector<Beyond> beyond_;  ///< of the star that star() looked at last
+  std::vector<Spoke> spokes_;   ///< a hash table, of a power of two
+  std::uint32_t spoke_stamp_ = 0;
   std::vector<std::uint32_t> marks_;
   std::uint32_t stamp_ = 0;
 };
 
 /// A face's vertices in ascending order.
 Face3 face_key(const Face3& f);
+
+/// Numbers the volumes that facets divide, in the order of their first tets: one number for every tet.
+std::vector<std::uint32_t> flood_regions(const TetGrid& grid, std::uint32_t& count);
 
 }  // namespace weft::meshing

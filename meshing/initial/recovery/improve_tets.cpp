@@ -11,7 +11,7 @@ namespace {
 
 class Improvement {
  public:
-  explicit Improvement(Recovery& r) : grid_(r.grid), cavity_(r.grid) {}
+  explicit Improvement(TetGrid& grid) : grid_(grid), cavity_(grid) {}
 
   void run() {
     for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) enqueue(t);
@@ -105,6 +105,6 @@ class Improvement {
 
 }  // namespace
 
-void improve_tets(Recovery& r) { Improvement(r).run(); }
+void improve_tets(TetGrid& grid) { Improvement(grid).run(); }
 
 }  // namespace weft::meshing

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+
+#include "meshing/initial/grid/tet_grid.h"
 
 namespace weft::meshing::exact_place_test {
 namespace {
@@ -48,6 +51,25 @@ TEST_F(ExactPlaces, OnAFacetLieInItsPlaneAndOnTheLine) {
     EXPECT_EQ(side(a, b, c, p), 0);
     const Vec way = to - from, gap = p.rounded() - from;
     EXPECT_LT(norm(cross(way, gap)), 1e-13 * norm(way) * (norm(gap) + norm(p.rounded()) + 1));
+  }
+}
+
+TEST_F(ExactPlaces, AGridOrientsThemExactlyHoweverNearTheyAreToThePlane) {
+  for (int i = 0; i < kTimes; ++i) {
+    const Point a = point(), b = point(), c = point();
+    TetGrid grid;
+    for (const Point& p : {a, b, c, Point{}}) grid.add_point(p);
+    ExactPlace on = place_on_facet({a, b, c}, plain(), plain());
+    grid.place_exactly(3, on);
+    EXPECT_EQ(grid.orient(0, 1, 2, 3), 0);
+    for (const double step : {1e-30, 1e-16, 1e-12, 1e-3}) {
+      const double off = std::ldexp(1.0, std::ilogb(step));
+      ExactPlace above = on;  // the facet's plane turned about its first corner
+      above.u = a + (1 + off) * (b - a) + off * cross(b - a, c - a);
+      grid.place_exactly(3, above);
+      EXPECT_EQ(grid.orient(0, 1, 2, 3),
+                orientation(ExactPlace::at(a), ExactPlace::at(b), ExactPlace::at(c), above));
+    }
   }
 }
 

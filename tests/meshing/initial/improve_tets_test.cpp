@@ -49,7 +49,7 @@ TEST(ImproveTets, RaisesTheWorstAndKeepsVolumeAndWalls) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Recovery r = random_grid(seed, seed % 2);
     const Totals before = totals(r.grid);
-    improve_tets(r);
+    improve_tets(r.grid);
     const Totals after = totals(r.grid);
     EXPECT_NEAR(after.volume, before.volume, 1e-12 * before.volume) << seed;
     EXPECT_EQ(after.facets, before.facets) << seed;
