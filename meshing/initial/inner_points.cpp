@@ -49,7 +49,10 @@ class Front {
   static constexpr double kNearest = 0.7;      ///< of a new point to any other
   static constexpr double kFarApart = 2;       ///< of the first points
   static constexpr double kFlattest = 0.5;     ///< height of a new point over the face it is made for
-  static constexpr double kOverFacet = 0.35;   ///< least height over facets
+  /// What a point may break up, once those far apart stand: round a corner many tets have circumspheres with
+  /// the point, and hide behind each other.
+  static constexpr std::size_t kMostTets = 200;
+  static constexpr double kOverFacet = 0.35;  ///< least height over facets
 
   /// A tet whose circumcentre is far from everything.
   struct Huge {
@@ -74,6 +77,7 @@ class Front {
         for (const std::uint32_t t : slots_) enqueue_huge(t);
     }
     nearest_ = kNearest;
+    most_tets_ = kMostTets;
   }
 
   void enqueue_huge(std::uint32_t t) {
@@ -177,10 +181,11 @@ class Front {
   bool insert(std::uint32_t t, const Point& p) {
     grid_.points[spare_] = p;
     excluded_.clear();
-    constexpr std::size_t kMostTries = 8, kMostTets = 1000;  // in vain
+    constexpr int kMostTries = 8;
     std::size_t looked_at = 0;
-    for (std::size_t i = 0; i < kMostTries && looked_at < kMostTets; ++i) {
+    for (int i = 0; i < kMostTries && looked_at < kMostTets; ++i) {
       dig(t, p);
+      if (cavity_.size() > most_tets_) return false;
       if (grid_.star(cavity_, spare_, fresh_)) return is_well_placed(p) && fill();
       if (!exclude_hidden(t)) return false;
       looked_at += cavity_.size();
@@ -194,7 +199,7 @@ class Front {
     for (const std::uint32_t t : excluded_) seen_[t] = stamp_;
     cavity_.assign(1, start);
     seen_[start] = stamp_;
-    for (std::size_t i = 0; i < cavity_.size(); ++i) {
+    for (std::size_t i = 0; i < cavity_.size() && cavity_.size() <= most_tets_; ++i) {
       const TetGrid::Tet& tet = grid_.tets[cavity_[i]];
       for (int f = 0; f < 4; ++f) {
         if (tet.n[f] == kNothing || tet.facet[f] != kNothing) continue;
@@ -272,6 +277,7 @@ class Front {
   std::vector<Sphere> spheres_;
   std::vector<char> large_;
   double nearest_ = kNearest;
+  std::size_t most_tets_ = std::numeric_limits<std::size_t>::max();
   std::priority_queue<Huge> huge_;
   std::vector<std::uint32_t> queue_, slots_, cavity_, excluded_, seen_, vertex_seen_;
   std::uint32_t stamp_ = 0, vertex_stamp_ = 0;
