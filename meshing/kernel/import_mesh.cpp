@@ -68,6 +68,7 @@ void check_tets(const MeshData& m) {
 
 /// Two positive tets across a face see it turning in opposite ways; the same way means they overlap.
 void check_sides(const MeshData& m, const Adjacency& adjacency) {
+  if (adjacency.turns_differ) return;
   for (std::uint32_t t = 0; t < m.tets.size(); ++t)
     for (int f = 0; f < 4; ++f) {
       const std::uint32_t n = adjacency.neighbours[t][f];

@@ -5,6 +5,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,6 +16,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/base/filled_array.h"
 
 namespace weft::meshing {
 namespace {
@@ -27,18 +29,28 @@ constexpr std::size_t kVerticesPerTask = 2048;
 struct SortedTet {
   Tet vertices;
   Tet positions;
+  std::uint32_t odd = 0;  ///< 1 where they are an odd permutation of the tet's
+
+  std::uint32_t code_of_face(std::size_t tet, std::size_t opposite) const {
+    return static_cast<std::uint32_t>(4 * tet + positions[opposite]);
+  }
+  /// Two positive tets on different sides of a face have different turns of it.
+  std::uint32_t turn_of_face(std::size_t opposite) const {
+    return (odd ^ static_cast<std::uint32_t>(opposite)) & 1;
+  }
 };
 
-SortedTet sorted(const Tet& tet) {
+inline SortedTet sorted(const Tet& tet) {
   std::array<std::uint64_t, 4> keys;
   for (std::uint64_t i = 0; i < 4; ++i) keys[i] = (std::uint64_t{tet[i]} << 2) | i;
-  const auto order = [&keys](int i, int j) {
+  SortedTet result;
+  const auto order = [&](int i, int j) {
     const auto [low, high] = std::minmax({keys[i], keys[j]});
+    result.odd ^= low != keys[i];
     keys[i] = low;
     keys[j] = high;
   };
   order(0, 1), order(2, 3), order(0, 2), order(1, 3), order(1, 2);  // the optimal network for four
-  SortedTet result;
   for (int i = 0; i < 4; ++i) {
     result.vertices[i] = static_cast<std::uint32_t>(keys[i] >> 2);
     result.positions[i] = static_cast<std::uint32_t>(keys[i] & 3);
@@ -55,13 +67,6 @@ struct Buckets {
     return {records.get() + (vertex == 0 ? 0 : ends[vertex - 1]), records.get() + ends[vertex]};
   }
 };
-
-template <class Visit>
-void for_each_tet(std::span<const Tet> tets, const Visit& visit) {
-  tbb::parallel_for(Range(0, tets.size(), 4096), [&](const Range& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) visit(t, sorted(tets[t]));
-  });
-}
 
 template <class Visit>
 void for_each_vertex(std::size_t num_vertices, const Visit& visit) {
@@ -101,9 +106,13 @@ Buckets<Record> make_buckets(std::size_t num_tets, std::size_t num_vertices, con
                              const Place& place) {
   Buckets<Record> buckets;
   buckets.ends.assign(num_vertices, 0);
-  // Relaxed: the counters only hand out distinct places; parallel_for orders the passes.
-  const auto take = [&buckets](std::uint32_t vertex, std::size_t number) {
-    return std::atomic_ref(buckets.ends[vertex]).fetch_add(number, std::memory_order_relaxed);
+  // Relaxed: the counters only hand out distinct places; parallel_for orders the passes. One thread spares
+  // itself the locked additions.
+  const bool alone = tbb::this_task_arena::max_concurrency() == 1;
+  const auto take = [&buckets, alone](std::uint32_t vertex, std::size_t number) {
+    std::size_t& end = buckets.ends[vertex];
+    return alone ? std::exchange(end, end + number)
+                 : std::atomic_ref(end).fetch_add(number, std::memory_order_relaxed);
   };
   for_each_run(num_tets,
                [&](std::size_t run, std::size_t begin, std::size_t end) { count(run, begin, end, take); });
@@ -123,6 +132,7 @@ Buckets<Record> make_buckets(std::size_t num_tets, std::size_t num_vertices, con
 struct FaceRecord {
   std::uint32_t middle, largest;
   std::uint32_t code;  ///< tet * 4 + face
+  std::uint32_t turn;  ///< SortedTet::turn_of_face
   friend auto operator<=>(const FaceRecord&, const FaceRecord&) = default;
 };
 
@@ -130,61 +140,157 @@ bool same_face(const FaceRecord& a, const FaceRecord& b) {
   return a.middle == b.middle && a.largest == b.largest;
 }
 
-Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices) {
+/// The three others of four.
+constexpr std::array<std::array<std::size_t, 3>, 4> kOthers = {{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
+
+/// Which vertices have tets of several runs. Only faces between three of those can: all others are matched
+/// within their run, in cache and without records.
+class SharedVertices {
+ public:
+  SharedVertices(std::span<const Tet> tets, std::size_t num_vertices)
+      : runs_(num_vertices, kNone), shared_(num_vertices, 0) {
+    for_each_run(tets.size(), [&](std::size_t run, std::size_t begin, std::size_t end) {
+      for (const Tet& tet : tets.subspan(begin, end - begin))
+        for (const std::uint32_t v : tet) note(v, static_cast<std::uint32_t>(run));
+    });
+  }
+
+  bool has_face(const SortedTet& tet, std::size_t opposite) const {
+    const auto& [a, b, c] = kOthers[opposite];
+    const Tet& v = tet.vertices;
+    return shared_[v[a]] & shared_[v[b]] & shared_[v[c]];
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  void note(std::uint32_t vertex, std::uint32_t run) {
+    const std::atomic_ref first(runs_[vertex]);
+    std::uint32_t seen = first.load(std::memory_order_relaxed);
+    if (seen == run) return;
+    if (seen == kNone && first.compare_exchange_strong(seen, run, std::memory_order_relaxed)) return;
+    std::atomic_ref(shared_[vertex]).store(1, std::memory_order_relaxed);
+  }
+
+  std::vector<std::uint32_t> runs_;   ///< the first seen of each vertex
+  std::vector<std::uint8_t> shared_;  ///< bytes, since threads write them
+};
+
+/// Those faces for which wanted(tet, opposite) holds.
+template <class Wanted>
+Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices, const Wanted& wanted) {
   const auto count = [&](std::size_t, std::size_t begin, std::size_t end, const auto& add) {
     for (const Tet& tet : tets.subspan(begin, end - begin)) {
-      const auto [a, b] = std::minmax(tet[0], tet[1]);
-      const auto [c, d] = std::minmax(tet[2], tet[3]);
-      add(std::min(a, c), 3);
-      add(std::min(std::max(a, c), std::min(b, d)), 1);  // the second smallest
+      const SortedTet sorted_tet = sorted(tet);
+      for (std::size_t i = 0; i < 4; ++i)
+        if (wanted(sorted_tet, i)) add(sorted_tet.vertices[kOthers[i][0]], 1);
     }
   };
   const auto place = [&](std::size_t, std::size_t begin, std::size_t end, const auto& put) {
     for (std::size_t t = begin; t < end; ++t) {
-      const auto& [v, positions] = sorted(tets[t]);
-      const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
-      put(v[0],
-          std::array<FaceRecord, 3>{{{v[1], v[2], code(3)}, {v[1], v[3], code(2)}, {v[2], v[3], code(1)}}});
-      put(v[1], std::array<FaceRecord, 1>{{{v[2], v[3], code(0)}}});
+      const SortedTet tet = sorted(tets[t]);
+      const Tet& v = tet.vertices;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (const auto& [a, b, c] = kOthers[i]; wanted(tet, i))
+          put(v[a], std::array<FaceRecord, 1>{{{v[b], v[c], tet.code_of_face(t, i), tet.turn_of_face(i)}}});
     }
   };
   return make_buckets<FaceRecord>(tets.size(), num_vertices, count, place);
 }
 
-/// Pairs the equal faces of one bucket through a small hash table; kept between buckets to reuse its memory.
+/// Makes tets neighbours, by several threads at different faces.
+class FacePairs {
+ public:
+  explicit FacePairs(std::size_t num_tets)
+      : neighbours_(num_tets, {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour}) {}
+
+  /// False where the first of them has a neighbour already: three tets share the face.
+  bool pair(std::uint32_t a, std::uint32_t b, bool turn_alike) {
+    if (neighbours_[a / 4][a % 4] != kNoNeighbour) return false;
+    neighbours_[a / 4][a % 4] = b;
+    neighbours_[b / 4][b % 4] = a;
+    if (turn_alike) turns_differ_.store(false, std::memory_order_relaxed);
+    return true;
+  }
+  Adjacency take() { return {std::move(neighbours_), turns_differ_}; }
+
+ private:
+  std::vector<Tet> neighbours_;
+  std::atomic<bool> turns_differ_{true};
+};
+
+/// Pairs the equal faces of one run or bucket through a small hash table; kept between them to reuse its
+/// memory.
 class FaceMatcher {
  public:
-  explicit FaceMatcher(Adjacency& adjacency) : neighbours_(adjacency.neighbours) {}
+  explicit FaceMatcher(FacePairs& pairs) : pairs_(pairs) {}
 
-  /// False when three records are the same face.
+  /// Of a bucket. False when three records are the same face.
   bool match(std::span<const FaceRecord> faces) {
-    const std::size_t size = std::bit_ceil(2 * faces.size());
-    slots_.assign(size, nullptr);
+    empty(2 * faces.size());
     for (const FaceRecord& face : faces) {
-      std::size_t slot = hash(face) & (size - 1);
-      while (slots_[slot] && !same_face(*slots_[slot], face)) slot = (slot + 1) & (size - 1);
-      if (!slots_[slot])
-        slots_[slot] = &face;
-      else if (!pair(slots_[slot]->code, face.code))
-        return false;
+      std::size_t slot = place(face.middle, face.largest, 0);
+      while (slots_[slot] && !same_face(faces[slots_[slot] - 1], face)) slot = (slot + 1) & mask_;
+      if (!slots_[slot]) {
+        slots_[slot] = static_cast<std::uint32_t>(&face - faces.data()) + 1;
+        continue;
+      }
+      const FaceRecord& other = faces[slots_[slot] - 1];
+      if (!pairs_.pair(other.code, face.code, other.turn == face.turn)) return false;
     }
     return true;
   }
 
- private:
-  static std::size_t hash(const FaceRecord& face) {
-    const std::uint64_t key = (std::uint64_t{face.middle} << 32 | face.largest) * 0x9E3779B97F4A7C15u;
-    return key >> 40;
-  }
-  bool pair(std::uint32_t a, std::uint32_t b) {
-    if (neighbours_[a / 4][a % 4] != kNoNeighbour) return false;
-    neighbours_[a / 4][a % 4] = b;
-    neighbours_[b / 4][b % 4] = a;
-    return true;
+  /// Of the run that begins with tet `begin`: faces that no other run can have. Calls overused(smallest
+  /// vertex) where three tets share one.
+  template <class Overused>
+  void match_run(std::span<const Tet> run, std::size_t begin, const SharedVertices& shared,
+                 const Overused& overused) {
+    tets_.clear();
+    for (const Tet& tet : run) tets_.push_back(sorted(tet));
+    empty(8 * tets_.size());
+    for (std::size_t t = 0; t < tets_.size(); ++t)
+      for (std::size_t i = 0; i < 4; ++i)
+        if (!shared.has_face(tets_[t], i) && !match_face(t, i, begin))
+          overused(tets_[t].vertices[kOthers[i][0]]);
   }
 
-  std::vector<Tet>& neighbours_;
-  std::vector<const FaceRecord*> slots_;
+ private:
+  void empty(std::size_t least) {
+    slots_.assign(std::bit_ceil(least), 0);
+    mask_ = slots_.size() - 1;
+    shift_ = 64 - std::bit_width(mask_);
+  }
+  std::size_t place(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const std::uint64_t key = (std::uint64_t{a} << 32 | b) * 0x9E3779B97F4A7C15u + c;
+    return mask_ == 0 ? 0 : key * 0xBF58476D1CE4E5B9u >> shift_;
+  }
+
+  bool match_face(std::size_t t, std::size_t i, std::size_t begin) {
+    const auto& [a, b, c] = kOthers[i];
+    const Tet& v = tets_[t].vertices;
+    const auto same = [&](std::uint32_t face) {
+      const auto& [d, e, f] = kOthers[face % 4];
+      const Tet& w = tets_[face / 4].vertices;
+      return ((v[a] ^ w[d]) | (v[b] ^ w[e]) | (v[c] ^ w[f])) == 0;
+    };
+    std::size_t slot = place(v[a], v[b], v[c]);
+    while (slots_[slot] && !same(slots_[slot] - 1)) slot = (slot + 1) & mask_;
+    if (!slots_[slot]) {
+      slots_[slot] = static_cast<std::uint32_t>(4 * t + i) + 1;
+      return true;
+    }
+    const std::uint32_t other = slots_[slot] - 1;
+    const SortedTet& across = tets_[other / 4];
+    return pairs_.pair(across.code_of_face(begin + other / 4, other % 4), tets_[t].code_of_face(begin + t, i),
+                       across.turn_of_face(other % 4) == tets_[t].turn_of_face(i));
+  }
+
+  FacePairs& pairs_;
+  std::vector<std::uint32_t> slots_;  ///< index of a record, or 4 * tet of the run + opposite; plus 1
+  std::size_t mask_ = 0;
+  int shift_ = 0;
+  std::vector<SortedTet> tets_;
 };
 
 void atomic_min(std::uint32_t& target, std::uint32_t value) {
@@ -241,17 +347,30 @@ class RecentEdges {
 
 Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices) {
   check_tets(tets, num_vertices);
-  const Buckets<FaceRecord> buckets = bucket_faces(tets, num_vertices);
-  Adjacency adjacency{
-      std::vector<Tet>(tets.size(), {kNoNeighbour, kNoNeighbour, kNoNeighbour, kNoNeighbour})};
+  FacePairs pairs(tets.size());
   std::uint32_t overused = kNoNeighbour;  // smallest vertex with a face in three tets
-  tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
-    FaceMatcher matcher(adjacency);
-    for (std::size_t v = range.begin(); v < range.end(); ++v)
-      if (!matcher.match(buckets[v])) atomic_min(overused, static_cast<std::uint32_t>(v));
-  });
-  if (overused != kNoNeighbour) throw_overused_face(overused, buckets[overused]);
-  return adjacency;
+  {
+    const SharedVertices shared(tets, num_vertices);
+    for_each_run(tets.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+      FaceMatcher matcher(pairs);
+      matcher.match_run(tets.subspan(begin, end - begin), begin, shared,
+                        [&](std::uint32_t vertex) { atomic_min(overused, vertex); });
+    });
+    const auto buckets = bucket_faces(
+        tets, num_vertices, [&](const SortedTet& tet, std::size_t i) { return shared.has_face(tet, i); });
+    tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
+      FaceMatcher matcher(pairs);
+      for (std::size_t v = range.begin(); v < range.end(); ++v)
+        if (!matcher.match(buckets[v])) atomic_min(overused, static_cast<std::uint32_t>(v));
+    });
+  }
+  if (overused != kNoNeighbour) {
+    const auto of_vertex = [&](const SortedTet& tet, std::size_t i) {
+      return tet.vertices[kOthers[i][0]] == overused;
+    };
+    throw_overused_face(overused, bucket_faces(tets, num_vertices, of_vertex)[overused]);
+  }
+  return pairs.take();
 }
 
 std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, std::span<const Tet> tets,
@@ -272,15 +391,20 @@ std::vector<std::uint32_t> match_triangles(std::span<const Triangle> triangles, 
     auto it = std::lower_bound(records.begin() + begins[a], end, TriangleRecord{a, b, c, 0});
     for (; it != end && it->middle == b && it->largest == c; ++it) atomic_min(codes[it->index], code);
   };
-  for_each_tet(tets, [&](std::size_t t, const SortedTet& tet) {
-    const auto& [v, positions] = tet;
-    const auto code = [t, &p = positions](int i) { return static_cast<std::uint32_t>(4 * t + p[i]); };
-    if (begins[v[0]] != begins[v[0] + 1]) {
-      look_up(v[0], v[1], v[2], code(3));
-      look_up(v[0], v[1], v[3], code(2));
-      look_up(v[0], v[2], v[3], code(1));
+  std::vector<std::uint8_t> has_triangle(num_vertices, 0);
+  for (const Triangle& triangle : triangles)
+    for (const std::uint32_t v : triangle) has_triangle[v] = 1;
+  for_each_run(tets.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const Tet& tet = tets[t];
+      if (has_triangle[tet[0]] + has_triangle[tet[1]] + has_triangle[tet[2]] + has_triangle[tet[3]] < 3)
+        continue;
+      const SortedTet ordered = sorted(tet);
+      const Tet& v = ordered.vertices;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (const auto& [a, b, c] = kOthers[i]; begins[v[a]] != begins[v[a] + 1])
+          look_up(v[a], v[b], v[c], ordered.code_of_face(t, i));
     }
-    if (begins[v[1]] != begins[v[1] + 1]) look_up(v[1], v[2], v[3], code(0));
   });
   return codes;
 }
@@ -292,15 +416,18 @@ EdgeLists unique_edges(std::span<const Tet> tets, std::size_t num_vertices) {
   std::vector<std::vector<Edge>> found(number_of_runs(tets.size()));
   const auto count = [&](std::size_t run, std::size_t begin, std::size_t end, const auto& add) {
     RecentEdges recent;
-    std::vector<Edge>& edges = found[run];
-    edges.reserve(2 * (end - begin));  // a mesh in good order has fewer
-    for (const Tet& tet : tets.subspan(begin, end - begin))
+    FilledArray<Edge> edges;
+    edges.make_room(2 * (end - begin));  // a mesh in good order has fewer
+    for (const Tet& tet : tets.subspan(begin, end - begin)) {
+      edges.make_room(6);
       for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = i + 1; j < 4; ++j)
-          if (const auto [a, b] = std::minmax(tet[i], tet[j]); recent.insert(a, b)) {
-            edges.push_back({a, b});
-            add(a, 1);
-          }
+        for (std::size_t j = i + 1; j < 4; ++j) {
+          const auto [a, b] = std::minmax(tet[i], tet[j]);
+          edges.push_if(recent.insert(a, b), {a, b});
+        }
+    }
+    for (const auto& [a, b] : edges) add(a, 1);
+    found[run].assign(edges.begin(), edges.end());
   };
   const auto place = [&](std::size_t run, std::size_t, std::size_t, const auto& put) {
     for (const auto& [a, b] : std::exchange(found[run], {})) put(a, std::array<std::uint32_t, 1>{b});

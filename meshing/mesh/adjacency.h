@@ -19,14 +19,17 @@ inline constexpr std::uint32_t kNoNeighbour = 0xFFFFFFFFu;
 /// other side: neighbour_tet * 4 + neighbour_face, or kNoNeighbour on the boundary.
 struct Adjacency {
   std::vector<std::array<std::uint32_t, 4>> neighbours;
+  /// Whether every two neighbours see their face turn in opposite ways, as positive tets that do not overlap
+  /// do.
+  bool turns_differ = true;
 };
 
 /// All functions here: multithreaded on TBB (in the caller's arena), linear time, the same result for any
 /// number of threads. They throw InputError for a vertex >= num_vertices and for more tets than codes can
 /// name.
 
-/// Throws InputError naming the tets (1-based) when a face belongs to more than two. Temporaries: 50 bytes a
-/// tet.
+/// Throws InputError naming the tets (1-based) when a face belongs to more than two. Temporaries: 10 to 20
+/// bytes a tet where tets that share faces are near each other, 70 at worst.
 Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices);
 
 /// For every triangle the code tet * 4 + face of the tet face with the same three vertices (of two such, the

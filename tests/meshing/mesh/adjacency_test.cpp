@@ -47,6 +47,9 @@ std::vector<MeshData> sample_meshes() {
                                   unit_cube_of_fives(4)};
   meshes.push_back(unit_cube(6));
   support::shuffle(meshes.back());
+  meshes.push_back(unit_cube(12));  // several runs of tets, with many faces between them and few
+  meshes.push_back(unit_cube(12));
+  support::shuffle(meshes.back());
   return meshes;
 }
 
@@ -103,6 +106,33 @@ TEST(Adjacency, NamesTheSameOverusedFaceEveryTime) {
   const std::string error = error_of(mesh.tets, mesh.points.size());
   EXPECT_NE(error.find("share the face"), std::string::npos) << error;
   for (int i = 0; i < 5; ++i) EXPECT_EQ(error_of(mesh.tets, mesh.points.size()), error);
+}
+
+TEST(Adjacency, RefusesAFaceOfThreeTetsThatAreFarApartInTheOrder) {
+  const MeshData mesh = unit_cube(16);
+  for (const std::size_t first : {std::size_t{0}, mesh.tets.size() / 2, mesh.tets.size() - 3}) {
+    auto tets = mesh.tets;
+    tets.push_back(tets[first]);
+    EXPECT_NE(error_of(tets, mesh.points.size()).find("share the face"), std::string::npos) << first;
+    // Two that share a face among themselves, and with two others.
+    const auto neighbours = build_adjacency(mesh.tets, mesh.points.size()).neighbours[first];
+    const std::uint32_t next =
+        *std::ranges::find_if(neighbours, [](std::uint32_t n) { return n != kNoNeighbour; });
+    tets.push_back(tets[next / 4]);
+    EXPECT_NE(error_of(tets, mesh.points.size()).find("share the face"), std::string::npos) << first;
+  }
+}
+
+TEST(Adjacency, TellsWhetherTetsLieOnDifferentSidesOfTheirFaces) {
+  for (const MeshData& mesh : sample_meshes()) {
+    EXPECT_TRUE(build_adjacency(mesh.tets, mesh.points.size()).turns_differ);
+    if (mesh.tets.size() < 2) continue;
+    for (const std::size_t t : {std::size_t{0}, mesh.tets.size() / 2, mesh.tets.size() - 1}) {
+      auto tets = mesh.tets;
+      std::swap(tets[t][1], tets[t][3]);
+      EXPECT_FALSE(build_adjacency(tets, mesh.points.size()).turns_differ) << t;
+    }
+  }
 }
 
 TEST(Adjacency, RefusesVerticesOutOfRange) {
