@@ -16,6 +16,7 @@
 #include "meshing/adapt/passes.h"
 #include "meshing/adapt/work.h"
 #include "meshing/kernel/renumber.h"
+#include "meshing/kernel/tet_batch.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/operators/surface_fit.h"
 
@@ -256,10 +257,7 @@ class Adaptation {
   }
 
   void start() {
-    if (extent_ == Extent::fresh)
-      judge_poor();
-    else
-      judge_by(MetricMean::arithmetic);
+    if (extent_ == Extent::fresh) judge_poor();
     mark_what_is_wrong();
     const Limits wanted = kernel_.limits;
     times_too_coarse_ =
@@ -272,6 +270,7 @@ class Adaptation {
     collapse();
     end_pass();
     collapse();
+    close_holes();
     const PredictedWork left = predict_work(tets(), std::max(expected_tets_, tets()));
     meter_.expect(left.create + left.reconnect + left.improve + left.output);
   }
@@ -382,6 +381,11 @@ class Adaptation {
     });
     collapse();
     collapse();
+    close_holes();
+  }
+
+  /// What is left of a mesh that has become much coarser is far apart in memory.
+  void close_holes() {
     if (leaves_at_once() || !many_holes()) return;
     renumber();
     renumbered_at_ = tet_slots();
@@ -520,7 +524,7 @@ class Adaptation {
   void mark_what_is_wrong() {
     if (extent_ == Extent::fresh)
       for_all_tets([&](TetId t) {
-        if (mesh_.take_marks(t, kFresh)) mark_if_wrong(t, 2);
+        if (mesh_.take_marks(t, kFresh)) mark_fresh(t);
       });
     else
       mark_wherever_wrong();
@@ -556,6 +560,7 @@ class Adaptation {
   }
 
   void mark_wherever_wrong() {
+    look_at_all();
     const double sum = pass([&] { return sum_of_qualities(); });
     const double fair = sum < kGoodMean * tets() ? 2 : kFair;
     if (options_.coarsen && sum < kFarMean * tets()) {
@@ -563,9 +568,40 @@ class Adaptation {
       wanted_tets_ = pass([&] { return count_wanted_tets(); });
     }
     for_all_tets([&](TetId t) {
-      mesh_.take_marks(t, kFresh);
-      mark_if_wrong(t, fair);
+      if (mesh_.quality(t) < fair) mark_poor(t, mesh_.vertices(t));
     });
+  }
+
+  /// Caches all qualities by the arithmetic mean and marks what is too long or too short: one look at each.
+  void look_at_all() {
+    kernel_.policy.mean = MetricMean::arithmetic;
+    pass([&] {
+      if (leaves_at_once()) return;
+      workers_.run([&] {
+        tbb::parallel_for(
+            tbb::blocked_range<std::uint32_t>(0, mesh_.tet_slots(), 1024), [&](const auto& range) {
+              TetBatch batch(mesh_, kernel_.limits.short_edge, kernel_.limits.long_edge);
+              const auto take = [&] { batch.take([&](const SeenTet& seen) { note_first_look(seen); }); };
+              for (std::uint32_t i = range.begin(); i < range.end(); ++i) {
+                if (!mesh_.alive(TetId(i))) continue;
+                batch.add(TetId(i));
+                if (batch.full()) take();
+              }
+              take();
+            });
+      });
+    });
+  }
+
+  void note_first_look(const SeenTet& seen) {
+    const TetVertices& v = seen.vertices;
+    mesh_.set_quality(seen.tet, static_cast<float>(seen.quality));
+    mesh_.take_marks(seen.tet, kFresh);
+    for (const VertexId x : v) mesh_.take_marks(x, kStuck);
+    if (seen.has_long_edge || on_curved_boundary(v)) mesh_.mark(seen.tet, kCheckLong);
+    for (std::size_t e = 0; seen.short_edges >> e != 0; ++e)
+      if (seen.short_edges >> e & 1)
+        for (int end = 0; end < 2; ++end) mesh_.mark(v[kTetEdges[e][end]], kCheckShort);
   }
 
   /// What a mesh that conforms has, where limits are those of a coarser one: that.
@@ -583,9 +619,9 @@ class Adaptation {
     return kTetsOfUnitVolume * volume / (coarseness * coarseness * coarseness);
   }
 
-  void mark_if_wrong(TetId t, double fair) {
+  /// As if a look at all had come upon it, in a mesh that is not good.
+  void mark_fresh(TetId t) {
     const TetVertices v = mesh_.vertices(t);
-    const bool poor = mesh_.quality(t) < fair;
     for (const VertexId x : v) mesh_.take_marks(x, kStuck);
     bool long_edge = on_curved_boundary(v);
     for (const auto& e : kTetEdges) {
@@ -595,9 +631,12 @@ class Adaptation {
       mesh_.mark(v[e[0]], kCheckShort);
       mesh_.mark(v[e[1]], kCheckShort);
     }
-    mesh_.mark(
-        t, static_cast<std::uint8_t>((long_edge ? kCheckLong : 0) | (poor ? kCheckSwap | kCheckPoor : 0)));
-    if (!poor) return;
+    if (long_edge) mesh_.mark(t, kCheckLong);
+    mark_poor(t, v);
+  }
+
+  void mark_poor(TetId t, const TetVertices& v) {
+    mesh_.mark(t, kCheckSwap | kCheckPoor);
     for (const VertexId x : v) mesh_.mark(x, kCheckPlace);
   }
 
