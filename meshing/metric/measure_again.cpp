@@ -40,11 +40,15 @@ SomeTets some_of(const MetricMeshView& m, const std::vector<std::uint8_t>& wante
 std::vector<std::uint8_t> edges_alone(const MetricMeshView& m, const std::vector<std::uint8_t>& wanted,
                                       const SomeTets& some, const EdgeLists& edges) {
   std::vector<std::uint8_t> alone(edges.others.size(), 1);
+  // Most of the others have no edge of these: bytes are enough to see that.
+  std::vector<std::uint8_t> is_known(some.places.size());
+  for (std::size_t v = 0; v < is_known.size(); ++v) is_known[v] = some.places[v] != kNoOrigin;
   for (std::size_t t = 0; t < wanted.size(); ++t) {
-    if (wanted[t]) continue;
+    const Tet& tet = m.mesh.tets[t];
+    if (wanted[t] || is_known[tet[0]] + is_known[tet[1]] + is_known[tet[2]] + is_known[tet[3]] < 2) continue;
     Tet known;
     std::size_t count = 0;
-    for (const std::uint32_t v : m.mesh.tets[t])
+    for (const std::uint32_t v : tet)
       if (some.places[v] != kNoOrigin) known[count++] = some.places[v];
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t j = i + 1; j < count; ++j) {
@@ -72,8 +76,9 @@ PartSums sums_over(const MetricMeshView& m, const std::vector<std::uint8_t>& wan
   sums.tets = sum_tets(some.tets, some.points, some.log_metrics, qualities);
   std::ranges::copy_if(qualities, std::back_inserter(sums.low), [&](double q) { return q <= bound; });
   const EdgeLists edges = unique_edges(some.tets, some.points.size());
-  sums.edges =
-      sum_edges(edges, edges_alone(m, wanted, some, edges), some.points, some.log_metrics, &sums.odd);
+  OddLengths odd;
+  sums.edges = sum_edges(edges, edges_alone(m, wanted, some, edges), some.points, some.log_metrics, &odd);
+  sums.odd = std::move(odd.values);
   std::ranges::sort(sums.low);
   std::ranges::sort(sums.odd);
   return sums;
@@ -136,11 +141,13 @@ MeasuredMesh::MeasuredMesh(const MetricMeshView& m) {
   std::ranges::sort(lowest_);
   measures_.quality_q01 = lowest_[q01];
   measures_.quality_q001 = lowest_[quantile_place(qualities.size(), 0.001)];
-  edges_ =
-      sum_edges(unique_edges(m.mesh.tets, m.mesh.points.size()), {}, m.mesh.points, m.log_metrics, &odd_);
-  put_edges(edges_, measures_);
+  const EdgeLists edges = unique_edges(m.mesh.tets, m.mesh.points.size());
   constexpr std::size_t kOneIn = 8;
-  if (odd_.size() > edges_.edges / kOneIn) odd_ = {};
+  OddLengths odd;
+  odd.most = edges.others.size() / kOneIn;
+  edges_ = sum_edges(edges, {}, m.mesh.points, m.log_metrics, &odd);
+  put_edges(edges_, measures_);
+  odd_ = std::move(odd.values);
   std::ranges::sort(odd_);
 }
 

@@ -93,16 +93,38 @@ struct EdgeTotals {
   }
 };
 
+/// Lengths of edges that are not unit, in any order; none where there are more than `most`.
+struct OddLengths {
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  std::size_t count = 0;
+  std::vector<double> values;
+
+  void add(double length) {
+    if (++count <= most)
+      values.push_back(length);
+    else
+      values.clear();
+  }
+  OddLengths& operator+=(const OddLengths& o) {
+    count += o.count;
+    if (count <= most)
+      values.insert(values.end(), o.values.begin(), o.values.end());
+    else
+      values.clear();
+    return *this;
+  }
+};
+
 /// Sums over tets; qualities[t] becomes the mean ratio of tets[t]. `points` and `log_metrics` have one entry
 /// a vertex. Multithreaded on TBB; does not depend on the number of threads.
 TetTotals sum_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::span<const Point> points,
                    std::span<const LogMetric> log_metrics, std::vector<double>& qualities);
 
 /// Sums over edges likewise: those with a flag (one an entry of edges.others), all without flags. `odd`,
-/// where it is not null, becomes the lengths of those that are not unit, in any order.
+/// where it is not null, becomes those of them that are not unit, up to odd->most.
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
                      std::span<const Point> points, std::span<const LogMetric> log_metrics,
-                     std::vector<double>* odd = nullptr);
+                     OddLengths* odd = nullptr);
 
 /// What the sums over `num_tets` > 0 tets, or over at least one edge, say.
 void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& measures);

@@ -133,26 +133,27 @@ TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
 }
 
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
-                     std::span<const Point> points, std::span<const LogMetric> log_metrics,
-                     std::vector<double>* odd) {
+                     std::span<const Point> points, std::span<const LogMetric> log_metrics, OddLengths* odd) {
   struct Sums {
     EdgeTotals totals;
-    std::vector<double> odd;
+    OddLengths odd;
     Sums& operator+=(const Sums& o) {
       totals += o.totals;
-      odd.insert(odd.end(), o.odd.begin(), o.odd.end());
+      odd += o.odd;
       return *this;
     }
   };
   const std::vector<Metric> metrics = metrics_of(log_metrics);
+  const std::size_t most_odd = odd ? odd->most : 0;
   Sums all = reduce<Sums>(points.size(), [&](Sums& sums, std::size_t begin, std::size_t end) {
+    sums.odd.most = most_odd;
     EdgeBatch batch;
     const auto take = [&] {
       const int size = batch.size();
       const Lanes lengths = batch.take_lengths(), logs = log10_for_bins(lengths);
       for (int i = 0; i < size; ++i) {
         sums.totals.add_length(lengths[i], logs[i]);
-        if (odd && !EdgeTotals::is_unit(lengths[i])) sums.odd.push_back(lengths[i]);
+        if (odd && !EdgeTotals::is_unit(lengths[i])) sums.odd.add(lengths[i]);
       }
     };
     for (std::size_t v = begin; v < end; ++v) {

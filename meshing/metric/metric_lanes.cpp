@@ -72,19 +72,36 @@ SymTensor entry(const TensorLanes& a, int i) {
 
 }  // namespace
 
+namespace {
+
+Lanes off_diagonal(const TensorLanes& a) { return absolute(a.xy) + absolute(a.xz) + absolute(a.yz); }
+Lanes diagonal(const TensorLanes& a) { return absolute(a.xx) + absolute(a.yy) + absolute(a.zz); }
+
+/// Entries off the diagonal that are too small to show in doubles become zero: no rotation turns such a
+/// tensor any more, whatever its neighbours in the lanes need. False where all are so.
+bool has_rotations_left(TensorLanes& a) {
+  constexpr double kNothing = 1e-20;
+  const auto none = off_diagonal(a) <= kNothing * diagonal(a);
+  a.xy = none ? Lanes{} : a.xy, a.xz = none ? Lanes{} : a.xz, a.yz = none ? Lanes{} : a.yz;
+  bool any = false;
+  for (int i = 0; i < kLanes; ++i) any |= none[i] == 0;
+  return any;
+}
+
+}  // namespace
+
 EigenLanes eigen_of_lanes(const TensorLanes& given) {
-  constexpr int kSweeps = 6;  // convergence is quadratic: five are enough for all but a few
+  constexpr int kSweeps = 6;  // convergence is quadratic: four or five are enough for all but a few
   constexpr double kRounding = 1e-15;
   TensorLanes a = given;
   const Lanes one = Lanes{} + 1;
   std::array<VecLanes, 3> v = {{{one, {}, {}}, {{}, one, {}}, {{}, {}, one}}};
-  for (int i = 0; i < kSweeps; ++i) {
+  for (int i = 0; i < kSweeps && has_rotations_left(a); ++i) {
     rotate(a.xx, a.yy, a.xy, a.xz, a.yz, v[0], v[1]);
     rotate(a.xx, a.zz, a.xz, a.xy, a.yz, v[0], v[2]);
     rotate(a.yy, a.zz, a.yz, a.xy, a.xz, v[1], v[2]);
   }
-  const Lanes size = absolute(a.xx) + absolute(a.yy) + absolute(a.zz);
-  const auto done = absolute(a.xy) + absolute(a.xz) + absolute(a.yz) <= kRounding * size;
+  const auto done = off_diagonal(a) <= kRounding * diagonal(a);
   const Lanes none = Lanes{} + std::numeric_limits<double>::quiet_NaN();
   return {{done ? a.xx : none, done ? a.yy : none, done ? a.zz : none}, v};
 }
