@@ -65,7 +65,7 @@ class Permutation {
 
 TetMesh::TetMesh(std::size_t vertex_capacity, std::size_t tet_capacity, Pages pages)
     : tets_(tet_capacity, pages),
-      patches_(tet_capacity, pages),
+      patches_(tet_capacity, Pages::small),  // most stay zero, which costs no memory then
       tet_refs_(tet_capacity, pages),
       quality_(tet_capacity, pages),
       marks_(tet_capacity, pages),

@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "meshing/base/error.h"
@@ -227,7 +228,8 @@ class FaceMatcher {
 
   /// Of a bucket. False when three records are the same face.
   bool match(std::span<const FaceRecord> faces) {
-    empty(2 * faces.size());
+    slots_.assign(std::bit_ceil(2 * faces.size()), 0);
+    address_by(slots_.size());
     for (const FaceRecord& face : faces) {
       std::size_t slot = place(face.middle, face.largest, 0);
       while (slots_[slot] && !same_face(faces[slots_[slot] - 1], face)) slot = (slot + 1) & mask_;
@@ -246,19 +248,33 @@ class FaceMatcher {
   template <class Overused>
   void match_run(std::span<const Tet> run, std::size_t begin, const SharedVertices& shared,
                  const Overused& overused) {
-    tets_.clear();
-    for (const Tet& tet : run) tets_.push_back(sorted(tet));
-    empty(8 * tets_.size());
-    for (std::size_t t = 0; t < tets_.size(); ++t)
-      for (std::size_t i = 0; i < 4; ++i)
-        if (!shared.has_face(tets_[t], i) && !match_face(t, i, begin))
-          overused(tets_[t].vertices[kOthers[i][0]]);
+    known_.assign(std::bit_ceil(4 * run.size()), KnownFace{});
+    address_by(known_.size());
+    for (std::size_t t = 0; t < run.size(); ++t) {
+      const SortedTet tet = sorted(run[t]);
+      const auto match = [&](auto opposite) {
+        if (shared.has_face(tet, opposite)) return;
+        constexpr auto others = kOthers[opposite];
+        const Tet& v = tet.vertices;
+        const Triangle face = {v[others[0]], v[others[1]], v[others[2]]};
+        const std::uint32_t side = 2 * tet.code_of_face(t, opposite) + tet.turn_of_face(opposite);
+        if (!match_face(face, side, 4 * begin)) overused(face[0]);
+      };
+      match(std::integral_constant<std::size_t, 0>{}), match(std::integral_constant<std::size_t, 1>{});
+      match(std::integral_constant<std::size_t, 2>{}), match(std::integral_constant<std::size_t, 3>{});
+    }
   }
 
  private:
-  void empty(std::size_t least) {
-    slots_.assign(std::bit_ceil(least), 0);
-    mask_ = slots_.size() - 1;
+  /// A face met in a run: its vertices, ascending, and of the tet there twice the code plus the turn, as if
+  /// the run began with tet 0; plus 1, 0 where none is.
+  struct KnownFace {
+    Triangle vertices{};
+    std::uint32_t side_plus_1 = 0;
+  };
+
+  void address_by(std::size_t slots) {
+    mask_ = slots - 1;
     shift_ = 64 - std::bit_width(mask_);
   }
   std::size_t place(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -266,31 +282,25 @@ class FaceMatcher {
     return mask_ == 0 ? 0 : key * 0xBF58476D1CE4E5B9u >> shift_;
   }
 
-  bool match_face(std::size_t t, std::size_t i, std::size_t begin) {
-    const auto& [a, b, c] = kOthers[i];
-    const Tet& v = tets_[t].vertices;
-    const auto same = [&](std::uint32_t face) {
-      const auto& [d, e, f] = kOthers[face % 4];
-      const Tet& w = tets_[face / 4].vertices;
-      return ((v[a] ^ w[d]) | (v[b] ^ w[e]) | (v[c] ^ w[f])) == 0;
-    };
-    std::size_t slot = place(v[a], v[b], v[c]);
-    while (slots_[slot] && !same(slots_[slot] - 1)) slot = (slot + 1) & mask_;
-    if (!slots_[slot]) {
-      slots_[slot] = static_cast<std::uint32_t>(4 * t + i) + 1;
-      return true;
+  bool match_face(const Triangle& face, std::uint32_t side, std::size_t first_code) {
+    for (std::size_t slot = place(face[0], face[1], face[2]);; slot = (slot + 1) & mask_) {
+      KnownFace& known = known_[slot];
+      if (known.side_plus_1 == 0) {
+        known = {face, side + 1};
+        return true;
+      }
+      if (known.vertices != face) continue;
+      const std::uint32_t other = known.side_plus_1 - 1;
+      const auto code = [&](std::uint32_t s) { return static_cast<std::uint32_t>(first_code + s / 2); };
+      return pairs_.pair(code(other), code(side), other % 2 == side % 2);
     }
-    const std::uint32_t other = slots_[slot] - 1;
-    const SortedTet& across = tets_[other / 4];
-    return pairs_.pair(across.code_of_face(begin + other / 4, other % 4), tets_[t].code_of_face(begin + t, i),
-                       across.turn_of_face(other % 4) == tets_[t].turn_of_face(i));
   }
 
   FacePairs& pairs_;
-  std::vector<std::uint32_t> slots_;  ///< index of a record, or 4 * tet of the run + opposite; plus 1
+  std::vector<std::uint32_t> slots_;  ///< of a bucket: indices of its records, plus 1
+  std::vector<KnownFace> known_;      ///< of a run
   std::size_t mask_ = 0;
   int shift_ = 0;
-  std::vector<SortedTet> tets_;
 };
 
 void atomic_min(std::uint32_t& target, std::uint32_t value) {
