@@ -11,6 +11,9 @@
 
 namespace weft::meshing {
 
+/// Raised when passes are made in another order: the results of those of before cannot be told then.
+inline constexpr int kOrderOfPasses = 2;
+
 /// A pass that is over: all that the order of the later ones depends on.
 struct PassResult {
   double value = 0;                       ///< what the pass has returned: changes made, a measure

@@ -177,27 +177,11 @@ class SharedVertices {
   std::vector<std::uint8_t> shared_;  ///< bytes, since threads write them
 };
 
-/// Those faces for which wanted(tet, opposite) holds.
-template <class Wanted>
-Buckets<FaceRecord> bucket_faces(std::span<const Tet> tets, std::size_t num_vertices, const Wanted& wanted) {
-  const auto count = [&](std::size_t, std::size_t begin, std::size_t end, const auto& add) {
-    for (const Tet& tet : tets.subspan(begin, end - begin)) {
-      const SortedTet sorted_tet = sorted(tet);
-      for (std::size_t i = 0; i < 4; ++i)
-        if (wanted(sorted_tet, i)) add(sorted_tet.vertices[kOthers[i][0]], 1);
-    }
-  };
-  const auto place = [&](std::size_t, std::size_t begin, std::size_t end, const auto& put) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const SortedTet tet = sorted(tets[t]);
-      const Tet& v = tet.vertices;
-      for (std::size_t i = 0; i < 4; ++i)
-        if (const auto& [a, b, c] = kOthers[i]; wanted(tet, i))
-          put(v[a], std::array<FaceRecord, 1>{{{v[b], v[c], tet.code_of_face(t, i), tet.turn_of_face(i)}}});
-    }
-  };
-  return make_buckets<FaceRecord>(tets.size(), num_vertices, count, place);
-}
+/// A face with its smallest vertex, on the way to the bucket.
+struct FiledFace {
+  std::uint32_t smallest;
+  FaceRecord record;
+};
 
 /// Makes tets neighbours, by several threads at different faces.
 class FacePairs {
@@ -243,22 +227,24 @@ class FaceMatcher {
     return true;
   }
 
-  /// Of the run that begins with tet `begin`: faces that no other run can have. Calls overused(smallest
-  /// vertex) where three tets share one.
+  /// Of the run that begins with tet `begin`: faces that no other run can have; the rest is added to `left`.
+  /// Calls overused(smallest vertex) where three tets share one.
   template <class Overused>
   void match_run(std::span<const Tet> run, std::size_t begin, const SharedVertices& shared,
-                 const Overused& overused) {
+                 std::vector<FiledFace>& left, const Overused& overused) {
     known_.assign(std::bit_ceil(4 * run.size()), KnownFace{});
     address_by(known_.size());
     for (std::size_t t = 0; t < run.size(); ++t) {
       const SortedTet tet = sorted(run[t]);
       const auto match = [&](auto opposite) {
-        if (shared.has_face(tet, opposite)) return;
         constexpr auto others = kOthers[opposite];
         const Tet& v = tet.vertices;
         const Triangle face = {v[others[0]], v[others[1]], v[others[2]]};
-        const std::uint32_t side = 2 * tet.code_of_face(t, opposite) + tet.turn_of_face(opposite);
-        if (!match_face(face, side, 4 * begin)) overused(face[0]);
+        const std::uint32_t turn = tet.turn_of_face(opposite);
+        if (shared.has_face(tet, opposite))
+          left.push_back({face[0], {face[1], face[2], tet.code_of_face(begin + t, opposite), turn}});
+        else if (!match_face(face, 2 * tet.code_of_face(t, opposite) + turn, 4 * begin))
+          overused(face[0]);
       };
       match(std::integral_constant<std::size_t, 0>{}), match(std::integral_constant<std::size_t, 1>{});
       match(std::integral_constant<std::size_t, 2>{}), match(std::integral_constant<std::size_t, 3>{});
@@ -289,7 +275,9 @@ class FaceMatcher {
         known = {face, side + 1};
         return true;
       }
-      if (known.vertices != face) continue;
+      // In line: GCC makes a call of the arrays' comparison.
+      const Triangle& v = known.vertices;
+      if (((v[0] ^ face[0]) | (v[1] ^ face[1]) | (v[2] ^ face[2])) != 0) continue;
       const std::uint32_t other = known.side_plus_1 - 1;
       const auto code = [&](std::uint32_t s) { return static_cast<std::uint32_t>(first_code + s / 2); };
       return pairs_.pair(code(other), code(side), other % 2 == side % 2);
@@ -310,8 +298,15 @@ void atomic_min(std::uint32_t& target, std::uint32_t value) {
   }
 }
 
-/// Sorts the bucket, so that the face and the tets named do not depend on threads.
-[[noreturn]] void throw_overused_face(std::uint32_t smallest, std::span<FaceRecord> faces) {
+/// Sorts the faces, so that the one and the tets named do not depend on threads.
+[[noreturn]] void throw_overused_face(std::uint32_t smallest, std::span<const Tet> tets) {
+  std::vector<FaceRecord> faces;
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    const SortedTet tet = sorted(tets[t]);
+    for (std::size_t i = 0; i < 4; ++i)
+      if (const auto& [a, b, c] = kOthers[i]; tet.vertices[a] == smallest)
+        faces.push_back({tet.vertices[b], tet.vertices[c], tet.code_of_face(t, i), tet.turn_of_face(i)});
+  }
   std::sort(faces.begin(), faces.end());
   std::size_t i = 0;
   while (!same_face(faces[i], faces[i + 2])) ++i;
@@ -359,27 +354,28 @@ Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices) {
   check_tets(tets, num_vertices);
   FacePairs pairs(tets.size());
   std::uint32_t overused = kNoNeighbour;  // smallest vertex with a face in three tets
+  const auto note_overused = [&overused](std::uint32_t vertex) { atomic_min(overused, vertex); };
+  std::vector<std::vector<FiledFace>> left(number_of_runs(tets.size()));
   {
     const SharedVertices shared(tets, num_vertices);
-    for_each_run(tets.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-      FaceMatcher matcher(pairs);
-      matcher.match_run(tets.subspan(begin, end - begin), begin, shared,
-                        [&](std::uint32_t vertex) { atomic_min(overused, vertex); });
-    });
-    const auto buckets = bucket_faces(
-        tets, num_vertices, [&](const SortedTet& tet, std::size_t i) { return shared.has_face(tet, i); });
-    tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
-      FaceMatcher matcher(pairs);
-      for (std::size_t v = range.begin(); v < range.end(); ++v)
-        if (!matcher.match(buckets[v])) atomic_min(overused, static_cast<std::uint32_t>(v));
+    for_each_run(tets.size(), [&](std::size_t run, std::size_t begin, std::size_t end) {
+      FaceMatcher(pairs).match_run(tets.subspan(begin, end - begin), begin, shared, left[run], note_overused);
     });
   }
-  if (overused != kNoNeighbour) {
-    const auto of_vertex = [&](const SortedTet& tet, std::size_t i) {
-      return tet.vertices[kOthers[i][0]] == overused;
-    };
-    throw_overused_face(overused, bucket_faces(tets, num_vertices, of_vertex)[overused]);
-  }
+  const auto count = [&](std::size_t run, std::size_t, std::size_t, const auto& add) {
+    for (const FiledFace& face : left[run]) add(face.smallest, 1);
+  };
+  const auto place = [&](std::size_t run, std::size_t, std::size_t, const auto& put) {
+    for (const auto& [smallest, record] : std::exchange(left[run], {}))
+      put(smallest, std::array<FaceRecord, 1>{record});
+  };
+  const auto buckets = make_buckets<FaceRecord>(tets.size(), num_vertices, count, place);
+  tbb::parallel_for(Range(0, num_vertices, kVerticesPerTask), [&](const Range& range) {
+    FaceMatcher matcher(pairs);
+    for (std::size_t v = range.begin(); v < range.end(); ++v)
+      if (!matcher.match(buckets[v])) note_overused(static_cast<std::uint32_t>(v));
+  });
+  if (overused != kNoNeighbour) throw_overused_face(overused, tets);
   return pairs.take();
 }
 

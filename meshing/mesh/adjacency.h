@@ -28,8 +28,8 @@ struct Adjacency {
 /// number of threads. They throw InputError for a vertex >= num_vertices and for more tets than codes can
 /// name.
 
-/// Throws InputError naming the tets (1-based) when a face belongs to more than two. Temporaries: 10 to 20
-/// bytes a tet where tets that share faces are near each other, 70 at worst.
+/// Throws InputError naming the tets (1-based) when a face belongs to more than two. Temporaries: about 25
+/// bytes a tet where tets that share faces are near each other, 150 at worst.
 Adjacency build_adjacency(std::span<const Tet> tets, std::size_t num_vertices);
 
 /// For every triangle the code tet * 4 + face of the tet face with the same three vertices (of two such, the

@@ -17,7 +17,9 @@ namespace {
 class LimitedComplexity {
  public:
   LimitedComplexity(const MetricDomain& domain, const LogSizeLimits& limits, const LogMetricField& field)
-      : domain_(domain), limits_(limits), volumes_(vertex_volumes(domain.mesh())), log_values_(field.size()) {
+      : domain_(domain), limits_(limits), field_(field), volumes_(vertex_volumes(domain.mesh())) {
+    if (limits.none()) return;
+    log_values_.resize(field.size());
     for_each_index(field.size(),
                    [&](std::size_t i) { log_values_[i] = eigen_decomposition(field[i]).values; });
   }
@@ -27,6 +29,7 @@ class LimitedComplexity {
 
  private:
   double density(std::size_t i, double shift) const {
+    if (limits_.none()) return std::exp(0.5 * (trace(field_[i]) + 3 * shift));
     double log_det = 0;
     for (const double v : log_values_[i]) log_det += limits_(v + shift);
     return std::exp(0.5 * log_det);
@@ -34,8 +37,9 @@ class LimitedComplexity {
 
   const MetricDomain& domain_;
   LogSizeLimits limits_;
+  const LogMetricField& field_;
   std::vector<double> volumes_;
-  std::vector<std::array<double, 3>> log_values_;
+  std::vector<std::array<double, 3>> log_values_;  ///< empty without limits
 };
 
 void check_scalable(double complexity, double target) {

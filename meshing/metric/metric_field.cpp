@@ -144,6 +144,7 @@ LogSizeLimits::LogSizeLimits(double hmin, double hmax)
 
 void limit_sizes(double hmin, double hmax, LogMetricField& field) {
   const LogSizeLimits limits(hmin, hmax);
+  if (limits.none()) return;
   for_each_index(field.size(), [&](std::size_t i) {
     Eigen3 e = eigen_decomposition(field[i]);
     if (limits(e.values[0]) == e.values[0] && limits(e.values[2]) == e.values[2]) return;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -48,6 +49,7 @@ struct LogSizeLimits {
   double lo, hi;
   LogSizeLimits(double hmin, double hmax);
   double operator()(double v) const { return std::clamp(v, lo, hi); }
+  bool none() const { return std::isinf(lo) && std::isinf(hi); }
 };
 /// limit_sizes of every metric. Throws InputError when hmin > hmax > 0.
 void limit_sizes(double hmin, double hmax, LogMetricField& field);

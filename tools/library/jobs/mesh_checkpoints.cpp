@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "engine/base/serialize.h"
@@ -84,7 +85,7 @@ meshing::AdaptationState read_state(const CheckpointPlace& place) {
 std::uint64_t hash_of_run(const meshing::MeshData& input, const meshing::MeshData& background,
                           const meshing::LogMetricField& metric, const Options& options) {
   Hash hash;
-  hash.add(std::string(kVersion));
+  hash.add(std::string(kVersion) + " " + std::to_string(meshing::kOrderOfPasses));
   add(hash, input);
   if (&background != &input) add(hash, background);
   hash.add(metric);
