@@ -12,9 +12,13 @@
 namespace weft::tools {
 namespace {
 
-constexpr auto kPeriod = std::chrono::milliseconds(50);
-/// Some files are read to see what memory is left: not at each turn while there is plenty.
-constexpr unsigned kTurnsWherePlenty = 4;
+using Seconds = std::chrono::duration<double>;
+
+constexpr Seconds kPeriod(0.05);  ///< of looks at the clock
+/// Some files are read to see what memory is left: seldom while there is plenty.
+constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.2);
+/// Bytes a second, for threads together: half a gigabyte has been seen on one.
+constexpr double kFastestTaken = 2e9;
 
 }  // namespace
 
@@ -90,27 +94,30 @@ std::optional<double> Monitor::memory_to_take() const {
 
 void Monitor::watch() {
   std::unique_lock lock(mutex_);
-  for (unsigned turn = 1; !over_.wait_for(lock, kPeriod, [this] { return ended_; }); ++turn) {
-    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-    if (options_.time_limit > 0 && seconds + seconds_to_finish() >= options_.time_limit)
+  Seconds look(0);  // at memory, after the beginning
+  Seconds now = look;
+  while (!over_.wait_for(lock, std::min(kPeriod, look - now), [this] { return ended_; })) {
+    now = Clock::now() - begin_;
+    if (options_.time_limit > 0 && now.count() + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
-    if (!plenty_ || turn % kTurnsWherePlenty == 0) watch_memory();
+    if (now >= look) look = now + Seconds(watch_memory());
   }
 }
 
-/// As much as was taken since the last look may be taken before the next one (100 MB a second have been seen
-/// on one thread, whose group allowed 150 MB). To look takes a little memory too.
-void Monitor::watch_memory() {
+/// Returns the seconds to the next look: at most half of what is left can be taken until then. As much as was
+/// taken since the last look may be taken before the next one. To look takes a little memory too.
+double Monitor::watch_memory() {
   try {
     const std::optional<double> to_take = memory_to_take();
-    if (!to_take) return;
+    if (!to_take) return kMostPeriodOfMemory.count();
     const double taken = std::max(0.0, to_take_ - *to_take);
     if (*to_take < taken) cancel(EndReason::memory_limit);
-    plenty_ = *to_take > resident_bytes() - memory_at_begin_;
     to_take_ = *to_take;
   } catch (const std::bad_alloc&) {
     out_of_memory();
   }
+  return std::clamp(0.5 * to_take_ / kFastestTaken, kLeastPeriodOfMemory.count(),
+                    kMostPeriodOfMemory.count());
 }
 
 }  // namespace weft::tools

@@ -46,7 +46,7 @@ class Monitor {
 
  private:
   void watch();
-  void watch_memory();
+  double watch_memory();
   /// Bytes that may still be taken before the run must end; none where the system does not tell.
   std::optional<double> memory_to_take() const;
   void cancel(EndReason reason);
@@ -62,7 +62,6 @@ class Monitor {
   double memory_ = 0;           ///< bytes that this process may take; 0: what is left, infinity: no matter
   double memory_at_begin_ = 0;  ///< that this process had
   double to_take_ = 0;          ///< memory_to_take() at the last look
-  bool plenty_ = false;         ///< then: more than the run has taken
   std::mutex mutex_;
   std::condition_variable over_;
   bool ended_ = false;
