@@ -17,6 +17,8 @@ using Seconds = std::chrono::duration<double>;
 constexpr Seconds kPeriod(0.05);  ///< of looks at the clock
 /// Some files are read to see what memory is left: seldom while there is plenty.
 constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.2);
+/// The kernel goes on for a moment, then the mesh is measured and written.
+constexpr Seconds kToLeave(0.1);
 /// Bytes a second, for threads together: half a gigabyte has been seen on one.
 constexpr double kFastestTaken = 2e9;
 
@@ -104,15 +106,19 @@ void Monitor::watch() {
   }
 }
 
-/// Returns the seconds to the next look: at most half of what is left can be taken until then. As much as was
-/// taken since the last look may be taken before the next one. To look takes a little memory too.
+/// Returns the seconds to the next look: at most half of what is left can be taken until then. The run ends
+/// where what is left lasts for kToLeave at the speed at which memory has been taken lately. To look takes a
+/// little memory too.
 double Monitor::watch_memory() {
   try {
     const std::optional<double> to_take = memory_to_take();
     if (!to_take) return kMostPeriodOfMemory.count();
+    const Clock::time_point now = Clock::now();
     const double taken = std::max(0.0, to_take_ - *to_take);
-    if (*to_take < taken) cancel(EndReason::memory_limit);
+    taken_per_second_ = std::max(0.5 * taken_per_second_, taken / Seconds(now - looked_).count());
+    if (*to_take < taken_per_second_ * kToLeave.count()) cancel(EndReason::memory_limit);
     to_take_ = *to_take;
+    looked_ = now;
   } catch (const std::bad_alloc&) {
     out_of_memory();
   }
