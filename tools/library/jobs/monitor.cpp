@@ -19,6 +19,8 @@ constexpr Seconds kPeriod(0.05);  ///< of looks at the clock
 constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.2);
 /// The kernel goes on for a moment, then the mesh is measured and written.
 constexpr Seconds kToLeave(0.1);
+/// Where more is killed: arrays of the mesh that grow take up to so many times what it has, in one go.
+constexpr double kArraysGrow = 2;
 /// Bytes a second, for threads together: half a gigabyte has been seen on one.
 constexpr double kFastestTaken = 2e9;
 
@@ -116,7 +118,9 @@ double Monitor::watch_memory() {
     const Clock::time_point now = Clock::now();
     const double taken = std::max(0.0, to_take_ - *to_take);
     taken_per_second_ = std::max(0.5 * taken_per_second_, taken / Seconds(now - looked_).count());
-    if (*to_take < taken_per_second_ * kToLeave.count()) cancel(EndReason::memory_limit);
+    const double held = resident_bytes() - memory_at_begin_;
+    const double at_once = memory_ > 0 ? 0 : std::min(kArraysGrow * held, kFastestTaken * kToLeave.count());
+    if (*to_take < std::max(at_once, taken_per_second_ * kToLeave.count())) cancel(EndReason::memory_limit);
     to_take_ = *to_take;
     looked_ = now;
   } catch (const std::bad_alloc&) {
