@@ -146,7 +146,3 @@ class SoftSwitch:
 
     def link(self, port, up):
         self.tell("link", port, up)
-
-    def stop(self):
-        self.process.terminate()
-        self.process.join()

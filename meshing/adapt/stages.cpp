@@ -597,10 +597,15 @@ class Adaptation {
     const TetVertices& v = seen.vertices;
     mesh_.set_quality(seen.tet, static_cast<float>(seen.quality));
     mesh_.take_marks(seen.tet, kFresh);
+    mark_lengths(seen.tet, v, seen.has_long_edge, seen.short_edges);
+  }
+
+  /// Bit e of `short_edges`: kTetEdges[e].
+  void mark_lengths(TetId t, const TetVertices& v, bool has_long_edge, unsigned short_edges) {
     for (const VertexId x : v) mesh_.take_marks(x, kStuck);
-    if (seen.has_long_edge || on_curved_boundary(v)) mesh_.mark(seen.tet, kCheckLong);
-    for (std::size_t e = 0; seen.short_edges >> e != 0; ++e)
-      if (seen.short_edges >> e & 1)
+    if (has_long_edge || on_curved_boundary(v)) mesh_.mark(t, kCheckLong);
+    for (std::size_t e = 0; short_edges >> e != 0; ++e)
+      if (short_edges >> e & 1)
         for (int end = 0; end < 2; ++end) mesh_.mark(v[kTetEdges[e][end]], kCheckShort);
   }
 
@@ -622,16 +627,14 @@ class Adaptation {
   /// As if a look at all had come upon it, in a mesh that is not good.
   void mark_fresh(TetId t) {
     const TetVertices v = mesh_.vertices(t);
-    for (const VertexId x : v) mesh_.take_marks(x, kStuck);
-    bool long_edge = on_curved_boundary(v);
-    for (const auto& e : kTetEdges) {
-      const MetricLength length = edge_between(mesh_, v[e[0]], v[e[1]]);
-      long_edge |= length.above(kernel_.limits.long_edge);
-      if (!length.below(kernel_.limits.short_edge)) continue;
-      mesh_.mark(v[e[0]], kCheckShort);
-      mesh_.mark(v[e[1]], kCheckShort);
+    bool has_long_edge = false;
+    unsigned short_edges = 0;
+    for (unsigned e = 0; e < kTetEdges.size(); ++e) {
+      const MetricLength length = edge_between(mesh_, v[kTetEdges[e][0]], v[kTetEdges[e][1]]);
+      has_long_edge |= length.above(kernel_.limits.long_edge);
+      if (length.below(kernel_.limits.short_edge)) short_edges |= 1u << e;
     }
-    if (long_edge) mesh_.mark(t, kCheckLong);
+    mark_lengths(t, v, has_long_edge, short_edges);
     mark_poor(t, v);
   }
 

@@ -39,11 +39,6 @@ class Front {
     Point center;
     double radius2;  ///< infinite for a flat tet
   };
-  /// A place for a new point.
-  struct Candidate {
-    Point at;
-    bool in_sphere;  ///< of the tet that it is to break up
-  };
   // Shares of the size.
   static constexpr double kLargeRadius = 0.8;  ///< of a tet that is broken up; a regular one has 0.61
   static constexpr double kNearest = 0.7;      ///< of a new point to any other

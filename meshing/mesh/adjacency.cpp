@@ -204,8 +204,7 @@ class FacePairs {
   std::atomic<bool> turns_differ_{true};
 };
 
-/// Pairs the equal faces of one run or bucket through a small hash table; kept between them to reuse its
-/// memory.
+/// Pairs the equal faces of one run, or of many buckets one after the other, through a small hash table.
 class FaceMatcher {
  public:
   explicit FaceMatcher(FacePairs& pairs) : pairs_(pairs) {}

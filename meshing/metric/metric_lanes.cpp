@@ -70,10 +70,6 @@ SymTensor entry(const TensorLanes& a, int i) {
   return {a.xx[i], a.xy[i], a.yy[i], a.xz[i], a.yz[i], a.zz[i]};
 }
 
-}  // namespace
-
-namespace {
-
 Lanes off_diagonal(const TensorLanes& a) { return absolute(a.xy) + absolute(a.xz) + absolute(a.yz); }
 Lanes diagonal(const TensorLanes& a) { return absolute(a.xx) + absolute(a.yy) + absolute(a.zz); }
 

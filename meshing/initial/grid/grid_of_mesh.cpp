@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "meshing/mesh/adjacency.h"
+#include "meshing/mesh/renumber_vertices.h"
 
 namespace weft::meshing {
 namespace {
@@ -86,13 +87,9 @@ MeshData GridOfMesh::take() {
     mesh_.tet_refs.push_back(ref[region[t]]);
   }
   const std::vector<std::uint32_t> place = close_points();
-  const auto renumber = [&](auto& lists) {
-    for (auto& list : lists)
-      for (std::uint32_t& v : list) v = place[v];
-  };
-  renumber(mesh_.tets);
-  renumber(mesh_.triangles);
-  renumber(mesh_.edges);
+  renumber_vertices(mesh_.tets, place);
+  renumber_vertices(mesh_.triangles, place);
+  renumber_vertices(mesh_.edges, place);
   for (auto* list : {&mesh_.corners, &mesh_.required_points})
     for (std::uint32_t& v : *list) v = place[v];
   return std::move(mesh_);

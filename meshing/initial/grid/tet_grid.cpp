@@ -52,7 +52,8 @@ int sign_of_rounded(const Point& a, const Point& b, const Point& c, const Point&
   const double farthest =
       std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c), largest_coordinate(d)});
   const double det = dot(cross(u, v), w);
-  const double bound = 2e-14 * (farthest + longest) * longest * longest;  // twice what it can be
+  // Twice what it can be; the least normal number where products are smaller than that.
+  const double bound = 2e-14 * (farthest + longest) * longest * longest + std::numeric_limits<double>::min();
   return det > bound ? 1 : det < -bound ? -1 : 0;
 }
 

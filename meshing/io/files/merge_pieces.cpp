@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "meshing/io/files/point_merger.h"
+#include "meshing/mesh/renumber_vertices.h"
 
 namespace weft::meshing {
 namespace {
@@ -88,9 +89,9 @@ class Merger {
     for (Field& field : merged_.fields.fields) {
       reorder(order, static_cast<std::size_t>(components(field.kind)), field.values);
     }
-    renumber(numbers, mesh.tets);
-    renumber(numbers, mesh.triangles);
-    renumber(numbers, mesh.edges);
+    renumber_vertices(mesh.tets, numbers);
+    renumber_vertices(mesh.triangles, numbers);
+    renumber_vertices(mesh.edges, numbers);
     for (std::uint32_t& corner : mesh.corners) corner = numbers[corner];
     std::ranges::sort(mesh.corners);
   }
@@ -101,12 +102,6 @@ class Merger {
     old.swap(rows);
     for (std::size_t i = 0; i < order.size(); ++i)
       std::copy_n(&old[order[i] * length], length, &rows[i * length]);
-  }
-  template <class Elements>
-  static void renumber(const std::vector<std::uint32_t>& numbers, Elements& elements) {
-    for (auto& element : elements) {
-      for (std::uint32_t& v : element) v = numbers[v];
-    }
   }
 
   template <class Elements>

@@ -16,6 +16,7 @@
 #include "meshing/base/error.h"
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/predicates.h"
+#include "meshing/mesh/renumber_vertices.h"
 #include "meshing/mesh/repair/close_cracks.h"
 #include "meshing/mesh/repair/join_hanging.h"
 #include "meshing/mesh/repair/open_faces.h"
@@ -131,8 +132,7 @@ class Repair {
   }
 
   void renumber_points(const std::vector<std::uint32_t>& now) {
-    for (auto& t : m_.tets)
-      for (std::uint32_t& v : t) v = now[v];
+    renumber_vertices(m_.tets, now);
     const auto renumber = [&](auto& entities) {
       for (auto& e : entities)
         for (std::uint32_t& v : e) v = v < now.size() ? now[v] : kGone;
@@ -205,13 +205,9 @@ class Repair {
       result_.points.push_back(v);
     }
     m_.points.resize(kept), m_.point_refs.resize(kept);
-    const auto renumber = [&](auto& entities) {
-      for (auto& e : entities)
-        for (std::uint32_t& v : e) v = new_index[v];
-    };
-    renumber(m_.tets);
-    renumber(m_.triangles);
-    renumber(m_.edges);
+    renumber_vertices(m_.tets, new_index);
+    renumber_vertices(m_.triangles, new_index);
+    renumber_vertices(m_.edges, new_index);
     for (auto* list : {&m_.corners, &m_.required_points}) {
       std::set<std::uint32_t> there;
       for (const std::uint32_t v : *list)

@@ -104,17 +104,17 @@ void Monitor::watch() {
     now = Clock::now() - begin_;
     if (options_.time_limit > 0 && now.count() + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
-    if (now >= look) look = now + Seconds(watch_memory());
+    if (now >= look) look = now + watch_memory();
   }
 }
 
-/// Returns the seconds to the next look: at most half of what is left can be taken until then. The run ends
-/// where what is left lasts for kToLeave at the speed at which memory has been taken lately. To look takes a
-/// little memory too.
-double Monitor::watch_memory() {
+/// Returns the time to the next look: at most half of what is left can be taken until then. The run ends
+/// where what is left lasts for kToLeave at the speed at which memory has been taken lately, or would not do
+/// for arrays that grow. To look takes a little memory too.
+Monitor::Seconds Monitor::watch_memory() {
   try {
     const std::optional<double> to_take = memory_to_take();
-    if (!to_take) return kMostPeriodOfMemory.count();
+    if (!to_take) return kMostPeriodOfMemory;
     const Clock::time_point now = Clock::now();
     const double taken = std::max(0.0, to_take_ - *to_take);
     taken_per_second_ = std::max(0.5 * taken_per_second_, taken / Seconds(now - looked_).count());
@@ -126,8 +126,7 @@ double Monitor::watch_memory() {
   } catch (const std::bad_alloc&) {
     out_of_memory();
   }
-  return std::clamp(0.5 * to_take_ / kFastestTaken, kLeastPeriodOfMemory.count(),
-                    kMostPeriodOfMemory.count());
+  return std::clamp(Seconds(0.5 * to_take_ / kFastestTaken), kLeastPeriodOfMemory, kMostPeriodOfMemory);
 }
 
 }  // namespace weft::tools

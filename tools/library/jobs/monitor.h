@@ -45,8 +45,10 @@ class Monitor {
   bool wanted() const { return options_.progress || options_.time_limit > 0; }
 
  private:
+  using Seconds = std::chrono::duration<double>;
+
   void watch();
-  double watch_memory();
+  Seconds watch_memory();
   /// Bytes that may still be taken before the run must end; none where the system does not tell.
   std::optional<double> memory_to_take() const;
   void cancel(EndReason reason);
@@ -62,8 +64,8 @@ class Monitor {
   double memory_ = 0;           ///< bytes that this process may take; 0: what is left, infinity: no matter
   double memory_at_begin_ = 0;  ///< that this process had
   double to_take_ = 0;          ///< memory_to_take() at the last look
-  Clock::time_point looked_ = begin_;
-  double taken_per_second_ = 0;  ///< the most lately: halved at each look
+  Clock::time_point looked_ = begin_;  ///< when that was
+  double taken_per_second_ = 0;        ///< the most lately: halved at each look
   std::mutex mutex_;
   std::condition_variable over_;
   bool ended_ = false;
