@@ -61,19 +61,24 @@ class Task:
                    "tets": measures["tets"]}
 
 
+def measures_of(mesh, metric):
+    text = subprocess.run([bench.WEFT, "stat", mesh, "--metric", metric, "--json"], check=True, capture_output=True).stdout
+    return json.loads(text)["measures"]
+
+
 def weft_run(start, result, threads, *options):
+    """Without --report, which draws the mesh: the others draw nothing either."""
     def run():
-        seconds, _, report = bench.weft_adapt(*start, result, threads, *options)
-        return seconds, report["after"]
+        seconds, _ = bench.run([bench.WEFT, "adapt", start[0], "--metric", start[1], "-o", result, "--threads", threads,
+                                "--progress", "none", *options])
+        return seconds, measures_of(result, result.with_suffix(".solb"))
     return run
 
 
 def mmg_run(program, start, result, target):
     def run():
         row = bench.bench_mmg(program, result.stem, start, target, 1)
-        text = subprocess.run([bench.WEFT, "stat", OUT / f"{result.stem}-mmg.meshb", "--metric", mmg_metric(result), "--json"],
-                              check=True, capture_output=True).stdout
-        return float(row["seconds"]), json.loads(text)["measures"]
+        return float(row["seconds"]), measures_of(OUT / f"{result.stem}-mmg.meshb", mmg_metric(result))
     return run
 
 

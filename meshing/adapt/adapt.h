@@ -57,6 +57,8 @@ struct AdaptReport {
   double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
       0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
+  std::vector<SurfaceDemand>
+      surface_demands;  ///< where the surface needs shorter edges than the metric asks for
   std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the model; null without one
   double seconds = 0;
   std::vector<std::string> warnings;  ///< e.g. boundary triangles that were missing and have been created

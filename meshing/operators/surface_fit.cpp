@@ -2,6 +2,11 @@
 #include "meshing/operators/surface_fit.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "meshing/base/sort_unique.h"
 
 namespace weft::meshing {
 namespace {
@@ -29,6 +34,30 @@ Vec bulge(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
   return k.surface.project_to_curve(curve, middle, mesh.kind(a), mesh.surface_hint(a)).x - middle;
 }
 
+/// An edge of a boundary triangle.
+struct BoundaryEdge {
+  VertexId a, b;
+  PatchId patch;
+  friend auto operator<=>(const BoundaryEdge&, const BoundaryEdge&) = default;
+};
+
+/// Those on curved patches, once for each patch.
+std::vector<BoundaryEdge> curved_edges(const Kernel& k) {
+  std::vector<BoundaryEdge> edges;
+  for (std::uint32_t i = 0; i < k.mesh.tet_slots(); ++i)
+    for (int f = 0; f < 4 && k.mesh.alive(TetId(i)); ++f) {
+      const PatchId patch = k.mesh.patch(TetId(i), f);
+      if (!patch.valid() || k.surface.patches()[patch.value].planar) continue;
+      for (int j = 0; j < 3; ++j) {
+        const auto [a, b] = std::minmax(k.mesh.vertex(TetId(i), kTetFaces[f][j]),
+                                        k.mesh.vertex(TetId(i), kTetFaces[f][(j + 1) % 3]));
+        edges.push_back({a, b, patch});
+      }
+    }
+  sort_unique(edges);
+  return edges;
+}
+
 }  // namespace
 
 double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId patch, TetId t, int face) {
@@ -47,6 +76,27 @@ double largest_surface_deviation(const TetMesh& mesh, const Surface& surface) {
           patch.valid() && !surface.patches()[patch.value].planar)
         largest = std::max(largest, surface_deviation(mesh, surface, patch, TetId(i), f));
   return largest;
+}
+
+std::vector<SurfaceDemand> surface_demands(const Kernel& k) {
+  std::map<std::int32_t, SurfaceDemand> of_ref;
+  for (const auto& [a, b, patch] : curved_edges(k)) {
+    const double length = length_between(k.mesh, a, b);
+    if (length >= k.limits.short_edge) continue;
+    // The deviation grows with the square of the length.
+    const double allowed = length * std::sqrt(k.hausd(patch) / norm(bulge(k, a, b, patch)));
+    if (!(allowed < k.limits.short_edge)) continue;
+    const std::int32_t ref = k.surface.patches()[patch.value].ref;
+    SurfaceDemand& demand = of_ref.try_emplace(ref, SurfaceDemand{ref, 0, allowed, {}}).first->second;
+    if (demand.edges++ == 0 || allowed < demand.allowed) {
+      demand.allowed = allowed;
+      demand.where = midpoint(k.mesh.point(a), k.mesh.point(b));
+    }
+  }
+  std::vector<SurfaceDemand> demands;
+  for (const auto& [ref, demand] : of_ref) demands.push_back(demand);
+  std::ranges::stable_sort(demands, std::greater{}, &SurfaceDemand::edges);
+  return demands;
 }
 
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "meshing/kernel/kernel.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
@@ -24,5 +26,8 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
 double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId patch, TetId t, int face);
 /// The largest of all boundary triangles; 0 where the boundary is planar.
 double largest_surface_deviation(const TetMesh& mesh, const Surface& surface);
+
+/// Where the surface needs shorter edges than the metric asks for: by reference, most edges first.
+std::vector<SurfaceDemand> surface_demands(const Kernel& k);
 
 }  // namespace weft::meshing

@@ -10,8 +10,8 @@ from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandT
 
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
-    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "model", "seconds",
-    "peak_memory_bytes", "threads", "warnings",
+    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_demands", "model",
+    "seconds", "peak_memory_bytes", "threads", "warnings",
 }
 
 
@@ -30,6 +30,18 @@ class Adapt(CommandTest):
         self.weft("verify", "out.meshb", "--against", "box.meshb")
         self.assertGreater(self.measures()["edge_length"]["share_unit"], 0.8)
         self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb"])
+
+    def test_says_where_the_surface_needs_short_edges(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.3")
+        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--report", "report").stdout
+        self.assertRegex(text, r"edges of reference 1 stay short for the surface, which allows 0\.\d+ at \(")
+        self.assertLessEqual(max(map(len, text.splitlines())), 100)
+        demand, = json.loads((self.folder / "report" / "report.json").read_text())["surface_demands"]
+        self.assertEqual(demand["reference"], 1)
+        self.assertGreater(demand["edges"], 10)
+        self.assertAlmostEqual(sum(x * x for x in demand["where"]), 1, delta=0.05)
+        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--sagitta", "0.01", "--hausd", "0.01").stdout
+        self.assertNotIn("stay short", text)
 
     def test_coarsens_a_box(self):
         self.adapt(self.box(8), "--metric-fn", "uniform:0.5")

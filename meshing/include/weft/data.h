@@ -377,6 +377,15 @@ struct OperationCounts {
   }
 };
 
+/// Where the boundary contradicts the metric: edges of triangles of one reference that are too short in the
+/// metric, as hausd allows none there that is not.
+struct SurfaceDemand {
+  std::int32_t ref = 0;
+  std::uint64_t edges = 0;
+  double allowed = 0;  ///< the longest edge that hausd allows, in the metric: the least of all edges
+  Point where;         ///< the middle of that edge
+};
+
 /// One step of the run, for the summary.
 struct StageReport {
   std::string name;
@@ -435,6 +444,7 @@ using meshing::CheckReport;
 using meshing::Histogram;
 using meshing::Measures;
 using meshing::ShapeMeasures;
+using meshing::SurfaceDemand;
 
 using meshing::ComponentAccount;
 using meshing::Transfer;

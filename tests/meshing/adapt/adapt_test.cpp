@@ -782,6 +782,22 @@ TEST(AdaptCurved, ACoarseMetricKeepsABallWithinHausd) {
   EXPECT_LT(result.mesh.tets.size(), mesh.tets.size());
   EXPECT_NEAR(report.volume, 4 * std::numbers::pi / 3, 3 * 0.02 * 4 * std::numbers::pi / 3);
   EXPECT_LE(result.report.surface_deviation, 0.021);
+  const std::vector<SurfaceDemand>& demands = result.report.surface_demands;
+  ASSERT_EQ(demands.size(), 1u);
+  EXPECT_EQ(demands[0].ref, 1);
+  EXPECT_GT(demands[0].edges, 10u);
+  EXPECT_LT(demands[0].allowed, std::sqrt(0.5));
+  EXPECT_GT(demands[0].allowed, 0.2);
+  EXPECT_NEAR(norm(demands[0].where), 1, 0.03);
+}
+
+TEST(AdaptCurved, AMetricAsFineAsTheSurfaceNeedsContradictsNothing) {
+  const MeshData mesh = support::ball(3, 3);
+  AdaptOptions options;
+  options.hausd = 0.02;
+  EXPECT_TRUE(adapted(mesh, uniform_metric(mesh, 0.2), options).report.surface_demands.empty());
+  options.hausd = 1;
+  EXPECT_TRUE(adapted(mesh, uniform_metric(mesh, 0.8), options).report.surface_demands.empty());
 }
 
 // --- real geometry ---

@@ -45,6 +45,7 @@ tools::RunResult account_of(const Adapted& mesh, const SimulationRules& rules,
   run.stages = report.stages;
   run.operations = report.counts;
   run.surface_deviation = report.surface_deviation;
+  run.surface_demands = report.surface_demands;
   run.target_complexity = run.before->complexity;
   run.times = {0.2, 0.1, simulated.summary.wall, 0.3, 0, 0.2, simulated.summary.wall + 0.8};
   run.warnings = {"a \"warning\" with <b>markup</b> & </script>"};

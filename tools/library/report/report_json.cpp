@@ -149,6 +149,16 @@ Json json_of(const std::vector<Mend>& mends) {
 
 }  // namespace
 
+Json json_of(const std::vector<SurfaceDemand>& demands) {
+  Json all = Json::array();
+  for (const SurfaceDemand& d : demands)
+    all.push_back({{"reference", d.ref},
+                   {"edges", d.edges},
+                   {"allowed", d.allowed},
+                   {"where", {d.where.x, d.where.y, d.where.z}}});
+  return all;
+}
+
 Json json_of(const meshing::Measures& m) {
   return {{"vertices", m.num_vertices},
           {"tets", m.num_tets},
@@ -203,6 +213,7 @@ Json json_of(const RunResult& run) {
       {"checkpoints", run.checkpoints ? json_of(*run.checkpoints) : Json(nullptr)},
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.surface_deviation},
+      {"surface_demands", json_of(run.surface_demands)},
       {"model", run.model ? json_of(*run.model) : Json(nullptr)},
       {"seconds", json_of(run.times)},
       {"peak_memory_bytes", run.peak_memory},

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 
 #include "tools/common/field_text.h"
 #include "tools/common/measures_text.h"
@@ -95,6 +96,22 @@ std::string operations_text(const meshing::OperationCounts& counts) {
   return text;
 }
 
+std::string place_text(const Point& p) { return fmt::format("({:.3g}, {:.3g}, {:.3g})", p.x, p.y, p.z); }
+
+/// Where boundary and metric contradict each other.
+std::string surface_text(const Report& run) {
+  std::string text = fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
+  constexpr std::size_t kMostListed = 5;
+  for (const SurfaceDemand& d : run.surface_demands | std::views::take(kMostListed))
+    text += fmt::format("  {} edges of reference {} stay short for the surface, which allows {} at {}\n",
+                        grouped(d.edges), d.ref, significant(d.allowed), place_text(d.where));
+  if (run.surface_demands.size() > kMostListed)
+    text += fmt::format("  and {} more references\n", run.surface_demands.size() - kMostListed);
+  if (!run.surface_demands.empty())
+    text += "  (--hausd H allows longer ones; --sagitta H asks for short ones in the metric)\n";
+  return text;
+}
+
 }  // namespace
 
 std::string summary_text(const Report& run) {
@@ -108,8 +125,7 @@ std::string summary_text(const Report& run) {
   if (run.checkpoints) text += checkpoints_text(*run.checkpoints) + "\n";
   text += operations_text(run.operations) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
-  if (!run.distributed)
-    text += fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
+  if (!run.distributed) text += surface_text(run);
   if (run.model) text += model_text(*run.model, false);
   text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";

@@ -360,6 +360,8 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
+  /// Of one mesh: where the surface needs shorter edges than the metric asks for, by reference.
+  std::vector<SurfaceDemand> surface_demands;
   std::shared_ptr<const ModelAccount>
       model;  ///< of one mesh: how it lies on the CAD model; null: there is none
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
