@@ -49,9 +49,9 @@ std::vector<BoundaryEdge> curved_edges(const Kernel& k) {
       const PatchId patch = k.mesh.patch(TetId(i), f);
       if (!patch.valid() || k.surface.patches()[patch.value].planar) continue;
       for (int j = 0; j < 3; ++j) {
-        const auto [a, b] = std::minmax(k.mesh.vertex(TetId(i), kTetFaces[f][j]),
-                                        k.mesh.vertex(TetId(i), kTetFaces[f][(j + 1) % 3]));
-        edges.push_back({a, b, patch});
+        const VertexId a = k.mesh.vertex(TetId(i), kTetFaces[f][j]);
+        const VertexId b = k.mesh.vertex(TetId(i), kTetFaces[f][(j + 1) % 3]);
+        edges.push_back({std::min(a, b), std::max(a, b), patch});
       }
     }
   sort_unique(edges);
