@@ -50,92 +50,91 @@ class Receiver {
     receipt.lo.assign(old_.columns, kInfinity);
     receipt.hi.assign(old_.columns, -kInfinity);
     seen_.clear();
-    overlaps_.clear();
-    pieces_.clear();
+    parts_.clear();
+    numbers_.clear();
     const auto& tet = to.tets[t];
     if (!(volume > 0)) return complete(tet, 0, interpolated, receipt);  // flat: it receives bounds alone
     const Point centre = midpoint(midpoint(corners_[0], corners_[1]), midpoint(corners_[2], corners_[3]));
     collect(from_.locate_first(centre, places[tet[0]]).tet);
     // A new tet can reach several parts of an old mesh that is not convex.
     for (const std::uint32_t v : tet) collect(places[v]);
-    const double covered = add_overlaps(receipt);
+    const double covered = add_parts(receipt);
     complete(tet, std::max(0.0, volume - covered), interpolated, receipt);
   }
 
  private:
-  /// The pieces of one old tet.
-  struct Overlap {
+  /// What one old tet gives.
+  struct Part {
     std::uint32_t old_tet;
-    std::size_t first, end;  ///< among pieces_
+    double volume;
+    std::size_t first;  ///< among numbers_: of each column four loads, lo, hi
   };
+  static constexpr std::size_t kNumbers = 6;
 
-  /// Finds the overlaps of the old tets reached from `seed`.
+  /// Finds the old tets that are reached from `seed`.
   void collect(std::uint32_t seed) {
     visit(seed);
     while (!pending_.empty()) {
       const std::uint32_t old_tet = pending_.back();
       pending_.pop_back();
-      const std::size_t first = pieces_.size();
       const std::array<Point, 4> old_corners = corners_of(from_.mesh(), old_tet);
-      if (volume_of(old_corners) > 0) {
-        overlap(corners_, old_corners, pieces_);
-      } else {
-        visit_neighbours(old_tet);  // a flat one has no part of anything, but lies on the way
-        continue;
-      }
-      double common = 0;
-      for (std::size_t i = first; i < pieces_.size(); ++i) common += pieces_[i].volume;
-      if (!(common > 0)) {
-        pieces_.resize(first);
-        continue;
-      }
-      overlaps_.push_back({old_tet, first, pieces_.size()});
-      visit_neighbours(old_tet);
+      const bool flat = !(volume_of(old_corners) > 0);  // it has no part of anything, but lies on the way
+      if (!flat && !overlap_.find(corners_, old_corners)) continue;
+      if (!flat) keep_part(old_tet);
+      const auto& neighbours = from_.adjacency().neighbours[old_tet];
+      for (std::size_t k = 0; k < 4; ++k)
+        if (neighbours[k] != kNoNeighbour && (flat || overlap_.reaches_face_of_second(k)))
+          visit(neighbours[k] >> 2);
     }
-  }
-
-  /// In the order of the old tets, so that sums do not depend on where the search began. Returns the volume.
-  double add_overlaps(Receipt& receipt) {
-    std::ranges::sort(overlaps_, {}, &Overlap::old_tet);
-    double covered = 0;
-    for (const Overlap& overlap : overlaps_)
-      for (std::size_t i = overlap.first; i < overlap.end; ++i) {
-        covered += pieces_[i].volume;
-        add(pieces_[i], from_.mesh().tets[overlap.old_tet], receipt);
-      }
-    return covered;
-  }
-
-  void visit_neighbours(std::uint32_t old_tet) {
-    for (const std::uint32_t code : from_.adjacency().neighbours[old_tet])
-      if (code != kNoNeighbour) visit(code >> 2);
   }
 
   void visit(std::uint32_t old_tet) {
     if (seen_.insert(old_tet)) pending_.push_back(old_tet);
   }
 
-  /// Integrals over the piece: of products of linear functions, V/20 times (sum of the products at the
+  /// Integrals over the pieces: of products of linear functions, V/20 times (sum of the products at the
   /// corners plus product of the sums).
-  void add(const OverlapPiece& piece, const std::array<std::uint32_t, 4>& old_tet, Receipt& receipt) const {
-    std::array<double, 4> hats{};
-    for (const auto& corner : piece.corners)
-      for (std::size_t i = 0; i < 4; ++i) hats[i] += corner.in_first[i];
+  void keep_part(std::uint32_t old_tet) {
+    parts_.push_back({old_tet, overlap_.volume(), numbers_.size()});
+    const auto corners = overlap_.corners();
     for (std::size_t c = 0; c < old_.columns; ++c) {
-      std::array<double, 4> u{};
-      for (std::size_t k = 0; k < 4; ++k) {
-        for (std::size_t j = 0; j < 4; ++j)
-          u[k] += piece.corners[k].in_second[j] * old_.values[old_tet[j] * old_.columns + c];
-        receipt.lo[c] = std::min(receipt.lo[c], u[k]);
-        receipt.hi[c] = std::max(receipt.hi[c], u[k]);
+      std::array<double, 4> nodal, loads{};
+      for (std::size_t j = 0; j < 4; ++j)
+        nodal[j] = old_.values[from_.mesh().tets[old_tet][j] * old_.columns + c];
+      values_.resize(corners.size());
+      weights_.assign(corners.size(), 0);
+      double lo = kInfinity, hi = -kInfinity;
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const auto& l = corners[k].in_second;
+        values_[k] = l[0] * nodal[0] + l[1] * nodal[1] + l[2] * nodal[2] + l[3] * nodal[3];
+        lo = std::min(lo, values_[k]);
+        hi = std::max(hi, values_[k]);
       }
-      const double sum = u[0] + u[1] + u[2] + u[3];
-      for (std::size_t i = 0; i < 4; ++i) {
-        double product = hats[i] * sum;
-        for (std::size_t k = 0; k < 4; ++k) product += piece.corners[k].in_first[i] * u[k];
-        receipt.loads[i * old_.columns + c] += piece.volume / 20 * product;
+      for (const TetOverlap::Piece& piece : overlap_.pieces()) {
+        const auto& [p, q, r, s] = piece.corners;
+        const double sum = values_[p] + values_[q] + values_[r] + values_[s];
+        for (const std::uint8_t k : piece.corners) weights_[k] += piece.volume / 20 * (sum + values_[k]);
+      }
+      for (std::size_t k = 0; k < corners.size(); ++k)
+        for (std::size_t i = 0; i < 4; ++i) loads[i] += corners[k].in_first[i] * weights_[k];
+      numbers_.insert(numbers_.end(), {loads[0], loads[1], loads[2], loads[3], lo, hi});
+    }
+  }
+
+  /// In the order of the old tets, so that sums do not depend on where the search began. Returns the volume.
+  double add_parts(Receipt& receipt) {
+    std::ranges::sort(parts_, {}, &Part::old_tet);
+    double covered = 0;
+    for (const Part& part : parts_) {
+      covered += part.volume;
+      const double* numbers = &numbers_[part.first];
+      for (std::size_t c = 0; c < old_.columns; ++c, numbers += kNumbers) {
+        for (std::size_t i = 0; i < 4; ++i) receipt.loads[i * old_.columns + c] += numbers[i];
+        receipt.lo[c] = std::min(receipt.lo[c], numbers[4]);
+        receipt.hi[c] = std::max(receipt.hi[c], numbers[5]);
       }
     }
+    return covered;
   }
 
   /// The part outside the old mesh (beside a curved boundary) takes the values interpolated at the corners.
@@ -158,8 +157,10 @@ class Receiver {
   const ValueTable& old_;
   SmallSet seen_;
   std::vector<std::uint32_t> pending_;
-  std::vector<OverlapPiece> pieces_;
-  std::vector<Overlap> overlaps_;
+  TetOverlap overlap_;
+  std::vector<Part> parts_;
+  std::vector<double> numbers_;
+  std::vector<double> values_, weights_;  ///< of one column at the corners of a part
   std::array<Point, 4> corners_;
 };
 

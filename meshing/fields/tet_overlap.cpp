@@ -1,140 +1,177 @@
-// Clips the smaller tet at the four faces of the larger one, each cut leaving up to three tets.
+// Cuts the smaller tet at the faces of the larger one, and the rest into tets from one corner.
 #include "meshing/fields/tet_overlap.h"
 
 #include <algorithm>
-#include <utility>
+#include <bit>
 
 namespace weft::meshing {
 namespace {
 
-using Corner = OverlapPiece::Corner;
-using Coordinates = std::array<double, 4>;
-/// Which of a corner's coordinates belong to the tet that cuts.
-using Cutting = Coordinates Corner::*;
+using BarycentricCorners = std::array<std::array<double, 4>, 4>;
 
-/// The point a share `s` of the way from `a`, where coordinate k is positive, to `b`, where it is not: on the
-/// face k.
-Corner cut_point(const Corner& a, const Corner& b, double s, Cutting cutting, std::size_t k) {
-  Corner p;
-  for (std::size_t i = 0; i < 4; ++i) {
-    p.in_first[i] = (1 - s) * a.in_first[i] + s * b.in_first[i];
-    p.in_second[i] = (1 - s) * a.in_second[i] + s * b.in_second[i];
-  }
-  (p.*cutting)[k] = 0;
-  return p;
-}
-
-/// One tet and one face of the cutting tet, corners sorted so that the `inside` first ones are on its inner
-/// side.
-class Cut {
- public:
-  Cut(OverlapPiece tet, Cutting cutting, std::size_t k, std::vector<OverlapPiece>& pieces)
-      : tet_(tet), cutting_(cutting), k_(k), pieces_(pieces) {
-    auto& c = tet_.corners;
-    inside_ = static_cast<std::size_t>(
-        std::partition(c.begin(), c.end(), [&](const Corner& x) { return (x.*cutting)[k] > 0; }) - c.begin());
-  }
-
-  void keep_inner_part() const {
-    if (inside_ == 1) keep_corner();
-    if (inside_ == 2) keep_edge();
-    if (inside_ == 3) keep_face();
-    if (inside_ == 4) pieces_.push_back(tet_);
-  }
-
- private:
-  double at(std::size_t i) const { return (tet_.corners[i].*cutting_)[k_]; }
-  /// How far along edge a-b, from its inner end a, the face is; and the rest of the way, without
-  /// cancellation.
-  double way(std::size_t a, std::size_t b) const { return at(a) / (at(a) - at(b)); }
-  double rest(std::size_t a, std::size_t b) const { return -at(b) / (at(a) - at(b)); }
-  Corner point(std::size_t a, std::size_t b) const {
-    return cut_point(tet_.corners[a], tet_.corners[b], way(a, b), cutting_, k_);
-  }
-  void add(const Corner& a, const Corner& b, const Corner& c, const Corner& d, double share) const {
-    if (share > 0) pieces_.push_back({{a, b, c, d}, share * tet_.volume});
-  }
-
-  void keep_corner() const {
-    add(tet_.corners[0], point(0, 1), point(0, 2), point(0, 3), way(0, 1) * way(0, 2) * way(0, 3));
-  }
-  /// The prism between the cuts at both inner corners.
-  void keep_edge() const {
-    const Corner &p = tet_.corners[0], &q = tet_.corners[1];
-    const Corner pr = point(0, 2), ps = point(0, 3), qr = point(1, 2), qs = point(1, 3);
-    add(p, pr, ps, q, way(0, 2) * way(0, 3));
-    add(pr, ps, q, qr, way(1, 2) * rest(0, 2) * way(0, 3));
-    add(ps, q, qr, qs, way(1, 2) * way(1, 3) * rest(0, 3));
-  }
-  /// The prism between the inner face and the cut below the outer corner.
-  void keep_face() const {
-    const auto& [p, q, r, s] = tet_.corners;
-    const Corner ps = point(0, 3), qs = point(1, 3), rs = point(2, 3);
-    add(p, q, r, ps, way(0, 3));
-    add(q, r, ps, qs, way(1, 3) * rest(0, 3));
-    add(r, ps, qs, rs, way(2, 3) * rest(0, 3) * rest(1, 3));
-  }
-
-  OverlapPiece tet_;
-  Cutting cutting_;
-  std::size_t k_, inside_;
-  std::vector<OverlapPiece>& pieces_;
-};
-
-Coordinates barycentric(const std::array<Point, 4>& tet, double inverse_six_volume, const Point& p) {
+std::array<double, 4> barycentric(const std::array<Point, 4>& tet, double inverse_six_volume,
+                                  const Point& p) {
   const Vec u = tet[1] - tet[0], v = tet[2] - tet[0], w = tet[3] - tet[0], q = p - tet[0];
   const Vec uq = cross(u, q);
-  Coordinates l;
-  l[1] = dot(q, cross(v, w)) * inverse_six_volume;
-  l[2] = dot(uq, w) * inverse_six_volume;
-  l[3] = -dot(uq, v) * inverse_six_volume;
-  l[0] = 1 - l[1] - l[2] - l[3];
-  return l;
+  const double l1 = dot(q, cross(v, w)) * inverse_six_volume, l2 = dot(uq, w) * inverse_six_volume,
+               l3 = -dot(uq, v) * inverse_six_volume;
+  return {1 - l1 - l2 - l3, l1, l2, l3};
 }
 
-bool beyond_a_face(const std::array<Coordinates, 4>& corners) {
+bool beyond_a_face(const BarycentricCorners& corners) {
   for (std::size_t k = 0; k < 4; ++k)
-    if (std::ranges::all_of(corners, [k](const Coordinates& c) { return c[k] <= 0; })) return true;
+    if (std::ranges::all_of(corners, [k](const auto& c) { return c[k] <= 0; })) return true;
   return false;
 }
 
-/// Clips `tet` by all faces of `cutter`; `own` and `cutting` say which coordinates are whose.
-void clip(const std::array<Point, 4>& tet, double volume, const std::array<Point, 4>& cutter,
-          double cutter_volume, Cutting own, Cutting cutting, std::vector<OverlapPiece>& pieces) {
-  std::array<Coordinates, 4> corners;
-  for (std::size_t i = 0; i < 4; ++i) corners[i] = barycentric(cutter, 1 / (6 * cutter_volume), tet[i]);
-  if (beyond_a_face(corners)) return;
-  OverlapPiece whole;
-  for (std::size_t i = 0; i < 4; ++i) {
-    whole.corners[i].*own = {};
-    (whole.corners[i].*own)[i] = 1;
-    whole.corners[i].*cutting = corners[i];
-  }
-  whole.volume = volume;
-  const std::size_t first = pieces.size();
-  pieces.push_back(whole);
-  for (std::size_t k = 0; k < 4; ++k) {
-    // A face that has all of the tet on its inner side cuts none of its parts, which are convex combinations.
-    if (std::ranges::all_of(corners, [k](const Coordinates& c) { return c[k] > 0; })) continue;
-    // The pieces of the last cut move to the end, cut again, and then take their places.
-    const std::size_t last = pieces.size();
-    for (std::size_t i = first; i < last; ++i) Cut(pieces[i], cutting, k, pieces).keep_inner_part();
-    pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(first),
-                 pieces.begin() + static_cast<std::ptrdiff_t>(last));
-  }
+/// The volume of a tet by that of the tet whose coordinates its corners have.
+double share_of_volume(const std::array<double, 4>& a, const std::array<double, 4>& b,
+                       const std::array<double, 4>& c, const std::array<double, 4>& d) {
+  const auto from_a = [&](const std::array<double, 4>& x) {
+    return Vec{x[1] - a[1], x[2] - a[2], x[3] - a[3]};
+  };
+  return dot(from_a(b), cross(from_a(c), from_a(d)));
 }
 
 }  // namespace
 
-void overlap(const std::array<Point, 4>& first, const std::array<Point, 4>& second,
-             std::vector<OverlapPiece>& pieces) {
+bool TetOverlap::find(const std::array<Point, 4>& first, const std::array<Point, 4>& second) {
   const double v1 = six_volume(first[0], first[1], first[2], first[3]) / 6,
                v2 = six_volume(second[0], second[1], second[2], second[3]) / 6;
   // Seen from the larger one the smaller one's coordinates are moderate, and often it lies wholly inside.
-  if (v1 <= v2)
-    clip(first, v1, second, v2, &Corner::in_first, &Corner::in_second, pieces);
+  const bool first_is_cut = v1 <= v2;
+  const auto &tet = first_is_cut ? first : second, &cutter = first_is_cut ? second : first;
+  const Coordinates own = first_is_cut ? &Corner::in_first : &Corner::in_second;
+  const Coordinates cutting = first_is_cut ? &Corner::in_second : &Corner::in_first;
+  BarycentricCorners corners;
+  for (std::size_t i = 0; i < 4; ++i) corners[i] = barycentric(cutter, 1 / (6 * std::max(v1, v2)), tet[i]);
+  size_ = num_pieces_ = 0;
+  volume_ = 0;
+  if (beyond_a_face(corners)) return false;
+  start(own, cutting, corners);
+  for (std::size_t k = 0; k < 4 && size_ > 0; ++k) cut(cutting, k);
+  divide(own, std::min(v1, v2));
+  return volume_ > 0;
+}
+
+bool TetOverlap::reaches_face_of_second(std::size_t k) const {
+  // Where a face is cut, and at corners of the second tet, coordinates are exactly 0 on it.
+  return std::ranges::count_if(corners(), [k](const Corner& c) { return c.in_second[k] == 0; }) >= 3;
+}
+
+void TetOverlap::start(Coordinates own, Coordinates cutting, const BarycentricCorners& corners) {
+  size_ = 4;
+  for (std::size_t i = 0; i < 4; ++i) {
+    corners_[i].*own = {};
+    (corners_[i].*own)[i] = 1;
+    corners_[i].*cutting = corners[i];
+  }
+  neighbours_[0] = {1, 2, 3};
+  neighbours_[1] = {0, 3, 2};
+  neighbours_[2] = {0, 1, 3};
+  neighbours_[3] = {0, 2, 1};
+}
+
+/// Keeps what is on the inner side of face k of the cutting tet.
+void TetOverlap::cut(Coordinates cutting, std::size_t k) {
+  std::uint64_t kept = 0;
+  for (std::size_t i = 0; i < size_; ++i) kept |= std::uint64_t{(corners_[i].*cutting)[k] > 0} << i;
+  const std::uint64_t all = (std::uint64_t{1} << size_) - 1;
+  if (kept == all) return;
+  const std::size_t first_new = size_;
+  cut_edges(cutting, k, kept);
+  if (close_faces(first_new))
+    drop(all & ~kept);
   else
-    clip(second, v2, first, v1, &Corner::in_second, &Corner::in_first, pieces);
+    size_ = 0;
+}
+
+/// A corner on each edge between one that is kept and one that is not, where the face cuts it; its first
+/// neighbour is the kept one.
+void TetOverlap::cut_edges(Coordinates cutting, std::size_t k, std::uint64_t kept) {
+  std::size_t end = size_;
+  for (std::uint64_t rest = kept; rest != 0; rest &= rest - 1) {
+    const auto a = static_cast<std::size_t>(std::countr_zero(rest));
+    for (std::uint8_t& b : neighbours_[a]) {
+      if ((kept >> b & 1) != 0) continue;
+      const Corner &from = corners_[a], &to = corners_[b];
+      const double s = (from.*cutting)[k] / ((from.*cutting)[k] - (to.*cutting)[k]);
+      Corner& corner = corners_[end];
+      for (std::size_t i = 0; i < 4; ++i) {
+        corner.in_first[i] = (1 - s) * from.in_first[i] + s * to.in_first[i];
+        corner.in_second[i] = (1 - s) * from.in_second[i] + s * to.in_second[i];
+      }
+      (corner.*cutting)[k] = 0;
+      neighbours_[end] = {static_cast<std::uint8_t>(a), 0, 0};
+      b = static_cast<std::uint8_t>(end++);
+    }
+  }
+  size_ = end;
+}
+
+/// Which neighbour of `at` is `from`. The next one is the next corner of the face on that side of the way.
+std::size_t TetOverlap::side_of(std::size_t from, std::size_t at) const {
+  const auto& n = neighbours_[at];
+  return n[0] == from ? 0 : n[1] == from ? 1 : 2;
+}
+
+/// Joins the two new corners of each face that was cut. False where there are none, as rounding has left no
+/// polytope.
+bool TetOverlap::close_faces(std::size_t first_new) {
+  for (std::size_t i = first_new; i < size_; ++i) {
+    std::size_t before = i, at = neighbours_[i][0], steps = 0;
+    while (at < first_new && ++steps < kMostCorners) {
+      const std::size_t next = neighbours_[at][(side_of(before, at) + 1) % 3];
+      before = at;
+      at = next;
+    }
+    if (at < first_new) return false;
+    neighbours_[i][2] = static_cast<std::uint8_t>(at);
+    neighbours_[at][1] = static_cast<std::uint8_t>(i);
+  }
+  return true;
+}
+
+void TetOverlap::drop(std::uint64_t dropped) {
+  std::array<std::uint8_t, 2 * kMostCorners> to;
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (i < 64 && (dropped >> i & 1) != 0) continue;
+    to[i] = static_cast<std::uint8_t>(end);
+    corners_[end] = corners_[i];
+    neighbours_[end++] = neighbours_[i];
+  }
+  size_ = end;
+  for (std::size_t i = 0; i < size_; ++i)
+    for (std::uint8_t& n : neighbours_[i]) n = to[n];
+}
+
+/// Faces that do not have corner 0 are cut into triangles, which make tets with it.
+void TetOverlap::divide(Coordinates own, double volume) {
+  std::array<std::uint8_t, kMostCorners> seen{};  // bit j of a corner: a face came from its neighbour j
+  std::array<std::uint8_t, 3 * kMostCorners> face;
+  for (std::size_t i = 1; i < size_; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      std::size_t length = 0, at = i, side = j;
+      bool has_apex = false;
+      while ((seen[at] >> side & 1) == 0) {
+        seen[at] |= static_cast<std::uint8_t>(1u << side);
+        has_apex |= at == 0;
+        face[length++] = static_cast<std::uint8_t>(at);
+        const std::size_t next = neighbours_[at][(side + 1) % 3];
+        side = side_of(at, next);
+        at = next;
+      }
+      for (std::size_t m = 2; m < length && !has_apex; ++m)
+        add_piece({0, face[0], face[m - 1], face[m]}, own, volume);
+    }
+}
+
+void TetOverlap::add_piece(const std::array<std::uint8_t, 4>& corners, Coordinates own, double volume) {
+  const auto at = [&](std::size_t i) -> const auto& { return corners_[corners[i]].*own; };
+  const double part = volume * share_of_volume(at(0), at(1), at(2), at(3));
+  pieces_[num_pieces_++] = {corners, part};
+  volume_ += part;
 }
 
 }  // namespace weft::meshing

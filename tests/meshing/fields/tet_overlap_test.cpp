@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -20,11 +21,8 @@ Point at(const Tet& t, const std::array<double, 4>& l) {
 }
 
 double common_volume(const Tet& a, const Tet& b) {
-  std::vector<OverlapPiece> pieces;
-  overlap(a, b, pieces);
-  double sum = 0;
-  for (const OverlapPiece& piece : pieces) sum += piece.volume;
-  return sum;
+  TetOverlap overlap;
+  return overlap.find(a, b) ? overlap.volume() : 0;
 }
 
 Tet shifted(Tet t, const Vec& by, double scale = 1) {
@@ -66,14 +64,16 @@ TEST(TetOverlap, OfShiftedTetsIsASmallerTet) {
 
 TEST(TetOverlap, PiecesLieInBothTetsAndKnowTheirPlace) {
   std::mt19937 random(3);
+  int found = 0;
   for (int i = 0; i < 300; ++i) {
     const Tet a = random_tet(random, i % 2 == 0 ? 1 : 1e-3), b = random_tet(random, i % 2 == 0 ? 1 : 1e-3);
-    std::vector<OverlapPiece> pieces;
-    overlap(a, b, pieces);
-    for (const OverlapPiece& piece : pieces) {
+    TetOverlap overlap;
+    if (!overlap.find(a, b)) continue;
+    ++found;
+    for (const TetOverlap::Piece& piece : overlap.pieces()) {
       Tet corners;
       for (std::size_t k = 0; k < 4; ++k) {
-        const auto& corner = piece.corners[k];
+        const auto& corner = overlap.corners()[piece.corners[k]];
         corners[k] = at(a, corner.in_first);
         EXPECT_LT(norm(corners[k] - at(b, corner.in_second)), 1e-11);
         for (std::size_t j = 0; j < 4; ++j) {
@@ -81,8 +81,47 @@ TEST(TetOverlap, PiecesLieInBothTetsAndKnowTheirPlace) {
           EXPECT_GE(corner.in_second[j], -1e-11);
         }
       }
-      EXPECT_NEAR(std::abs(volume(corners)), piece.volume, 1e-11 * volume(a));
+      EXPECT_NEAR(volume(corners), piece.volume, 1e-11 * volume(a));
     }
+  }
+  EXPECT_GT(found, 150);
+}
+
+TEST(TetOverlap, FacesThatBoundItLeadToAllPartsThatATetOverlaps) {
+  std::mt19937 random(7);
+  int several = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Tet a = random_tet(random), whole = random_tet(random);
+    // Part k has the middle for corner k; part j lies beyond its face opposite to corner j.
+    std::array<TetOverlap, 4> overlaps;
+    std::array<bool, 4> found{}, reached{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      Tet part = whole;
+      part[k] = at(whole, {0.4, 0.3, 0.2, 0.1});
+      found[k] = overlaps[k].find(a, part) && overlaps[k].volume() > 1e-12;
+    }
+    const auto first = static_cast<std::size_t>(std::ranges::find(found, true) - found.begin());
+    if (first == 4) continue;
+    reached[first] = true;
+    for (int round = 0; round < 4; ++round)
+      for (std::size_t k = 0; k < 4; ++k)
+        for (std::size_t j = 0; j < 4; ++j)
+          if (j != k && found[k] && reached[k] && overlaps[k].reaches_face_of_second(j)) reached[j] = true;
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_TRUE(reached[k] || !found[k]);
+    several += std::ranges::count(found, true) > 2;
+  }
+  EXPECT_GT(several, 50);
+}
+
+TEST(TetOverlap, OfTetsThatShareCornersIsFound) {
+  std::mt19937 random(9);
+  for (int i = 0; i < 300; ++i) {
+    Tet a = random_tet(random), b = random_tet(random);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(i % 4); ++k) b[k] = a[k];
+    if (volume(b) < 0) std::swap(b[2], b[3]);
+    if (volume(b) < 1e-3) continue;
+    EXPECT_NEAR(common_volume(a, b), common_volume(b, a), 1e-14);
+    EXPECT_NEAR(common_volume(a, a), volume(a), 1e-15);
   }
 }
 
