@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -81,10 +82,10 @@ class Receiver {
       const bool flat = !(volume_of(old_corners) > 0);  // it has no part of anything, but lies on the way
       if (!flat && !overlap_.find(corners_, old_corners)) continue;
       if (!flat) keep_part(old_tet);
+      const unsigned faces = flat ? 0b1111 : overlap_.faces_of_second();
       const auto& neighbours = from_.adjacency().neighbours[old_tet];
       for (std::size_t k = 0; k < 4; ++k)
-        if (neighbours[k] != kNoNeighbour && (flat || overlap_.reaches_face_of_second(k)))
-          visit(neighbours[k] >> 2);
+        if (neighbours[k] != kNoNeighbour && (faces >> k & 1) != 0) visit(neighbours[k] >> 2);
     }
   }
 
@@ -96,28 +97,36 @@ class Receiver {
   /// corners plus product of the sums).
   void keep_part(std::uint32_t old_tet) {
     parts_.push_back({old_tet, overlap_.volume(), numbers_.size()});
-    const auto corners = overlap_.corners();
     for (std::size_t c = 0; c < old_.columns; ++c) {
       std::array<double, 4> nodal, loads{};
       for (std::size_t j = 0; j < 4; ++j)
         nodal[j] = old_.values[from_.mesh().tets[old_tet][j] * old_.columns + c];
-      values_.resize(corners.size());
-      weights_.assign(corners.size(), 0);
       double lo = kInfinity, hi = -kInfinity;
-      for (std::size_t k = 0; k < corners.size(); ++k) {
-        const auto& l = corners[k].in_second;
-        values_[k] = l[0] * nodal[0] + l[1] * nodal[1] + l[2] * nodal[2] + l[3] * nodal[3];
-        lo = std::min(lo, values_[k]);
-        hi = std::max(hi, values_[k]);
-      }
+      std::array<double, TetOverlap::kPlaces> values, weights;
+      for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
+        const auto l = corner.in_second();
+        values[k] = l[0] * nodal[0] + l[1] * nodal[1] + l[2] * nodal[2] + l[3] * nodal[3];
+        weights[k] = 0;
+        lo = std::min(lo, values[k]);
+        hi = std::max(hi, values[k]);
+      });
       for (const TetOverlap::Piece& piece : overlap_.pieces()) {
         const auto& [p, q, r, s] = piece.corners;
-        const double sum = values_[p] + values_[q] + values_[r] + values_[s];
-        for (const std::uint8_t k : piece.corners) weights_[k] += piece.volume / 20 * (sum + values_[k]);
+        const double sum = values[p] + values[q] + values[r] + values[s];
+        for (const std::uint8_t k : piece.corners) weights[k] += piece.volume / 20 * (sum + values[k]);
       }
-      for (std::size_t k = 0; k < corners.size(); ++k)
-        for (std::size_t i = 0; i < 4; ++i) loads[i] += corners[k].in_first[i] * weights_[k];
+      for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
+        for (std::size_t i = 0; i < 4; ++i) loads[i] += corner.in_first()[i] * weights[k];
+      });
       numbers_.insert(numbers_.end(), {loads[0], loads[1], loads[2], loads[3], lo, hi});
+    }
+  }
+
+  template <class F>
+  void for_each_corner(const F& f) const {
+    for (std::uint64_t rest = overlap_.corners(); rest != 0; rest &= rest - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(rest));
+      f(k, overlap_.corner(k));
     }
   }
 
@@ -160,7 +169,6 @@ class Receiver {
   TetOverlap overlap_;
   std::vector<Part> parts_;
   std::vector<double> numbers_;
-  std::vector<double> values_, weights_;  ///< of one column at the corners of a part
   std::array<Point, 4> corners_;
 };
 

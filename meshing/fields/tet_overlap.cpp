@@ -9,6 +9,8 @@ namespace {
 
 using BarycentricCorners = std::array<std::array<double, 4>, 4>;
 
+std::size_t lowest(std::uint64_t bits) { return static_cast<std::size_t>(std::countr_zero(bits)); }
+
 std::array<double, 4> barycentric(const std::array<Point, 4>& tet, double inverse_six_volume,
                                   const Point& p) {
   const Vec u = tet[1] - tet[0], v = tet[2] - tet[0], w = tet[3] - tet[0], q = p - tet[0];
@@ -25,11 +27,8 @@ bool beyond_a_face(const BarycentricCorners& corners) {
 }
 
 /// The volume of a tet by that of the tet whose coordinates its corners have.
-double share_of_volume(const std::array<double, 4>& a, const std::array<double, 4>& b,
-                       const std::array<double, 4>& c, const std::array<double, 4>& d) {
-  const auto from_a = [&](const std::array<double, 4>& x) {
-    return Vec{x[1] - a[1], x[2] - a[2], x[3] - a[3]};
-  };
+double share_of_volume(const double* a, const double* b, const double* c, const double* d) {
+  const auto from_a = [&](const double* x) { return Vec{x[1] - a[1], x[2] - a[2], x[3] - a[3]}; };
   return dot(from_a(b), cross(from_a(c), from_a(d)));
 }
 
@@ -41,134 +40,121 @@ bool TetOverlap::find(const std::array<Point, 4>& first, const std::array<Point,
   // Seen from the larger one the smaller one's coordinates are moderate, and often it lies wholly inside.
   const bool first_is_cut = v1 <= v2;
   const auto &tet = first_is_cut ? first : second, &cutter = first_is_cut ? second : first;
-  const Coordinates own = first_is_cut ? &Corner::in_first : &Corner::in_second;
-  const Coordinates cutting = first_is_cut ? &Corner::in_second : &Corner::in_first;
+  const std::size_t own = first_is_cut ? 0 : 4, cutting = 4 - own;
   BarycentricCorners corners;
   for (std::size_t i = 0; i < 4; ++i) corners[i] = barycentric(cutter, 1 / (6 * std::max(v1, v2)), tet[i]);
-  size_ = num_pieces_ = 0;
+  num_pieces_ = 0;
   volume_ = 0;
   if (beyond_a_face(corners)) return false;
   start(own, cutting, corners);
-  for (std::size_t k = 0; k < 4 && size_ > 0; ++k) cut(cutting, k);
+  for (std::size_t k = 0; k < 4; ++k) cut(cutting, k);
   divide(own, std::min(v1, v2));
   return volume_ > 0;
 }
 
-bool TetOverlap::reaches_face_of_second(std::size_t k) const {
+unsigned TetOverlap::faces_of_second() const {
   // Where a face is cut, and at corners of the second tet, coordinates are exactly 0 on it.
-  return std::ranges::count_if(corners(), [k](const Corner& c) { return c.in_second[k] == 0; }) >= 3;
+  std::array<int, 4> on{};
+  for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1)
+    for (std::size_t k = 0; k < 4; ++k) on[k] += corners_[lowest(rest)].in_second()[k] == 0;
+  unsigned faces = 0;
+  for (std::size_t k = 0; k < 4; ++k) faces |= unsigned{on[k] >= 3} << k;
+  return faces;
 }
 
-void TetOverlap::start(Coordinates own, Coordinates cutting, const BarycentricCorners& corners) {
-  size_ = 4;
+TetOverlap::HalfEdge TetOverlap::next_on_face(HalfEdge e) const {
+  const HalfEdge back = opposite_[e];
+  return static_cast<HalfEdge>((back & 3) == 2 ? back - 2 : back + 1);
+}
+
+void TetOverlap::join(HalfEdge a, HalfEdge b) {
+  opposite_[a] = b;
+  opposite_[b] = a;
+}
+
+void TetOverlap::start(std::size_t own, std::size_t cutting, const BarycentricCorners& corners) {
+  alive_ = 0b1111;
   for (std::size_t i = 0; i < 4; ++i) {
-    corners_[i].*own = {};
-    (corners_[i].*own)[i] = 1;
-    corners_[i].*cutting = corners[i];
+    corners_[i].both = {};
+    corners_[i].both[own + i] = 1;
+    std::ranges::copy(corners[i], corners_[i].both.begin() + static_cast<std::ptrdiff_t>(cutting));
   }
-  neighbours_[0] = {1, 2, 3};
-  neighbours_[1] = {0, 3, 2};
-  neighbours_[2] = {0, 1, 3};
-  neighbours_[3] = {0, 2, 1};
+  // About the corners, in turn: 1 2 3, 0 3 2, 0 1 3, 0 2 1.
+  join(half_edge(0, 0), half_edge(1, 0));
+  join(half_edge(0, 1), half_edge(2, 0));
+  join(half_edge(0, 2), half_edge(3, 0));
+  join(half_edge(1, 1), half_edge(3, 2));
+  join(half_edge(1, 2), half_edge(2, 1));
+  join(half_edge(2, 2), half_edge(3, 1));
 }
 
 /// Keeps what is on the inner side of face k of the cutting tet.
-void TetOverlap::cut(Coordinates cutting, std::size_t k) {
+void TetOverlap::cut(std::size_t cutting, std::size_t k) {
   std::uint64_t kept = 0;
-  for (std::size_t i = 0; i < size_; ++i) kept |= std::uint64_t{(corners_[i].*cutting)[k] > 0} << i;
-  const std::uint64_t all = (std::uint64_t{1} << size_) - 1;
-  if (kept == all) return;
-  const std::size_t first_new = size_;
-  cut_edges(cutting, k, kept);
-  if (close_faces(first_new))
-    drop(all & ~kept);
-  else
-    size_ = 0;
+  for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1)
+    kept |= corners_[lowest(rest)].both[cutting + k] > 0 ? rest & -rest : 0;
+  if (kept == alive_) return;
+  const std::uint64_t created = cut_edges(cutting, k, kept);
+  close_faces(created);
+  alive_ = kept | created;
 }
 
-/// A corner on each edge between one that is kept and one that is not, where the face cuts it; its first
-/// neighbour is the kept one.
-void TetOverlap::cut_edges(Coordinates cutting, std::size_t k, std::uint64_t kept) {
-  std::size_t end = size_;
+/// Makes a corner on each edge between one that is kept and one that is not, where the face cuts it: its
+/// half-edge 0 leads to the one that is kept. Returns the new ones.
+std::uint64_t TetOverlap::cut_edges(std::size_t cutting, std::size_t k, std::uint64_t kept) {
+  std::uint64_t created = 0;
   for (std::uint64_t rest = kept; rest != 0; rest &= rest - 1) {
-    const auto a = static_cast<std::size_t>(std::countr_zero(rest));
-    for (std::uint8_t& b : neighbours_[a]) {
-      if ((kept >> b & 1) != 0) continue;
-      const Corner &from = corners_[a], &to = corners_[b];
-      const double s = (from.*cutting)[k] / ((from.*cutting)[k] - (to.*cutting)[k]);
-      Corner& corner = corners_[end];
-      for (std::size_t i = 0; i < 4; ++i) {
-        corner.in_first[i] = (1 - s) * from.in_first[i] + s * to.in_first[i];
-        corner.in_second[i] = (1 - s) * from.in_second[i] + s * to.in_second[i];
-      }
-      (corner.*cutting)[k] = 0;
-      neighbours_[end] = {static_cast<std::uint8_t>(a), 0, 0};
-      b = static_cast<std::uint8_t>(end++);
+    const std::size_t a = lowest(rest);
+    for (std::size_t side = 0; side < 3; ++side) {
+      const std::size_t b = origin(opposite_[half_edge(a, side)]);
+      if (((kept | created) >> b & 1) != 0) continue;
+      const Corner from = corners_[a], to = corners_[b];  // copies: all lanes at once
+      const double s = from.both[cutting + k] / (from.both[cutting + k] - to.both[cutting + k]);
+      const std::size_t place = lowest(~(alive_ | created));
+      Corner corner;
+      for (std::size_t i = 0; i < 8; ++i) corner.both[i] = (1 - s) * from.both[i] + s * to.both[i];
+      corner.both[cutting + k] = 0;
+      corners_[place] = corner;
+      join(half_edge(place, 0), half_edge(a, side));
+      created |= std::uint64_t{1} << place;
     }
   }
-  size_ = end;
+  return created;
 }
 
-/// Which neighbour of `at` is `from`. The next one is the next corner of the face on that side of the way.
-std::size_t TetOverlap::side_of(std::size_t from, std::size_t at) const {
-  const auto& n = neighbours_[at];
-  return n[0] == from ? 0 : n[1] == from ? 1 : 2;
-}
-
-/// Joins the two new corners of each face that was cut. False where there are none, as rounding has left no
-/// polytope.
-bool TetOverlap::close_faces(std::size_t first_new) {
-  for (std::size_t i = first_new; i < size_; ++i) {
-    std::size_t before = i, at = neighbours_[i][0], steps = 0;
-    while (at < first_new && ++steps < kMostCorners) {
-      const std::size_t next = neighbours_[at][(side_of(before, at) + 1) % 3];
-      before = at;
-      at = next;
-    }
-    if (at < first_new) return false;
-    neighbours_[i][2] = static_cast<std::uint8_t>(at);
-    neighbours_[at][1] = static_cast<std::uint8_t>(i);
+/// Joins the two new corners of each face that was cut.
+void TetOverlap::close_faces(std::uint64_t created) {
+  for (std::uint64_t rest = created; rest != 0; rest &= rest - 1) {
+    const std::size_t i = lowest(rest);
+    HalfEdge e = half_edge(i, 0);
+    while ((created >> origin(opposite_[e]) & 1) == 0) e = next_on_face(e);
+    join(half_edge(i, 2), half_edge(origin(opposite_[e]), 1));
   }
-  return true;
 }
 
-void TetOverlap::drop(std::uint64_t dropped) {
-  std::array<std::uint8_t, 2 * kMostCorners> to;
-  std::size_t end = 0;
-  for (std::size_t i = 0; i < size_; ++i) {
-    if (i < 64 && (dropped >> i & 1) != 0) continue;
-    to[i] = static_cast<std::uint8_t>(end);
-    corners_[end] = corners_[i];
-    neighbours_[end++] = neighbours_[i];
-  }
-  size_ = end;
-  for (std::size_t i = 0; i < size_; ++i)
-    for (std::uint8_t& n : neighbours_[i]) n = to[n];
-}
-
-/// Faces that do not have corner 0 are cut into triangles, which make tets with it.
-void TetOverlap::divide(Coordinates own, double volume) {
-  std::array<std::uint8_t, kMostCorners> seen{};  // bit j of a corner: a face came from its neighbour j
-  std::array<std::uint8_t, 3 * kMostCorners> face;
-  for (std::size_t i = 1; i < size_; ++i)
-    for (std::size_t j = 0; j < 3; ++j) {
-      std::size_t length = 0, at = i, side = j;
+/// Faces without the first corner are cut into triangles, which make tets with it.
+void TetOverlap::divide(std::size_t own, double volume) {
+  if (alive_ == 0) return;
+  const auto apex = static_cast<std::uint8_t>(lowest(alive_));
+  std::array<std::uint8_t, kPlaces> seen{};  // bit s of a corner: its half-edge s
+  std::array<std::uint8_t, 4 * kPlaces> face;
+  for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1)
+    for (std::size_t side = 0; side < 3; ++side) {
+      std::size_t length = 0;
       bool has_apex = false;
-      while ((seen[at] >> side & 1) == 0) {
-        seen[at] |= static_cast<std::uint8_t>(1u << side);
-        has_apex |= at == 0;
-        face[length++] = static_cast<std::uint8_t>(at);
-        const std::size_t next = neighbours_[at][(side + 1) % 3];
-        side = side_of(at, next);
-        at = next;
+      for (HalfEdge e = half_edge(lowest(rest), side); (seen[origin(e)] >> (e & 3) & 1) == 0;
+           e = next_on_face(e)) {
+        seen[origin(e)] |= static_cast<std::uint8_t>(1u << (e & 3));
+        has_apex |= origin(e) == apex;
+        face[length++] = static_cast<std::uint8_t>(origin(e));
       }
       for (std::size_t m = 2; m < length && !has_apex; ++m)
-        add_piece({0, face[0], face[m - 1], face[m]}, own, volume);
+        add_piece({apex, face[0], face[m - 1], face[m]}, own, volume);
     }
 }
 
-void TetOverlap::add_piece(const std::array<std::uint8_t, 4>& corners, Coordinates own, double volume) {
-  const auto at = [&](std::size_t i) -> const auto& { return corners_[corners[i]].*own; };
+void TetOverlap::add_piece(const std::array<std::uint8_t, 4>& corners, std::size_t own, double volume) {
+  const auto at = [&](std::size_t i) { return &corners_[corners[i]].both[own]; };
   const double part = volume * share_of_volume(at(0), at(1), at(2), at(3));
   pieces_[num_pieces_++] = {corners, part};
   volume_ += part;
