@@ -1,5 +1,5 @@
 // An advancing front in a Delaunay grid (Rebay 1993): a point over a face of what is done, where the tet on
-// it is nearly regular. Facets are walls, so the grid is Delaunay but for what they and recovery forbid.
+// it is nearly regular. Facets are walls, so the grid is Delaunay but for what they forbid.
 #include "meshing/initial/inner_points.h"
 
 #include <algorithm>
@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+
+#include "meshing/initial/grid/flip_to_delaunay.h"
 
 namespace weft::meshing {
 namespace {
@@ -283,6 +285,7 @@ class Front {
 
 void insert_inner_points(TetGrid& grid, std::span<const SizeSource> sources, std::vector<SpreadSize> sizes,
                          double largest, const std::atomic<bool>* interrupt) {
+  flip_to_delaunay(grid, interrupt);
   Front(grid, sources, std::move(sizes), largest).run(interrupt);
 }
 

@@ -152,6 +152,28 @@ inline MeshData turned(MeshData m, std::mt19937& random) {
   return m;
 }
 
+/// A torus of radii 1 and 0.5, as coarse as `along` pieces along it and `around` pieces around its tube say.
+/// Coordinates are those of single precision.
+inline MeshData torus(std::uint32_t along, std::uint32_t around) {
+  MeshData m;
+  for (std::uint32_t i = 0; i < along; ++i)
+    for (std::uint32_t j = 0; j < around; ++j) {
+      const double a = 2 * std::numbers::pi * i / along, b = 2 * std::numbers::pi * j / around,
+                   radius = 1 + 0.5 * std::cos(b);
+      const auto rounded = [](double x) { return double{static_cast<float>(x)}; };
+      m.points.push_back(
+          {rounded(radius * std::cos(a)), rounded(radius * std::sin(a)), rounded(0.5 * std::sin(b))});
+      const auto at = [&](std::uint32_t k, std::uint32_t l) {
+        return (i + k) % along * around + (j + l) % around;
+      };
+      m.triangles.push_back({at(0, 0), at(1, 0), at(1, 1)});
+      m.triangles.push_back({at(0, 0), at(1, 1), at(0, 1)});
+    }
+  m.point_refs.assign(m.points.size(), 0);
+  m.triangle_refs.assign(m.triangles.size(), 1);
+  return m;
+}
+
 inline MeshData ball(double size, const Point& center = {}, double radius = 1) {
   return meshing::ball_surface({center, radius, size});
 }

@@ -18,6 +18,7 @@ namespace {
 using support::ball;
 using support::box_surface;
 using support::together;
+using support::torus;
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
@@ -92,6 +93,13 @@ TEST(InnerPoints, StayInTheirVolume) {
   const MeshData mesh = with_points(start, 1.2);
   expect_whole(mesh, start);
   EXPECT_GT(mesh.points.size(), start.points.size());
+}
+
+TEST(InnerPoints, FillATorusThatRecoveryLeftOtherThanDelaunay) {
+  const MeshData start = grid_of(torus(60, 36));
+  const MeshData mesh = with_points(start, 1.3);
+  expect_whole(mesh, start);
+  EXPECT_GT(mesh.points.size(), start.points.size() + 1000);
 }
 
 TEST(InnerPoints, AnInterruptionLeavesTheGridWhole) {
