@@ -113,6 +113,7 @@ class OneMesh {
     result_.stages = std::move(report.stages);
     result_.operations = report.counts;
     result_.surface_deviation = report.surface_deviation;
+    result_.hausd = report.hausd;
     result_.surface_demands = std::move(report.surface_demands);
     result_.model = report.model;
     result_.cancelled = report.interrupted;

@@ -213,6 +213,7 @@ Json json_of(const RunResult& run) {
       {"checkpoints", run.checkpoints ? json_of(*run.checkpoints) : Json(nullptr)},
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.surface_deviation},
+      {"hausd", run.hausd},
       {"surface_demands", json_of(run.surface_demands)},
       {"model", run.model ? json_of(*run.model) : Json(nullptr)},
       {"seconds", json_of(run.times)},

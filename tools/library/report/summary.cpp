@@ -108,7 +108,9 @@ std::string surface_text(const Report& run) {
   if (run.surface_demands.size() > kMostListed)
     text += fmt::format("  and {} more references\n", run.surface_demands.size() - kMostListed);
   if (!run.surface_demands.empty())
-    text += "  (--hausd H allows longer ones; --sagitta H asks for short ones in the metric)\n";
+    text +=
+        fmt::format("  (a larger --hausd allows longer ones; --sagitta {} --hgrad 1.5 asks for short ones)\n",
+                    significant(run.hausd / 2));
   return text;
 }
 

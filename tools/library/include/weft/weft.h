@@ -360,6 +360,7 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
+  double hausd = 0;              ///< of one mesh: the distance that was wanted at most
   /// Of one mesh: where the surface needs shorter edges than the metric asks for, by reference.
   std::vector<SurfaceDemand> surface_demands;
   std::shared_ptr<const ModelAccount>
