@@ -110,6 +110,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       if (options.hausd == 0) kernel.limits.details = 1;
       adapt_in_place(kernel, options, Extent::everything, result.report);
       result.report.surface_deviation = largest_surface_deviation(*imported.mesh, *imported.surface);
+      result.report.hausd = kernel.limits.hausd;
       result.report.surface_demands = surface_demands(kernel);
       if (options.model)
         result.report.model =

@@ -56,7 +56,8 @@ struct AdaptReport {
   bool in_order = false;   ///< what is left of the mesh has the order that it had, with holes
   double share_wrong = 1;  ///< of the tets there were: too long an edge or too poor a shape; 1: not looked at
   double surface_deviation =
-      0;  ///< largest distance of a boundary face's centroid to the reconstructed surface
+      0;             ///< largest distance of a boundary face's centroid to the reconstructed surface
+  double hausd = 0;  ///< largest distance that was wanted
   std::vector<SurfaceDemand>
       surface_demands;  ///< where the surface needs shorter edges than the metric asks for
   std::shared_ptr<const ModelAccount> model;  ///< how the result lies on the model; null without one

@@ -10,7 +10,7 @@ from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandT
 
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
-    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_demands", "model",
+    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_demands", "hausd", "model",
     "seconds", "peak_memory_bytes", "threads", "warnings",
 }
 
@@ -40,7 +40,7 @@ class Adapt(CommandTest):
         self.assertEqual(demand["reference"], 1)
         self.assertGreater(demand["edges"], 10)
         self.assertAlmostEqual(sum(x * x for x in demand["where"]), 1, delta=0.05)
-        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--sagitta", "0.01", "--hausd", "0.01").stdout
+        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--sagitta", "0.005", "--hausd", "0.01").stdout
         self.assertNotIn("stay short", text)
 
     def test_coarsens_a_box(self):

@@ -786,7 +786,7 @@ TEST(AdaptCurved, ACoarseMetricKeepsABallWithinHausd) {
   ASSERT_EQ(demands.size(), 1u);
   EXPECT_EQ(demands[0].ref, 1);
   EXPECT_GT(demands[0].edges, 10u);
-  EXPECT_LT(demands[0].allowed, std::sqrt(0.5));
+  EXPECT_LT(demands[0].allowed, 1);
   EXPECT_GT(demands[0].allowed, 0.2);
   EXPECT_NEAR(norm(demands[0].where), 1, 0.03);
 }
