@@ -83,9 +83,9 @@ std::vector<SurfaceDemand> surface_demands(const Kernel& k) {
   for (const auto& [a, b, patch] : curved_edges(k)) {
     const double length = length_between(k.mesh, a, b);
     if (length >= k.limits.short_edge) continue;
-    // The deviation grows with the square of the length. A collapse makes an edge of about twice the length.
+    // The deviation grows with the square of the length.
     const double allowed = length * std::sqrt(k.hausd(patch) / norm(bulge(k, a, b, patch)));
-    if (!(allowed < k.limits.long_edge)) continue;
+    if (!(allowed < 1)) continue;
     const std::int32_t ref = k.surface.patches()[patch.value].ref;
     SurfaceDemand& demand = of_ref.try_emplace(ref, SurfaceDemand{ref, 0, allowed, {}}).first->second;
     if (demand.edges++ == 0 || allowed < demand.allowed) {

@@ -33,14 +33,14 @@ class Adapt(CommandTest):
 
     def test_says_where_the_surface_needs_short_edges(self):
         self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.3")
-        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--report", "report").stdout
+        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--report", "report", expect=1).stdout
         self.assertRegex(text, r"edges of reference 1 stay short for the surface, which allows 0\.\d+ at \(")
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         demand, = json.loads((self.folder / "report" / "report.json").read_text())["surface_demands"]
         self.assertEqual(demand["reference"], 1)
         self.assertGreater(demand["edges"], 10)
         self.assertAlmostEqual(sum(x * x for x in demand["where"]), 1, delta=0.05)
-        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--sagitta", "0.005", "--hausd", "0.01").stdout
+        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--sagitta", "0.005", "--hgrad", "1.5").stdout
         self.assertNotIn("stay short", text)
 
     def test_coarsens_a_box(self):

@@ -378,7 +378,7 @@ struct OperationCounts {
 };
 
 /// Where the boundary contradicts the metric: edges of triangles of one reference that are too short in the
-/// metric, where hausd allows none as long as the metric does.
+/// metric, where hausd allows none of length 1.
 struct SurfaceDemand {
   std::int32_t ref = 0;
   std::uint64_t edges = 0;
