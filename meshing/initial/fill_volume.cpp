@@ -48,7 +48,8 @@ MeshData prepared(const MeshData& start, const FillOptions& options) {
     const double largest = options.size > 0 ? options.size : std::numeric_limits<double>::infinity();
     const std::vector<SizeSource> sources =
         PointDistribution(start, options.growth, options.size).size_sources();
-    insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, options.adapt.interrupt);
+    insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, options.adapt.threads,
+                        options.adapt.interrupt);
   }
   improve_tets(filled.grid);
   return filled.take();

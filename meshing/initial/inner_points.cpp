@@ -1,6 +1,9 @@
 // An advancing front in a Delaunay grid (Rebay 1993): a point over a face of what is done, where the tet on
-// it is nearly regular. Facets are walls, so the grid is Delaunay but for what they forbid.
+// it is nearly regular. Facets are walls, so the grid is Delaunay but for what they forbid. Threads have a
+// front each, in a block whose tets at other blocks stay: so their points make one Delaunay grid.
 #include "meshing/initial/inner_points.h"
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +12,7 @@
 #include <queue>
 
 #include "meshing/initial/grid/flip_to_delaunay.h"
+#include "meshing/initial/grid/grid_block.h"
 
 namespace weft::meshing {
 namespace {
@@ -24,17 +28,49 @@ Point middle_of(const Point& a, const Point& b, const Point& c) {
 
 class Front {
  public:
-  Front(TetGrid& grid, std::span<const SizeSource> sources, std::vector<SpreadSize> sizes, double largest)
-      : grid_(grid), sources_(sources), sizes_(std::move(sizes)), largest_(largest) {}
-
-  void run(const std::atomic<bool>* interrupt) {
+  /// Sources stand at `origins`, by the vertices that they name. The grid's first `frozen` tets stay.
+  Front(TetGrid& grid, std::span<const SizeSource> sources, const std::vector<Point>& origins,
+        std::vector<SpreadSize> sizes, double largest, std::uint32_t frozen = 0)
+      : grid_(grid),
+        sources_(sources),
+        origins_(origins),
+        sizes_(std::move(sizes)),
+        largest_(largest),
+        frozen_(frozen) {
     spare_ = add_point();
     for (std::uint32_t t = 0; t < grid_.tets.size(); ++t)
       if (grid_.alive(t)) look_at(t);
-    insert_far_apart(interrupt);
-    for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) enqueue(t);
-    for (std::size_t i = 0; i < queue_.size() && !(interrupt && *interrupt); ++i) advance(queue_[i]);
   }
+
+  /// The middles of what is empty come first: among the points of a round surface alone nearly all
+  /// circumspheres are the same, and each new point would be connected to all others.
+  void insert_far_apart(const std::atomic<bool>* interrupt) {
+    nearest_ = kFarApart;
+    most_tets_ = std::numeric_limits<std::size_t>::max();
+    for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) enqueue_huge(t);
+    while (!huge_.empty() && !(interrupt && *interrupt)) {
+      const Huge huge = huge_.top();
+      huge_.pop();
+      if (!grid_.alive(huge.tet) || spheres_[huge.tet].radius2 != huge.radius2) continue;
+      if (insert(huge.tet, spheres_[huge.tet].center))
+        for (const std::uint32_t t : slots_) enqueue_huge(t);
+    }
+    nearest_ = kNearest;
+    most_tets_ = kMostTets;
+  }
+
+  void advance(const std::atomic<bool>* interrupt) {
+    for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) enqueue(t);
+    for (std::size_t i = 0; i < queue_.size() && !(interrupt && *interrupt); ++i) advance_from(queue_[i]);
+  }
+
+  /// What is known at the end, by vertices and by tets.
+  struct State {
+    std::vector<SpreadSize> sizes;
+    std::vector<char> large;  ///< and something may still be done about it
+  };
+  State take_state() { return {std::move(sizes_), std::move(large_)}; }
+  void set_large(std::vector<char> large) { large_ = std::move(large); }
 
  private:
   struct Sphere {
@@ -55,27 +91,10 @@ class Front {
   struct Huge {
     double radius2;
     std::uint32_t tet;
-    Tet4 vertices;
     bool operator<(const Huge& other) const {
       return radius2 != other.radius2 ? radius2 < other.radius2 : tet > other.tet;
     }
   };
-
-  /// The middles of what is empty come first: among the points of a round surface alone nearly all
-  /// circumspheres are the same, and each new point would be connected to all others.
-  void insert_far_apart(const std::atomic<bool>* interrupt) {
-    nearest_ = kFarApart;
-    for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) enqueue_huge(t);
-    while (!huge_.empty() && !(interrupt && *interrupt)) {
-      const Huge huge = huge_.top();
-      huge_.pop();
-      if (!grid_.alive(huge.tet) || grid_.tets[huge.tet].v != huge.vertices) continue;
-      if (insert(huge.tet, spheres_[huge.tet].center))
-        for (const std::uint32_t t : slots_) enqueue_huge(t);
-    }
-    nearest_ = kNearest;
-    most_tets_ = kMostTets;
-  }
 
   void enqueue_huge(std::uint32_t t) {
     if (!grid_.alive(t) || !large_[t] || !std::isfinite(spheres_[t].radius2)) return;
@@ -83,7 +102,7 @@ class Front {
     double wanted = largest_;
     for (const std::uint32_t v : grid_.tets[t].v)
       wanted = std::min(wanted, size_from(v, spheres_[t].center).size);
-    if (radius > kFarApart * wanted) huge_.push({spheres_[t].radius2, t, grid_.tets[t].v});
+    if (radius > kFarApart * wanted) huge_.push({spheres_[t].radius2, t});
   }
 
   std::uint32_t add_point() {
@@ -95,7 +114,7 @@ class Front {
 
   SpreadSize size_from(std::uint32_t v, const Point& p) const {
     const SizeSource& source = sources_[sizes_[v].source];
-    return spread_on(sizes_[v], source, grid_.points[source.vertex], norm(p - grid_.points[v]), p);
+    return spread_on(sizes_[v], source, origins_[source.vertex], norm(p - grid_.points[v]), p);
   }
 
   /// Notes the tet's circumsphere and whether it is too large.
@@ -122,7 +141,7 @@ class Front {
   }
 
   void enqueue(std::uint32_t t) {
-    if (!grid_.alive(t) || !large_[t]) return;
+    if (t < frozen_ || !grid_.alive(t) || !large_[t]) return;
     for (int f = 0; f < 4; ++f)
       if (is_front(t, f)) return queue_.push_back(t);
   }
@@ -141,10 +160,12 @@ class Front {
         enqueue_beside(t);
   }
 
-  void advance(std::uint32_t t) {
+  void advance_from(std::uint32_t t) {
     if (!grid_.alive(t) || !large_[t]) return;
+    meets_frozen_ = false;
     for (int f = 0; f < 4; ++f)
       if (is_front(t, f) && insert_over(t, f)) return enqueue_around();
+    if (meets_frozen_) return;
     large_[t] = false;  // nothing can be done with it here
     enqueue_beside(t);
   }
@@ -182,7 +203,7 @@ class Front {
     std::size_t looked_at = 0;
     for (int i = 0; i < kMostTries && looked_at < kMostTets; ++i) {
       dig(t, p);
-      if (cavity_.size() > most_tets_) return false;
+      if (cavity_.back() < frozen_ || cavity_.size() > most_tets_) return false;
       if (grid_.star(cavity_, spare_, fresh_)) return is_well_placed(p) && fill();
       if (!exclude_hidden(t)) return false;
       looked_at += cavity_.size();
@@ -204,8 +225,10 @@ class Front {
         if (seen_[n] == stamp_) continue;
         seen_[n] = stamp_;
         if (norm2(p - spheres_[n].center) < spheres_[n].radius2 * (1 - 1e-10) ||
-            !std::isfinite(spheres_[n].radius2))
+            !std::isfinite(spheres_[n].radius2)) {
           cavity_.push_back(n);
+          if (n < frozen_) return void(meets_frozen_ = true);
+        }
       }
     }
   }
@@ -268,25 +291,63 @@ class Front {
 
   TetGrid& grid_;
   std::span<const SizeSource> sources_;
+  const std::vector<Point>& origins_;
   std::vector<SpreadSize> sizes_;
   const double largest_;
+  const std::uint32_t frozen_;
+  bool meets_frozen_ = false;  ///< has met a tet that stays, since advance_from() began
   std::uint32_t spare_ = kNothing;
   std::vector<Sphere> spheres_;
   std::vector<char> large_;
   double nearest_ = kNearest;
-  std::size_t most_tets_ = std::numeric_limits<std::size_t>::max();
+  std::size_t most_tets_ = kMostTets;
   std::priority_queue<Huge> huge_;
   std::vector<std::uint32_t> queue_, slots_, cavity_, excluded_, seen_, vertex_seen_;
   std::uint32_t stamp_ = 0, vertex_stamp_ = 0;
   std::vector<Tet4> fresh_;
 };
 
+/// Fronts in blocks, at the same time: what is left lies between the blocks.
+Front::State advance_in_blocks(TetGrid& grid, std::size_t count, std::span<const SizeSource> sources,
+                               std::vector<SpreadSize> sizes, double largest,
+                               const std::atomic<bool>* interrupt) {
+  std::vector<GridBlock> blocks = divide(grid, count);
+  std::vector<Front::State> states(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+    std::vector<SpreadSize> own;
+    for (const std::uint32_t v : blocks[b].vertices) own.push_back(sizes[v]);
+    Front front(blocks[b].grid, sources, grid.points, std::move(own), largest, blocks[b].frozen);
+    front.advance(interrupt);
+    states[b] = front.take_state();
+  });
+  const std::vector<JoinedNumbers> numbers = join(grid, blocks);
+  Front::State whole = {std::move(sizes), {}};
+  whole.sizes.resize(grid.points.size());
+  whole.large.resize(grid.tets.size());
+  for (std::size_t b = 0; b < count; ++b) {
+    for (std::size_t v = 0; v < numbers[b].points.size(); ++v)
+      whole.sizes[numbers[b].points[v]] = states[b].sizes[v];
+    for (std::size_t t = 0; t < numbers[b].tets.size(); ++t)
+      whole.large[numbers[b].tets[t]] = states[b].large[t];
+  }
+  return whole;
+}
+
 }  // namespace
 
 void insert_inner_points(TetGrid& grid, std::span<const SizeSource> sources, std::vector<SpreadSize> sizes,
-                         double largest, const std::atomic<bool>* interrupt) {
+                         double largest, int threads, const std::atomic<bool>* interrupt) {
   flip_to_delaunay(grid, interrupt);
-  Front(grid, sources, std::move(sizes), largest).run(interrupt);
+  Front front(grid, sources, grid.points, std::move(sizes), largest);
+  front.insert_far_apart(interrupt);
+  constexpr std::size_t kLeastTets = 5000;  // of a block
+  const std::size_t blocks =
+      std::min(static_cast<std::size_t>(std::max(1, threads)), grid.tets.size() / kLeastTets);
+  if (blocks < 2) return front.advance(interrupt);
+  Front::State state = advance_in_blocks(grid, blocks, sources, front.take_state().sizes, largest, interrupt);
+  Front seams(grid, sources, grid.points, std::move(state.sizes), largest);
+  seams.set_large(std::move(state.large));
+  seams.advance(interrupt);
 }
 
 }  // namespace weft::meshing

@@ -1,14 +1,26 @@
-// Flips by exact predicates (Joe 1991): each lowers the surface over the points lifted to a paraboloid, so
-// they come to an end.
+// Flips (Joe 1991) that are right whatever the rounding: each lowers the surface over the points lifted to a
+// paraboloid, so they come to an end.
 #include "meshing/initial/grid/flip_to_delaunay.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "meshing/base/parallel.h"
-#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {
+
+/// Whether e is within the circumsphere of the positive tet by more than what rounding makes of the
+/// determinant: 24 products of an edge's square and three coordinates, each off by 16 units in the last place
+/// at most (Shewchuk 1997). Spheres that nearly go through e need no flip.
+bool surely_in_sphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
+  const Vec u = a - e, v = b - e, w = c - e, x = d - e;
+  const double uu = norm2(u), vv = norm2(v), ww = norm2(w), xx = norm2(x);
+  const Vec uv = cross(u, v), wx = cross(w, x);
+  const double det = uu * dot(v, wx) - vv * dot(u, wx) + ww * dot(x, uv) - xx * dot(w, uv);
+  const double longest2 = std::max({uu, vv, ww, xx});
+  return det > 1e-13 * longest2 * longest2 * std::sqrt(longest2);
+}
 
 class Flips {
  public:
@@ -36,7 +48,7 @@ class Flips {
     const TetGrid::Tet& tet = grid_.tets[t];
     if (tet.n[f] == kNothing || tet.facet[f] != kNothing) return false;
     const auto& p = grid_.points;
-    return in_sphere(p[tet.v[0]], p[tet.v[1]], p[tet.v[2]], p[tet.v[3]], p[apex_beyond(t, f)]) > 0;
+    return surely_in_sphere(p[tet.v[0]], p[tet.v[1]], p[tet.v[2]], p[tet.v[3]], p[apex_beyond(t, f)]);
   }
 
   std::uint32_t apex_beyond(std::uint32_t t, int f) const {

@@ -27,10 +27,10 @@ MeshData grid_of(const MeshData& surface, bool keep_enclosed = false) {
 }
 
 MeshData with_points(const MeshData& start, double growth, double largest = kNoLimit,
-                     const std::atomic<bool>* interrupt = nullptr) {
+                     const std::atomic<bool>* interrupt = nullptr, int threads = 1) {
   const std::vector<SizeSource> sources = PointDistribution(start, growth, 0).size_sources();
   GridOfMesh filled(start);
-  insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, interrupt);
+  insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, threads, interrupt);
   return filled.take();
 }
 
@@ -100,6 +100,37 @@ TEST(InnerPoints, FillATorusThatRecoveryLeftOtherThanDelaunay) {
   const MeshData mesh = with_points(start, 1.3);
   expect_whole(mesh, start);
   EXPECT_GT(mesh.points.size(), start.points.size() + 1000);
+}
+
+MeshData with_threads(const MeshData& start, int threads) {
+  return with_points(start, 1.2, kNoLimit, nullptr, threads);
+}
+
+TEST(InnerPoints, ThreadsPutAsManyAsOne) {
+  const MeshData start = grid_of(ball(0.04));
+  const MeshData by_one = with_threads(start, 1);
+  const auto inside = static_cast<double>(by_one.points.size() - start.points.size());
+  for (const int threads : {2, 3}) {
+    const MeshData mesh = with_threads(start, threads);
+    expect_whole(mesh, start);
+    EXPECT_NE(mesh.points, by_one.points);  // there were blocks
+    EXPECT_NEAR(static_cast<double>(mesh.points.size() - start.points.size()), inside, 0.02 * inside);
+  }
+}
+
+TEST(InnerPoints, AreTheSameForTheSameNumberOfThreads) {
+  const MeshData start = grid_of(ball(0.04));
+  const MeshData mesh = with_threads(start, 3), again = with_threads(start, 3);
+  EXPECT_EQ(mesh.points, again.points);
+  EXPECT_EQ(mesh.tets, again.tets);
+}
+
+TEST(InnerPoints, ThreadsThatAreInterruptedLeaveTheGridWhole) {
+  const MeshData start = grid_of(ball(0.04));
+  const std::atomic<bool> interrupt{true};
+  const MeshData mesh = with_points(start, 1.2, kNoLimit, &interrupt, 3);
+  expect_whole(mesh, start);
+  EXPECT_EQ(mesh.points.size(), start.points.size());
 }
 
 TEST(InnerPoints, AnInterruptionLeavesTheGridWhole) {
