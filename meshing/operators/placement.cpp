@@ -17,7 +17,8 @@ bool turns(const Worker& w, const std::array<Point, 3>& moved, TetId t, int face
                     : after > -0.2 * norm(now) && after * norm(old) > before * norm(now);
 }
 
-/// Distance of the boundary faces around the moved vertex from the reference surface, at their centroids.
+/// The boundary faces around the moved vertex stay near the reference surface, at their centroids; one that
+/// is too far from it already comes no farther away.
 bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
   const TetMesh& mesh = w.mesh;
   for (const auto& [t, local] : w.ball.tets)
@@ -34,7 +35,9 @@ bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
       const Point centroid = (1.0 / 3) * (p[0] + p[1] + p[2]);
       const auto q =
           w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
-      if (norm(centroid - q.x) > w.kernel.hausd(patch)) return false;
+      const double off = norm(centroid - q.x);
+      if (off > w.kernel.hausd(patch) && off > surface_deviation(mesh, w.kernel.surface, patch, t, f))
+        return false;
       if (w.kernel.surface.model() && turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
     }
   return true;

@@ -108,8 +108,12 @@ bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
          length_between(k.mesh, a, b) > limits.finest_long_edge;
 }
 
+double edge_deviation(const Kernel& k, VertexId a, VertexId b, PatchId patch) {
+  return norm(bulge(k, a, b, patch));
+}
+
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
-                  const std::array<VertexId, 3>& old) {
+                  const std::array<VertexId, 3>& old, double before) {
   const TetMesh& mesh = k.mesh;
   const Vec n = triangle_normal(mesh, changed), o = triangle_normal(mesh, old);
   const Point centroid =
@@ -121,10 +125,12 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
   // Against that of one that stands on the surface nothing can be said: what mends it turns the normal.
   const bool was_bent = side * dot(o, q.normal) < 0.5 * norm(o);
   if (!was_bent && dot(n, o) < 0.5 * norm(n) * norm(o)) return false;
-  if (side * dot(n, q.normal) < 0.5 * norm(n) || norm(centroid - q.x) > k.hausd(patch)) return false;
+  if (side * dot(n, q.normal) < 0.5 * norm(n)) return false;
+  if (norm(centroid - q.x) > std::max(k.hausd(patch), before)) return false;
   for (int i = 0; i < 3; ++i) {
     const VertexId a = changed[i], b = changed[(i + 1) % 3];
-    if (!is_edge_of(old, a, b) && curves_too_much(k, a, b, patch)) return false;
+    if (!is_edge_of(old, a, b) && curves_too_much(k, a, b, patch) && edge_deviation(k, a, b, patch) > before)
+      return false;
   }
   return true;
 }

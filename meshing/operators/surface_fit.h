@@ -16,11 +16,15 @@ namespace weft::meshing {
 /// claimed.
 bool curves_too_much(const Kernel& k, VertexId a, VertexId b, PatchId patch);
 
+/// How far the middle of boundary edge (a, b) is from the reference surface (or curve).
+double edge_deviation(const Kernel& k, VertexId a, VertexId b, PatchId patch);
+
 /// May triangle `changed` of a curved patch take the place of `old`? Its new edges must not curve too much,
 /// its centroid lie within Kernel::hausd of the reference surface, and its normal turn by less than 60
-/// degrees from the surface's and from the old one's. All vertices must be claimed.
+/// degrees from the surface's and from the old one's. What deviates no more than `before`, as the boundary
+/// does already, is near enough. All vertices must be claimed.
 bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>& changed,
-                  const std::array<VertexId, 3>& old);
+                  const std::array<VertexId, 3>& old, double before = 0);
 
 /// Distance from the centroid of a boundary face to the reference surface of `patch`.
 double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId patch, TetId t, int face);

@@ -157,10 +157,12 @@ class RingBuilder {
 Verdict judge_boundary(Worker& w, const Shell& shell, PatchId patch) {
   const VertexId c = shell.ring[0], d = shell.ring[shell.size];
   const std::array<VertexId, 3> old_a = {shell.a, shell.b, c}, old_b = {shell.b, shell.a, d};
-  if (!w.kernel.surface.patches()[patch.value].planar &&
-      (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a) ||
-       !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b)))
-    return Verdict::leaves_surface;
+  if (!w.kernel.surface.patches()[patch.value].planar) {
+    const double before = edge_deviation(w.kernel, shell.a, shell.b, patch);
+    if (!fits_surface(w.kernel, patch, {c, shell.a, d}, old_a, before) ||
+        !fits_surface(w.kernel, patch, {d, shell.b, c}, old_b, before))
+      return Verdict::leaves_surface;
+  }
   // The cavity changes its outline here: an edge across it may exist already, outside, where the boundary
   // bends.
   for (int i = 0; i + 2 <= shell.size; ++i) {

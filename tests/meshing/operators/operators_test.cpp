@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
 #include "meshing/operators/collapse_edge.h"
+#include "meshing/operators/placement.h"
 #include "meshing/operators/relocate_vertex.h"
 #include "meshing/operators/smooth_vertex.h"
 #include "meshing/operators/snap_vertex.h"
@@ -660,6 +662,93 @@ TEST(SwapEdge, ABoundaryEdgeTurnsWithinItsPlane) {
     EXPECT_FALSE(rig.tet_with(VertexId(0), VertexId(1)).valid());
     expect_kept(rig);
   }
+}
+
+// --- boundary that is farther from the surface than it may be ---
+
+/// The side of a cylinder about the z axis, where no triangle is as near to the surface as is wanted.
+struct FarCylinder : KernelRig {
+  FarCylinder() : KernelRig(support::cylinder(16, 2, 4, 1), 0.3) { kernel.limits.hausd = 1e-5; }
+};
+
+double angle_of(const KernelRig& rig, VertexId v) {
+  return std::atan2(rig.mesh.point(v).y, rig.mesh.point(v).x);
+}
+/// From u to v, the short way.
+double angle_between(const KernelRig& rig, VertexId u, VertexId v) {
+  return std::remainder(angle_of(rig, v) - angle_of(rig, u), 2 * std::numbers::pi);
+}
+void turn(KernelRig& rig, VertexId v, double by) {
+  const Point p = rig.mesh.point(v);
+  const double c = std::cos(by), s = std::sin(by);
+  rig.mesh.set_point(v, {c * p.x - s * p.y, s * p.x + c * p.y, p.z});
+}
+
+/// An edge of the side that runs across its quadrangle, and the one that a swap makes of it.
+struct Diagonals {
+  VertexId a, b, c, d;
+};
+Diagonals diagonals_on_side(KernelRig& rig) {
+  for (const TetId t : rig.live_tets())
+    for (const auto& e : kTetEdges) {
+      const VertexId a = rig.mesh.vertex(t, e[0]), b = rig.mesh.vertex(t, e[1]);
+      EXPECT_EQ(rig.worker.claims.claim_tet(t), Verdict::accepted);
+      EXPECT_EQ(gather_shell(rig.mesh, rig.worker.claims, t, a, b, rig.worker.shell), Verdict::accepted);
+      rig.worker.claims.release();
+      const Shell& shell = rig.worker.shell;
+      const VertexId c = shell.ring[0], d = shell.ring[shell.size];
+      const auto on_side = [&](VertexId v) { return rig.mesh.kind(v) == VertexKind::surface; };
+      const auto spans = [&](VertexId u, VertexId v) { return std::abs(angle_between(rig, u, v)) > 0.1; };
+      if (shell.closed || !spans(a, b) || !spans(c, d)) continue;
+      if (on_side(a) && on_side(b) && on_side(c) && on_side(d) && rig.mesh.flags(a) & kOnCurved)
+        return {a, b, c, d};
+    }
+  ADD_FAILURE() << "none";
+  return {};
+}
+
+/// As if all tets were poor, so that any swap improves them.
+void call_all_poor(KernelRig& rig) {
+  for (const TetId t : rig.live_tets()) rig.mesh.set_quality(t, 0.01f);
+}
+
+TEST(SwapEdge, WhereTheBoundaryIsTooFarFromTheSurfaceAnEdgeMayBecomeOneThatIsNearer) {
+  FarCylinder rig;
+  const auto [a, b, c, d] = diagonals_on_side(rig);
+  turn(rig, a, 0.3 * angle_between(rig, b, a));
+  call_all_poor(rig);
+  EXPECT_EQ(swap(rig, a, b), Verdict::accepted);
+  EXPECT_TRUE(rig.tet_with(c, d).valid());
+  call_all_poor(rig);
+  EXPECT_EQ(swap(rig, c, d), Verdict::leaves_surface) << "and not one that is farther";
+  rig.judge_by(MetricMean::arithmetic);
+  expect_sound(rig.mesh);
+}
+
+TEST(MoveOnSurface, WhereTheBoundaryIsTooFarFromTheSurfaceAVertexMayStillComeNearer) {
+  KernelRig rig(support::cylinder(16, 2, 4, 1), 0.3);
+  const auto [a, b, c, d] = diagonals_on_side(rig);
+  const VertexId beside = std::abs(angle_between(rig, a, c)) > 0.1 ? c : d;
+  const auto off = [&] { return largest_surface_deviation(rig.mesh, rig.kernel.surface); };
+  // As far as all triangles are: those between the two that are out of place are too far, and stay so.
+  rig.kernel.limits.hausd = 1.05 * off();
+  const double out = 0.25 * angle_between(rig, beside, a);
+  turn(rig, a, out);
+  turn(rig, beside, -out);
+  ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, a, rig.worker.ball), Verdict::accepted);
+  MoveSpace space;
+  ASSERT_EQ(move_space(rig.worker, a, space), Verdict::accepted);
+  const auto may_turn = [&](double by) {
+    const Point here = rig.mesh.point(a);
+    turn(rig, a, by);
+    const Point there = rig.mesh.point(a);
+    rig.mesh.set_point(a, here);
+    MovedVertex moved;
+    return move_to(rig.worker, a, space, there, moved);
+  };
+  EXPECT_TRUE(may_turn(-0.5 * out));
+  EXPECT_FALSE(may_turn(0.5 * out));
+  rig.worker.claims.release();
 }
 
 TEST(SwapEdge, MarksTheEndsOfANewEdgeThatIsShort) {
