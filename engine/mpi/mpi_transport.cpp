@@ -430,6 +430,8 @@ class MpiTransport::Impl {
   std::deque<Arrived> arrived_;
 
   std::vector<std::uint64_t> sent_, received_;  ///< packets by rank, whole ones; close() compares them
+  std::vector<std::uint64_t>
+      expected_;  ///< what others have sent here; MPI may write it after close() has thrown
   std::vector<std::size_t> unsent_;
   std::vector<std::int64_t> tagged_;  ///< packets with segments, by rank
   std::vector<LeaveNotice> notices_;
@@ -760,16 +762,16 @@ void MpiTransport::Impl::close() {
   if (state_ == State::kClosed) return;
   state_ = State::kClosing;
   arrived_.clear();
-  std::vector<std::uint64_t> expected(sent_.size());
+  expected_.resize(sent_.size());
   MPI_Request request = MPI_REQUEST_NULL;
   // Not on the communicator of the heads: on one rank MPICH 4.0 lets receives with any tag take the messages
   // of its collective calls.
-  check(
-      MPI_Ialltoall(sent_.data(), 1, MPI_UINT64_T, expected.data(), 1, MPI_UINT64_T, segment_comm_, &request),
-      "MPI_Ialltoall");
+  check(MPI_Ialltoall(sent_.data(), 1, MPI_UINT64_T, expected_.data(), 1, MPI_UINT64_T, segment_comm_,
+                      &request),
+        "MPI_Ialltoall");
   node_.ring_all();
   finish(request);
-  while (received_ != expected || !sends_.empty() || !receives_.empty()) drop();
+  while (received_ != expected_ || !sends_.empty() || !receives_.empty()) drop();
   // Behind this nobody sends anything: the receives in advance can go.
   check(MPI_Ibarrier(segment_comm_, &request), "MPI_Ibarrier");
   node_.ring_all();
