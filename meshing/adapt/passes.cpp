@@ -219,7 +219,7 @@ bool clear_ring(Worker& w, TetId t, VertexId a, VertexId b) {
   });
 }
 
-/// Splits an edge of curved boundary where vertices that cannot move stand between it and the surface:
+/// Splits an edge of boundary on a model where vertices that cannot move stand between it and the surface:
 /// they are given up one by one, until it can be split or a vertex can rise from it. Claims nothing in the
 /// end.
 Verdict split_after_clearing(Worker& w, VertexId a, VertexId b) {
@@ -260,7 +260,8 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
   }
   for (std::size_t i = 0; i < refused && w.kernel.policy.allowed.move; ++i) {
     Verdict r = split_below(w, t, behind[i][0], behind[i][1]);
-    if (r == Verdict::inverts) r = split_after_clearing(w, behind[i][0], behind[i][1]);
+    if (r == Verdict::inverts && w.kernel.surface.model())
+      r = split_after_clearing(w, behind[i][0], behind[i][1]);
     if (r == Verdict::accepted || r == Verdict::conflict || !w.mesh.alive(t)) return r;
     if (w.claims.claim_tet(t) != Verdict::accepted || w.mesh.vertices(t) != v) return r;
   }
