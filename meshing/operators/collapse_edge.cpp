@@ -87,7 +87,8 @@ bool pinches_surface(const Worker& w, VertexId removed, VertexId kept, SmallSet&
 
 /// Link condition (Dey et al. 1999) for boundary vertices: vertices and edges in the links of both ends are
 /// in the link of their edge, so that nothing comes to exist twice. For interior vertices the exactly
-/// positive tets imply it; the boundary may close up over a gap.
+/// positive tets imply it, but where room is made below a chord of the boundary: there the mesh may overlap
+/// itself. The boundary may close up over a gap.
 Verdict judge_link(Worker& w, VertexId removed, VertexId kept) {
   const TetMesh& mesh = w.mesh;
   if (mesh.frozen(kept)) return Verdict::frozen;  // its ball is not all here
@@ -312,7 +313,7 @@ Verdict judge(Worker& w, CollapseGoal goal, CollapsePlan& plan) {
   if (goal != CollapseGoal::undo && lies_down(w.mesh, w.ball, kept)) return Verdict::breaks_topology;
   if (const Verdict r = judge_lengths(w, goal, plan); r != Verdict::accepted) return r;
   if (const Verdict r = judge_qualities(w, goal, plan); r != Verdict::accepted) return r;
-  if (!boundary) return Verdict::accepted;
+  if (!boundary) return goal == CollapseGoal::room ? judge_link(w, removed, kept) : Verdict::accepted;
   if (const Verdict r = judge_topology(w, removed, kept, plan.edge); r != Verdict::accepted) return r;
   if (goal != CollapseGoal::undo)
     if (const Verdict r = judge_surface(w, kept); r != Verdict::accepted) return r;
