@@ -56,7 +56,9 @@ class Usage(CommandTest):
         ]:
             for style in [[], ["--progress", "plain"]]:
                 done = self.weft(*words, "--quiet", *style)
-                self.assertEqual((done.stdout, done.stderr), ("", ""), words)
+                # The address sanitizer tells of its own limits where SimGrid changes stacks.
+                told = [line for line in done.stderr.splitlines() if "WARNING: ASan doesn't fully support" not in line]
+                self.assertEqual((done.stdout, told), ("", []), words)
         self.assertTrue((self.folder / "compared.html").exists())
 
     def test_a_quiet_answer_is_the_exit_code(self):
