@@ -202,9 +202,9 @@ def main():
         sys.exit("record: no case could be run")
     bars = bars_of(rows, read_history(), about)
     write_table(bars, about)
-    draw(bars, about)
     if not options.no_history:
         append_history(rows)
+    draw(bars, about)
     print(f"picture: {(OUT / 'record.svg').relative_to(ROOT)}")
 
 
