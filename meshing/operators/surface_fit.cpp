@@ -41,19 +41,26 @@ struct BoundaryEdge {
   friend auto operator<=>(const BoundaryEdge&, const BoundaryEdge&) = default;
 };
 
+/// Calls visit(tet, face, patch) for the faces on curved patches.
+template <class Visit>
+void for_curved_faces(const TetMesh& mesh, const Surface& surface, Visit visit) {
+  const auto patches = surface.patches();
+  if (std::ranges::all_of(patches, &Patch::planar)) return;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
+    for (int f = 0; f < 4 && mesh.alive(TetId(i)); ++f)
+      if (const PatchId patch = mesh.patch(TetId(i), f); patch.valid() && !patches[patch.value].planar)
+        visit(TetId(i), f, patch);
+}
+
 /// Those on curved patches, once for each patch.
 std::vector<BoundaryEdge> curved_edges(const Kernel& k) {
   std::vector<BoundaryEdge> edges;
-  for (std::uint32_t i = 0; i < k.mesh.tet_slots(); ++i)
-    for (int f = 0; f < 4 && k.mesh.alive(TetId(i)); ++f) {
-      const PatchId patch = k.mesh.patch(TetId(i), f);
-      if (!patch.valid() || k.surface.patches()[patch.value].planar) continue;
-      for (int j = 0; j < 3; ++j) {
-        const VertexId a = k.mesh.vertex(TetId(i), kTetFaces[f][j]);
-        const VertexId b = k.mesh.vertex(TetId(i), kTetFaces[f][(j + 1) % 3]);
-        edges.push_back({std::min(a, b), std::max(a, b), patch});
-      }
+  for_curved_faces(k.mesh, k.surface, [&](TetId t, int f, PatchId patch) {
+    for (int j = 0; j < 3; ++j) {
+      const VertexId a = k.mesh.vertex(t, kTetFaces[f][j]), b = k.mesh.vertex(t, kTetFaces[f][(j + 1) % 3]);
+      edges.push_back({std::min(a, b), std::max(a, b), patch});
     }
+  });
   sort_unique(edges);
   return edges;
 }
@@ -70,11 +77,9 @@ double surface_deviation(const TetMesh& mesh, const Surface& surface, PatchId pa
 
 double largest_surface_deviation(const TetMesh& mesh, const Surface& surface) {
   double largest = 0;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-    for (int f = 0; f < 4 && mesh.alive(TetId(i)); ++f)
-      if (const PatchId patch = mesh.patch(TetId(i), f);
-          patch.valid() && !surface.patches()[patch.value].planar)
-        largest = std::max(largest, surface_deviation(mesh, surface, patch, TetId(i), f));
+  for_curved_faces(mesh, surface, [&](TetId t, int f, PatchId patch) {
+    largest = std::max(largest, surface_deviation(mesh, surface, patch, t, f));
+  });
   return largest;
 }
 
@@ -129,8 +134,8 @@ bool fits_surface(const Kernel& k, PatchId patch, const std::array<VertexId, 3>&
   if (norm(centroid - q.x) > std::max(k.hausd(patch), before)) return false;
   for (int i = 0; i < 3; ++i) {
     const VertexId a = changed[i], b = changed[(i + 1) % 3];
-    if (!is_edge_of(old, a, b) && curves_too_much(k, a, b, patch) && edge_deviation(k, a, b, patch) > before)
-      return false;
+    if (is_edge_of(old, a, b) || !curves_too_much(k, a, b, patch)) continue;
+    if (before == 0 || edge_deviation(k, a, b, patch) > before) return false;
   }
   return true;
 }

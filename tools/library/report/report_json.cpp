@@ -147,8 +147,6 @@ Json json_of(const std::vector<Mend>& mends) {
   return all;
 }
 
-}  // namespace
-
 Json json_of(const std::vector<SurfaceDemand>& demands) {
   Json all = Json::array();
   for (const SurfaceDemand& d : demands)
@@ -158,6 +156,8 @@ Json json_of(const std::vector<SurfaceDemand>& demands) {
                    {"where", {d.where.x, d.where.y, d.where.z}}});
   return all;
 }
+
+}  // namespace
 
 Json json_of(const meshing::Measures& m) {
   return {{"vertices", m.num_vertices},
