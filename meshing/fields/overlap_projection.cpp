@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -103,7 +102,7 @@ class Receiver {
         nodal[j] = old_.values[from_.mesh().tets[old_tet][j] * old_.columns + c];
       double lo = kInfinity, hi = -kInfinity;
       std::array<double, TetOverlap::kPlaces> values, weights;
-      for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
+      overlap_.for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
         const auto l = corner.in_second();
         values[k] = l[0] * nodal[0] + l[1] * nodal[1] + l[2] * nodal[2] + l[3] * nodal[3];
         weights[k] = 0;
@@ -115,18 +114,10 @@ class Receiver {
         const double sum = values[p] + values[q] + values[r] + values[s];
         for (const std::uint8_t k : piece.corners) weights[k] += piece.volume / 20 * (sum + values[k]);
       }
-      for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
+      overlap_.for_each_corner([&](std::size_t k, const TetOverlap::Corner& corner) {
         for (std::size_t i = 0; i < 4; ++i) loads[i] += corner.in_first()[i] * weights[k];
       });
       numbers_.insert(numbers_.end(), {loads[0], loads[1], loads[2], loads[3], lo, hi});
-    }
-  }
-
-  template <class F>
-  void for_each_corner(const F& f) const {
-    for (std::uint64_t rest = overlap_.corners(); rest != 0; rest &= rest - 1) {
-      const auto k = static_cast<std::size_t>(std::countr_zero(rest));
-      f(k, overlap_.corner(k));
     }
   }
 

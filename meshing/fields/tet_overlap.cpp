@@ -55,8 +55,9 @@ bool TetOverlap::find(const std::array<Point, 4>& first, const std::array<Point,
 unsigned TetOverlap::faces_of_second() const {
   // Where a face is cut, and at corners of the second tet, coordinates are exactly 0 on it.
   std::array<int, 4> on{};
-  for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1)
-    for (std::size_t k = 0; k < 4; ++k) on[k] += corners_[lowest(rest)].in_second()[k] == 0;
+  for_each_corner([&](std::size_t, const Corner& corner) {
+    for (std::size_t k = 0; k < 4; ++k) on[k] += corner.in_second()[k] == 0;
+  });
   unsigned faces = 0;
   for (std::size_t k = 0; k < 4; ++k) faces |= unsigned{on[k] >= 3} << k;
   return faces;
@@ -91,8 +92,9 @@ void TetOverlap::start(std::size_t own, std::size_t cutting, const BarycentricCo
 /// Keeps what is on the inner side of face k of the cutting tet.
 void TetOverlap::cut(std::size_t cutting, std::size_t k) {
   std::uint64_t kept = 0;
-  for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1)
-    kept |= corners_[lowest(rest)].both[cutting + k] > 0 ? rest & -rest : 0;
+  for_each_corner([&](std::size_t place, const Corner& corner) {
+    kept |= std::uint64_t{corner.both[cutting + k] > 0} << place;
+  });
   if (kept == alive_) return;
   const std::uint64_t created = cut_edges(cutting, k, kept);
   close_faces(created);

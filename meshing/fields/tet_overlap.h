@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,8 +32,14 @@ class TetOverlap {
   /// False where two positively oriented tets have no volume in common, or only touch. About 0.3 us.
   bool find(const std::array<Point, 4>& first, const std::array<Point, 4>& second);
 
-  /// Bits of the corners that there are: places in the following are theirs.
-  std::uint64_t corners() const { return alive_; }
+  /// Calls visit(place, corner).
+  template <class Visit>
+  void for_each_corner(const Visit& visit) const {
+    for (std::uint64_t rest = alive_; rest != 0; rest &= rest - 1) {
+      const auto place = static_cast<std::size_t>(std::countr_zero(rest));
+      visit(place, corners_[place]);
+    }
+  }
   const Corner& corner(std::size_t place) const { return corners_[place]; }
   std::span<const Piece> pieces() const { return {pieces_.data(), num_pieces_}; }
   double volume() const { return volume_; }
