@@ -233,7 +233,8 @@ class Lift {
     return result;
   }
 
-  /// Every side is filled: faces that end at the point are no part of the new tets.
+  /// Every side is filled: faces that end at the point are no part of the new tets. Sides that have grown may
+  /// meet at other facets, which stay.
   void commit() {
     std::vector<FacetFace> facets;
     for (const Opening& o : openings_)
@@ -244,7 +245,21 @@ class Lift {
       all.old.insert(all.old.end(), side.star.old.begin(), side.star.old.end());
       all.fresh.insert(all.fresh.end(), side.star.fresh.begin(), side.star.fresh.end());
     }
+    list_facets_within(all.old, facets);
     fill(grid_, all, facets);
+  }
+
+  /// The faces of facets between two of the tets, but those that end at the point.
+  void list_facets_within(std::vector<std::uint32_t> tets, std::vector<FacetFace>& facets) const {
+    std::sort(tets.begin(), tets.end());
+    for (const std::uint32_t t : tets)
+      for (int f = 0; f < 4; ++f) {
+        const std::uint32_t facet = grid_.tets[t].facet[f], n = grid_.tets[t].n[f];
+        if (facet == kNothing || n == kNothing || !std::binary_search(tets.begin(), tets.end(), n >> 2))
+          continue;
+        const Face3 w = grid_.face(t, f);
+        if (std::find(w.begin(), w.end(), v_) == w.end()) facets.push_back({w, facet});
+      }
   }
 
   static bool holds(const Star& star, std::uint32_t v) { return star.fresh.front()[3] == v; }

@@ -53,6 +53,14 @@ TEST(InitialGrid, OfAFlatBoxWithNeedles) {
   EXPECT_NEAR(volume(grid_of(box_surface({}, {1, 1, 1e-4}, 5))), 1e-4, 1e-15);
 }
 
+/// Two cubes side by side and a cylinder that stands on both. Steiner points leave its arcs, and what the
+/// sides of such a point take away meets at facets farther off (once they were lost, and the bodies one).
+TEST(InitialGrid, OfBodiesThatTouchHasAllTheirFacets) {
+  const InitialGrid grid = grid_of(read_mesh(std::string(WEFT_TEST_DATA) + "/touching-bodies.mesh"), true);
+  EXPECT_EQ(grid.regions, 3u);
+  EXPECT_NEAR(volume(grid), 2.28235897396, 1e-9);
+}
+
 TEST(InitialGrid, OfBodies) {
   for (const MeshData& surface : {ball(0.3), cylinder_surface({{}, 1, 2, 0.3}), delta_wing_surface()})
     EXPECT_NEAR(volume(grid_of(surface)), std::abs(enclosed_volume(surface)),
