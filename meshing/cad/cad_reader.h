@@ -31,6 +31,6 @@ class CadReader {
 /// another.
 using CadEntry = const CadReader* (*)(int interface);
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
-inline constexpr int kCadInterface = 2;
+inline constexpr int kCadInterface = 3;
 
 }  // namespace weft::meshing

@@ -105,8 +105,9 @@ std::optional<CurveSpline> spline_of(const Handle(Geom_Curve) & curve) {
   if (spline->IsPeriodic()) spline->SetNotPeriodic();
   CurveSpline result;
   result.knots = knots_of(spline->Degree(), spline->KnotSequence());
+  const bool rational = spline->IsRational();
   for (int i = 1; i <= spline->NbPoles(); ++i)
-    result.control.push_back(weighted(spline->Pole(i), spline->Weight(i)));
+    result.control.push_back(weighted(spline->Pole(i), rational ? spline->Weight(i) : 1));
   return result;
 }
 
@@ -121,9 +122,11 @@ std::optional<SurfaceSpline> spline_of(const Handle(Geom_Surface) & surface) {
   SurfaceSpline result;
   result.knots = {knots_of(spline->UDegree(), spline->UKnotSequence()),
                   knots_of(spline->VDegree(), spline->VKnotSequence())};
+  // Unrolled, a surface that is not rational has weights of 0.
+  const bool rational = spline->IsURational() || spline->IsVRational();
   for (int i = 1; i <= spline->NbUPoles(); ++i)
     for (int j = 1; j <= spline->NbVPoles(); ++j)
-      result.control.push_back(weighted(spline->Pole(i, j), spline->Weight(i, j)));
+      result.control.push_back(weighted(spline->Pole(i, j), rational ? spline->Weight(i, j) : 1));
   return result;
 }
 
@@ -237,6 +240,12 @@ void OccModel::add_border(std::uint32_t face) {
         {static_cast<std::uint32_t>(index - 1), edge.Orientation() == TopAbs_REVERSED});
     pcurves_[face].push_back(curve);
   }
+}
+
+std::size_t OccModel::num_bodies() const {
+  TopTools_IndexedMapOfShape bodies;
+  TopExp::MapShapes(shape_, TopAbs_SOLID, bodies);
+  return static_cast<std::size_t>(bodies.Extent());
 }
 
 CurveJet OccModel::curve(std::uint32_t edge, double t) const {

@@ -24,6 +24,7 @@ class OccModel : public GeometryModel {
   CurveJet curve(std::uint32_t edge, double t) const override;
   SurfaceJet surface(std::uint32_t face, const Parameters& at) const override;
   Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const override;
+  std::size_t num_bodies() const override;
   const std::string& name() const override { return name_; }
   const std::string& unit() const override { return unit_; }
   std::span<const std::string> warnings() const override { return warnings_; }

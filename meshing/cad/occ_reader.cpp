@@ -1,4 +1,5 @@
 // Reads STEP, IGES and BREP files, keeps their units, mends and checks what it gets, and tessellates.
+#include <BOPAlgo_Builder.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -176,6 +177,43 @@ void keep_numbers(Read& read) {
   read.shape = BRepBuilderAPI_Transform(read.shape, scale, Standard_True).Shape();
 }
 
+TopTools_IndexedMapOfShape all_of(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+  TopTools_IndexedMapOfShape all;
+  TopExp::MapShapes(shape, kind, all);
+  return all;
+}
+
+/// Whether anything of the shape is something else in what has been built of it.
+bool changes(BOPAlgo_Builder& builder, const TopoDS_Shape& shape) {
+  for (const TopAbs_ShapeEnum kind : {TopAbs_FACE, TopAbs_EDGE, TopAbs_VERTEX}) {
+    const TopTools_IndexedMapOfShape all = all_of(shape, kind);
+    for (int i = 1; i <= all.Extent(); ++i)
+      if (!builder.Modified(all(i)).IsEmpty()) return true;
+  }
+  return false;
+}
+
+/// In STEP each body has faces of its own, also where bodies touch: there they would be divided differently,
+/// and a mesh of both would not conform. What they have in common becomes common.
+void join_bodies(Read& read) {
+  if (all_of(read.shape, TopAbs_SOLID).Extent() < 2) return;
+  BOPAlgo_Builder builder;
+  for (TopExp_Explorer at(read.shape, TopAbs_SOLID); at.More(); at.Next()) builder.AddArgument(at.Current());
+  for (TopExp_Explorer at(read.shape, TopAbs_SHELL, TopAbs_SOLID); at.More(); at.Next())
+    builder.AddArgument(at.Current());
+  for (TopExp_Explorer at(read.shape, TopAbs_FACE, TopAbs_SHELL); at.More(); at.Next())
+    builder.AddArgument(at.Current());
+  builder.Perform();
+  if (builder.HasErrors()) {
+    read.warnings.push_back("it cannot be found out where its bodies touch");
+    return;
+  }
+  if (!changes(builder, read.shape)) return;
+  read.shape = builder.Shape();
+  read.warnings.push_back(
+      "bodies touch: faces that they have in common are common now, and ids are other than in the file");
+}
+
 void mend(Read& read) {
   ShapeFix_Shape fix(read.shape);
   fix.Perform();
@@ -217,6 +255,7 @@ Read read_by_extension(const std::string& path) {
   if (!exact) {
     sew(read);
     mend(read);
+    join_bodies(read);
     keep_numbers(read);
   }
   BRepLib::BuildCurves3d(read.shape);

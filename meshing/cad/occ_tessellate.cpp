@@ -7,7 +7,9 @@
 #include <Poly_PolygonOnTriangulation.hxx>
 #include <Poly_Triangulation.hxx>
 #include <Precision.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
@@ -199,8 +201,19 @@ class Joiner {
       if (on != mesh_.edges.end())
         where +=
             ", edge " + std::to_string(mesh_.edge_refs[static_cast<std::size_t>(on - mesh_.edges.begin())]);
-      throw InputError(model_.name(), where, "the surface is open here: a face is missing or not joined");
+      throw InputError(model_.name(), where,
+                       is_beside_bodies(count.second)
+                           ? "belongs to no body: remove it from the model, or let it be one's boundary"
+                           : "the surface is open here: a face is missing or not joined");
     }
+  }
+
+  /// A sheet, for instance what a body was swept from, in a model that has bodies.
+  bool is_beside_bodies(int face) const {
+    TopTools_IndexedMapOfShape of_bodies;
+    for (TopExp_Explorer at(model_.shape(), TopAbs_SOLID); at.More(); at.Next())
+      TopExp::MapShapes(at.Current(), TopAbs_FACE, of_bodies);
+    return !of_bodies.IsEmpty() && !of_bodies.Contains(model_.face_map()(face));
   }
 
   const OccModel& model_;
@@ -208,24 +221,45 @@ class Joiner {
   std::vector<std::vector<std::uint32_t>> edge_points_;
 };
 
-}  // namespace
-
-MeshData tessellate_occ(const OccModel& model, const CadTessellation& options) {
-  BRepTools::Clean(model.shape());
+void tessellate(const TopoDS_Shape& shape, double sagitta, double angle_degrees) {
   // OpenCASCADE takes no sagitta below that; of tiny models the angle alone counts then.
-  const auto tessellate = [&](const TopoDS_Shape& shape, double least) {
-    BRepMesh_IncrementalMesh(shape, std::max(least, Precision::Confusion()), Standard_False,
-                             options.angle_degrees * std::numbers::pi / 180, Standard_False);
-  };
-  // The finest first: the others then take its points on the edges between them.
-  std::vector<std::pair<double, int>> finer;
+  BRepMesh_IncrementalMesh(shape, std::max(sagitta, Precision::Confusion()), Standard_False,
+                           angle_degrees * std::numbers::pi / 180, Standard_False);
+}
+
+using SagittaOfFace = std::pair<double, int>;
+
+/// Where less than that of all is asked for, the finest first: the others then take its points on the edges
+/// between them.
+std::vector<SagittaOfFace> finer_faces(const CadTessellation& options) {
+  std::vector<SagittaOfFace> finer;
   for (std::size_t f = 0; f < options.face_sagittas.size(); ++f)
     if (options.face_sagittas[f] < options.sagitta)
       finer.emplace_back(options.face_sagittas[f], static_cast<int>(f) + 1);
   std::sort(finer.begin(), finer.end());
-  for (const auto& [least, face] : finer) tessellate(model.face_map()(face), least);
-  tessellate(model.shape(), options.sagitta);
-  return Joiner(model).run();
+  return finer;
+}
+
+}  // namespace
+
+MeshData tessellate_occ(const OccModel& model, const CadTessellation& options) {
+  const std::vector<SagittaOfFace> finer = finer_faces(options);
+  BRepTools::Clean(model.shape());
+  for (const auto& [sagitta, face] : finer)
+    tessellate(model.face_map()(face), sagitta, options.angle_degrees);
+  tessellate(model.shape(), options.sagitta, options.angle_degrees);
+  if (finer.empty()) return Joiner(model).run();
+  try {
+    return Joiner(model).run();
+  } catch (const InputError&) {
+    // A face that comes later may divide an edge anew, though it is fine enough; not so where all are
+    // tessellated at once.
+    constexpr double kFinest = 1.0 / 16;
+    BRepTools::Clean(model.shape());
+    tessellate(model.shape(), std::max(finer.front().first, kFinest * options.sagitta),
+               options.angle_degrees);
+    return Joiner(model).run();
+  }
 }
 
 }  // namespace weft::meshing

@@ -86,6 +86,9 @@ class GeometryModel {
   /// Where on a face the edge is that borders it.
   virtual Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const = 0;
 
+  /// Solid ones.
+  virtual std::size_t num_bodies() const { return 0; }
+
   virtual const std::string& name() const = 0;
   virtual const std::string& unit() const = 0;  ///< of length, such as "millimetre"; empty: not known
   virtual std::span<const std::string> warnings() const = 0;

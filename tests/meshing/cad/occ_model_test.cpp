@@ -4,7 +4,9 @@
 
 #include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepOffsetAPI_ThruSections.hxx>
@@ -15,17 +17,24 @@
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom_BSplineSurface.hxx>
 #include <IGESControl_Writer.hxx>
 #include <Interface_Static.hxx>
 #include <STEPControl_Writer.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TColgp_Array2OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Shell.hxx>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <gp_Circ.hxx>
+#include <gp_Pln.hxx>
 #include <map>
 
 #include "meshing/base/error.h"
@@ -246,6 +255,27 @@ TEST_F(OccModels, OfSplinesAreEvaluatedAsByOpenCascade) {
   }
 }
 
+/// A tube of six by two control points whose parameter goes round.
+TopoDS_Shape periodic_face() {
+  TColgp_Array2OfPnt poles(1, 6, 1, 2);
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 2; ++j) poles(i + 1, j + 1) = gp_Pnt(std::cos(i * 1.047), std::sin(i * 1.047), j);
+  TColStd_Array1OfReal round(1, 7), along(1, 2);
+  TColStd_Array1OfInteger once(1, 7), twice(1, 2);
+  for (int i = 0; i < 7; ++i) round(i + 1) = i, once(i + 1) = 1;
+  for (int j = 0; j < 2; ++j) along(j + 1) = j, twice(j + 1) = 2;
+  const Handle(Geom_BSplineSurface) tube =
+      new Geom_BSplineSurface(poles, round, along, once, twice, 2, 1, Standard_True, Standard_False);
+  return BRepBuilderAPI_MakeFace(tube, 1e-6);
+}
+
+TEST_F(OccModels, OfPeriodicSplinesWithoutWeightsAreEvaluatedToo) {
+  const Model model(load_model(brep(periodic_face())));
+  ASSERT_TRUE(model.geometry().faces()[0].spline.has_value());
+  EXPECT_GT(model.face(0).period[0], 0);
+  expect_evaluation_of_opencascade(model);
+}
+
 /// Each edge of two triangles, and the Euler number.
 void expect_closed(const MeshData& mesh, int euler) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
@@ -302,6 +332,65 @@ TEST_F(OccModels, WithSmallBodiesInLargeDomainsHaveTrianglesBySizeOfFace) {
     }
   }
   EXPECT_GT(on_lens, 20);
+}
+
+CadTessellation with_details(const Model& model) {
+  CadTessellation options{0.001 * model.size(), 20, {}};
+  for (std::uint32_t f = 0; f < model.num_faces(); ++f) options.face_sagittas.push_back(model.detail(f));
+  return options;
+}
+
+/// OpenCASCADE divides common edges of faces that are tessellated one after the other otherwise, here and
+/// there.
+TEST_F(OccModels, WithDetailsOnAllFacesAreTessellatedWithoutGaps) {
+  const auto along = [](const gp_Dir& way, double radius) {
+    const gp_Pnt begin(-way.X(), -way.Y(), -way.Z());
+    return BRepPrimAPI_MakeCylinder(gp_Ax2(begin, way), radius, 2).Shape();
+  };
+  const TopoDS_Shape two = BRepAlgoAPI_Fuse(along({1, 0, 0}, 0.3), along({0, 1, 0}, 0.3)).Shape();
+  const std::string path = brep(BRepAlgoAPI_Fuse(two, along({0, 0, 1}, 0.25)).Shape());
+  const auto geometry = load_model(path);
+  expect_closed(tessellate_model(path, *geometry, with_details(Model(geometry))), 2);
+}
+
+/// In a STEP file each has faces of its own.
+TEST_F(OccModels, OfBodiesThatTouchHaveCommonFaces) {
+  BRep_Builder builder;
+  TopoDS_Compound bodies;
+  builder.MakeCompound(bodies);
+  builder.Add(bodies, BRepPrimAPI_MakeBox(1, 1, 1).Shape());
+  builder.Add(bodies, BRepPrimAPI_MakeBox(gp_Pnt(1, 0, 0), gp_Pnt(2, 1, 1)).Shape());
+  builder.Add(bodies, BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(1, 0.5, 1), gp_Dir(0, 0, 1)), 0.3, 1).Shape());
+  const std::string path = step(bodies, "MM");
+  const auto geometry = load_model(path);
+  EXPECT_EQ(geometry->num_bodies(), 3u);
+  EXPECT_THAT(geometry->warnings(), testing::Contains(HasSubstr("bodies touch")));
+  const MeshData mesh = tessellate_model(path, *geometry, with_details(Model(geometry)));
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) ++sides[std::minmax(t[i], t[(i + 1) % 3])];
+  int at_three = 0;
+  for (const auto& [edge, count] : sides) {
+    EXPECT_GE(count, 2);
+    at_three += count == 3;
+  }
+  EXPECT_GT(at_three, 20) << "round the common face and the half discs";
+}
+
+TEST_F(OccModels, WithAFaceBesideTheirBodiesAreRefusedNamingIt) {
+  BRep_Builder builder;
+  TopoDS_Compound both;
+  builder.MakeCompound(both);
+  builder.Add(both, BRepPrimAPI_MakeBox(1, 1, 1).Shape());
+  builder.Add(both, BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(3, 0, 0), gp_Dir(0, 0, 1)), 0, 1, 0, 1).Face());
+  const std::string path = brep(both);
+  const auto geometry = load_model(path);
+  try {
+    tessellate_model(path, *geometry, {0.01, 20});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("face 7"), HasSubstr("belongs to no body")));
+  }
 }
 
 TEST_F(OccModels, ThatAreTinyAreTessellatedToo) {

@@ -1,6 +1,7 @@
 // Initial meshes: checks of the surface, grid, filling.
 #include <fmt/format.h>
 
+#include <memory>
 #include <utility>
 
 #include "meshing/initial/closed_surface.h"
@@ -43,7 +44,10 @@ class Filling {
     result_.warnings = closed.warnings;
     monitor_.update("initial grid", 0, 0);
     meshing::check_interrupt(&monitor_.flag());
-    grid_ = meshing::make_initial_grid(closed, {options_.materials, &monitor_.flag()});
+    if (options_.remesh_surface) model_ = tools::model_of(options_.geometry, surface_, "surface");
+    for (std::string& warning : tools::model_warnings(model_.get()))
+      result_.warnings.push_back(std::move(warning));
+    grid_ = meshing::make_initial_grid(closed, {options_.materials || has_bodies(), &monitor_.flag()});
     result_.regions = grid_.regions;
     result_.grid_seconds = watch_.lap();
     if (grid_.left_on_surface > 0)
@@ -52,6 +56,9 @@ class Filling {
     if (grid_.turned > 0)
       result_.warnings.push_back(fmt::format("{} triangles that looked inwards turned", grid_.turned));
   }
+
+  /// What several bodies of a model enclose is another's place, not a hole.
+  bool has_bodies() const { return model_ && model_->geometry().num_bodies() > 1; }
 
   meshing::ClosedSurface close_mended() {
     Mesh mended = surface_;
@@ -76,8 +83,7 @@ class Filling {
     options.adapt.threads = tools::number_of_threads(options_.run.threads);
     options.adapt.ridge_angle_degrees = options_.geometry.ridge_angle;
     options.adapt.hausd = options_.geometry.hausd;
-    if (options_.remesh_surface)
-      options.adapt.model = tools::model_of(options_.geometry, surface_, "surface");
+    options.adapt.model = model_;
     options.adapt.interrupt = &monitor_.flag();
     options.adapt.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, done, tets);
@@ -102,6 +108,7 @@ class Filling {
   const FillOptions& options_;
   tools::Monitor monitor_;
   tools::Stopwatch watch_;
+  std::shared_ptr<const meshing::Model> model_;
   meshing::InitialGrid grid_;
   FillResult result_;
 };
