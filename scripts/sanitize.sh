@@ -28,14 +28,15 @@ fixed_layout() {
   if "${setarch[@]}" true 2>/dev/null; then "${setarch[@]}" "$@"; else "$@"; fi
 }
 
+# These build programs without sanitizers, which cannot load a library with them.
+foreign='^(package|documentation|help_pages|bindings)'
+
 run_asan() {
   scripts/build.sh asan
   export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
   export LSAN_OPTIONS=suppressions=$root/scripts/known_leaks.txt:print_suppressions=0
   # Open MPI does not free all that it allocates: no leaks are looked for in what starts ranks.
   local on_ranks='^(mpi|command|examples|kill|fuzz\.runs|graph\.misuse)'
-  # These build programs without sanitizers, which cannot load a library with them.
-  local foreign='^(package|documentation|help_pages|bindings)'
   ASAN_OPTIONS=detect_stack_use_after_return=1 \
     ctest --test-dir build-asan --output-on-failure --parallel "$(nproc)" --exclude-regex "$on_ranks|$foreign"
   ASAN_OPTIONS=detect_stack_use_after_return=1:detect_leaks=0 \
@@ -47,7 +48,7 @@ run_tsan() {
   CMAKE_PREFIX_PATH=$root/build-tsan-tbb fixed_layout scripts/build.sh tsan
   TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$root/scripts/known_races.txt \
     fixed_layout ctest --test-dir build-tsan --output-on-failure --parallel "$(nproc)" \
-    --exclude-regex '^mpi\.'  # MPI is not built for it
+    --exclude-regex "^mpi\.|$foreign"  # MPI is not built for it
 }
 
 [[ $# -gt 0 ]] || set -- asan tsan
