@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/base/text.h"
+#include "meshing/metric/expectations.h"
 #include "partition/distribute/distribute.h"
 #include "partition/subdomain/adapt_subdomain.h"
 
@@ -177,7 +178,10 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
       refinement.refine(long_edge, mean);
       refining += engine::now() - begin;
     };
-  adapt(context, meshing::Extent::everything, 0, before_level);
+  double coarseness = rank.plan.phase_of(round).coarseness;
+  adapt(context, meshing::Extent::everything, coarseness, 0, before_level);
+  while (coarseness > 1 && is_unfit_to_divide(rank.plan, round))
+    adapt(context, meshing::Extent::everything, coarseness /= 2, 0, before_level);
   context.count("tets predicted", predicted_tets_);
   context.count("interface refinement, seconds", 1e-9 * static_cast<double>(refining));
   const std::vector<Ref> to = neighbours(context);
@@ -185,6 +189,16 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   for (std::size_t i = 0; i < to.size(); ++i)
     context.send<&SubdomainTask::register_interface>(to[i], round, std::move(created[i]));
   context.expect<&SubdomainTask::register_interface>(round, to);
+}
+
+/// A coarse mesh of a thin domain, say, may fit no metric: its parts would have needles in their interfaces,
+/// which would stay. One subdomain alone can do something about it, for none has to follow: it becomes finer,
+/// and keeps all where that does not help.
+bool SubdomainTask::is_unfit_to_divide(const AdaptationPlan& plan, std::uint64_t round) const {
+  meshing::Nonconforming all = left_.plain;
+  all += left_.flagged;
+  return plan.division == round && plan.seeds.size() == 1 &&
+         static_cast<double>(all.poor_tets) > meshing::kMisfitShare * static_cast<double>(all.tets);
 }
 
 std::variant<BeginShift, BeginDivision> SubdomainTask::register_interface(
@@ -202,6 +216,7 @@ void SubdomainTask::divide(NodeContext& context, BeginDivision) {
   const std::uint64_t round = context.round();
   partition::DivisionOptions options = plan.division_options;
   options.num_parts = plan.parts_with(subdomain_.id).count;
+  options.keeps_all = is_unfit_to_divide(plan, round);
   const std::vector<Ref> from = neighbours(context);
   shifts_.push_back({round});
   for (auto& [to, parcel] : partition::divide(subdomain_, options, &geometry.surface)) {
@@ -223,13 +238,12 @@ void SubdomainTask::await_division(NodeContext& context, BeginDivision) {
 }
 
 /// Poor tets at frozen vertices are repaired only where no later shift is to thaw them.
-void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
-                          const meshing::BeforeLevel& before_level) {
+void SubdomainTask::adapt(NodeContext& context, meshing::Extent extent, double coarseness,
+                          std::uint64_t next_shift, const meshing::BeforeLevel& before_level) {
   const RankData& rank = rank_data(context);
   const std::uint64_t round = context.round();
   const bool coarse = rank.plan.is_coarse(round);
   meshing::Limits limits;
-  const double coarseness = rank.plan.phase_of(round).coarseness;
   limits.hausd = rank.plan.hausd * coarseness * coarseness;  // as bulges of longer edges are
   limits.details = rank.plan.details * coarseness * coarseness;
   limits.largest_bulge *= coarseness;
@@ -379,7 +393,9 @@ std::optional<engine::Nothing> SubdomainTask::scatter(NodeContext& context, std:
 }
 
 void SubdomainTask::adapt_shifted(NodeContext& context) {
-  adapt(context, meshing::Extent::fresh, rank_data(context).plan.shift_of(context.round()) + 1);
+  const AdaptationPlan& plan = rank_data(context).plan;
+  const std::uint64_t round = context.round();
+  adapt(context, meshing::Extent::fresh, plan.phase_of(round).coarseness, plan.shift_of(round) + 1);
 }
 
 std::variant<BeginShift, BeginPhase, BeginDivision> SubdomainTask::update_topology(

@@ -194,8 +194,9 @@ class SubdomainTask {
   const RankData& rank_data(dataflow::NodeContext& context) const;
   std::vector<Ref> neighbours(dataflow::NodeContext& context) const;
   bool pauses_at(dataflow::NodeContext& context, bool begins_phase);
-  void adapt(dataflow::NodeContext& context, meshing::Extent extent, std::uint64_t next_shift,
-             const meshing::BeforeLevel& before_level = {});
+  void adapt(dataflow::NodeContext& context, meshing::Extent extent, double coarseness,
+             std::uint64_t next_shift, const meshing::BeforeLevel& before_level = {});
+  bool is_unfit_to_divide(const AdaptationPlan& plan, std::uint64_t round) const;
   double tets_after(const RankData& rank, std::uint64_t round) const;
   void tell_done(const RankData& rank, std::uint64_t round, double done);
   double share_wanted(std::span<const partition::Proposal> proposals) const;

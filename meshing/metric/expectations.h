@@ -18,6 +18,8 @@ inline constexpr double kPoorQuality = 0.4;
 inline constexpr double kFair = 0.6;
 /// A poor tet's neighbourhood is worth being moved between subdomains.
 inline constexpr double kShiftBelow = 0.5;
+/// A mesh of whose tets more than this share is poor does not fit its metric: what is wrong is everywhere.
+inline constexpr double kMisfitShare = 0.2;
 /// Tets worse than this are repaired one by one at the end, judged by the exact measure. There are so few
 /// that it costs no more time than 0.4; in subdomains it is what the minimum rests upon (delta-wing to
 /// 300,000 in 96: 0.50 instead of 0.45).

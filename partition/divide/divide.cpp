@@ -105,7 +105,7 @@ Chosen choose_parts(const Subdomain& s, const DivisionOptions& options, const me
                     const ReceiverOrder& order) {
   Chosen chosen;
   chosen.to.assign(s.mesh->tet_slots(), kNobody);
-  if (options.num_parts == 1) return chosen;
+  if (options.num_parts == 1 || options.keeps_all) return chosen;
   const LiveTets live = live_tets(*s.mesh);
   if (live.ids.empty()) return chosen;
   const std::vector<SubdomainId> parts = parts_of(*s.mesh, live, options, surface);

@@ -19,6 +19,7 @@ struct DivisionOptions {
   std::uint32_t num_parts = 1;  ///< for the subdomain itself and those with the next numbers
   Partitioner partitioner;      ///< of slabs: num_parts of them
   bool equal_tets = false;      ///< not: of equal work in the metric
+  bool keeps_all = false;       ///< the others get nothing
 };
 
 /// A parcel for each neighbour of the interface (without tets) and each new part but the subdomain's own, by

@@ -18,15 +18,20 @@ namespace {
 bool never_free(const TetMesh& mesh, VertexId v) { return !(mesh.flags(v) & kHasBeenFree); }
 
 /// Marks vertices of poor tets and of those that touch them, by slot: any that is frozen may be in the way.
+/// None where much of the mesh is poor: then no mesh fits the metric, and the interface is not what is wrong.
 std::vector<std::uint8_t> near_poor_tets(const TetMesh& mesh) {
   std::vector<std::uint8_t> at(mesh.vertex_slots(), 0);
-  bool any = false;
-  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i)
-    if (mesh.quality(TetId(i)) < static_cast<float>(meshing::kShiftBelow) && mesh.alive(TetId(i))) {
-      any = true;
-      for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
-    }
-  if (!any) return at;
+  std::uint64_t poor = 0, all = 0;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    if (!mesh.alive(TetId(i))) continue;
+    ++all;
+    if (mesh.quality(TetId(i)) >= static_cast<float>(meshing::kShiftBelow)) continue;
+    ++poor;
+    for (const VertexId v : mesh.vertices(TetId(i))) at[v.value] = 1;
+  }
+  if (poor == 0) return at;
+  if (static_cast<double>(poor) > meshing::kMisfitShare * static_cast<double>(all))
+    return std::vector<std::uint8_t>(at.size(), 0);
   std::vector<std::uint8_t> near = at;
   for_each_tet_at(mesh, at, [&](TetId, const meshing::TetVertices& vertices) {
     for (const VertexId v : vertices) near[v.value] = 1;

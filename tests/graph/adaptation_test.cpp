@@ -31,6 +31,7 @@
 #include "tests/partition/scenes.h"
 #include "tests/support/ranks.h"
 #include "tests/support/repetitions.h"
+#include "tests/support/turning_metric.h"
 
 namespace weft::graph::adaptation::adaptation_test {
 namespace {
@@ -632,6 +633,22 @@ TEST(Phases, GiveTheQualityOfOneMesh) {
   EXPECT_GT(parts.quality_mean, 0.99 * one.quality_mean);
   EXPECT_GT(parts.edges_unit, 0.985 * one.edges_unit);
   EXPECT_GT(parts.quality_q01, 0.96 * one.quality_q01);
+}
+
+/// Where the metric turns within the thickness of the domain, no coarse mesh fits it, and the parts of one
+/// that does not would have needles in their interfaces.
+TEST(Phases, DivideNoHeapOfNeedles) {
+  MetricMesh whole{thin_slab(), {}};
+  whole.log_metrics = turning_metric(whole.mesh, 2000, 1);
+  Setting setting;
+  setting.subdomains = 4;
+  engine::LoopbackNetwork network(1);
+  adapt_on_rank(network.transport(engine::Rank(0)), whole, setting, [&](RankOutcome rank) {
+    EXPECT_EQ(rank.plan.seeds.size(), 1u);
+    const meshing::Measures measures = partition::measure_pieces(rank.peers, rank.result.pieces);
+    EXPECT_GT(measures.quality_mean, 0.5);
+    expect_sound(rank, whole, setting);
+  });
 }
 
 // --- Division

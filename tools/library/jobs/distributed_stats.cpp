@@ -201,9 +201,13 @@ std::string subdomains_text(const DistributedStats& a) {
                         : coarse ? "  coarse"
                                  : "");
   }
-  if (a.divided_from > 0)
+  const bool was_divided = std::ranges::any_of(
+      a.shifts, [&](const ShiftStats& s) { return s.round == a.division && s.moved > 0; });
+  if (a.divided_from > 0 && was_divided)
     text += fmt::format("a coarse mesh was made in {} subdomain{} first, and divided\n", a.divided_from,
                         a.divided_from == 1 ? "" : "s");
+  else if (a.divided_from == 1 && a.subdomains > 1)
+    text += "a fifth of the tets or more is poor in the metric, so one subdomain kept the mesh\n";
   if (a.coarse_shifts > (a.divided_from > 0 ? a.division + 1 : 0))
     text += "adapted to coarser metrics first, so that interfaces follow the metric and the boundary too\n";
   if (a.checks > 0)
