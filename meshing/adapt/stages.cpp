@@ -395,7 +395,7 @@ class Adaptation {
   }
 
   void announce_level(double level) {
-    if (level > next_level_) return;
+    if (level > next_level_) return;  // it was, before this adaptation has started again
     next_level_ = level / 2;
     if (!before_level_) return;
     before_level_(kernel_.limits.finest_long_edge * level, kernel_.policy.mean);

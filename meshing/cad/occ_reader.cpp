@@ -28,6 +28,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/cad/cad_reader.h"
@@ -158,6 +159,12 @@ Read read_brep(const std::string& path) {
 
 bool has(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) { return TopExp_Explorer(shape, kind).More(); }
 
+TopTools_IndexedMapOfShape all_of(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+  TopTools_IndexedMapOfShape all;
+  TopExp::MapShapes(shape, kind, all);
+  return all;
+}
+
 /// Loose faces, as IGES has them, are sewn together.
 void sew(Read& read) {
   if (has(read.shape, TopAbs_SHELL)) return;
@@ -177,12 +184,6 @@ void keep_numbers(Read& read) {
   read.shape = BRepBuilderAPI_Transform(read.shape, scale, Standard_True).Shape();
 }
 
-TopTools_IndexedMapOfShape all_of(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
-  TopTools_IndexedMapOfShape all;
-  TopExp::MapShapes(shape, kind, all);
-  return all;
-}
-
 /// Whether anything of the shape is something else in what has been built of it.
 bool changes(BOPAlgo_Builder& builder, const TopoDS_Shape& shape) {
   for (const TopAbs_ShapeEnum kind : {TopAbs_FACE, TopAbs_EDGE, TopAbs_VERTEX}) {
@@ -198,11 +199,11 @@ bool changes(BOPAlgo_Builder& builder, const TopoDS_Shape& shape) {
 void join_bodies(Read& read) {
   if (all_of(read.shape, TopAbs_SOLID).Extent() < 2) return;
   BOPAlgo_Builder builder;
-  for (TopExp_Explorer at(read.shape, TopAbs_SOLID); at.More(); at.Next()) builder.AddArgument(at.Current());
-  for (TopExp_Explorer at(read.shape, TopAbs_SHELL, TopAbs_SOLID); at.More(); at.Next())
-    builder.AddArgument(at.Current());
-  for (TopExp_Explorer at(read.shape, TopAbs_FACE, TopAbs_SHELL); at.More(); at.Next())
-    builder.AddArgument(at.Current());
+  for (const auto& [kind, within] :
+       {std::pair(TopAbs_SOLID, TopAbs_SHAPE), std::pair(TopAbs_SHELL, TopAbs_SOLID),
+        std::pair(TopAbs_FACE, TopAbs_SHELL)})
+    for (TopExp_Explorer at(read.shape, kind, within); at.More(); at.Next())
+      builder.AddArgument(at.Current());
   builder.Perform();
   if (builder.HasErrors()) {
     read.warnings.push_back("it cannot be found out where its bodies touch");
@@ -224,8 +225,7 @@ void mend(Read& read) {
 void check(Read& read) {
   const BRepCheck_Analyzer analyzer(read.shape);
   if (analyzer.IsValid()) return;
-  TopTools_IndexedMapOfShape faces;
-  TopExp::MapShapes(read.shape, TopAbs_FACE, faces);
+  const TopTools_IndexedMapOfShape faces = all_of(read.shape, TopAbs_FACE);
   std::string list;
   int bad = 0;
   for (int i = 1; i <= faces.Extent(); ++i)
