@@ -1,8 +1,11 @@
 // Coarse to fine: each pass's mesh carries the sizes of the next, because a grid without inner points cannot.
 #include "meshing/initial/fill_volume.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "meshing/initial/grid/grid_of_mesh.h"
 #include "meshing/initial/inner_points.h"
@@ -40,24 +43,51 @@ void restore_lists(const MeshData& grid, MeshData& mesh) {
   for (const std::uint32_t v : grid.corners) mesh.corners.push_back(merger.index(grid.points[v]));
 }
 
-/// What the kernel is given: its worst tets have been made better, and where the surface is kept there are
-/// points inside, which carry the sizes, so that adapt() has little more to do than to move them.
-MeshData prepared(const MeshData& start, const FillOptions& options) {
-  GridOfMesh filled(start);
-  if (!options.remesh_surface && !options.background.mesh) {
-    const double largest = options.size > 0 ? options.size : std::numeric_limits<double>::infinity();
-    const std::vector<SizeSource> sources =
-        PointDistribution(start, options.growth, options.size).size_sources();
-    insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, options.adapt.threads,
-                        options.adapt.interrupt);
-  }
-  improve_tets(filled.grid);
-  return filled.take();
+/// Its worst tets have been made better.
+MeshData improved(const MeshData& start) {
+  GridOfMesh grid(start);
+  improve_tets(grid.grid);
+  return grid.take();
 }
 
-AdaptResult fill_kept_surface(const MeshData& input, const FillOptions& options) {
-  const LogMetricField metric =
-      PointDistribution(input, options.growth, options.size).sample_inside(input, 1);
+/// Points behind those that have sizes get theirs from their neighbours.
+void spread_to_new_points(const TetGrid& grid, std::span<const SizeSource> sources,
+                          std::vector<SpreadSize>& sizes) {
+  const std::size_t first = sizes.size();
+  sizes.resize(grid.points.size(), {std::numeric_limits<double>::infinity(), 0, 0});
+  std::vector<Tet4> at_new;
+  for (std::uint32_t t = 0; t < grid.tets.size(); ++t)
+    if (grid.alive(t) && std::ranges::max(grid.tets[t].v) >= first) at_new.push_back(grid.tets[t].v);
+  const auto reach = [&](std::uint32_t to, std::uint32_t from) {
+    if (to < first || !std::isfinite(sizes[from].size)) return false;
+    const SizeSource& source = sources[sizes[from].source];
+    const SpreadSize size = spread_on(sizes[from], source, grid.points[source.vertex],
+                                      norm(grid.points[to] - grid.points[from]), grid.points[to]);
+    if (size.size >= sizes[to].size) return false;
+    sizes[to] = size;
+    return true;
+  };
+  for (bool changed = true; std::exchange(changed, false);)
+    for (const Tet4& tet : at_new)
+      for (const std::uint32_t to : tet)
+        for (const std::uint32_t from : tet) changed |= reach(to, from);
+}
+
+/// Points inside carry the sizes, so that adapt() has little more to do than to move them.
+AdaptResult fill_kept_surface(const MeshData& start, const FillOptions& options) {
+  const double largest = options.size > 0 ? options.size : std::numeric_limits<double>::infinity();
+  const std::vector<SizeSource> sources =
+      PointDistribution(start, options.growth, options.size).size_sources();
+  GridOfMesh filled(start);
+  std::vector<SpreadSize> sizes =
+      insert_inner_points(filled.grid, sources, spread_sizes(start, sources), largest, options.adapt.threads,
+                          options.adapt.interrupt);
+  improve_tets(filled.grid);
+  spread_to_new_points(filled.grid, sources, sizes);
+  LogMetricField metric;
+  for (const std::uint32_t v : filled.points_of_tets())
+    metric.push_back(identity_tensor(-2 * std::log(std::min(sizes[v].size, largest))));
+  const MeshData input = filled.take();
   AdaptOptions adapt_options = options.adapt;
   adapt_options.coarsen = false;  // the points are where they should be, however poor the tets are
   return adapt(input, {&input, &metric}, adapt_options);
@@ -80,11 +110,15 @@ AdaptResult fill_and_remesh(const MeshData& start, const FillOptions& options) {
 }  // namespace
 
 AdaptResult fill_volume(const MeshData& grid, const FillOptions& options) {
-  const MeshData start = prepared(options.remesh_surface ? grid : with_fixed_surface(grid), options);
-  AdaptResult result = options.background.mesh  ? adapt(start, options.background, options.adapt)
-                       : options.remesh_surface ? fill_and_remesh(start, options)
-                                                : fill_kept_surface(start, options);
-  if (!options.remesh_surface) restore_lists(grid, result.mesh);
+  if (options.remesh_surface) {
+    const MeshData start = improved(grid);
+    return options.background.mesh ? adapt(start, options.background, options.adapt)
+                                   : fill_and_remesh(start, options);
+  }
+  const MeshData start = with_fixed_surface(grid);
+  AdaptResult result = options.background.mesh ? adapt(improved(start), options.background, options.adapt)
+                                               : fill_kept_surface(start, options);
+  restore_lists(grid, result.mesh);
   return result;
 }
 

@@ -335,19 +335,24 @@ Front::State advance_in_blocks(TetGrid& grid, std::size_t count, std::span<const
 
 }  // namespace
 
-void insert_inner_points(TetGrid& grid, std::span<const SizeSource> sources, std::vector<SpreadSize> sizes,
-                         double largest, int threads, const std::atomic<bool>* interrupt) {
+std::vector<SpreadSize> insert_inner_points(TetGrid& grid, std::span<const SizeSource> sources,
+                                            std::vector<SpreadSize> sizes, double largest, int threads,
+                                            const std::atomic<bool>* interrupt) {
   flip_to_delaunay(grid, interrupt);
   Front front(grid, sources, grid.points, std::move(sizes), largest);
   front.insert_far_apart(interrupt);
   constexpr std::size_t kLeastTets = 5000;  // of a block
   const std::size_t blocks =
       std::min(static_cast<std::size_t>(std::max(1, threads)), grid.tets.size() / kLeastTets);
-  if (blocks < 2) return front.advance(interrupt);
+  if (blocks < 2) {
+    front.advance(interrupt);
+    return front.take_state().sizes;
+  }
   Front::State state = advance_in_blocks(grid, blocks, sources, front.take_state().sizes, largest, interrupt);
   Front seams(grid, sources, grid.points, std::move(state.sizes), largest);
   seams.set_large(std::move(state.large));
   seams.advance(interrupt);
+  return seams.take_state().sizes;
 }
 
 }  // namespace weft::meshing

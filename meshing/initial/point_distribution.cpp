@@ -113,12 +113,4 @@ std::vector<SizeSource> PointDistribution::size_sources() const {
   return given;
 }
 
-LogMetricField PointDistribution::sample_inside(const MeshData& mesh, double factor) const {
-  const std::vector<SpreadSize> sizes = spread_sizes(mesh, size_sources());
-  LogMetricField field(sizes.size());
-  for (std::size_t v = 0; v < sizes.size(); ++v)
-    field[v] = identity_tensor(-2 * std::log(factor * std::min(sizes[v].size, size_)));
-  return field;
-}
-
 }  // namespace weft::meshing

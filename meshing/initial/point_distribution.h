@@ -28,10 +28,7 @@ class PointDistribution {
   double operator()(const Point& p) const;
   /// Isotropic metrics at the points, of sizes `factor` times h. Multithreaded on TBB.
   LogMetricField sample(std::span<const Point> points, double factor) const;
-  /// The same at the vertices of `mesh`, for a surface that is kept: h_w at surface vertices, distances
-  /// within the volume (spread_sizes.h). `mesh` has the vertices and triangles that this was made of.
-  LogMetricField sample_inside(const MeshData& mesh, double factor) const;
-  /// h_w and s_w of a surface that is kept, to be spread within the volume.
+  /// h_w and s_w of a surface that is kept, to be spread within the volume (spread_sizes.h).
   std::vector<SizeSource> size_sources() const;
 
  private:

@@ -52,23 +52,30 @@ std::int32_t& GridOfMesh::ref_beside(std::uint32_t facet, const Face3& face) {
   return refs_[2 * facet + turns_alike(face, mesh_.triangles[facet])];
 }
 
-/// Returns where each point that tets hold is now.
-std::vector<std::uint32_t> GridOfMesh::close_points() {
-  std::vector<std::uint32_t> place(grid.points.size(), kNothing);
+std::vector<std::uint32_t> GridOfMesh::points_of_tets() const {
+  std::vector<char> held(grid.points.size());
   for (std::uint32_t t = 0; t < grid.tets.size(); ++t)
     if (grid.alive(t))
-      for (const std::uint32_t v : grid.tets[t].v) place[v] = 0;
-  mesh_.points = grid.points;
+      for (const std::uint32_t v : grid.tets[t].v) held[v] = true;
+  std::vector<std::uint32_t> points;
+  points.reserve(held.size());
+  for (std::uint32_t v = 0; v < held.size(); ++v)
+    if (held[v]) points.push_back(v);
+  return points;
+}
+
+/// Returns where each point that tets hold is now.
+std::vector<std::uint32_t> GridOfMesh::close_points() {
+  const std::vector<std::uint32_t> points = points_of_tets();
+  std::vector<std::uint32_t> place(grid.points.size(), kNothing);
+  mesh_.points.resize(points.size());
   mesh_.point_refs.resize(grid.points.size());
-  std::uint32_t count = 0;
-  for (std::uint32_t v = 0; v < place.size(); ++v) {
-    if (place[v] == kNothing) continue;
-    mesh_.points[count] = mesh_.points[v];
-    mesh_.point_refs[count] = mesh_.point_refs[v];
-    place[v] = count++;
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    mesh_.points[i] = grid.points[points[i]];
+    mesh_.point_refs[i] = mesh_.point_refs[points[i]];
+    place[points[i]] = i;
   }
-  mesh_.points.resize(count);
-  mesh_.point_refs.resize(count);
+  mesh_.point_refs.resize(points.size());
   return place;
 }
 

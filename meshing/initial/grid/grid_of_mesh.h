@@ -13,6 +13,8 @@ class GridOfMesh {
 
   TetGrid grid;
 
+  /// The points that tets hold, which are the mesh's in this order.
+  std::vector<std::uint32_t> points_of_tets() const;
   /// The mesh with the tets that the grid has by now; they have the references of the volumes they are in.
   /// New points stand behind the others, those that no tet holds are gone. Triangles and lists are as they
   /// were.

@@ -100,11 +100,12 @@ TEST(PointDistribution, AKeptSurfaceHasItsOwnSizesWhereTheyGrowNotTooFast) {
   const MeshData grid =
       grid_of(together(box_surface({}, {1, 1, 1}, 4), box_surface({1.5, 0, 0}, {1.6, 0.1, 0.1}, 4)));
   const PointDistribution sizes(grid, 1.01, 0);
-  const LogMetricField inside = sizes.sample_inside(grid, 1), everywhere = sizes.sample(grid.points, 1);
+  const std::vector<SpreadSize> inside = spread_sizes(grid, sizes.size_sources());
+  const LogMetricField everywhere = sizes.sample(grid.points, 1);
   const auto size = [](const LogMetric& m) { return std::exp(-trace(m) / 6); };
   for (std::size_t v = 0; v < grid.points.size(); ++v) {
-    EXPECT_GE(size(inside[v]), size(everywhere[v]) * (1 - 1e-12));
-    EXPECT_GT(size(inside[v]), grid.points[v].x <= 1 ? 0.25 : 0.025);
+    EXPECT_GE(inside[v].size, size(everywhere[v]) * (1 - 1e-12));
+    EXPECT_GT(inside[v].size, grid.points[v].x <= 1 ? 0.25 : 0.025);
   }
   EXPECT_LT(size(everywhere[0]), 0.05);  // what the small box would have made of the large one
 }
