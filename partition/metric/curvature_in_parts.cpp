@@ -9,7 +9,10 @@
 #include <vector>
 
 #include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
+#include "meshing/geometry/surface/face_directions.h"
 #include "partition/communication/ranges.h"
+#include "partition/communication/reduce.h"
 #include "partition/subdomain/surface_cover.h"
 #include "partition/surface/boundary_index.h"
 #include "partition/surface/boundary_share.h"
@@ -88,6 +91,30 @@ meshing::LogMetricField curvature_in_parts(Peers& peers, const MeshSlice& slice,
       geometry->surface.part(std::move(pieces)), vertices, std::move(edges), options, domain.largest_size());
   domain.refresh(field);
   return field;
+}
+
+bool may_curve(Peers& peers, const MeshSlice& slice, double ridge_angle_degrees) {
+  const meshing::MeshData& share = slice.boundary;
+  std::vector<std::uint32_t> numbers;
+  for (const auto& triangle : share.triangles)
+    numbers.insert(numbers.end(), triangle.begin(), triangle.end());
+  meshing::sort_unique(numbers);
+  const Ranges points(peers, slice.points.size());
+  const std::vector<Point> at =
+      fetch<Point>(peers, points, numbers, [&](std::size_t i) { return slice.points[i]; });
+  const auto point = [&](std::uint32_t number) -> const Point& {
+    return at[meshing::place_in(numbers, number)];
+  };
+  meshing::FaceDirections directions;
+  for (std::size_t t = 0; t < share.triangles.size(); ++t) {
+    const auto& [a, b, c] = share.triangles[t];
+    directions.add(share.triangle_refs[t], point(a), point(b), point(c));
+  }
+  const auto merged = [](meshing::FaceDirections all, const meshing::FaceDirections& more) {
+    all.merge(more);
+    return all;
+  };
+  return reduce(peers, std::vector{directions}, merged)[0].may_curve(ridge_angle_degrees);
 }
 
 }  // namespace weft::partition

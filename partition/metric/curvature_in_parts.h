@@ -19,4 +19,8 @@ meshing::LogMetricField curvature_in_parts(Peers& peers, const MeshSlice& slice,
                                            const meshing::CurvatureOptions& options,
                                            const std::shared_ptr<const meshing::Model>& model);
 
+/// All ranks: whether the boundary of the mesh of all slices has curved surfaces, as far as the directions of
+/// its triangles tell; the same for any shares.
+bool may_curve(Peers& peers, const MeshSlice& slice, double ridge_angle_degrees);
+
 }  // namespace weft::partition

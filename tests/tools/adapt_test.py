@@ -10,7 +10,7 @@ from command import DATA, ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, WEFT, CommandT
 
 REPORT_KEYS = {
     "schema", "version", "arguments", "input", "output", "target_complexity", "asked_complexity", "predicted", "goal_met", "goals_missed",
-    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_demands", "hausd", "model",
+    "interrupted", "ended_by", "mends", "before", "after", "stages", "operations", "checkpoints", "subdomains", "fields", "surface_deviation", "surface_limit", "surface_demands", "hausd", "model",
     "seconds", "peak_memory_bytes", "threads", "warnings",
 }
 
@@ -33,15 +33,37 @@ class Adapt(CommandTest):
 
     def test_says_where_the_surface_needs_short_edges(self):
         self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.3")
-        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--report", "report", expect=1).stdout
-        self.assertRegex(text, r"edges of reference 1 stay short for the surface, which allows 0\.\d+ at \(")
+        words = ("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--report", "report")
+        text = self.adapt(*words, "--no-surface-limit", expect=1).stdout
+        self.assertRegex(text, r"edges of reference 1 stay short: the surface allows 0\.\d+ at \(")
+        self.assertNotIn("made finer", text)
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
         demand, = json.loads((self.folder / "report" / "report.json").read_text())["surface_demands"]
         self.assertEqual(demand["reference"], 1)
         self.assertGreater(demand["edges"], 10)
         self.assertAlmostEqual(sum(x * x for x in demand["where"]), 1, delta=0.05)
-        text = self.adapt("ball.meshb", "--metric-fn", "uniform:0.8", "--hausd", "0.01", "--sagitta", "0.005", "--hgrad", "1.5").stdout
+        text = self.adapt(*words, "--sagitta", "0.005", "--hgrad", "1.5").stdout
         self.assertNotIn("stay short", text)
+        self.assertNotIn("made finer", text)
+
+    def test_makes_the_metric_as_fine_as_a_curved_boundary_needs(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", "0.15")
+        words = ("ball.meshb", "--metric-fn", "uniform:0.4", "--complexity", "150", "--hausd", "0.01", "--report", "report")
+        units = {}
+        for option in ((), ("--no-surface-limit",)):
+            text = self.adapt(*words, *option, expect=(0, 1)).stdout
+            self.assertLessEqual(max(map(len, text.splitlines())), 100)
+            self.assertAlmostEqual(self.measures()["complexity"] / 150, 1, delta=0.05)
+            units[option] = self.measures()["edge_length"]["share_unit"]
+            limit = json.loads((self.folder / "report" / "report.json").read_text())["surface_limit"]
+            if option:
+                self.assertIsNone(limit)
+                continue
+            self.assertRegex(text, r"metric made finer at \d+ vertices of curved boundary")
+            self.assertGreater(limit["vertices"], 50)
+            self.assertGreater(limit["longest"], 1.25)
+            self.assertAlmostEqual(sum(x * x for x in limit["where"]), 1, delta=0.01)
+        self.assertGreater(units[()], units[("--no-surface-limit",)] + 0.02)
 
     def test_coarsens_a_box(self):
         self.adapt(self.box(8), "--metric-fn", "uniform:0.5")

@@ -48,6 +48,14 @@ class Results(Subdomains):
         self.assert_same_on_all("box.meshb", "--metric", "m.solb", "--complexity", 300, "--subdomains", 5, expect=1)
         self.weft("verify", "out.meshb", "--against", "box.meshb")
 
+    def test_same_bytes_where_a_curved_boundary_limits_the_metric(self):
+        self.weft("mesh", "ball", "-o", "ball.meshb", "--size", 0.25)
+        self.weft("metric", "ball.meshb", "--metric-fn", "polar-2", "-o", "m.solb")
+        for words in (("--metric-fn", "uniform:0.5"), ("--metric", "m.solb", "--complexity", 300)):
+            done = self.assert_same_on_all("ball.meshb", *words, "--hausd", 0.01, "--subdomains", 4, expect=(0, 1))
+            self.assertIn("metric made finer at", done.stdout)
+            self.weft("verify", "out.meshb")
+
     def assert_in_shares(self, whole, done):
         """Whether the run has read the mesh in shares, which it says where it has not."""
         (self.assertIn if whole else self.assertNotIn)("rank 0 has read all of", done.stdout + done.stderr)

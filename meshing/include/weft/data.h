@@ -377,6 +377,13 @@ struct OperationCounts {
   }
 };
 
+/// Where the metric asked for longer edges than a curved boundary bears, so that it was made finer there.
+struct SurfaceLimit {
+  std::uint64_t vertices = 0;  ///< of the boundary, on the mesh that has the metric; 0: nowhere
+  double longest = 0;          ///< how many times longer its edges were than those that hausd bears, at most
+  Point where;                 ///< and where
+};
+
 /// Where the boundary contradicts the metric: edges of triangles of one reference that are too short in the
 /// metric, where hausd allows none of length 1.
 struct SurfaceDemand {
@@ -445,6 +452,7 @@ using meshing::Histogram;
 using meshing::Measures;
 using meshing::ShapeMeasures;
 using meshing::SurfaceDemand;
+using meshing::SurfaceLimit;
 
 using meshing::ComponentAccount;
 using meshing::Transfer;

@@ -7,6 +7,7 @@
 #include <random>
 #include <utility>
 
+#include "meshing/metric/metric_field.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::measure_again_test {

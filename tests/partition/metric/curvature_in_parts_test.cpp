@@ -69,6 +69,17 @@ TEST(CurvatureInParts, OfAModelToo) {
                            std::make_shared<const meshing::Model>(meshing::ball_model({0, 0, 0}, 1)));
 }
 
+TEST(MayCurve, IsTheSameForAnySharesAndTellsRoundFromPlanar) {
+  MeshData box = support::unit_cube(4);
+  support::shuffle(box, 3);
+  for (const bool round : {false, true})
+    for (const int ranks : support::kNumbersOfRanks)
+      support::run_ranks(ranks, [&](Peers& peers) {
+        const MeshSlice slice = support::slice_of({round ? body(0) : box, {}}, peers.rank(), ranks, 5);
+        EXPECT_EQ(may_curve(peers, slice, 45), round);
+      });
+}
+
 TEST(CurvatureInParts, OfNoTrianglesAsksForNothing) {
   MeshData mesh = support::unit_cube(3);
   mesh.triangles.clear();

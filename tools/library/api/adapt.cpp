@@ -34,15 +34,19 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   tools::Stopwatch watch;
   result.input_counts = tools::count(input.mesh);
   MetricOptions metric = options.metric;
-  const bool in_parts = tools::scaled_alone(metric) && !input.background;
+  const auto bound = input.background ? std::nullopt : tools::surface_bound(options.geometry);
+  const bool bounded =
+      bound && (!options.geometry.model.empty() || tools::may_curve(input.mesh, bound->ridge_angle_degrees));
+  const bool in_parts = tools::scaled_alone(metric) && !input.background && !bounded;
   const double target = in_parts ? std::exchange(metric.complexity, 0) : 0;
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);
     const meshing::MeshData& owner = input.background ? *input.background : input.mesh;
     tools::LogMetricMade made =
         tools::make_log_metric(metric, owner, input.background ? input.background_name : input.name,
-                               input.metric, run.read_model(input.mesh, input.name));
+                               input.metric, run.read_model(input.mesh, input.name), bound);
     result.warnings = std::move(made.warnings);
+    result.surface_limit = made.surface_limit;
     partition::MeshSlice of_metric = tools::deal_out(run.peers(), owner, made.field), of_mesh;
     if (input.background) of_mesh = tools::deal_out(run.peers(), input.mesh, {});
     if (options.run.measure && !input.background) {

@@ -38,15 +38,18 @@ bool only_scaled(const MetricOptions& options) {
 /// The metric of the slices' mesh: what `metric` (null: nothing) and the options give. Returns the complexity
 /// that it still has to be scaled to.
 double add_metric(partition::Peers& peers, const Part& part, const Metric* metric, const Options& options,
-                  const std::shared_ptr<const meshing::Model>& model, partition::MeshSlice& slice,
-                  std::vector<std::string>& warnings) {
-  if (metric && only_scaled(options.metric)) return options.metric.complexity;
+                  const std::shared_ptr<const meshing::Model>& model,
+                  const std::optional<tools::SurfaceBound>& bound, partition::MeshSlice& slice,
+                  Report& report) {
+  if (metric && only_scaled(options.metric) && !tools::is_bounded(peers, slice, bound, model))
+    return options.metric.complexity;
   MetricOptions of_slice = options.metric;
   if (partition::max(peers, of_slice.solutions.empty() ? 0 : 1) != 0)
     of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, of_slice, slice, "", model);
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, of_slice, slice, "", model, bound);
   slice.log_metrics = std::move(made.field);
-  warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+  report.warnings.insert(report.warnings.end(), made.warnings.begin(), made.warnings.end());
+  report.surface_limit = made.surface_limit;
   return 0;
 }
 
@@ -60,13 +63,13 @@ void agree_that_given(partition::Peers& peers, bool given, const std::string& wh
 /// Another mesh that has the metric (null: that options make), with which nothing is to be done any more.
 partition::MeshSlice background_of(partition::Peers& peers, const Part& part, const Metric* metric,
                                    const Options& options, const std::shared_ptr<const meshing::Model>& model,
-                                   std::vector<std::string>& warnings) {
+                                   Report& report) {
   return tools::naming("background", [&] {
     partition::MeshSlice slice = tools::slice_of_parts(peers, part, metric);
-    if (add_metric(peers, part, metric, options, model, slice, warnings) > 0) {
+    if (add_metric(peers, part, metric, options, model, {}, slice, report) > 0) {
       tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", nullptr);
       slice.log_metrics = std::move(made.field);
-      warnings.insert(warnings.end(), made.warnings.begin(), made.warnings.end());
+      report.warnings.insert(report.warnings.end(), made.warnings.begin(), made.warnings.end());
     }
     slice.boundary = {};
     partition::count_boundary(peers, slice);
@@ -99,9 +102,10 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   double target = 0;
   std::optional<partition::MeshSlice> of_metric;
   if (background)
-    of_metric = background_of(run.peers(), *background, metric, options, model, result.warnings);
+    of_metric = background_of(run.peers(), *background, metric, options, model, result);
   else
-    target = add_metric(run.peers(), part, metric, options, model, slice, result.warnings);
+    target = add_metric(run.peers(), part, metric, options, model, tools::surface_bound(options.geometry),
+                        slice, result);
   result.input_counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;

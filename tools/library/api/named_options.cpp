@@ -183,6 +183,16 @@ void add_metric(std::vector<Row>& rows) {
       Words<GradationSpace>{{{"metric", GradationSpace::metric}, {"mixed", GradationSpace::mixed}}}));
 }
 
+/// An option whose name begins with "no-".
+template <class Place>
+Row ban(const char* name, const char* text, Place place) {
+  return {{name, "yes or no", text, true},
+          [place](Options& options, const std::string& option, const std::string& value) {
+            place(options) = !yes_or_no(option, value);
+          },
+          getter(place, no_text)};
+}
+
 void add_boundary(std::vector<Row>& rows) {
   rows.push_back(number(
       "curvature", "edges per full turn of curvature of the boundary",
@@ -212,22 +222,15 @@ void add_boundary(std::vector<Row>& rows) {
   rows.push_back(number(
       "hausd", "largest distance to the surface; 0: 0.1 % of the diagonal",
       [](Options & o) -> auto& { return o.geometry.hausd; }));
+  rows.push_back(ban(
+      "no-surface-limit", "do not make the metric as fine as hausd needs on curved boundary",
+      [](Options & o) -> auto& { return o.geometry.limit_metric; }));
   rows.push_back(word(
       "geometry", "file of a CAD model that the boundary lies on, or carried: that of the mesh file",
       [](Options & o) -> auto& { return o.geometry.model; }));
   rows.push_back(number(
       "geometry-scale", "the model's lengths are multiplied by this",
       [](Options & o) -> auto& { return o.geometry.model_scale; }));
-}
-
-/// An option whose name begins with "no-".
-template <class Place>
-Row ban(const char* name, const char* text, Place place) {
-  return {{name, "yes or no", text, true},
-          [place](Options& options, const std::string& option, const std::string& value) {
-            place(options) = !yes_or_no(option, value);
-          },
-          getter(place, no_text)};
 }
 
 void add_operations(std::vector<Row>& rows) {

@@ -60,8 +60,10 @@ class OneMesh {
     predict_work(options_.metric.complexity);
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
-    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_);
+    const auto bound = input_.background ? std::nullopt : surface_bound(options_.geometry);
+    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound);
     field_ = std::move(made.field);
+    result_.surface_limit = made.surface_limit;
     result_.warnings = model_warnings(model_.get());
     result_.warnings.insert(result_.warnings.end(), made.warnings.begin(), made.warnings.end());
     result_.complexity_asked = options_.metric.complexity > 0;

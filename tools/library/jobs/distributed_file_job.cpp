@@ -83,6 +83,7 @@ class DistributedFileJob {
     carrier.association.model = carried_.model;
     SliceInput input = read_slice(run_.peers(), files_, options_, run_.read_model(carrier, files_.input));
     account_.warnings = input.warnings;
+    account_.surface_limit = input.surface_limit;
     account_.mends = input.mends;
     names_ = std::move(input.names);
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,

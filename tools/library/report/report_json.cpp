@@ -147,6 +147,13 @@ Json json_of(const std::vector<Mend>& mends) {
   return all;
 }
 
+Json json_of(const SurfaceLimit& limit) {
+  if (limit.vertices == 0) return nullptr;
+  return {{"vertices", limit.vertices},
+          {"longest", limit.longest},
+          {"where", {limit.where.x, limit.where.y, limit.where.z}}};
+}
+
 Json json_of(const std::vector<SurfaceDemand>& demands) {
   Json all = Json::array();
   for (const SurfaceDemand& d : demands)
@@ -214,6 +221,7 @@ Json json_of(const RunResult& run) {
       {"fields", run.field_accounts.empty() ? Json(nullptr) : fields_json(run)},
       {"surface_deviation", run.surface_deviation},
       {"hausd", run.hausd},
+      {"surface_limit", json_of(run.surface_limit)},
       {"surface_demands", json_of(run.surface_demands)},
       {"model", run.model ? json_of(*run.model) : Json(nullptr)},
       {"seconds", json_of(run.times)},

@@ -98,19 +98,26 @@ std::string operations_text(const meshing::OperationCounts& counts) {
 
 std::string place_text(const Point& p) { return fmt::format("({:.3g}, {:.3g}, {:.3g})", p.x, p.y, p.z); }
 
+/// Where the metric gave way to the boundary.
+std::string limit_text(const SurfaceLimit& limit) {
+  if (limit.vertices == 0) return "";
+  return fmt::format(
+      "metric made finer at {} vertices of curved boundary (--no-surface-limit: as it is)\n"
+      "  its edges were up to {} times as long as --hausd allows, at {}\n",
+      grouped(limit.vertices), significant(limit.longest), place_text(limit.where));
+}
+
 /// Where boundary and metric contradict each other.
 std::string surface_text(const Report& run) {
   std::string text = fmt::format("surface deviation at most {}\n", significant(run.surface_deviation));
   constexpr std::size_t kMostListed = 5;
   for (const SurfaceDemand& d : run.surface_demands | std::views::take(kMostListed))
-    text += fmt::format("  {} edges of reference {} stay short for the surface, which allows {} at {}\n",
+    text += fmt::format("  {} edges of reference {} stay short: the surface allows {} at {}\n",
                         grouped(d.edges), d.ref, significant(d.allowed), place_text(d.where));
   if (run.surface_demands.size() > kMostListed)
     text += fmt::format("  and {} more references\n", run.surface_demands.size() - kMostListed);
   if (!run.surface_demands.empty())
-    text +=
-        fmt::format("  (a larger --hausd allows longer ones; --sagitta {} --hgrad 1.5 asks for short ones)\n",
-                    significant(run.hausd / 2));
+    text += "  (a larger --hausd allows longer ones, a larger --complexity asks for short ones)\n";
   return text;
 }
 
@@ -127,6 +134,7 @@ std::string summary_text(const Report& run) {
   if (run.checkpoints) text += checkpoints_text(*run.checkpoints) + "\n";
   text += operations_text(run.operations) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
+  text += limit_text(run.surface_limit);
   if (!run.distributed) text += surface_text(run);
   if (run.model) text += model_text(*run.model, false);
   text += mends_text(run.mends);

@@ -129,6 +129,10 @@ void add_geometry(CLI::App& sub, AdaptCommand& command) {
       ->type_name("D")
       ->check(positive_number())
       ->group("Geometry");
+  sub.add_flag_callback(
+         "--no-surface-limit", [&command] { command.options.geometry.limit_metric = false; },
+         "take the metric as it is where a curved boundary needs shorter edges")
+      ->group("Geometry");
 }
 
 void add_operations(CLI::App& sub, AdaptCommand& command) {

@@ -110,6 +110,10 @@ struct GeometryOptions {
   /// Largest distance to the surface; 0: 0.1 % of the bounding box diagonal, and on a CAD model at most what
   /// a face's size and curvature bear.
   double hausd = 0;
+  /// Where the boundary is curved, edges must be short to stay as near as that. Is the metric made as fine
+  /// there? Otherwise it is taken as it is, and those edges are shorter than it asks for: poor tets where
+  /// they are much shorter. Not where the metric belongs to a background.
+  bool limit_metric = true;  ///< false: --no-surface-limit
   /// A CAD model that the boundary lies on: .step, .stp, .iges, .igs, .brep, .egads. Empty: the surface is
   /// reconstructed from the input's triangles. "carried": the model that the mesh file carries (ByteFlow).
   std::string model;
@@ -361,6 +365,7 @@ struct Report {
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
   double hausd = 0;              ///< of one mesh: the distance that was wanted at most
+  SurfaceLimit surface_limit;    ///< what GeometryOptions::limit_metric has done
   /// Of one mesh: where the surface needs shorter edges than the metric asks for, by reference.
   std::vector<SurfaceDemand> surface_demands;
   std::shared_ptr<const ModelAccount>

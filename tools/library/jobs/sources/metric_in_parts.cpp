@@ -116,9 +116,15 @@ meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, c
   return metric;
 }
 
+bool is_bounded(Peers& peers, const MeshSlice& slice, const std::optional<SurfaceBound>& bound,
+                const std::shared_ptr<const meshing::Model>& model) {
+  return bound && (model || partition::may_curve(peers, slice, bound->ridge_angle_degrees));
+}
+
 LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,
                                    const std::string& mesh_name,
-                                   const std::shared_ptr<const meshing::Model>& model) {
+                                   const std::shared_ptr<const meshing::Model>& model,
+                                   const std::optional<SurfaceBound>& bound) {
   const PartDomain domain = naming(mesh_name, [&] {
     const bool resolves = !options.sol.empty() || !options.solutions.empty();
     return PartDomain(peers, slice, resolves ? meshing::rings_of(options.recovery) : 1);
@@ -132,7 +138,13 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
       here,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
-       [&] { return demand_in_part(peers, options, slice, domain, model); }, source ? &*source : nullptr},
+       [&] { return demand_in_part(peers, options, slice, domain, model); },
+       [&]() -> std::optional<meshing::LogMetricField> {
+         if (!is_bounded(peers, slice, bound, model)) return std::nullopt;
+         const meshing::CurvatureOptions curvature = bound->curvature(domain.largest_size());
+         return partition::curvature_in_parts(peers, slice, domain, curvature, model);
+       },
+       source ? &*source : nullptr},
       mesh_name);
   made.field = domain.to_slices(made.field);
   return made;

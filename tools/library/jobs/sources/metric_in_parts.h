@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "partition/communication/peers.h"
@@ -20,6 +21,12 @@ meshing::LogMetricField metric_of_slice(partition::Peers& peers, const std::stri
 /// options.solutions are at the points of the slice. Throws alike on all ranks.
 LogMetricMade make_metric_in_parts(partition::Peers& peers, const MetricOptions& options,
                                    const partition::MeshSlice& slice, const std::string& mesh_name,
-                                   const std::shared_ptr<const meshing::Model>& model);
+                                   const std::shared_ptr<const meshing::Model>& model,
+                                   const std::optional<SurfaceBound>& bound = {});
+
+/// All ranks: whether the boundary of the mesh of all slices bounds what may be asked for: it has curved
+/// surfaces, or is a model's.
+bool is_bounded(partition::Peers& peers, const partition::MeshSlice& slice,
+                const std::optional<SurfaceBound>& bound, const std::shared_ptr<const meshing::Model>& model);
 
 }  // namespace weft::tools

@@ -5,16 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/geometry/surface/face_directions.h"
 #include "meshing/io/mesh_file.h"
+#include "meshing/metric/expectations.h"
 #include "meshing/metric/metric.h"
 #include "meshing/metric/sources/curvature_metric.h"
 #include "meshing/metric/sources/implied_metric.h"
 #include "meshing/metric/sources/multiscale.h"
 #include "meshing/metric/sources/wall_metric.h"
+#include "meshing/metric/surface_limit.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 
@@ -102,6 +106,24 @@ std::vector<std::string> process(const MetricOptions& options, const meshing::Me
                       grouped(options.complexity))};
 }
 
+/// The same where a curved boundary limits what may be asked for.
+LogMetricMade within_surface(const MetricOptions& options, const meshing::MetricDomain& domain,
+                             std::optional<meshing::LogMetricField> demands,
+                             meshing::LogMetricField of_surface, meshing::LogMetricField given) {
+  LogMetricMade made{given, {}};
+  made.warnings = process(options, domain, demands, made.field);
+  // A complexity that is asked for stays in reach.
+  constexpr double kMostOfComplexity = 0.5, kAny = std::numeric_limits<double>::infinity();
+  auto limit = meshing::limit_of_surface(domain, std::move(of_surface), made.field,
+                                         options.complexity > 0 ? kMostOfComplexity : kAny);
+  if (!limit) return made;
+  combine(std::move(limit->demand), demands);
+  made.field = std::move(given);
+  made.warnings = process(options, domain, demands, made.field);
+  made.surface_limit = limit->account;
+  return made;
+}
+
 }  // namespace
 
 meshing::MetricLimits limits_of(const MetricOptions& options) {
@@ -131,6 +153,27 @@ void combine(meshing::LogMetricField&& more, std::optional<meshing::LogMetricFie
     meshing::intersect_with(more, *current);
   else
     current = std::move(more);
+}
+
+meshing::CurvatureOptions SurfaceBound::curvature(double size_of_mesh) const {
+  meshing::CurvatureOptions options;
+  options.sagitta = 0.5 * (hausd > 0 ? hausd : meshing::kHausdOfDiagonal * size_of_mesh);
+  options.ridge_angle_degrees = ridge_angle_degrees;
+  return options;
+}
+
+std::optional<SurfaceBound> surface_bound(const GeometryOptions& options) {
+  if (!options.limit_metric) return std::nullopt;
+  return SurfaceBound{options.hausd, options.ridge_angle};
+}
+
+bool may_curve(const meshing::MeshData& mesh, double ridge_angle_degrees) {
+  meshing::FaceDirections directions;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    directions.add(mesh.triangle_refs[t], mesh.points[a], mesh.points[b], mesh.points[c]);
+  }
+  return directions.may_curve(ridge_angle_degrees);
 }
 
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
@@ -169,20 +212,32 @@ LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& 
     std::optional<meshing::LogMetricField> demands = inputs.boundary_demand();
     if (!field) field = std::exchange(demands, std::nullopt);
     if (!field) throw InputError("", "", "no metric is given");
-    std::vector<std::string> warnings = process(limited, inputs.domain, demands, *field);
-    return {std::move(*field), std::move(warnings)};
+    std::optional<meshing::LogMetricField> of_surface =
+        inputs.surface_demand ? inputs.surface_demand() : std::nullopt;
+    if (!of_surface) {
+      std::vector<std::string> warnings = process(limited, inputs.domain, demands, *field);
+      return {std::move(*field), std::move(warnings)};
+    }
+    return within_surface(limited, inputs.domain, std::move(demands), std::move(*of_surface),
+                          std::move(*field));
   });
 }
 
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source,
-                              std::shared_ptr<const meshing::Model> model) {
+                              std::shared_ptr<const meshing::Model> model,
+                              const std::optional<SurfaceBound>& bound) {
   const meshing::WholeDomain domain(mesh);
   const auto read_metric = [&](const std::string& file) {
     return meshing::metric_from_solution(meshing::read_solution(file), mesh.points.size(), file);
   };
   const auto demand = [&] { return boundary_demand(options, mesh, model); };
-  return make_log_metric(options, {domain, meshing::read_solution, read_metric, demand, source}, mesh_name);
+  const auto of_surface = [&]() -> std::optional<meshing::LogMetricField> {
+    if (!bound || !(model || may_curve(mesh, bound->ridge_angle_degrees))) return std::nullopt;
+    return meshing::curvature_metric(mesh, bound->curvature(domain.largest_size()), model);
+  };
+  return make_log_metric(options, {domain, meshing::read_solution, read_metric, demand, of_surface, source},
+                         mesh_name);
 }
 
 }  // namespace weft::tools

@@ -33,6 +33,19 @@ std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& opti
 /// share.
 bool scaled_alone(const MetricOptions& options);
 
+/// How near to a curved boundary edges must stay, where the metric is limited to what that bears.
+struct SurfaceBound {
+  double hausd = 0;  ///< 0: the default
+  double ridge_angle_degrees = meshing::kRidgeAngle;
+  /// Of the curvature of a boundary that edges of length 1 lie on with half of that for their sagitta; of a
+  /// mesh of this size.
+  meshing::CurvatureOptions curvature(double size_of_mesh) const;
+};
+/// None where options leave the metric as it is.
+std::optional<SurfaceBound> surface_bound(const GeometryOptions& options);
+/// Whether the boundary has curved surfaces, as far as its triangles tell.
+bool may_curve(const meshing::MeshData& mesh, double ridge_angle_degrees);
+
 /// Where a metric is made, and what is given there.
 struct MetricInputs {
   const meshing::MetricDomain& domain;
@@ -41,24 +54,29 @@ struct MetricInputs {
   std::function<meshing::LogMetricField(const std::string& file)> read_metric;
   /// What curvature and walls ask for at the vertices of the domain; nothing where nothing is asked.
   std::function<std::optional<meshing::LogMetricField>()> boundary_demand;
+  /// What a curved boundary needs at the vertices of the domain; nothing where it is planar or not asked.
+  std::function<std::optional<meshing::LogMetricField>()> surface_demand;
   const meshing::LogMetricField* source = nullptr;  ///< one more metric, where not null
 };
 
 struct LogMetricMade {
   meshing::LogMetricField field;
   std::vector<std::string> warnings;  ///< for the user
+  meshing::SurfaceLimit surface_limit = {};
 };
 /// The metric asked for, at the vertices of the domain, which errors call `mesh_name`: all that is given,
 /// intersected, and scaled so that it has the complexity once it is as fine
-/// as the boundary demands, limited and graded. Metrics of solutions come in with that complexity, or with
+/// as the boundary demands, limited and graded; where a curved boundary bears no edges as long as that, once
+/// more with what it bears (surface_limit.h). Metrics of solutions come in with that complexity, or with
 /// the mesh's own where none is requested. Curvature is that of `model`, where not null. All parts of a mesh
 /// call together; what they read must be without faults then. Throws InputError naming file, entity and
 /// reason.
 LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs,
                               const std::string& mesh_name);
-/// The same of a whole mesh.
+/// The same of a whole mesh, with the limit of its surface where there is a bound.
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source = nullptr,
-                              std::shared_ptr<const meshing::Model> model = nullptr);
+                              std::shared_ptr<const meshing::Model> model = nullptr,
+                              const std::optional<SurfaceBound>& bound = {});
 
 }  // namespace weft::tools

@@ -43,14 +43,16 @@ meshing::LogMetricField metric_of_share(Peers& peers, const MetricOptions& reque
 /// A metric that is only scaled is scaled where all ranks know it.
 void add_metric(Peers& peers, const Files& files, const Options& options,
                 const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
-  if (only_scaled(options.metric)) {
+  const std::optional<SurfaceBound> bound = surface_bound(options.geometry);
+  if (only_scaled(options.metric) && !is_bounded(peers, input.slice, bound, model)) {
     input.target_complexity = options.metric.complexity;
     input.slice.log_metrics = metric_of_share(peers, options.metric, input.slice);
     return;
   }
-  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input, model);
+  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input, model, bound);
   input.slice.log_metrics = std::move(made.field);
   input.warnings = std::move(made.warnings);
+  input.surface_limit = made.surface_limit;
 }
 
 /// With its metric; nobody looks at its boundary.
@@ -104,25 +106,30 @@ void keep_whole(SliceInput& input) {
 SliceInput read_and_mend(Peers& peers, const Files& files, const Options& options,
                          const std::shared_ptr<const meshing::Model>& model) {
   SliceInput input;
-  Fields fields;  // whole, on rank 0
+  Fields fields;            // whole, on rank 0
+  RepairedMetric repaired;  // the same
   MetricOptions metric = options.metric;
-  if (only_scaled(metric)) input.target_complexity = std::exchange(metric.complexity, 0);
+  std::optional<SurfaceBound> bound = surface_bound(options.geometry);
+  bool bounded = false;
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     input.whole = meshing::read_mesh(files.input, &input.names, meshing::Coordinates::any);
     if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
     fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
     MetricOptions none;
-    RepairedMetric repaired =
-        repair_input(*input.whole, files.input, has_background(files) ? none : metric, fields);
+    repaired = repair_input(*input.whole, files.input, has_background(files) ? none : metric, fields);
     input.mends = std::move(repaired.mends);
-    if (has_background(files)) return;
-    const bool curved = metric.curvature > 0 || metric.sagitta > 0;  // else nobody asks the model here
-    LogMetricMade made =
-        make_log_metric(metric, *input.whole, files.input, repaired.source ? &*repaired.source : nullptr,
-                        curved ? model : nullptr);
+    bounded = bound && (model || may_curve(*input.whole, bound->ridge_angle_degrees));
+  });
+  bounded = partition::max(peers, bounded ? 1 : 0) != 0;
+  if (only_scaled(metric) && !bounded) input.target_complexity = std::exchange(metric.complexity, 0);
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0 || has_background(files)) return;
+    LogMetricMade made = make_log_metric(metric, *input.whole, files.input,
+                                         repaired.source ? &*repaired.source : nullptr, model, bound);
     input.whole_metric = std::move(made.field);
     input.warnings = std::move(made.warnings);
+    input.surface_limit = made.surface_limit;
   });
   if (peers.ranks() > 1)
     input.warnings.push_back("rank 0 has read all of " + files.input + ": a mesh is not repaired in shares");

@@ -21,6 +21,7 @@ struct SliceInput {
   std::optional<partition::MeshSlice> background;
   double target_complexity = 0;  ///< that the slice's metric still has to be scaled to; 0: as it is
   std::vector<std::string> warnings;
+  meshing::SurfaceLimit surface_limit = {};
   /// The whole input with its metric, where one rank has read it whole; only on rank 0.
   std::optional<meshing::MeshData> whole;
   meshing::LogMetricField whole_metric;
