@@ -12,6 +12,7 @@
 #include "meshing/adapt/stages.h"
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
+#include "meshing/base/spare_address_space.h"
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/on_model.h"
 #include "meshing/metric/measure_again.h"
@@ -23,10 +24,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Of address space, for lists and scratch of the passes.
+constexpr std::size_t kForPasses = std::size_t{64} << 20;
+
 double bounding_box_diagonal(const MeshData& m) {
   Box box;
   for (const Point& p : m.points) box.include(p);
   return norm(box.size());
+}
+
+/// Bytes of the result's arrays.
+std::size_t result_bytes(double vertices, double tets) {
+  constexpr double kOfVertex = sizeof(Point) + sizeof(std::int32_t) + sizeof(LogMetric);
+  constexpr double kOfTet = 4 * sizeof(std::uint32_t) + sizeof(std::int32_t), kMore = 1.3;  // boundary, error
+  return static_cast<std::size_t>(kMore * (kOfVertex * vertices + kOfTet * tets));
 }
 
 /// Address space for many times the predicted size: holes and a mesh that must first grow cost slots.
@@ -91,10 +102,14 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
     AdaptResult result;
     if (!(options.complexity > 0)) options.complexity = complexity(*given.mesh, *given.log_metrics);
     const double expected = options.complexity;
+    SpareAddressSpace for_result(
+        result_bytes(kVerticesPerComplexity * expected, kTetsPerComplexity * expected));
+    SpareAddressSpace for_passes(kForPasses);
     ImportedMesh imported = import_mesh(
         input, options.ridge_angle_degrees, capacity(kVerticesPerComplexity * expected, input.points.size()),
         capacity(kTetsPerComplexity * expected, input.tets.size()), options.model);
     result.report.warnings = std::move(imported.warnings);
+    for_passes.release();
     {
       const bool same = given.mesh == &input;
       const Background background(*given.mesh, *given.log_metrics,
@@ -109,6 +124,7 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
           options.hausd > 0 ? options.hausd : kHausdOfDiagonal * bounding_box_diagonal(input);
       if (options.hausd == 0) kernel.limits.details = 1;
       adapt_in_place(kernel, options, Extent::everything, result.report);
+      for_result.release();
       result.report.surface_deviation = largest_surface_deviation(*imported.mesh, *imported.surface);
       result.report.hausd = kernel.limits.hausd;
       result.report.surface_demands = surface_demands(kernel);

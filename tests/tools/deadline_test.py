@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import time
@@ -89,6 +90,14 @@ class Memory(Deadline):
         """The prediction is overruled; what the run really takes ends it."""
         process = self.start(0, *LONG, "--max-memory", "150M", "--force")
         self.assert_valid_result(process, "memory limit")
+
+    def test_that_allocations_cannot_have(self):
+        """ulimit -v: arrays are refused in the middle of the run, and the result still has room."""
+        if {"ASAN_OPTIONS", "TSAN_OPTIONS"} & set(os.environ):
+            self.skipTest("sanitizers reserve more address space than any limit leaves")
+        most = 350 << 20
+        process = self.start(0, *LONG, "--force", at_start=lambda: resource.setrlimit(resource.RLIMIT_AS, (most, most)))
+        self.assert_valid_result(process, "out of memory")
 
     def test_that_cannot_be_enough(self):
         for ranks in ([], ["--subdomains", 4]):
