@@ -7,7 +7,8 @@
 namespace weft::meshing {
 namespace {
 
-/// On a model a face that moves may not turn away from it: on the side where it was it stays.
+/// A face that moves may not turn away from the surface, as the mesh would overlap itself: on the side where
+/// it was it stays.
 bool turns(const Worker& w, const std::array<Point, 3>& moved, TetId t, int face, const Vec& normal) {
   const auto at = [&](int i) { return w.mesh.point(w.mesh.vertex(t, kTetFaces[face][i])); };
   const Vec old = cross(at(1) - at(0), at(2) - at(0));
@@ -38,7 +39,7 @@ bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
       const double off = norm(centroid - q.x);
       if (off > w.kernel.hausd(patch) && off > surface_deviation(mesh, w.kernel.surface, patch, t, f))
         return false;
-      if (w.kernel.surface.model() && turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
+      if (turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
     }
   return true;
 }

@@ -90,20 +90,22 @@ Verdict judge_qualities(Worker& w, SplitPlan& plan, const IsEnough& is_enough) {
   return Verdict::accepted;
 }
 
-/// Would a triangle of a curved patch stand on the surface, its normal turned by more than 60 degrees from
-/// that of the surface at the new vertex, which the triangle that is split does not?
+/// Would a triangle of a curved patch stand on the surface or turn over, its normal turned by more than 60
+/// degrees from that of the surface at the new vertex, which the triangle that is split does not?
 bool bends_surface(const Worker& w, const SplitPlan& plan) {
   const NewVertex& n = plan.vertex;
   const Shell& shell = plan.shell;
   if (n.on.kind != VertexKind::surface || w.kernel.surface.patches()[n.on.patch.value].planar) return false;
   const Point &a = w.mesh.point(shell.a), &b = w.mesh.point(shell.b);
-  const auto stands = [&](const Point& x, const Point& y, const Point& z) {
+  const auto cosine = [&](const Point& x, const Point& y, const Point& z) {
     const Vec normal = cross(y - x, z - x);
-    return std::abs(dot(normal, n.normal)) < 0.5 * norm(normal);
+    return dot(normal, n.normal) / norm(normal);
   };
   for (const VertexId r : {shell.ring[0], shell.ring[shell.size]}) {
     const Point& c = w.mesh.point(r);
-    if ((stands(a, n.x, c) || stands(n.x, b, c)) && !stands(a, b, c)) return true;
+    const double before = cosine(a, b, c), side = before < 0 ? -1 : 1;
+    if (std::abs(before) < 0.5) continue;
+    if (side * cosine(a, n.x, c) < 0.5 || side * cosine(n.x, b, c) < 0.5) return true;
   }
   return false;
 }

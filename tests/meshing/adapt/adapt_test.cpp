@@ -772,6 +772,47 @@ TEST(AdaptCurved, ACylinderBecomesRoundAndKeepsItsLids) {
     }
 }
 
+/// A quarter of a ring between radii .5 and 1 of n x n x n cells.
+MeshData quarter_ring(std::uint32_t n) {
+  MeshData mesh = support::unit_cube(n);
+  for (Point& p : mesh.points) {
+    const double radius = 0.5 + 0.5 * p.x, angle = 0.5 * std::numbers::pi * p.y;
+    p = {radius * std::cos(angle), radius * std::sin(angle), p.z};
+  }
+  return mesh;
+}
+
+/// Triangles near the inner cylinder of a quarter ring whose outer side is not towards the axis.
+int turned_over(const MeshData& mesh) {
+  return static_cast<int>(std::ranges::count_if(mesh.triangles, [&](const auto& t) {
+    const Point &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+    for (const Point* p : {&a, &b, &c})
+      if (std::abs(std::hypot(p->x, p->y) - 0.5) > 0.02) return false;
+    const Vec normal = cross(b - a, c - a), middle = (1.0 / 3) * (a + b + c);
+    const bool on_plane = std::min(middle.x, middle.y) < 1e-9 || std::min(middle.z, 1 - middle.z) < 1e-9;
+    return !on_plane && normal.x * middle.x + normal.y * middle.y > 0;
+  }));
+}
+
+// Layers along a coarse concave boundary: what is moved there turned triangles over, and the mesh overlapped
+// itself in positive tets.
+TEST(AdaptCurved, NoTriangleOfTheBoundaryTurnsOver) {
+  for (const std::uint32_t n : {3u, 4u, 6u})
+    for (const double size : {50, 100, 200, 1000})
+      for (const double hausd : {0.03, 0.11}) {
+        SCOPED_TRACE(std::to_string(n) + " cells, " + std::to_string(size) + ", " + std::to_string(hausd));
+        const MeshData mesh = quarter_ring(n);
+        LogMetricField metric = sample(AnalyticMetric("polar-2"), mesh);
+        scale_to_complexity(mesh, size, metric);
+        AdaptOptions options;
+        options.hausd = hausd;
+        options.ridge_angle_degrees = 60;
+        const AdaptResult result = adapted(mesh, metric, options);
+        EXPECT_TRUE(check_mesh(result.mesh).ok());
+        EXPECT_EQ(turned_over(result.mesh), 0);
+      }
+}
+
 TEST(AdaptCurved, ACoarseMetricKeepsABallWithinHausd) {
   const MeshData mesh = support::ball(3, 3);
   AdaptOptions options;
