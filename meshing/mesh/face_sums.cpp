@@ -1,6 +1,7 @@
 // One look at each tet. Shares no code with what builds and adapts meshes.
 #include "meshing/mesh/face_sums.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -148,5 +149,34 @@ FaceSums& FaceSums::operator+=(const FaceSums& other) {
 }
 
 FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids) { return Sum(mesh, ids).run(); }
+
+/// Sides of faces at their least vertex, the two others and the orientation in a number.
+std::uint64_t crowded_sides(const MeshData& mesh) {
+  const auto for_sides = [&](const auto& visit) {
+    for (const Tet& v : mesh.tets)
+      for (std::size_t f = 0; f < 4; ++f) {
+        const Triangle face = {v[(f + 1) % 4], v[(f + 2) % 4], v[(f + 3) % 4]}, sorted = ascending(face);
+        const bool positive = (face[0] > face[1]) ^ (face[1] > face[2]) ^ (face[0] > face[2]) ^ (f % 2 == 0);
+        visit(sorted[0], std::uint64_t{sorted[1]} << 33 | std::uint64_t{sorted[2]} << 1 | positive);
+      }
+  };
+  std::vector<std::size_t> begin(mesh.points.size() + 2, 0);
+  for_sides([&](std::uint32_t least, std::uint64_t) { ++begin[least + 2]; });
+  for (std::size_t v = 2; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  std::vector<std::uint64_t> sides(4 * mesh.tets.size());
+  for_sides([&](std::uint32_t least, std::uint64_t side) { sides[begin[least + 1]++] = side; });
+  std::atomic<std::uint64_t> crowded = 0;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.points.size(), 1024), [&](const auto& range) {
+    std::uint64_t found = 0;
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      const auto first = sides.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+                 last = sides.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]);
+      std::sort(first, last);
+      for (auto side = first; side != last && side + 1 != last; ++side) found += *side == *(side + 1);
+    }
+    crowded += found;
+  });
+  return crowded;
+}
 
 }  // namespace weft::meshing

@@ -29,4 +29,9 @@ struct FaceSums {
 /// whole mesh. Multithreaded (in the caller's arena), the same on any number of threads.
 FaceSums sum_faces(const MeshData& mesh, std::span<const std::uint64_t> ids = {});
 
+/// Sides of faces that two tets and more are on: what the sums do not see where both sides have as many. A
+/// mesh overlaps itself there, in positive tets, which it cannot unless a curved boundary has folded: worth
+/// the look where the boundary is curved. Multithreaded. Memory: 32 bytes a tet, 8 a point.
+std::uint64_t crowded_sides(const MeshData& mesh);
+
 }  // namespace weft::meshing

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "meshing/geometry/surface/face_directions.h"
 #include "meshing/mesh/face_sums.h"
 #include "partition/communication/reduce.h"
 #include "partition/verify/check_pieces.h"
@@ -16,7 +17,9 @@ meshing::FaceSums sums_of(const MeshPiece& piece) {
   std::vector<std::uint64_t> ids;
   ids.reserve(piece.ids.size());
   for (const GlobalId id : piece.ids) ids.push_back(id.value());
-  return meshing::sum_faces(piece.mesh, ids);
+  meshing::FaceSums sums = meshing::sum_faces(piece.mesh, ids);
+  if (meshing::may_curve(piece.mesh)) sums.faults += meshing::crowded_sides(piece.mesh);
+  return sums;
 }
 
 }  // namespace

@@ -53,4 +53,13 @@ bool FaceDirections::may_curve(double ridge_angle_degrees) const {
   return false;
 }
 
+bool may_curve(const MeshData& mesh, double ridge_angle_degrees) {
+  FaceDirections directions;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    directions.add(mesh.triangle_refs[t], mesh.points[a], mesh.points[b], mesh.points[c]);
+  }
+  return directions.may_curve(ridge_angle_degrees);
+}
+
 }  // namespace weft::meshing

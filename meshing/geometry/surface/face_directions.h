@@ -6,6 +6,8 @@
 #include <cstdint>
 
 #include "meshing/base/point.h"
+#include "meshing/mesh/mesh_data.h"
+#include "weft/data.h"
 
 namespace weft::meshing {
 
@@ -30,5 +32,8 @@ class FaceDirections {
   std::uint32_t count_ = 0;  ///< kMost + 1: too many
   std::array<Direction, kMost> directions_{};
 };
+
+/// Whether the boundary of a mesh has curved surfaces, as far as its triangles tell.
+bool may_curve(const MeshData& mesh, double ridge_angle_degrees = kRidgeAngle);
 
 }  // namespace weft::meshing

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <random>
@@ -132,6 +133,27 @@ TEST(FaceSums, SeeMaterialsWithoutTrianglesBetween) {
 }
 
 /// Vertices are known by their ids alone.
+TEST(CrowdedSides, AreSeenWhereSumsCancel) {
+  MeshData mesh = support::mesh_of(
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}, {0.1, 0.1, 2}, {0.1, 0.1, -2}},
+      {{0, 1, 2, 3}, {0, 2, 1, 4}, {0, 1, 2, 5}, {0, 2, 1, 6}});
+  std::erase_if(mesh.triangles, [](const auto& t) { return *std::ranges::max_element(t) < 3; });
+  mesh.triangle_refs.resize(mesh.triangles.size());
+  EXPECT_TRUE(sum_faces(mesh).ok());
+  EXPECT_FALSE(check_mesh(mesh).ok());
+  EXPECT_EQ(crowded_sides(mesh), 2u);
+}
+
+TEST(CrowdedSides, AreNoneOfSoundMeshes) {
+  for (MeshData mesh :
+       {support::unit_cube(4), support::ball(2, 3), support::cylinder(12, 2, 3, 1), MeshData{}}) {
+    support::shuffle(mesh, 7);
+    EXPECT_EQ(crowded_sides(mesh), 0u);
+    if (!mesh.tets.empty()) mesh.tets.push_back(mesh.tets[mesh.tets.size() / 2]);
+    EXPECT_EQ(crowded_sides(mesh), mesh.tets.empty() ? 0u : 4u);
+  }
+}
+
 TEST(FaceSums, OfPartsAddUp) {
   const MeshData mesh = support::unit_cube(3);
   FaceSums sums;

@@ -167,15 +167,6 @@ std::optional<SurfaceBound> surface_bound(const GeometryOptions& options) {
   return SurfaceBound{options.hausd, options.ridge_angle};
 }
 
-bool may_curve(const meshing::MeshData& mesh, double ridge_angle_degrees) {
-  meshing::FaceDirections directions;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    directions.add(mesh.triangle_refs[t], mesh.points[a], mesh.points[b], mesh.points[c]);
-  }
-  return directions.may_curve(ridge_angle_degrees);
-}
-
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
                                                        const meshing::MeshData& mesh,
                                                        std::shared_ptr<const meshing::Model> model) {
@@ -233,7 +224,7 @@ LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshD
   };
   const auto demand = [&] { return boundary_demand(options, mesh, model); };
   const auto of_surface = [&]() -> std::optional<meshing::LogMetricField> {
-    if (!bound || !(model || may_curve(mesh, bound->ridge_angle_degrees))) return std::nullopt;
+    if (!bound || !(model || meshing::may_curve(mesh, bound->ridge_angle_degrees))) return std::nullopt;
     return meshing::curvature_metric(mesh, bound->curvature(domain.largest_size()), model);
   };
   return make_log_metric(options, {domain, meshing::read_solution, read_metric, demand, of_surface, source},

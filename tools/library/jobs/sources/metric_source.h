@@ -43,8 +43,6 @@ struct SurfaceBound {
 };
 /// None where options leave the metric as it is.
 std::optional<SurfaceBound> surface_bound(const GeometryOptions& options);
-/// Whether the boundary has curved surfaces, as far as its triangles tell.
-bool may_curve(const meshing::MeshData& mesh, double ridge_angle_degrees);
 
 /// Where a metric is made, and what is given there.
 struct MetricInputs {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "meshing/base/error.h"
+#include "meshing/geometry/surface/face_directions.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
@@ -119,7 +120,7 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
     MetricOptions none;
     repaired = repair_input(*input.whole, files.input, has_background(files) ? none : metric, fields);
     input.mends = std::move(repaired.mends);
-    bounded = bound && (model || may_curve(*input.whole, bound->ridge_angle_degrees));
+    bounded = bound && (model || meshing::may_curve(*input.whole, bound->ridge_angle_degrees));
   });
   bounded = partition::max(peers, bounded ? 1 : 0) != 0;
   if (only_scaled(metric) && !bounded) input.target_complexity = std::exchange(metric.complexity, 0);
