@@ -1,6 +1,7 @@
 // The part's own vertices are looked at with the triangles at them, as those of a subdomain are.
 #include "partition/metric/curvature_in_parts.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -96,8 +97,9 @@ meshing::LogMetricField curvature_in_parts(Peers& peers, const MeshSlice& slice,
 bool may_curve(Peers& peers, const MeshSlice& slice, double ridge_angle_degrees) {
   const meshing::MeshData& share = slice.boundary;
   std::vector<std::uint32_t> numbers;
+  const auto is_sound = [&](const auto& triangle) { return std::ranges::max(triangle) < slice.num_points; };
   for (const auto& triangle : share.triangles)
-    numbers.insert(numbers.end(), triangle.begin(), triangle.end());
+    if (is_sound(triangle)) numbers.insert(numbers.end(), triangle.begin(), triangle.end());
   meshing::sort_unique(numbers);
   const Ranges points(peers, slice.points.size());
   const std::vector<Point> at =
@@ -108,6 +110,7 @@ bool may_curve(Peers& peers, const MeshSlice& slice, double ridge_angle_degrees)
   meshing::FaceDirections directions;
   for (std::size_t t = 0; t < share.triangles.size(); ++t) {
     const auto& [a, b, c] = share.triangles[t];
+    if (!is_sound(share.triangles[t])) continue;
     directions.add(share.triangle_refs[t], point(a), point(b), point(c));
   }
   const auto merged = [](meshing::FaceDirections all, const meshing::FaceDirections& more) {

@@ -55,8 +55,10 @@ bool FaceDirections::may_curve(double ridge_angle_degrees) const {
 
 bool may_curve(const MeshData& mesh, double ridge_angle_degrees) {
   FaceDirections directions;
+  if (mesh.triangle_refs.size() != mesh.triangles.size()) return false;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
+    if (std::max({a, b, c}) >= mesh.points.size()) continue;
     directions.add(mesh.triangle_refs[t], mesh.points[a], mesh.points[b], mesh.points[c]);
   }
   return directions.may_curve(ridge_angle_degrees);

@@ -33,7 +33,8 @@ class FaceDirections {
   std::array<Direction, kMost> directions_{};
 };
 
-/// Whether the boundary of a mesh has curved surfaces, as far as its triangles tell.
+/// Whether the boundary of a mesh has curved surfaces, as far as its triangles tell; those with a point that
+/// is none are left out.
 bool may_curve(const MeshData& mesh, double ridge_angle_degrees = kRidgeAngle);
 
 }  // namespace weft::meshing

@@ -63,6 +63,14 @@ TEST(FaceDirections, OfSharesMergeInAnyOrder) {
   }
 }
 
+TEST(MayCurve, LeavesOutTrianglesWithoutPoints) {
+  MeshData box = support::unit_cube(2);
+  box.triangles[3] = {0, 1, 4000000000u};
+  EXPECT_FALSE(may_curve(box));
+  box.triangle_refs.pop_back();
+  EXPECT_FALSE(may_curve(box));
+}
+
 TEST(FaceDirections, OfDegenerateTrianglesAreNone) {
   FaceDirections directions;
   directions.add(1, {0, 0, 0}, {1, 0, 0}, {2, 0, 0});
