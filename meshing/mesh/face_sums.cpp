@@ -34,6 +34,12 @@ Triangle ascending(Triangle v) {
   return v;
 }
 
+/// On which side of its face opposite vertex `f` a tet lies, by the numbers of the face's vertices.
+template <class Number>
+bool is_positive_side(Number a, Number b, Number c, std::size_t f) {
+  return (a > b) ^ (b > c) ^ (a > c) ^ (f % 2 == 0);
+}
+
 /// The triangles by their vertices, and on which sides of each there is a tet.
 class Triangles {
  public:
@@ -125,7 +131,7 @@ class Sum {
     const std::uint64_t reference = hash_of(static_cast<std::uint32_t>(mesh_.tet_refs[t]));
     for (std::size_t f = 0; f < 4; ++f) {
       const std::size_t i = (f + 1) % 4, j = (f + 2) % 4, k = (f + 3) % 4;
-      const bool positive = (id[i] > id[j]) ^ (id[j] > id[k]) ^ (id[i] > id[k]) ^ (f % 2 == 0);
+      const bool positive = is_positive_side(id[i], id[j], id[k], f);
       if (triangles_.see({v[i], v[j], v[k]}, positive)) continue;
       const std::uint64_t face = mix(all - hash[f]);
       const std::uint64_t signed_face = positive ? face : std::uint64_t{0} - face;
@@ -156,7 +162,7 @@ std::uint64_t crowded_sides(const MeshData& mesh) {
     for (const Tet& v : mesh.tets)
       for (std::size_t f = 0; f < 4; ++f) {
         const Triangle face = {v[(f + 1) % 4], v[(f + 2) % 4], v[(f + 3) % 4]}, sorted = ascending(face);
-        const bool positive = (face[0] > face[1]) ^ (face[1] > face[2]) ^ (face[0] > face[2]) ^ (f % 2 == 0);
+        const bool positive = is_positive_side(face[0], face[1], face[2], f);
         visit(sorted[0], std::uint64_t{sorted[1]} << 33 | std::uint64_t{sorted[2]} << 1 | positive);
       }
   };

@@ -28,8 +28,8 @@ double excess(const LogMetric& demand, const LogMetric& field) {
   return std::sqrt(std::max(0.0, eigen_decomposition(squares).values[2]));
 }
 
-/// The first in the order of coordinates of the owned vertices that have `value`.
-Point first_with(const MetricDomain& domain, const std::vector<double>& values, double value) {
+/// The last in the order of coordinates of the owned vertices that have `value`: the same for any parts.
+Point last_with(const MetricDomain& domain, const std::vector<double>& values, double value) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   std::array<double, 3> found{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -56,7 +56,6 @@ std::optional<LimitOfSurface> limit_of_surface(const MetricDomain& domain, LogMe
     longer[v] = excess(demand[v], field[v]);
     if (longer[v] <= kLongest) demand[v] = none;
   });
-  const auto is_short = [&](std::size_t v) { return longer[v] > kLongest; };
   double longest = 0;
   for (std::size_t v = 0; v < field.size(); ++v)
     if (domain.owns(v)) longest = std::max(longest, longer[v]);
@@ -64,9 +63,9 @@ std::optional<LimitOfSurface> limit_of_surface(const MetricDomain& domain, LogMe
   if (longest <= kLongest) return std::nullopt;
   LimitOfSurface limit;
   limit.account.vertices =
-      static_cast<std::uint64_t>(domain.sum([&](std::size_t v) { return is_short(v) ? 1.0 : 0.0; }));
+      static_cast<std::uint64_t>(domain.sum([&](std::size_t v) { return longer[v] > kLongest ? 1.0 : 0.0; }));
   limit.account.longest = longest;
-  limit.account.where = first_with(domain, longer, longest);
+  limit.account.where = last_with(domain, longer, longest);
   Gradation(domain, kGrowth, GradationSpace::metric).limit(demand);
   const double target = most * domain.complexity(field);
   if (std::isfinite(target) && domain.complexity(demand) > target)

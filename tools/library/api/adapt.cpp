@@ -6,7 +6,6 @@
 #include "engine/mpi/mpi_transport.h"
 #include "meshing/base/error.h"
 #include "meshing/fields/transfer.h"
-#include "meshing/geometry/surface/face_directions.h"
 #include "meshing/metric/measures.h"
 #include "partition/output/merge_pieces.h"
 #include "tools/common/field_text.h"
@@ -35,10 +34,8 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   tools::Stopwatch watch;
   result.input_counts = tools::count(input.mesh);
   MetricOptions metric = options.metric;
-  const auto bound = input.background ? std::nullopt : tools::surface_bound(options.geometry);
-  const bool bounded = bound && (!options.geometry.model.empty() ||
-                                 meshing::may_curve(input.mesh, bound->ridge_angle_degrees));
-  const bool in_parts = tools::scaled_alone(metric) && !input.background && !bounded;
+  const auto bound = input.background ? std::nullopt : tools::surface_bound(options.geometry, input.mesh);
+  const bool in_parts = tools::scaled_alone(metric) && !input.background && !bound;
   const double target = in_parts ? std::exchange(metric.complexity, 0) : 0;
   tools::on_one_rank([&](engine::Transport& transport) {
     tools::DistributedRun run(options, transport);

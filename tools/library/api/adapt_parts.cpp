@@ -41,8 +41,7 @@ double add_metric(partition::Peers& peers, const Part& part, const Metric* metri
                   const std::shared_ptr<const meshing::Model>& model,
                   const std::optional<tools::SurfaceBound>& bound, partition::MeshSlice& slice,
                   Report& report) {
-  if (metric && only_scaled(options.metric) && !tools::is_bounded(peers, slice, bound, model))
-    return options.metric.complexity;
+  if (metric && only_scaled(options.metric) && !bound) return options.metric.complexity;
   MetricOptions of_slice = options.metric;
   if (partition::max(peers, of_slice.solutions.empty() ? 0 : 1) != 0)
     of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
@@ -104,8 +103,8 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   if (background)
     of_metric = background_of(run.peers(), *background, metric, options, model, result);
   else
-    target = add_metric(run.peers(), part, metric, options, model, tools::surface_bound(options.geometry),
-                        slice, result);
+    target = add_metric(run.peers(), part, metric, options, model,
+                        tools::surface_bound_in_parts(run.peers(), options.geometry, slice), slice, result);
   result.input_counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;

@@ -60,7 +60,7 @@ class OneMesh {
     predict_work(options_.metric.complexity);
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
-    const auto bound = input_.background ? std::nullopt : surface_bound(options_.geometry);
+    const auto bound = input_.background ? std::nullopt : surface_bound(options_.geometry, input_.mesh);
     LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound);
     field_ = std::move(made.field);
     result_.surface_limit = made.surface_limit;

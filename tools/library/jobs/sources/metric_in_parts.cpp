@@ -116,9 +116,11 @@ meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, c
   return metric;
 }
 
-bool is_bounded(Peers& peers, const MeshSlice& slice, const std::optional<SurfaceBound>& bound,
-                const std::shared_ptr<const meshing::Model>& model) {
-  return bound && (model || partition::may_curve(peers, slice, bound->ridge_angle_degrees));
+std::optional<SurfaceBound> surface_bound_in_parts(Peers& peers, const GeometryOptions& options,
+                                                   const MeshSlice& slice) {
+  const bool binds = options.limit_metric &&
+                     (!options.model.empty() || partition::may_curve(peers, slice, options.ridge_angle));
+  return binds ? std::optional(SurfaceBound{options.hausd, options.ridge_angle}) : std::nullopt;
 }
 
 LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,
@@ -140,7 +142,7 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
        [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
        [&] { return demand_in_part(peers, options, slice, domain, model); },
        [&]() -> std::optional<meshing::LogMetricField> {
-         if (!is_bounded(peers, slice, bound, model)) return std::nullopt;
+         if (!bound) return std::nullopt;
          const meshing::CurvatureOptions curvature = bound->curvature(domain.largest_size());
          return partition::curvature_in_parts(peers, slice, domain, curvature, model);
        },

@@ -24,9 +24,8 @@ LogMetricMade make_metric_in_parts(partition::Peers& peers, const MetricOptions&
                                    const std::shared_ptr<const meshing::Model>& model,
                                    const std::optional<SurfaceBound>& bound = {});
 
-/// All ranks: whether the boundary of the mesh of all slices bounds what may be asked for: it has curved
-/// surfaces, or is a model's.
-bool is_bounded(partition::Peers& peers, const partition::MeshSlice& slice,
-                const std::optional<SurfaceBound>& bound, const std::shared_ptr<const meshing::Model>& model);
+/// All ranks: surface_bound() of the mesh of all slices.
+std::optional<SurfaceBound> surface_bound_in_parts(partition::Peers& peers, const GeometryOptions& options,
+                                                   const partition::MeshSlice& slice);
 
 }  // namespace weft::tools

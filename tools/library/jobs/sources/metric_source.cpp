@@ -162,9 +162,10 @@ meshing::CurvatureOptions SurfaceBound::curvature(double size_of_mesh) const {
   return options;
 }
 
-std::optional<SurfaceBound> surface_bound(const GeometryOptions& options) {
-  if (!options.limit_metric) return std::nullopt;
-  return SurfaceBound{options.hausd, options.ridge_angle};
+std::optional<SurfaceBound> surface_bound(const GeometryOptions& options, const meshing::MeshData& mesh) {
+  const bool binds =
+      options.limit_metric && (!options.model.empty() || meshing::may_curve(mesh, options.ridge_angle));
+  return binds ? std::optional(SurfaceBound{options.hausd, options.ridge_angle}) : std::nullopt;
 }
 
 std::optional<meshing::LogMetricField> boundary_demand(const MetricOptions& options,
@@ -224,7 +225,7 @@ LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshD
   };
   const auto demand = [&] { return boundary_demand(options, mesh, model); };
   const auto of_surface = [&]() -> std::optional<meshing::LogMetricField> {
-    if (!bound || !(model || meshing::may_curve(mesh, bound->ridge_angle_degrees))) return std::nullopt;
+    if (!bound) return std::nullopt;
     return meshing::curvature_metric(mesh, bound->curvature(domain.largest_size()), model);
   };
   return make_log_metric(options, {domain, meshing::read_solution, read_metric, demand, of_surface, source},

@@ -41,8 +41,9 @@ struct SurfaceBound {
   /// mesh of this size.
   meshing::CurvatureOptions curvature(double size_of_mesh) const;
 };
-/// None where options leave the metric as it is.
-std::optional<SurfaceBound> surface_bound(const GeometryOptions& options);
+/// What options and the boundary of the mesh mean: none where they leave the metric as it is, or the boundary
+/// is planar, as far as its triangles tell, and not a model's.
+std::optional<SurfaceBound> surface_bound(const GeometryOptions& options, const meshing::MeshData& mesh);
 
 /// Where a metric is made, and what is given there.
 struct MetricInputs {
@@ -52,7 +53,7 @@ struct MetricInputs {
   std::function<meshing::LogMetricField(const std::string& file)> read_metric;
   /// What curvature and walls ask for at the vertices of the domain; nothing where nothing is asked.
   std::function<std::optional<meshing::LogMetricField>()> boundary_demand;
-  /// What a curved boundary needs at the vertices of the domain; nothing where it is planar or not asked.
+  /// What a curved boundary needs at the vertices of the domain; nothing where there is no bound.
   std::function<std::optional<meshing::LogMetricField>()> surface_demand;
   const meshing::LogMetricField* source = nullptr;  ///< one more metric, where not null
 };

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "meshing/base/error.h"
-#include "meshing/geometry/surface/face_directions.h"
 #include "meshing/io/mesh_file.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
@@ -44,8 +43,8 @@ meshing::LogMetricField metric_of_share(Peers& peers, const MetricOptions& reque
 /// A metric that is only scaled is scaled where all ranks know it.
 void add_metric(Peers& peers, const Files& files, const Options& options,
                 const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
-  const std::optional<SurfaceBound> bound = surface_bound(options.geometry);
-  if (only_scaled(options.metric) && !is_bounded(peers, input.slice, bound, model)) {
+  const std::optional<SurfaceBound> bound = surface_bound_in_parts(peers, options.geometry, input.slice);
+  if (only_scaled(options.metric) && !bound) {
     input.target_complexity = options.metric.complexity;
     input.slice.log_metrics = metric_of_share(peers, options.metric, input.slice);
     return;
@@ -110,8 +109,7 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
   Fields fields;            // whole, on rank 0
   RepairedMetric repaired;  // the same
   MetricOptions metric = options.metric;
-  std::optional<SurfaceBound> bound = surface_bound(options.geometry);
-  bool bounded = false;
+  std::optional<SurfaceBound> bound;  // the same
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     input.whole = meshing::read_mesh(files.input, &input.names, meshing::Coordinates::any);
@@ -120,10 +118,10 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
     MetricOptions none;
     repaired = repair_input(*input.whole, files.input, has_background(files) ? none : metric, fields);
     input.mends = std::move(repaired.mends);
-    bounded = bound && (model || meshing::may_curve(*input.whole, bound->ridge_angle_degrees));
+    bound = surface_bound(options.geometry, *input.whole);
   });
-  bounded = partition::max(peers, bounded ? 1 : 0) != 0;
-  if (only_scaled(metric) && !bounded) input.target_complexity = std::exchange(metric.complexity, 0);
+  const bool is_bounded = partition::max(peers, bound ? 1 : 0) != 0;
+  if (only_scaled(metric) && !is_bounded) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0 || has_background(files)) return;
     LogMetricMade made = make_log_metric(metric, *input.whole, files.input,
