@@ -41,11 +41,11 @@ def random_case(seed, most_ranks):
     many = r.random() < 0.75
     return {
         "seed": seed,
-        "shape": r.choice(("box", "box", "slab", "sheared box", "ball", "cylinder")),
+        "shape": r.choice(("box", "box", "slab", "sheared box", "ball", "cylinder", "quarter ring", "quarter ring")),
         "cells": r.choice((1, 1, 2, 3, 4)),
         "materials": r.choice((1, 1, 2)),
         "jitter": r.choice((0.0, 0.0, 0.15)),
-        "sources": r.choice((["uniform"], ["polar"], ["solution"], ["tensors"], ["implied"], ["solution", "implied"],
+        "sources": r.choice((["uniform"], ["polar"], ["layers"], ["solution"], ["tensors"], ["implied"], ["solution", "implied"],
                              ["solution", "uniform"], ["tensors", "solution"])),
         "complexity": r.choice((20, 80, 300, 800)) if r.random() < 0.97 else 20000,  # arrays grow, pieces are divided
         "limits": r.sample((["--hmax", "0.5"], ["--hmin", "0.02"], ["--aspect", "20"], ["--hgrad", "1.5"],
@@ -113,7 +113,7 @@ class Trial:
     def make_mesh(self):
         case = self.case
         cells = case["cells"]
-        if case["shape"] in PLANAR:
+        if case["shape"] in (*PLANAR, "quarter ring"):
             self.run("mesh", "box", "-o", "start.mesh", "--cells", cells, max(1, cells - 1), cells + 1, "--quiet")
         else:
             self.run("mesh", case["shape"], "--size", 1.2 / (1 + cells), "-o", "start.mesh", "--quiet")
@@ -122,6 +122,9 @@ class Trial:
             mesh.points = [[x, y, 0.02 * z] for x, y, z in mesh.points]
         if case["shape"] == "sheared box":
             mesh.points = [[x + 0.7 * y, y - 0.4 * z, z + 0.3 * x] for x, y, z in mesh.points]
+        if case["shape"] == "quarter ring":  # a few chords: its boundary moves far while it is adapted
+            mesh.points = [[(0.5 + 0.5 * x) * math.cos(math.pi / 2 * z), (0.5 + 0.5 * x) * math.sin(math.pi / 2 * z), -y]
+                           for x, y, z in mesh.points]
         self.move_inner_points(mesh)
         if case["materials"] > 1:  # by sides of a plane through cells: their common boundary is jagged
             for tet in mesh.sections["Tetrahedra"]:
@@ -166,6 +169,8 @@ class Trial:
                 words += ["--metric-fn", "uniform:0.4"]
             elif source == "polar":
                 words += ["--metric-fn", "polar-1"]
+            elif source == "layers":
+                words += ["--metric-fn", "polar-2"]
             elif source == "implied":
                 words += ["--implied"]
             elif source == "solution":
