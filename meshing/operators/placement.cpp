@@ -7,41 +7,62 @@
 namespace weft::meshing {
 namespace {
 
+/// A face of curved boundary as it is once a vertex has moved, and what the reference surface is near it.
+struct MovedTriangle {
+  TetId tet;
+  int face;
+  PatchId patch;
+  std::array<Point, 3> points;
+  Vec normal;       // of the surface
+  double distance;  // of the centroid from the surface
+};
+
 /// A face that moves may not turn away from the surface, as the mesh would overlap itself: on the side where
 /// it was it stays.
-bool turns(const Worker& w, const std::array<Point, 3>& moved, TetId t, int face, const Vec& normal) {
-  const auto at = [&](int i) { return w.mesh.point(w.mesh.vertex(t, kTetFaces[face][i])); };
+bool turns(const Worker& w, const MovedTriangle& moved) {
+  const auto at = [&](int i) { return w.mesh.point(w.mesh.vertex(moved.tet, kTetFaces[moved.face][i])); };
   const Vec old = cross(at(1) - at(0), at(2) - at(0));
-  const Vec now = cross(moved[1] - moved[0], moved[2] - moved[0]);
-  const double before = dot(old, normal), after = dot(now, normal);
+  const Vec now = cross(moved.points[1] - moved.points[0], moved.points[2] - moved.points[0]);
+  const double before = dot(old, moved.normal), after = dot(now, moved.normal);
   return before > 0 ? after < 0.2 * norm(now) && after * norm(old) < before * norm(now)
                     : after > -0.2 * norm(now) && after * norm(old) > before * norm(now);
 }
 
-/// The boundary faces around the moved vertex stay near the reference surface, at their centroids; one that
-/// is too far from it already comes no farther away.
-bool stays_on_surface(Worker& w, VertexId v, const Point& x) {
+/// Whether `accept` takes each face of curved boundary around v when v is at x.
+template <typename Accept>
+bool each_moved_triangle(const Worker& w, VertexId v, const Point& x, Accept accept) {
   const TetMesh& mesh = w.mesh;
   for (const auto& [t, local] : w.ball.tets)
     for (int f = 0; f < 4; ++f) {
       const PatchId patch = f == local ? PatchId() : mesh.patch(t, f);
       if (!patch.valid() || w.kernel.surface.patches()[patch.value].planar) continue;
-      std::array<Point, 3> p;
+      MovedTriangle moved{t, f, patch, {}, {}, 0};
       VertexId near = v;
       for (int i = 0; i < 3; ++i) {
         const VertexId u = mesh.vertex(t, kTetFaces[f][i]);
-        p[i] = u == v ? x : mesh.point(u);
+        moved.points[i] = u == v ? x : mesh.point(u);
         if (u != v) near = u;
       }
-      const Point centroid = (1.0 / 3) * (p[0] + p[1] + p[2]);
+      const Point centroid = (1.0 / 3) * (moved.points[0] + moved.points[1] + moved.points[2]);
       const auto q =
           w.kernel.surface.project_to_patch(patch, centroid, mesh.kind(near), mesh.surface_hint(near));
-      const double off = norm(centroid - q.x);
-      if (off > w.kernel.hausd(patch) && off > surface_deviation(mesh, w.kernel.surface, patch, t, f))
-        return false;
-      if (turns(w, {p[0], p[1], p[2]}, t, f, q.normal)) return false;
+      moved.normal = q.normal;
+      moved.distance = norm(centroid - q.x);
+      if (!accept(moved)) return false;
     }
   return true;
+}
+
+/// The boundary faces around the moved vertex stay near the reference surface, at their centroids; one that
+/// is too far from it already comes no farther away.
+bool stays_on_surface(const Worker& w, VertexId v, const Point& x) {
+  const Surface& surface = w.kernel.surface;
+  return each_moved_triangle(w, v, x, [&](const MovedTriangle& moved) {
+    const bool far = moved.distance > w.kernel.hausd(moved.patch);
+    if (far && moved.distance > surface_deviation(w.mesh, surface, moved.patch, moved.tet, moved.face))
+      return false;
+    return !turns(w, moved);
+  });
 }
 
 }  // namespace
@@ -93,6 +114,10 @@ bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target,
   moved.metric = exp_fast(sample.log_metric);
   moved.background_hint = sample.tet;
   return true;
+}
+
+bool turns_boundary(const Worker& w, VertexId v, const Point& x) {
+  return !each_moved_triangle(w, v, x, [&](const MovedTriangle& moved) { return !turns(w, moved); });
 }
 
 void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::span<const float> qualities) {

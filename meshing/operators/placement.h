@@ -33,6 +33,10 @@ Verdict move_space(const Worker& w, VertexId v, MoveSpace& space);
 /// surface.
 bool move_to(Worker& w, VertexId v, const MoveSpace& space, const Point& target, MovedVertex& moved);
 
+/// Whether a triangle of curved boundary would turn away from the surface with `v` at `x`: the mesh would
+/// overlap itself though all tets are positive. The ball of v is gathered in w.ball.
+bool turns_boundary(const Worker& w, VertexId v, const Point& x);
+
 /// Moves the ball's centre; `qualities` are those of the ball's tets afterwards.
 void commit_move(Worker& w, const Ball& ball, const MovedVertex& moved, std::span<const float> qualities);
 

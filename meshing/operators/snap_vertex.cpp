@@ -52,6 +52,7 @@ Verdict move_towards(Worker& w, VertexId v, const Point& target) {
   for (double share = 1; share > 0.1; share *= 0.5) {
     const MovedVertex moved = moved_to(w, v, share == 1 ? target : from + share * way);
     if (w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities) <= 0) continue;
+    if (turns_boundary(w, v, moved.x)) continue;
     commit_move(w, w.ball, moved, w.qualities);
     return share == 1 ? Verdict::accepted : Verdict::inverts;
   }
