@@ -40,6 +40,16 @@ void sum_sizes(const MeshData& mesh, CheckReport& report) {
   }));
 }
 
+/// Of where vertices lie on a CAD model.
+template <class Record>
+void check_records(const char* entity, const std::vector<Record>& records, std::size_t num_points,
+                   Problems& problems) {
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (records[i].vertex >= num_points)
+      problems.add("record ", i + 1, " of a vertex on ", entity, ": vertex ",
+                   std::uint64_t{records[i].vertex} + 1, " is out of range (", num_points, " entities)");
+}
+
 std::uint64_t count_unreferenced(const MeshData& mesh) {
   std::vector<std::uint8_t> used(mesh.points.size(), 0);
   for (const Tet& tet : mesh.tets)
@@ -64,6 +74,9 @@ void check_arrays(const MeshData& mesh, Problems& problems, CollapsedTriangles c
   check_list("ridge", mesh.ridges, mesh.edges.size(), problems);
   check_list("required edge", mesh.required_edges, mesh.edges.size(), problems);
   check_list("required triangle", mesh.required_triangles, mesh.triangles.size(), problems);
+  check_records("a node of a model", mesh.association.nodes, mesh.points.size(), problems);
+  check_records("an edge of a model", mesh.association.edges, mesh.points.size(), problems);
+  check_records("a face of a model", mesh.association.faces, mesh.points.size(), problems);
   if (mesh.tets.size() >= std::size_t{1} << 30) problems.add("more than 1073741823 tets");
 }
 

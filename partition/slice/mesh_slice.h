@@ -30,8 +30,9 @@ struct MeshSlice {
 
   std::uint64_t first_triangle = 0, first_edge = 0;  ///< numbers of boundary's in the whole mesh
   /// The share of triangles and edges with their references, contiguous shares of the lists of ridges and of
-  /// required edges and triangles, and all corners and required points; all of them, and vertices, by numbers
-  /// in the whole mesh. No points and no tets. Given up when it is completed (boundary_share.h).
+  /// required edges and triangles, shares of the records of vertices on a CAD model, and all corners and
+  /// required points; all of them, and vertices, by numbers in the whole mesh. No points and no tets. Given
+  /// up when it is completed (boundary_share.h).
   meshing::MeshData boundary;
 };
 

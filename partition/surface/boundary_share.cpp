@@ -382,6 +382,7 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
   complete_edges(peers, slice.num_edges, mine, findings.outer, b);
   b.corners = std::move(mine.corners);
   b.required_points = std::move(mine.required_points);
+  b.on_model = std::move(mine.association);
   return b;
 }
 
@@ -391,6 +392,7 @@ BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice) {
   complete_edges(peers, slice.num_edges, slice.boundary, {}, b);
   b.corners = slice.boundary.corners;
   b.required_points = slice.boundary.required_points;
+  b.on_model = slice.boundary.association;
   return b;
 }
 

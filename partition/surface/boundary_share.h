@@ -35,6 +35,7 @@ struct BoundaryShare {
   std::vector<BoundaryTriangle> triangles;  ///< each on one rank
   std::vector<BoundaryEdge> edges;          ///< each once, where its lower vertex modulo the ranks says
   std::vector<std::uint32_t> corners, required_points;  ///< those listed, all on every rank
+  meshing::Association on_model;                        ///< the slice's records of vertices, without a model
   std::vector<std::string> warnings;  ///< what was repaired, in the words of meshing::import_mesh
 };
 

@@ -51,6 +51,13 @@ void take_edges(std::vector<BoundaryEdge> edges, MeshData& data) {
   }
 }
 
+/// Renumbers the records of vertices on the boundary, and forgets the others.
+template <class Record>
+void renumber_records(const std::vector<std::uint32_t>& numbers, std::vector<Record>& records) {
+  std::erase_if(records, [&](const Record& r) { return !std::ranges::binary_search(numbers, r.vertex); });
+  for (Record& r : records) r.vertex = static_cast<std::uint32_t>(meshing::place_in(numbers, r.vertex));
+}
+
 /// Renumbers by the points that occur, in their order.
 void compress(WholeBoundary& b) {
   MeshData& d = b.data;
@@ -65,6 +72,9 @@ void compress(WholeBoundary& b) {
   for (auto& e : d.edges) renumber(e);
   renumber(d.corners);
   renumber(d.required_points);
+  renumber_records(b.numbers, d.association.nodes);
+  renumber_records(b.numbers, d.association.edges);
+  renumber_records(b.numbers, d.association.faces);
 }
 
 /// All ranks: all of it on the last; elsewhere nothing.
@@ -72,6 +82,9 @@ WholeBoundary gathered(Peers& peers, BoundaryShare&& share, const FetchPoints& p
   WholeBoundary whole;
   take_triangles(sent_to_last(peers, std::exchange(share.triangles, {})), whole.data);
   take_edges(sent_to_last(peers, std::exchange(share.edges, {})), whole.data);
+  whole.data.association.nodes = sent_to_last(peers, std::move(share.on_model.nodes));
+  whole.data.association.edges = sent_to_last(peers, std::move(share.on_model.edges));
+  whole.data.association.faces = sent_to_last(peers, std::move(share.on_model.faces));
   if (peers.rank() + 1 == peers.ranks()) {
     whole.data.corners = std::move(share.corners);
     whole.data.required_points = std::move(share.required_points);

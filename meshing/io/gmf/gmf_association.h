@@ -22,13 +22,15 @@ double read_parameter(Rows& rows) {
   return value;
 }
 
-/// Calls read(record, rows) for each row of a section, behind its vertex and id.
+/// Calls read(record, rows) for each row of the range's part of a section, behind its vertex and id.
 template <class File, class Record, class Read>
-void read_records(const File& file, Keyword code, std::vector<Record>& records, const Read& read) {
+void read_records(const File& file, Keyword code, const MeshRange& range, std::vector<Record>& records,
+                  const Read& read) {
   const Section* section = file.layout().find(code);
   if (!section) return;
-  auto rows = rows_of(file, *section, all_rows(*section));
-  records.resize(section->count);
+  const RowRange part = part_of(*section, range);
+  auto rows = rows_of(file, *section, part);
+  records.resize(part.count);
   for (Record& record : records) {
     rows.begin_row();
     record.vertex = read_index(rows, file.layout().num_points(), "vertex");
@@ -78,18 +80,24 @@ void read_model(const File& file, Association& association) {
   association.model = read_model_words(rows, section->count);
 }
 
+/// The range's part of the records, without the model.
 template <class File>
-void read_association(const File& file, Association& a) {
-  read_records(file, kVerticesOnNodes, a.nodes, [](auto&, auto&) {});
-  read_records(file, kVerticesOnEdges, a.edges, [](Association::OnEdge& record, auto& rows) {
+void read_records_on_model(const File& file, const MeshRange& range, Association& a) {
+  read_records(file, kVerticesOnNodes, range, a.nodes, [](auto&, auto&) {});
+  read_records(file, kVerticesOnEdges, range, a.edges, [](Association::OnEdge& record, auto& rows) {
     record.t = read_parameter(rows);
     record.last = read_parameter(rows);
   });
-  read_records(file, kVerticesOnFaces, a.faces, [](Association::OnFace& record, auto& rows) {
+  read_records(file, kVerticesOnFaces, range, a.faces, [](Association::OnFace& record, auto& rows) {
     record.u = read_parameter(rows);
     record.v = read_parameter(rows);
     record.last = read_parameter(rows);
   });
+}
+
+template <class File>
+void read_association(const File& file, Association& a) {
+  read_records_on_model(file, {}, a);
   read_model(file, a);
 }
 

@@ -61,6 +61,7 @@ MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& l
   return read_with(path, layout, [&](const auto& file) {
     MeshData mesh;
     read_boundary(file, range, mesh);
+    read_records_on_model(file, range, mesh.association);
     return mesh;
   });
 }
@@ -72,6 +73,7 @@ MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream) 
     if (const Section* tets = layout.find(kTetrahedra)) stream_tets(file, *tets, stream);
     MeshData mesh;
     read_boundary(file, {}, mesh);
+    read_records_on_model(file, {}, mesh.association);
     return mesh;
   });
 }

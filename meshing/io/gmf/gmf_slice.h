@@ -38,13 +38,12 @@ struct GmfTets {
 GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout, std::uint64_t first,
                       std::uint64_t count);
 
-/// The range's part of triangles, edges, ridges and required ones of these, all corners and required points,
-/// by numbers in the whole mesh; neither points nor tets.
+/// The range's part of triangles, edges, ridges and required ones of these and of the records of vertices on
+/// a CAD model, all corners and required points, by numbers in the whole mesh; neither points nor tets.
 MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout,
                            const MeshRange& range = {});
 
-/// What read_gmf_mesh() returns but for points, tets and how they lie on a CAD model: points and tets go to
-/// the stream.
+/// What read_gmf_mesh() returns but for points, tets and a CAD model: points and tets go to the stream.
 MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream);
 
 /// The CAD model that the file carries, none of the records; empty where it has none.

@@ -89,6 +89,7 @@ inline void expect_equal(const MeshData& a, const MeshData& b) {
   EXPECT_EQ(a.required_points, b.required_points);
   EXPECT_EQ(a.required_edges, b.required_edges);
   EXPECT_EQ(a.required_triangles, b.required_triangles);
+  EXPECT_EQ(a.association, b.association);
 }
 
 inline void expect_equal(const SolutionData& a, const SolutionData& b) {

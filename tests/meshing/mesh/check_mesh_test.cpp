@@ -255,6 +255,9 @@ TEST(CheckMesh, FindsListEntriesOutOfRange) {
   EXPECT_EQ(check_mesh(mesh).num_problems, 5u);
   EXPECT_TRUE(finds(mesh, "corner 2: index 6 is out of range (5 entities)"));
   EXPECT_TRUE(finds(mesh, "required triangle 2: index 7 is out of range (6 entities)"));
+  mesh.association.edges = {{4, 1, 0, 1}, {5, 1, 0, 1}};
+  EXPECT_TRUE(
+      finds(mesh, "record 2 of a vertex on an edge of a model: vertex 6 is out of range (5 entities)"));
 }
 
 TEST(CheckMesh, FindsCoordinatesThatAreNotFinite) {

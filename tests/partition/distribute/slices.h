@@ -65,6 +65,9 @@ inline partition::MeshSlice slice_of(const MetricMesh& whole, int rank, int rank
   slice.boundary.ridges = share(m.ridges);
   slice.boundary.required_edges = share(m.required_edges);
   slice.boundary.required_triangles = share(m.required_triangles);
+  slice.boundary.association.nodes = share(m.association.nodes);
+  slice.boundary.association.edges = share(m.association.edges);
+  slice.boundary.association.faces = share(m.association.faces);
   slice.boundary.corners = m.corners;
   slice.boundary.required_points = m.required_points;
   return slice;

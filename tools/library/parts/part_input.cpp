@@ -278,6 +278,13 @@ void take_boundary(Peers& peers, const Mesh& mesh, const std::vector<std::uint64
   boundary.required_edges = marked(of_edges, kRequiredMark, slice.first_edge);
 }
 
+/// Records of vertices on a CAD model; of a shared vertex each rank may have them.
+template <class Record>
+std::vector<Record> numbered(std::vector<Record> records, const std::vector<std::uint64_t>& numbers) {
+  for (Record& r : records) r.vertex = static_cast<std::uint32_t>(numbers[r.vertex]);
+  return records;
+}
+
 /// A rank gives a metric where all do.
 void agree_on_metric(Peers& peers, const Metric* metric) {
   const auto all = partition::allgather(peers, std::vector<char>{metric ? char{1} : char{0}});
@@ -298,6 +305,9 @@ MeshSlice slice_of_parts(Peers& peers, const Part& part, const Metric* metric) {
   take_boundary(peers, *whole, numbers, slice);
   slice.boundary.corners = gather_vertices(peers, part.mesh.corners, numbers);
   slice.boundary.required_points = gather_vertices(peers, part.mesh.required_points, numbers);
+  slice.boundary.association.nodes = numbered(part.mesh.association.nodes, numbers);
+  slice.boundary.association.edges = numbered(part.mesh.association.edges, numbers);
+  slice.boundary.association.faces = numbered(part.mesh.association.faces, numbers);
   return slice;
 }
 

@@ -27,6 +27,9 @@ MeshData marked_cube(std::uint32_t n) {
   mesh.required_points = {3, 1};
   mesh.required_edges = {2};
   mesh.required_triangles = {0, 4};
+  mesh.association.nodes = {{0, 1}, {4, 2}};
+  mesh.association.edges = {{0, 1, 0.5, 1}, {1, 2, 0.25, 2}, {4, 3, -1, 3}};
+  mesh.association.faces = {{2, 4, 0.5, 0.75, 4}};
   return mesh;
 }
 
@@ -57,6 +60,9 @@ MeshData read_in_parts(const fs::path& path, std::uint64_t parts) {
     append(mesh.ridges, boundary.ridges);
     append(mesh.required_edges, boundary.required_edges);
     append(mesh.required_triangles, boundary.required_triangles);
+    append(mesh.association.nodes, boundary.association.nodes);
+    append(mesh.association.edges, boundary.association.edges);
+    append(mesh.association.faces, boundary.association.faces);
     mesh.corners = boundary.corners;
     mesh.required_points = boundary.required_points;
     const auto begin = [&](std::uint64_t n, std::uint64_t part) { return n * part / parts; };

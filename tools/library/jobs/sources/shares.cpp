@@ -177,6 +177,9 @@ void deal_boundary(Peers& peers, const MeshData& mesh, MeshSlice& slice) {
   b.ridges = deal(peers, mesh.ridges);
   b.required_edges = deal(peers, mesh.required_edges);
   b.required_triangles = deal(peers, mesh.required_triangles);
+  b.association.nodes = deal(peers, mesh.association.nodes);
+  b.association.edges = deal(peers, mesh.association.edges);
+  b.association.faces = deal(peers, mesh.association.faces);
   b.corners = mesh.corners;
   b.required_points = mesh.required_points;
   tell_all(peers, b.corners);
