@@ -207,6 +207,9 @@ void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::
     result.was_interface.push_back(std::move(was));
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();
+    result.surface_deviation =
+        std::max(result.surface_deviation,
+                 meshing::largest_surface_deviation(*s.mesh, geometry.surface.part(s.surface)));
     if (!geometry.surface.model()) s = {};
   });
   if (!geometry.surface.model()) return;

@@ -73,8 +73,9 @@ struct DistributedResult {
   std::vector<partition::MeshPiece> pieces;
   std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
   std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
-  std::vector<partition::PieceOnModel> on_model;         ///< of each piece, where the boundary has a model
-  meshing::OperationCounts counts;                       ///< of all subdomains that are here now
+  double surface_deviation = 0;  ///< of the pieces here: largest distance of a triangle's centroid
+  std::vector<partition::PieceOnModel> on_model;  ///< of each piece, where the boundary has a model
+  meshing::OperationCounts counts;                ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks
   std::uint32_t checks = 0;           ///< how many times all invariants were checked, and held

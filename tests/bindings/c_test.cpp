@@ -472,6 +472,67 @@ TEST_F(CInterface, ComparesMeshesOfTheSameDomain) {
   EXPECT_EQ(weft_mesh_box_between(cells, min, nullptr, &other), WEFT_MISUSE);
 }
 
+TEST_F(CInterface, RepairsWhatAdaptRefuses) {
+  const std::vector<double> points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 5, 5};
+  const std::vector<int64_t> inverted = {1, 0, 2, 3};
+  weft_mesh* mesh = nullptr;
+  ASSERT_EQ(weft_mesh_create(5, points.data(), 1, inverted.data(), &mesh), WEFT_OK);
+  keep(mesh);
+  weft_fields* fields = nullptr;
+  weft_fields_create(5, &fields);
+  keep(fields);
+  const std::vector<double> numbers = {0, 1, 2, 3, 4};
+  ASSERT_EQ(weft_fields_add(fields, "number", 1, numbers.data()), WEFT_OK);
+  weft_text* mends = nullptr;
+  ASSERT_EQ(weft_mesh_repair(mesh, fields, &mends), WEFT_OK) << weft_last_error();
+  keep(mends);
+  const char* text = nullptr;
+  weft_text_get(mends, &text);
+  EXPECT_THAT(text, HasSubstr("1 unused vertices removed (vertex 5)"));
+  int64_t problems = -1, left = 0, num_fields = 0;
+  weft_mesh_verify(mesh, &problems, nullptr);
+  EXPECT_EQ(problems, 0) << weft_last_error();
+  weft_fields_count(fields, &num_fields, &left);
+  EXPECT_EQ(left, 4);
+  EXPECT_EQ(weft_mesh_repair(mesh, fields, nullptr), WEFT_OK);  // nothing to do, nobody to tell
+  EXPECT_EQ(weft_mesh_repair(nullptr, nullptr, nullptr), WEFT_MISUSE);
+  EXPECT_EQ(weft_mesh_repair(mesh, nullptr, &mends), WEFT_OK);
+  keep(mends);
+}
+
+TEST_F(CInterface, RepairsAMetricAndASurface) {
+  weft_mesh* mesh = box(2);
+  std::vector<double> sizes(27, 0.3);
+  sizes[4] = -1;
+  weft_fields* metric = nullptr;
+  weft_fields_create(27, &metric);
+  keep(metric);
+  ASSERT_EQ(weft_fields_add(metric, "sizes", 1, sizes.data()), WEFT_OK) << weft_last_error();
+  weft_text* mends = nullptr;
+  ASSERT_EQ(weft_fields_repair_metric(metric, mesh, &mends), WEFT_OK) << weft_last_error();
+  keep(mends);
+  const double* values = nullptr;
+  const char* name = nullptr;
+  int components = 0;
+  weft_fields_get(metric, 0, &name, &components, &values);
+  EXPECT_NEAR(values[4], 0.3, 1e-12);
+
+  weft_mesh* ball = nullptr;
+  const double center[] = {0, 0, 0};
+  ASSERT_EQ(weft_ball_surface(1, center, 0.5, &ball), WEFT_OK);
+  keep(ball);
+  int64_t count = 0;
+  weft_mesh_count(ball, WEFT_TRIANGLES, &count);
+  std::vector<int64_t> triangles(static_cast<std::size_t>(3 * count));
+  weft_mesh_get(ball, WEFT_TRIANGLES, 3 * count, triangles.data());
+  std::swap(triangles[0], triangles[1]);
+  weft_mesh_set(ball, WEFT_TRIANGLES, count, triangles.data());
+  ASSERT_EQ(weft_surface_repair(ball, nullptr), WEFT_OK) << weft_last_error();
+  std::vector<int64_t> mended(triangles.size());
+  weft_mesh_get(ball, WEFT_TRIANGLES, 3 * count, mended.data());
+  EXPECT_NE(mended, triangles);
+}
+
 TEST_F(CInterface, StatTellsAllThatTheCommandTells) {
   weft_mesh* mesh = box(2);
   weft_text* text = nullptr;

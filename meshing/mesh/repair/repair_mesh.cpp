@@ -131,8 +131,20 @@ class Repair {
     renumber_points(now);
   }
 
+  /// Where vertices lie on a CAD model; those of vertices that are gone go.
+  void renumber_records(const std::vector<std::uint32_t>& now) {
+    const auto renumber = [&](auto& records) {
+      std::erase_if(records, [&](const auto& r) { return r.vertex >= now.size() || now[r.vertex] == kGone; });
+      for (auto& r : records) r.vertex = now[r.vertex];
+    };
+    renumber(m_.association.nodes);
+    renumber(m_.association.edges);
+    renumber(m_.association.faces);
+  }
+
   void renumber_points(const std::vector<std::uint32_t>& now) {
     renumber_vertices(m_.tets, now);
+    renumber_records(now);
     const auto renumber = [&](auto& entities) {
       for (auto& e : entities)
         for (std::uint32_t& v : e) v = v < now.size() ? now[v] : kGone;
@@ -208,6 +220,7 @@ class Repair {
     renumber_vertices(m_.tets, new_index);
     renumber_vertices(m_.triangles, new_index);
     renumber_vertices(m_.edges, new_index);
+    renumber_records(new_index);
     for (auto* list : {&m_.corners, &m_.required_points}) {
       std::set<std::uint32_t> there;
       for (const std::uint32_t v : *list)

@@ -4,7 +4,7 @@ program reach
   use weft
   implicit none
   type(c_ptr) :: mesh = c_null_ptr, other = c_null_ptr, metric = c_null_ptr, options = c_null_ptr, &
-    result = c_null_ptr, ball = c_null_ptr, filled = c_null_ptr, sizes = c_null_ptr, fields = c_null_ptr, &
+    result = c_null_ptr, ball = c_null_ptr, broken = c_null_ptr, filled = c_null_ptr, sizes = c_null_ptr, fields = c_null_ptr, &
     there = c_null_ptr, part = c_null_ptr
   type(weft_measures) :: measures
   type(weft_fill_settings) :: settings
@@ -50,6 +50,15 @@ program reach
   call check(weft_stat(mesh, metric, c_null_ptr, text))
   if (index(text, '"schema": "weft-stat-1"') == 0 .or. index(text, "histogram") == 0) error stop "stat"
   call check(weft_draw_histograms("plot.svg", mesh, metric))
+
+  ! Repair: a mesh with a vertex of no tet.
+  call check(weft_mesh_create(reshape([0d0,0d0,0d0, 1d0,0d0,0d0, 0d0,1d0,0d0, 0d0,0d0,1d0, 5d0,5d0,5d0], [3, 5]), &
+      reshape([1_c_int64_t, 2_c_int64_t, 3_c_int64_t, 4_c_int64_t], [4, 1]), broken))
+  call check(weft_mesh_repair(broken, c_null_ptr, text))
+  if (index(text, "unused vertices removed") == 0) error stop "nothing was repaired"
+  call check(weft_mesh_num_points(broken, count))
+  if (count /= 4) error stop "the vertex is still there"
+  call check(weft_free(broken))
 
   ! Files.
   call check(weft_mesh_write(mesh, "start.meshb"))

@@ -233,3 +233,29 @@ def test_options_are_those_of_the_command():
     beside = {"help", "out", "field", "progress", "quiet"}  # of the command line, output= and fields=
     assert of_command <= documented
     assert {name.replace("-", "_") for name in documented - of_command - beside} <= named
+
+
+def test_repair_mends_what_adapt_refuses(start):
+    tets = start.tets.copy()
+    tets[0] = tets[0][[1, 0, 2, 3]]
+    points = np.vstack([start.points, [[9, 9, 9]]])
+    mended, fields, mends = weft.repair((points, tets, start.triangles), {"x": points[:, 0]})
+    assert weft.verify(mended) and len(mended.points) == len(start.points)
+    assert np.array_equal(fields["x"], mended.points[:, 0])
+    assert any("unused vertices removed" in line for line in mends)
+    assert weft.repair(start)[2] == []
+
+
+def test_repair_mends_metrics_and_surfaces(start):
+    sizes = np.full(len(start.points), 0.3)
+    sizes[3] = np.nan
+    metric, mends = weft.repair_metric(start, sizes)
+    assert metric == pytest.approx(np.full(len(start.points), 0.3)) and len(mends) == 1
+    tensors = np.tile([10.0, 0, 0, 10, 0, 10], (len(start.points), 1))
+    tensors[5, 0] = -1
+    metric, mends = weft.repair_metric(start, tensors, order="sol")
+    assert metric.shape == (len(start.points), 3, 3) and np.linalg.eigvalsh(metric).min() > 0 and mends
+    ball = weft.ball_surface(1, size=0.5)
+    doubled = (ball.points, np.empty((0, 4), int), np.vstack([ball.triangles, ball.triangles[:1]]))
+    mended, mends = weft.repair_surface(doubled)
+    assert len(mended.triangles) == len(ball.triangles) and mends

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -68,23 +67,6 @@ TEST(CurvatureInParts, HasTheBitsOfTheWholeMesh) {
 TEST(CurvatureInParts, OfAModelToo) {
   expect_that_of_the_whole(support::ball(2, 2), {20, 0, 45},
                            std::make_shared<const meshing::Model>(meshing::ball_model({0, 0, 0}, 1)));
-}
-
-TEST(CurvatureInParts, BelievesRecordsOfVerticesAsTheWholeDoes) {
-  const auto model = std::make_shared<const meshing::Model>(meshing::frustum_model({0, 0, 0}, 1, 1, 2));
-  MeshData mesh = support::cylinder(24, 3, 6, 2);
-  support::shuffle(mesh, 2);
-  const CurvatureOptions options{20, 0, 45};
-  const LogMetricField without = meshing::curvature_metric(mesh, options, model);
-  // Of some vertices on the lower rim: the end alone, so that no triangle beside them is on the side.
-  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
-    if (mesh.points[v].z != 0 || mesh.points[v].x < 0.7) continue;
-    const meshing::OnFace on = model->closest_within(1, mesh.points[v]);
-    mesh.association.faces.push_back({v, 2, on.at[0], on.at[1], 2});
-  }
-  ASSERT_FALSE(mesh.association.empty());
-  EXPECT_NE(meshing::curvature_metric(mesh, options, model), without);
-  expect_that_of_the_whole(mesh, options, model);
 }
 
 TEST(MayCurve, IsTheSameForAnySharesAndTellsRoundFromPlanar) {

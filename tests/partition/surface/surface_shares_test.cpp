@@ -6,12 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <numbers>
 #include <numeric>
 #include <random>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "meshing/geometry/model/analytic_model.h"
+#include "meshing/geometry/model/model.h"
 #include "meshing/geometry/surface/surface.h"
 #include "partition/surface/joined_patches.h"
 #include "partition/surface/surface_parts.h"
@@ -213,6 +219,29 @@ class Comparison {
 void expect_all_ranks_make_pieces(Comparison& comparison) {
   for (const int ranks : support::kNumbersOfRanks)
     EXPECT_EQ(comparison.check(ranks), static_cast<std::size_t>(ranks));
+}
+
+TEST(SurfaceParts, HearTheRecordsOfAllRanksOnAModel) {
+  const auto model = std::make_shared<const meshing::Model>(meshing::frustum_model({0, 0, 0}, 1, 1, 2));
+  const MeshData mesh = body(1);
+  for (const bool fit : {true, false})
+    support::run_ranks(3, [&](Peers& peers) {
+      BoundaryShare share = share_of(mesh, peers);
+      for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+        if (mesh.points[v].z != 0 || static_cast<int>(v) % peers.ranks() != peers.rank()) continue;
+        const meshing::OnFace on = model->closest_within(1, mesh.points[v]);
+        share.on_model.faces.push_back({v, fit ? 2 : 9, on.at[0], on.at[1], 2});
+      }
+      const FetchPoints points = [&](const std::vector<std::uint32_t>& numbers) {
+        std::vector<Point> found;
+        for (const std::uint32_t v : numbers) found.push_back(mesh.points[v]);
+        return found;
+      };
+      std::vector<std::string> warnings;
+      build_surface_parts(peers, std::move(share), points, 45, model, warnings);
+      const auto unfit = [](const std::string& w) { return w.find("do not fit") != std::string::npos; };
+      EXPECT_EQ(std::ranges::any_of(warnings, unfit), !fit);
+    });
 }
 
 TEST(SurfaceShares, AreTheWholeSurface) {

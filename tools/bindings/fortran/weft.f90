@@ -88,7 +88,8 @@ module weft
     weft_mesh_compare, weft_metric_complexity, weft_fields_read, weft_fields_write, weft_fields_account, &
     weft_fields_outside, weft_options_cancel, weft_options_checkpoint, weft_part_ghosts, weft_result_json, &
     weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
-    weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface
+    weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface, weft_mesh_repair, &
+    weft_fields_repair_metric, weft_surface_repair
 
   interface weft_options_set
     module procedure options_set_text, options_set_real, options_set_integer
@@ -335,6 +336,16 @@ module weft
     end function
     function c_stat(mesh, metric, options, json) bind(c, name="weft_stat")
       import; type(c_ptr), value :: mesh, metric, options; type(c_ptr), intent(inout) :: json; integer(c_int) :: c_stat
+    end function
+    function c_mesh_repair(mesh, fields, mends) bind(c, name="weft_mesh_repair")
+      import; type(c_ptr), value :: mesh, fields; type(c_ptr), intent(inout) :: mends; integer(c_int) :: c_mesh_repair
+    end function
+    function c_fields_repair_metric(fields, mesh, mends) bind(c, name="weft_fields_repair_metric")
+      import; type(c_ptr), value :: fields, mesh; type(c_ptr), intent(inout) :: mends
+      integer(c_int) :: c_fields_repair_metric
+    end function
+    function c_surface_repair(surface, mends) bind(c, name="weft_surface_repair")
+      import; type(c_ptr), value :: surface; type(c_ptr), intent(inout) :: mends; integer(c_int) :: c_surface_repair
     end function
     function c_draw_histograms(path, mesh, metric) bind(c, name="weft_draw_histograms")
       import; character(c_char), intent(in) :: path(*); type(c_ptr), value :: mesh, metric
@@ -845,6 +856,40 @@ contains
     status = c_stat(mesh, metric, options, told)
     if (status == weft_ok) json = text_taken(told)
   end function weft_stat
+
+  !> Mends what can be mended of a mesh that weft_adapt() would refuse; fields (c_null_ptr: none) at its vertices
+  !> follow. mends: what was done.
+  function weft_mesh_repair(mesh, fields, mends) result(status)
+    type(c_ptr), intent(in) :: mesh, fields
+    character(:), allocatable, intent(inout) :: mends
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_mesh_repair(mesh, fields, told)
+    if (status == weft_ok) mends = text_taken(told)
+  end function weft_mesh_repair
+
+  !> The same for a metric in fields (tensors or sizes) at the vertices of a mesh.
+  function weft_fields_repair_metric(fields, mesh, mends) result(status)
+    type(c_ptr), intent(in) :: fields, mesh
+    character(:), allocatable, intent(inout) :: mends
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_fields_repair_metric(fields, mesh, told)
+    if (status == weft_ok) mends = text_taken(told)
+  end function weft_fields_repair_metric
+
+  !> The same for triangles that are to bound a volume, before weft_fill().
+  function weft_surface_repair(surface, mends) result(status)
+    type(c_ptr), intent(in) :: surface
+    character(:), allocatable, intent(inout) :: mends
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_surface_repair(surface, told)
+    if (status == weft_ok) mends = text_taken(told)
+  end function weft_surface_repair
 
   !> Histograms of quality and length: .png, .svg or .pdf.
   function weft_draw_histograms(path, mesh, metric) result(status)

@@ -121,7 +121,7 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   if (!fields.fields.empty()) carry_fields(run, old, fields, options.transfer, result);
   result.times.fields = watch.lap();
   result.times.total = total.lap();
-  result.peak_memory = tools::peak_memory_bytes();
+  result.peak_memory = partition::max(run.peers(), tools::peak_memory_bytes());
   return result;
 }
 

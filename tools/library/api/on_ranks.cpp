@@ -23,6 +23,7 @@
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
+#include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/shares.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/world.h"
@@ -48,11 +49,23 @@ void warn_of_fields(Peers& peers, const std::vector<std::string>& files, DoneOnR
       done.warnings.push_back(tools::read_whole_warning(file, "fields"));
 }
 
+/// Of each rank, which reads it itself.
+std::shared_ptr<const meshing::Model> read_model(Peers& peers, const GeometryOptions& geometry,
+                                                 const std::string& mesh) {
+  std::shared_ptr<const meshing::Model> model;
+  partition::agree_on(peers, [&] {
+    meshing::MeshData carrier;
+    if (geometry.model == "carried") carrier.association = meshing::read_carried_model(mesh);
+    model = tools::model_of(geometry, carrier, mesh);
+  });
+  return model;
+}
+
 /// The metric that the options ask for at the points of the slice, scaled and limited.
-void add_metric(Peers& peers, const MetricOptions& options, const std::string& mesh, MeshSlice& slice,
-                DoneOnRanks& done) {
+void add_metric(Peers& peers, const MetricOptions& options, const std::string& mesh,
+                const std::shared_ptr<const meshing::Model>& model, MeshSlice& slice, DoneOnRanks& done) {
   warn_of_fields(peers, tools::files_of(options), done);
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, mesh, nullptr);
+  tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, mesh, model);
   slice.log_metrics = std::move(made.field);
   done.warnings.insert(done.warnings.end(), made.warnings.begin(), made.warnings.end());
 }
@@ -78,29 +91,30 @@ PlaceOnRanks place_on_ranks() {
 }
 
 MetricOnRanks write_metric_on_ranks(const std::string& mesh, const MetricOptions& options,
-                                    const std::string& output) {
+                                    const std::string& output, const GeometryOptions& geometry, int threads) {
   Options all;
   all.metric = options;
+  all.geometry = geometry;
   validate(all);
   MetricOnRanks result;
-  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+  const auto make = [&](Peers& peers) {
     check_output(peers, output);
     MeshSlice slice = read_mesh(peers, mesh, result).slice;
-    add_metric(peers, options, mesh, slice, result);
+    add_metric(peers, options, mesh, read_model(peers, geometry, mesh), slice, result);
     result.vertices = slice.num_points;
     const partition::PartDomain domain(peers, slice, 1);
     result.complexity = domain.complexity(domain.from_slices(slice.log_metrics));
     partition::write_fields_of_slices(peers, slice, meshing::solution_from_metric(slice.log_metrics), output);
-  });
-  result.first = first;
+  };
+  result.first = tools::on_peers_of_world(make, threads);
   return result;
 }
 
 TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<std::string>& files,
-                                     const std::string& to, const std::string& output,
-                                     TransferMethod method) {
+                                     const std::string& to, const std::string& output, TransferMethod method,
+                                     int threads) {
   TransferOnRanks result;
-  const bool first = tools::on_peers_of_world([&](Peers& peers) {
+  const auto transfer = [&](Peers& peers) {
     check_output(peers, output);
     const MeshSlice old = partition::without_boundary(read_mesh(peers, from, result).slice);
     const MeshSlice now = partition::without_boundary(read_mesh(peers, to, result).slice);
@@ -111,37 +125,17 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
     result.vertices = now.num_points;
     result.fields = fields.fields.size();
     partition::write_fields_of_slices(peers, now, std::exchange(result.transfer.fields, {}), output);
-  });
-  result.first = first;
+  };
+  result.first = tools::on_peers_of_world(transfer, threads);
   return result;
 }
-
-namespace {
-
-/// All ranks: of the whole mesh.
-meshing::ContentCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
-  meshing::ContentCounts counts = meshing::counts_of(slice.boundary);
-  const std::vector<std::uint64_t> sums = partition::sum(
-      peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles,
-                         meshing::count_nonzero(slice.point_refs), meshing::count_nonzero(slice.tet_refs)});
-  counts.ridges = sums[0];
-  counts.required_edges = sums[1];
-  counts.required_triangles = sums[2];
-  counts.point_refs = sums[3];
-  counts.tet_refs = sums[4];
-  counts.tets = slice.num_tets;
-  counts.edges = slice.num_edges;
-  return counts;
-}
-
-}  // namespace
 
 MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& options) {
   MeasuresOnRanks result;
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     MeshSlice slice = read_mesh(peers, mesh, result).slice;
     result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
-    const meshing::ContentCounts counts = counts_of_slices(peers, slice);
+    const meshing::ContentCounts counts = tools::counts_of_slices(peers, slice);
     result.corners = counts.corners;
     result.ridges = counts.ridges;
     result.required_vertices = counts.required_points;
@@ -156,7 +150,7 @@ MeasuresOnRanks measure_on_ranks(const std::string& mesh, const MetricOptions& o
     result.geometry.volume_by_ref = std::move(geometry.volume_by_ref);
     result.geometry.area_by_ref = std::move(geometry.area_by_ref);
     if (!options.given()) return;
-    add_metric(peers, options, mesh, slice, result);
+    add_metric(peers, options, mesh, nullptr, slice, result);
     result.measures = partition::measure_slices(peers, slice);
   });
   result.first = first;
@@ -236,7 +230,7 @@ ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& s
     const std::string file = meshing::solution_beside(output).string();
     if (beside) check_output(peers, file);
     result.counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
-    for (Dropped& lost : meshing::lost_in(output, counts_of_slices(peers, slice), fields, share.names))
+    for (Dropped& lost : meshing::lost_in(output, tools::counts_of_slices(peers, slice), fields, share.names))
       result.dropped.push_back(std::move(lost));
     if (is_pvtu(output)) {
       WriteOptions of_pieces = options;

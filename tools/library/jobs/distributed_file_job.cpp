@@ -1,5 +1,7 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -11,6 +13,7 @@
 #include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/reduce.h"
 #include "partition/fields/piece_slices.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/merge_pieces.h"
@@ -24,6 +27,7 @@
 #include "tools/library/jobs/file_outputs.h"
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/world.h"
 #include "tools/library/parts/piece_moves.h"
@@ -81,11 +85,15 @@ class DistributedFileJob {
         carried_ = meshing::read_carried_model(files_.input);
     });
     carrier.association.model = carried_.model;
-    SliceInput input = read_slice(run_.peers(), files_, options_, run_.read_model(carrier, files_.input));
+    const auto model = run_.read_model(carrier, files_.input);
+    SliceInput input = on_threads([&] { return read_slice(run_.peers(), files_, options_, model); });
     account_.warnings = input.warnings;
     account_.surface_limit = input.surface_limit;
     account_.mends = input.mends;
     names_ = std::move(input.names);
+    std::ranges::move(loss_warnings(account_.outputs.mesh, counts_of_slices(run_.peers(), input.slice),
+                                    names_, !options_.geometry.model.empty()),
+                      std::back_inserter(account_.warnings));
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
@@ -100,6 +108,12 @@ class DistributedFileJob {
     if (files_.fields.empty()) return;
     old_ = partition::without_boundary(input.slice);
     fields_ = std::move(input.fields);
+  }
+
+  /// Outside the engine: other ranks have the other cores.
+  template <class Work>
+  auto on_threads(const Work& work) const {
+    return with_threads(std::max(1, options_.run.threads), work);
   }
 
   bool written_by_all() const {
@@ -117,7 +131,9 @@ class DistributedFileJob {
     const partition::Numbering numbering = partition::number_pieces(run_.peers(), run_.pieces());
     const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
     meshing::Transfer result = naming(files_.input, [&] {
-      return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer);
+      return on_threads([&] {
+        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer);
+      });
     });
     old_ = {};
     const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
@@ -168,7 +184,7 @@ class DistributedFileJob {
 
   void finish() {
     account_.times.total = total_.lap();
-    account_.peak_memory = peak_memory_bytes();
+    account_.peak_memory = partition::max(run_.peers(), peak_memory_bytes());
     run_.gather_machines();
     run_.account_for_exchanges();
     if (!run_.first() || !keep_.record) return;

@@ -263,6 +263,8 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   report.cancelled = reason != EndReason::none;
   report.ended_by = text_of(reason);
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
+  report.surface_deviation = partition::max(*peers_, result_.surface_deviation);
+  report.hausd = rank_.plan.hausd;
   if (model_)
     report.model = std::make_shared<const ModelAccount>(
         meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model)));

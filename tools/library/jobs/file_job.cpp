@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <utility>
@@ -80,6 +81,9 @@ class FileJob {
     result_ = adapt_one(input, options_, monitor_);
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);
+    std::ranges::move(loss_warnings(run_.outputs.mesh, meshing::counts_of(input_), names_,
+                                    !options_.geometry.model.empty()),
+                      std::back_inserter(result_.warnings));
     fields_ = {};
     watch_.lap();
   }

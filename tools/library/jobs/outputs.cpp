@@ -1,6 +1,7 @@
 // Temporary names, renames and clean-up.
 #include "tools/library/jobs/outputs.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "meshing/base/error.h"
 #include "meshing/io/files/atomic_file.h"
 #include "meshing/io/mesh_file.h"
+#include "tools/common/text.h"
 
 namespace weft::tools {
 namespace {
@@ -109,6 +111,20 @@ void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mes
   const meshing::FormerFile before(path);
   meshing::write_mesh_contents(path, {mesh, inside ? fields : meshing::SolutionData{}, names});
   if (beside) beside->commit();
+}
+
+std::vector<std::string> loss_warnings(const std::string& mesh, meshing::ContentCounts input,
+                                       const meshing::RefNames& names, bool on_model) {
+  std::vector<std::string> warnings;
+  if (!on_model && input.on_model > 0)
+    warnings.push_back(fmt::format(
+        "the input's {} records of vertices on a CAD model are not kept: --geometry makes them anew",
+        grouped(input.on_model)));
+  if (!on_model) input.on_model = input.models = 0;
+  for (const Dropped& lost : meshing::lost_in(mesh, input, {}, names))
+    warnings.push_back(fmt::format("{} does not keep the input's {}{}", mesh,
+                                   lost.count > 0 ? grouped(lost.count) + " " : "", lost.what));
+  return warnings;
 }
 
 void write_text(const std::string& path, const std::string& text) {

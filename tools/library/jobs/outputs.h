@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "meshing/io/files/mesh_contents.h"
+#include "meshing/io/mesh_file.h"
 
 namespace weft::tools {
 
@@ -30,6 +32,11 @@ void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData&
 /// Writes the mesh with the fields: in its file where the format holds them, else in the one beside.
 void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mesh,
                            const meshing::SolutionData& fields, const meshing::RefNames& names);
+
+/// Warnings of what the file will not keep of the input's content. Where its vertices' records on a CAD model
+/// are not made anew (`on_model`), of these too.
+std::vector<std::string> loss_warnings(const std::string& mesh, meshing::ContentCounts input,
+                                       const meshing::RefNames& names, bool on_model);
 
 /// Writes beside, then renames.
 void write_text(const std::string& path, const std::string& text);

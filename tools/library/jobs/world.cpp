@@ -6,6 +6,7 @@
 #include "graph/adaptation/engine_peers.h"
 #include "meshing/base/error.h"
 #include "partition/verify/check_subdomains.h"
+#include "tools/library/jobs/resources/threads.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
@@ -36,7 +37,7 @@ void on_world_telling(const RankBody& body) {
   });
 }
 
-bool on_peers_of_world(const std::function<void(partition::Peers&)>& body) {
+bool on_peers_of_world(const std::function<void(partition::Peers&)>& body, int threads) {
   bool first = true;
   on_world_telling([&](engine::Transport& transport) {
     engine::Registry registry;
@@ -44,7 +45,7 @@ bool on_peers_of_world(const std::function<void(partition::Peers&)>& body) {
     engine::Runtime runtime(transport, registry, {});
     graph::adaptation::EnginePeers peers(runtime);
     first = peers.rank() == 0;
-    body(peers);
+    with_threads(number_of_threads(threads), [&] { body(peers); });
   });
   return first;
 }

@@ -135,7 +135,7 @@ std::string summary_text(const Report& run) {
   text += operations_text(run.operations) + "\n";
   if (!run.field_accounts.empty()) text += accounts_text(run.field_accounts, run.transfer) + "\n";
   text += limit_text(run.surface_limit);
-  if (!run.distributed) text += surface_text(run);
+  text += surface_text(run);
   if (run.model) text += model_text(*run.model, false);
   text += mends_text(run.mends);
   for (const std::string& warning : run.warnings) text += "warning: " + warning + "\n";

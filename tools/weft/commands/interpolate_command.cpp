@@ -48,7 +48,7 @@ void tell(const InterpolateCommand& command, std::size_t fields, std::uint64_t v
 
 int run_on_ranks(const InterpolateCommand& command) {
   const TransferOnRanks done = interpolate_on_ranks(command.from, command.fields.files, command.to,
-                                                    command.output, command.fields.method);
+                                                    command.output, command.fields.method, command.threads);
   if (!done.first) return kDone;
   for (const std::string& warning : done.warnings) command.verbosity.print("warning: {}\n", warning);
   tell(command, done.fields, done.vertices, done.transfer);

@@ -10,6 +10,7 @@
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
+#include "tools/weft/options/model_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -22,6 +23,7 @@ namespace {
 constexpr const char* kMetricFooter = R"(Examples:
   weft metric wing.meshb --sol mach.solb --complexity 50000 --hgrad 1.5 -o metric.solb
   weft metric cube.meshb --metric-fn polar-2 --complexity 50000 -o cube.solb
+  weft metric wing.meshb --curvature 24 --geometry wing.step -o wing.solb
   weft metric pipe.meshb --curvature 24 --wall 1,2 --wall-height 1e-4 --hgrad 1.5 -o layers.solb
 
 All metrics given are intersected. The sources (--metric, --metric-fn, --sol, --implied) are scaled so that
@@ -31,6 +33,7 @@ which are not scaled, and after limits and gradation.)";
 struct MetricCommand {
   std::string mesh, output;
   MetricOptions metric;
+  GeometryOptions geometry;
   int threads = 1;
   Verbosity verbosity;
 };
@@ -43,7 +46,8 @@ void tell(const MetricCommand& command, const std::vector<std::string>& warnings
 }
 
 int run_on_ranks(const MetricCommand& command) {
-  const MetricOnRanks done = write_metric_on_ranks(command.mesh, command.metric, command.output);
+  const MetricOnRanks done =
+      write_metric_on_ranks(command.mesh, command.metric, command.output, command.geometry, command.threads);
   if (done.first) tell(command, done.warnings, done.vertices, done.complexity);
   return kDone;
 }
@@ -59,7 +63,8 @@ int run_metric(const MetricCommand& command) {
   progress.phase("reading");
   const Mesh mesh = read_mesh(command.mesh);
   progress.phase("metric");
-  const auto [metric, warnings] = make_metric(mesh, command.metric, command.mesh, command.threads);
+  const auto [metric, warnings] =
+      make_metric(mesh, command.metric, command.geometry, command.mesh, command.threads);
   progress.phase("writing");
   write_fields(command.output, metric.fields());
   progress.finish();
@@ -82,6 +87,7 @@ void add_metric_command(CLI::App& app, Action& action) {
   add_metric_source(*sub, command->metric);
   add_metric_construction(*sub, command->metric);
   add_metric_processing(*sub, command->metric);
+  add_model(*sub, command->geometry);
   add_threads(*sub, command->threads);
   add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_metric(*command); }; });

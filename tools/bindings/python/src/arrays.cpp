@@ -128,13 +128,13 @@ bool is_full_tensors(const py::array& array) {
 
 /// Errors call it `argument['name']`.
 Field field_of(const std::string& argument, const std::string& name, const py::object& given,
-               std::size_t num_points, const std::optional<std::string>& order) {
+               std::size_t num_points, const std::optional<std::string>& order, Values values) {
   const std::string called = argument + "['" + name + "']";
   const RealArray array = real_array(given, called.c_str());
   if (array.ndim() < 1 || array.shape(0) != static_cast<py::ssize_t>(num_points))
     refuse(called, "has shape " + shape_text(array) + ", not one row for each of the " +
                        std::to_string(num_points) + " points");
-  require_finite(array, called.c_str());
+  if (values == Values::finite) require_finite(array, called.c_str());
   const bool tensors = is_full_tensors(array) || (array.ndim() == 2 && array.shape(1) == 6);
   if (tensors) {
     Field field{Field::Kind::tensor, {}, name};
@@ -267,14 +267,14 @@ Metric metric_of(const py::object& values, const std::optional<std::string>& ord
 }
 
 Fields fields_of(const py::object& dictionary, std::size_t num_points,
-                 const std::optional<std::string>& order, const std::string& argument) {
+                 const std::optional<std::string>& order, const std::string& argument, Values values) {
   Fields fields{num_points, {}};
   if (dictionary.is_none()) return fields;
   if (!py::isinstance<py::dict>(dictionary))
     throw UsageError(argument + ": is no dictionary from names to arrays");
-  for (const auto& [name, values] : py::reinterpret_borrow<py::dict>(dictionary))
-    fields.fields.push_back(
-        field_of(argument, py::str(name), py::reinterpret_borrow<py::object>(values), num_points, order));
+  for (const auto& [name, array] : py::reinterpret_borrow<py::dict>(dictionary))
+    fields.fields.push_back(field_of(argument, py::str(name), py::reinterpret_borrow<py::object>(array),
+                                     num_points, order, values));
   return fields;
 }
 

@@ -41,9 +41,11 @@ std::vector<std::uint64_t> ids_of(const py::object& values, std::size_t count, c
 /// Sizes (n), tensors (n, 6) in the order named or (n, 3, 3).
 Metric metric_of(const py::object& values, const std::optional<std::string>& order);
 /// Fields of a dictionary, which errors call `argument`: (n), (n, 3), (n, 3, 3), or (n, 6) in the order
-/// named.
+/// named. Values are finite but where they are to be repaired.
+enum class Values { finite, any };
 Fields fields_of(const py::object& dictionary, std::size_t num_points,
-                 const std::optional<std::string>& order, const std::string& argument = "fields");
+                 const std::optional<std::string>& order, const std::string& argument = "fields",
+                 Values values = Values::finite);
 /// The reverse: views of the fields, which keep `owner` alive; tensors are copied to (n, 3, 3).
 py::dict dictionary_of(const Fields& fields, const py::object& owner);
 /// A metric's tensors as (n, 3, 3), or as (n, 6) in the order named.

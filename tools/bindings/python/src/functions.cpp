@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
@@ -61,6 +62,54 @@ py::dict run_verify(const Mesh& mesh, const std::shared_ptr<Mesh>& against, int 
   all["touching_edges"] = report.touching_edges;
   all["touching_vertices"] = report.touching_vertices;
   return all;
+}
+
+/// What was done, a line each.
+std::vector<std::string> lines_of(const std::vector<Mend>& mends) {
+  std::istringstream text(mends_text(mends));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Fields that live as long as what Python makes of them.
+py::dict dictionary_of(const std::shared_ptr<Fields>& fields) {
+  const py::capsule owner(new std::shared_ptr<Fields>(fields),
+                          [](void* held) { delete static_cast<std::shared_ptr<Fields>*>(held); });
+  return dictionary_of(*fields, owner);
+}
+
+py::tuple run_repair(const Mesh& mesh, const py::object& fields, const std::optional<std::string>& order) {
+  const auto mended = std::make_shared<Mesh>(mesh);
+  const auto carried = std::make_shared<Fields>(fields_of(fields, mesh.points.size(), order));
+  std::vector<Mend> mends;
+  {
+    const py::gil_scoped_release released;
+    mends = repair(*mended, carried.get());
+  }
+  return py::make_tuple(mended, dictionary_of(carried), lines_of(mends));
+}
+
+py::tuple run_repair_metric(const Mesh& mesh, const py::object& fields,
+                            const std::optional<std::string>& order) {
+  const auto mended =
+      std::make_shared<Fields>(fields_of(fields, mesh.points.size(), order, "fields", Values::any));
+  std::vector<Mend> mends;
+  {
+    const py::gil_scoped_release released;
+    mends = repair_metric(mesh, *mended);
+  }
+  return py::make_tuple(dictionary_of(mended), lines_of(mends));
+}
+
+py::tuple run_repair_surface(const Mesh& surface) {
+  const auto mended = std::make_shared<Mesh>(surface);
+  std::vector<Mend> mends;
+  {
+    const py::gil_scoped_release released;
+    mends = repair_surface(*mended);
+  }
+  return py::make_tuple(mended, lines_of(mends));
 }
 
 py::dict account(const ComponentAccount& a) {
@@ -161,6 +210,9 @@ void add_functions(py::module_& module) {
   module.def("stat", &run_stat);
   module.def("verify", &run_verify);
   module.def("interpolate", &run_interpolate);
+  module.def("repair", &run_repair);
+  module.def("repair_metric", &run_repair_metric);
+  module.def("repair_surface", &run_repair_surface);
   module.def("box", &run_box, Released());
   module.def("ball_surface", &run_ball, Released());
   module.def("cylinder_surface", &run_cylinder, Released());

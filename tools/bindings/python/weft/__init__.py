@@ -56,7 +56,7 @@ __all__ = [
     "SimulatedFilesResult", "Transfer", "UsageError", "adapt", "adapt_files", "as_mesh", "ball_surface", "box",
     "complexity", "convert", "cylinder_surface", "delta_wing_surface", "draw", "draw_histograms", "fill", "from_meshio",
     "from_pyvista", "interpolate", "loop", "make_metric", "measure", "options", "read", "read_fields", "read_file",
-    "read_metric", "stat", "tessellate", "to_meshio", "to_pyvista", "verify", "version_details", "write",
+    "read_metric", "repair", "repair_metric", "repair_surface", "stat", "tessellate", "to_meshio", "to_pyvista", "verify", "version_details", "write",
     "write_fields", "write_metric",
 ]
 
@@ -320,6 +320,29 @@ def verify(mesh: MeshLike, against: MeshLike = None, *, max_problems: int = 20) 
     areas by reference must agree to 1e-9, as they do where the boundary is planar."""
     other = None if against is None else as_mesh(against)
     return Check(**_weft.verify(as_mesh(mesh), other, max_problems))
+
+
+@_checked
+def repair(mesh: MeshLike, fields: Optional[_Fields] = None, *,
+           order: Optional[str] = None) -> Tuple[Mesh, Dict[str, "_np.ndarray"], List[str]]:
+    """Mends what can be mended of a mesh that adapt() would refuse: the mesh, the fields at its points, and a line for
+    each kind of mend. Raises InputError for what cannot be mended."""
+    return _weft.repair(as_mesh(mesh), {} if fields is None else fields, order)
+
+
+@_checked
+def repair_metric(mesh: MeshLike, metric: "_np.ndarray", *,
+                  order: Optional[str] = None) -> Tuple["_np.ndarray", List[str]]:
+    """The same for sizes (n), or tensors (n, 3, 3) or, with an order, (n, 6): values that are not finite or not positive
+    definite become means of their neighbours'. Tensors come back as (n, 3, 3)."""
+    fields, mends = _weft.repair_metric(as_mesh(mesh), {"metric": metric}, order)
+    return fields["metric"], mends
+
+
+@_checked
+def repair_surface(surface: MeshLike) -> Tuple[Mesh, List[str]]:
+    """The same for triangles that are to bound a volume, before fill()."""
+    return _weft.repair_surface(as_mesh(surface))
 
 
 @_dataclass(frozen=True)

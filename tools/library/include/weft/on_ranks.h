@@ -29,10 +29,13 @@ struct MetricOnRanks : DoneOnRanks {
   std::uint64_t vertices = 0;
   double complexity = 0;
 };
-/// Writes the metric that options ask for at the vertices of a mesh: the same bytes for any number of ranks,
-/// and those of make_metric() but for rounding in the complexity that is sought.
+/// Writes the metric that options ask for at the vertices of a mesh, with the boundary's curvature from the
+/// CAD model of `geometry`, if it names one: the same bytes for any number of ranks, and those of
+/// make_metric() but for rounding in the complexity that is sought. `threads`: of each rank; 0 means all
+/// cores.
 WEFT_API MetricOnRanks write_metric_on_ranks(const std::string& mesh, const MetricOptions& options,
-                                             const std::string& output);
+                                             const std::string& output, const GeometryOptions& geometry = {},
+                                             int threads = 1);
 
 struct TransferOnRanks : DoneOnRanks {
   std::uint64_t vertices = 0;
@@ -40,10 +43,11 @@ struct TransferOnRanks : DoneOnRanks {
   Transfer transfer;  ///< without the values
 };
 /// Writes the fields of files, at the vertices of the mesh `from`, at those of the mesh `to`: the same bytes
-/// for any number of ranks, and the values of interpolate() but for rounding.
+/// for any number of ranks, and the values of interpolate() but for rounding. `threads`: of each rank; 0
+/// means all cores.
 WEFT_API TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<std::string>& fields,
                                               const std::string& to, const std::string& output,
-                                              TransferMethod method);
+                                              TransferMethod method, int threads = 1);
 
 struct MeasuresOnRanks : DoneOnRanks, MeshFigures {};
 /// Measures the mesh of a file, in the metric that options give, if any: counts and qualities are those of

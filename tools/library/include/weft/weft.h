@@ -364,7 +364,7 @@ struct Report {
   std::vector<StageReport> stages;    ///< of one mesh
   OperationCounts operations;
   double surface_deviation = 0;  ///< largest distance of a boundary triangle's centroid to the surface
-  double hausd = 0;              ///< of one mesh: the distance that was wanted at most
+  double hausd = 0;              ///< the distance that was wanted at most
   SurfaceLimit surface_limit;    ///< what GeometryOptions::limit_metric has done
   /// Of one mesh: where the surface needs shorter edges than the metric asks for, by reference.
   std::vector<SurfaceDemand> surface_demands;
@@ -376,7 +376,7 @@ struct Report {
   TransferMethod transfer = TransferMethod::linear;
   StageTimes times;
   int threads = 1;
-  double peak_memory = 0;  ///< bytes, of this process
+  double peak_memory = 0;  ///< bytes, of this process; of ranks the largest
 
   /// Whether it is known to be met: by measures.
   bool goal_met() const { return after && missed.empty(); }

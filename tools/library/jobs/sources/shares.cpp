@@ -203,6 +203,22 @@ Fields deal_fields(Peers& peers, const Fields& whole, const MeshSlice& slice) {
                                   [&](const std::vector<double>& column) { return deal(peers, column); });
 }
 
+meshing::ContentCounts counts_of_slices(Peers& peers, const MeshSlice& slice) {
+  meshing::ContentCounts counts = meshing::counts_of(slice.boundary);
+  const std::vector<std::uint64_t> sums = partition::sum(
+      peers, std::vector{counts.ridges, counts.required_edges, counts.required_triangles, counts.on_model,
+                         meshing::count_nonzero(slice.point_refs), meshing::count_nonzero(slice.tet_refs)});
+  counts.ridges = sums[0];
+  counts.required_edges = sums[1];
+  counts.required_triangles = sums[2];
+  counts.on_model = sums[3];
+  counts.point_refs = sums[4];
+  counts.tet_refs = sums[5];
+  counts.tets = slice.num_tets;
+  counts.edges = slice.num_edges;
+  return counts;
+}
+
 std::string read_whole_warning(const std::string& file, const std::string& what) {
   return "rank 0 has read all of " + file + ": " + what + " of this format are not read in shares";
 }

@@ -60,6 +60,8 @@ Fields deal_fields(partition::Peers& peers, const Fields& whole, const partition
 
 /// Whether read_fields_share() reads ranges of the file.
 bool fields_in_ranges(const std::string& file);
+/// All ranks: what the whole mesh has.
+meshing::ContentCounts counts_of_slices(partition::Peers& peers, const partition::MeshSlice& slice);
 /// That rank 0 has held all of a file, of which `what` are not read in shares; for the user.
 std::string read_whole_warning(const std::string& file, const std::string& what);
 

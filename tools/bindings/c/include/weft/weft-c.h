@@ -130,6 +130,15 @@ WEFT_C_API weft_status weft_mesh_verify(const weft_mesh* mesh, int64_t* num_prob
  */
 WEFT_C_API weft_status weft_mesh_compare(const weft_mesh* mesh, const weft_mesh* other,
                                          int64_t* num_differences);
+/* Mends what can be mended of a mesh that weft_adapt() would refuse; `fields` (NULL: none) at its vertices
+   follow. `mends`, which may be NULL: what was done, a line each, to be freed. What cannot be mended is
+   refused, and nothing changes. */
+WEFT_C_API weft_status weft_mesh_repair(weft_mesh* mesh, weft_fields* fields, weft_text** mends);
+/* The same for triangles that are to bound a volume, before weft_fill(). */
+WEFT_C_API weft_status weft_surface_repair(weft_mesh* surface, weft_text** mends);
+/* The same for a metric in fields (tensors or sizes) at the vertices of `mesh`. */
+WEFT_C_API weft_status weft_fields_repair_metric(weft_fields* fields, const weft_mesh* mesh,
+                                                 weft_text** mends);
 /* The unit cube of cells, 6 tets each. */
 WEFT_C_API weft_status weft_mesh_box(int64_t nx, int64_t ny, int64_t nz, weft_mesh** mesh);
 /* The same between two corners x y z. */
