@@ -85,6 +85,7 @@ class Filling {
     options.adapt.hausd = options_.geometry.hausd;
     options.adapt.model = model_;
     options.adapt.interrupt = &monitor_.flag();
+    options.adapt.out_of_memory = [this] { monitor_.out_of_memory(); };
     options.adapt.progress = [this](const std::string& stage, double done, std::uint64_t tets) {
       monitor_.update(stage, done, tets);
     };
@@ -92,6 +93,7 @@ class Filling {
     result_.mesh = std::move(filled.mesh);
     result_.metric = Metric::from_logarithms(std::move(filled.log_metrics));
     result_.cancelled = filled.report.interrupted;
+    if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
     if (options_.run.verify) {
       monitor_.update("checking the result", 0.99, result_.mesh.tets.size());
       tools::check_conforms(result_.mesh);

@@ -132,6 +132,7 @@ class OneMesh {
     const std::uint64_t run = hash_of_run(input_.mesh, background(), field_, options_);
     if (!asked.resume.empty()) found_ = find_state(asked.resume, run, result_.warnings);
     if (found_) kernel.resume = &found_->state;
+    if (!asked.resume.empty() && !found_) result_.warnings.push_back(begun_anew(asked.resume));
     if (asked.folder.empty()) return;
     checkpoints_.emplace(asked, run);
     kernel.states = &*checkpoints_;

@@ -77,6 +77,12 @@ class DistributedFileJob {
   }
 
  private:
+  /// Outside the engine: other ranks have the other cores.
+  template <class Work>
+  auto on_threads(const Work& work) const {
+    return with_threads(std::max(1, options_.run.threads), work);
+  }
+
   SliceInput read() {
     run_.monitor().update("reading", 0, 0);
     meshing::MeshData carrier;  // whatever model there is, the one that the file carries stays in it
@@ -108,12 +114,6 @@ class DistributedFileJob {
     if (files_.fields.empty()) return;
     old_ = partition::without_boundary(input.slice);
     fields_ = std::move(input.fields);
-  }
-
-  /// Outside the engine: other ranks have the other cores.
-  template <class Work>
-  auto on_threads(const Work& work) const {
-    return with_threads(std::max(1, options_.run.threads), work);
   }
 
   bool written_by_all() const {

@@ -239,6 +239,8 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
   if (first()) {
     const std::vector<std::string> of_model = model_warnings(model_.get());
     report.warnings.insert(report.warnings.end(), of_model.begin(), of_model.end());
+    const std::string& folder = options_.checkpoint.resume;
+    if (!folder.empty() && resume_.empty()) report.warnings.push_back(begun_anew(folder));
   }
   monitor_.update("decomposition", 0, report.input_counts.tets);
   result_ = naming(name, [&] {

@@ -37,6 +37,10 @@ std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& af
   return missed;
 }
 
+std::string begun_anew(const std::string& folder) {
+  return fmt::format("{} holds no complete checkpoint: the run has begun anew", folder);
+}
+
 OperatorTally tally(const meshing::OperationCounts& counts, meshing::Operator op) {
   OperatorTally t;
   for (std::size_t v = 0; v < meshing::kVerdictNames.size(); ++v) {

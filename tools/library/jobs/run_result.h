@@ -26,6 +26,9 @@ struct RunResult : Report {
 std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
                                       const std::string& ended_by);
 
+/// The warning of a run that was to go on from checkpoints in a folder that has none.
+std::string begun_anew(const std::string& folder);
+
 /// How often an operator was tried, done, refused and rolled back (another thread was there).
 struct OperatorTally {
   std::uint64_t tried = 0, done = 0, refused = 0, rolled_back = 0, not_needed = 0;

@@ -7,6 +7,7 @@
 
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/field_options.h"
+#include "tools/weft/options/limit_options.h"
 #include "tools/weft/options/metric_options.h"
 #include "tools/weft/options/model_options.h"
 #include "tools/weft/options/option_checks.h"
@@ -181,16 +182,7 @@ void add_run(CLI::App& sub, AdaptCommand& command) {
       ->group("Run");
   add_report_options(sub, command);
   add_verbosity(sub, command.verbosity, "Run");
-  sub.add_option("--time-limit", command.options.run.time_limit,
-                 "end with the valid mesh that there is, written by then; exit code 1")
-      ->type_name("SECONDS")
-      ->check(positive_number())
-      ->group("Run");
-  sub.add_option("--max-memory", command.options.run.max_memory,
-                 "that each rank may take, as 8G; default: what is free here")
-      ->type_name("SIZE")
-      ->transform(CLI::AsSizeValue(false).description(""))
-      ->group("Run");
+  add_limits(sub, command.options.run);
   sub.add_flag("--repair", command.options.run.repair,
                "mend an input that would be refused, and say what was done")
       ->group("Run");

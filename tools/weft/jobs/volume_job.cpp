@@ -8,6 +8,7 @@
 #include "tools/common/measures_text.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
+#include "tools/weft/options/limit_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/terminal/exit_codes.h"
 #include "tools/weft/terminal/interrupt.h"
@@ -20,6 +21,7 @@ void print_summary(const VolumeRequest& request, const FillResult& result) {
   const Mesh& mesh = result.mesh;
   verbosity.print("{}", mends_text(result.mends));
   for (const std::string& w : result.warnings) verbosity.print("note: {}\n", w);
+  if (result.cancelled) verbosity.print("ended early: {}\n", result.ended_by);
   verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request.output,
                   grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
                   grouped(std::uint64_t{mesh.triangles.size()}), result.regions,
@@ -36,6 +38,7 @@ void add_volume_output(CLI::App& command, VolumeRequest& request) {
       ->type_name("FILE")
       ->check(volume_output_name());
   add_threads(command, request.fill.run.threads);
+  add_limits(command, request.fill.run);
   add_verbosity(command, request.verbosity);
 }
 

@@ -338,7 +338,8 @@ void add_reports(py::module_& module) {
           "What repair has done to the surface, a line each.")
       .def_readonly("deviation", &FillResult::deviation,
                     "Of repair: largest distance of the mended surface from the one given.")
-      .def_readonly("cancelled", &FillResult::cancelled);
+      .def_readonly("cancelled", &FillResult::cancelled)
+      .def_readonly("ended_by", &FillResult::ended_by);
 }
 
 bool is_text(const py::handle& value) {

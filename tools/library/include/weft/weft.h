@@ -687,6 +687,7 @@ struct FillResult {
   std::vector<Mend> mends;            ///< of the surface (RunOptions::repair)
   double deviation = 0;               ///< of repair: largest distance of the mended surface from the input's
   bool cancelled = false;
+  std::string ended_by;  ///< of a cancelled one, as Report::ended_by
   double grid_seconds = 0, fill_seconds = 0;
 };
 /// Whether the extension is one of a CAD model; those that are.
