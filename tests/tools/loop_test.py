@@ -181,6 +181,38 @@ class Resumption(LoopTest):
             self.fails("001/done.json", "no marker", solver=POISSON)
 
 
+class AnyOption(LoopTest):
+    def test_of_adapt_has_its_effect_here_and_on_ranks(self):
+        launcher = {"launcher": "mpirun --oversubscribe --bind-to none -n 2", "subdomains": 3}
+        for adapt in ({"threads": 1}, launcher):
+            self.loop(complexities=[300], metric={"hgrad": 1.3, "implied": True},
+                      adapt={**adapt, "no_swap": True, "freeze": "tets", "max_memory": 8e9}, folder="with")
+            counts = json.loads((self.folder / "with/001/report.json").read_text())["operations"]
+            self.assertEqual(sum(counts[name]["done"] for name in counts if "swap" in name), 0, counts)
+            self.assertGreater(sum(counts[name]["done"] for name in counts), 0)
+            self.config.pop("folder")
+            subprocess.run(["rm", "-r", self.folder / "with"], check=True)
+
+    def test_checkpoints_of_an_adaptation_go_when_it_is_done(self):
+        self.loop(adapt={"threads": 1, "checkpoint_every": 0.01})
+        self.assertNotIn("checkpoints", self.kept(2))
+        self.assertNotIn("checkpoints.json", self.kept(2))
+
+    def test_an_adaptation_that_was_killed_goes_on(self):
+        config = self.write_config(complexities=[60000], adapt={"threads": 1, "checkpoint_every": 0.05})
+        running = subprocess.Popen([WEFT, "loop", config, "--quiet"], cwd=self.folder)
+        checkpoints = self.folder / "run/001/checkpoints"
+        while running.poll() is None and not list(checkpoints.glob("*/complete")):
+            time.sleep(0.02)
+        running.send_signal(signal.SIGKILL)
+        running.wait()
+        self.assertTrue(list(checkpoints.glob("*/complete")), list(checkpoints.glob("*")))
+        self.loop()
+        report = json.loads((self.folder / "run/001/report.json").read_text())
+        self.assertIn("checkpoints", report["checkpoints"]["resumed"])
+        self.assertFalse(checkpoints.exists())
+
+
 class Failures(LoopTest):
     def test_of_the_solver(self):
         self.fails("run.json: solver: cycle 0: ended with 3", "solver.log", solver="exit 3 # {mesh} {solution}")
@@ -217,6 +249,11 @@ class Failures(LoopTest):
             ({"metric": {"hmin": 2, "hmax": 1}}, "metric.hmin: is larger than hmax"),
             ({"adapt": {"threads": 0}}, "adapt.threads"),
             ({"adapt": {"ridge_angle": 200}}, "adapt.ridge_angle: must be at most 180"),
+            ({"adapt": {"layers_by": "guess"}}, "adapt.layers_by: 'guess' is none of"),
+            ({"adapt": {"geometry_scale": 2}}, "adapt: --geometry-scale"),
+            ({"adapt": {"geometri": "a.step"}}, "adapt.geometri: is unknown; did you mean geometry?"),
+            ({"metric": {"curvature": -1}}, "--curvature"),
+            ({"metric": {"geometry": "a.step"}}, "metric.geometry: is unknown"),
             ({"transfer": "magic"}, "transfer: must be conservative or linear"),
             ({"mesh_extension": ".stl"}, "mesh_extension: must be one of"),
             ({"solution_extension": "solb"}, "solution_extension: must begin with a dot"),

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -51,6 +52,7 @@ class FolderLock {
 /// The files of one cycle.
 struct CycleFiles {
   fs::path folder, mesh, solution, restart, log, marker;
+  fs::path checkpoints, checkpoints_of;  ///< of the adaptation, and the settings that they belong to
 };
 
 class Loop {
@@ -82,7 +84,9 @@ class Loop {
             folder / ("solution" + config_.solution_extension),
             cycle == 0 ? fs::path() : fs::path(result_files(mesh.string()).fields),
             folder / "solver.log",
-            folder / "done.json"};
+            folder / "done.json",
+            folder / "checkpoints",
+            folder / "checkpoints.json"};
   }
 
   /// Reads the markers of the cycles that need not be done again.
@@ -119,7 +123,29 @@ class Loop {
 
   /// What came after a cycle that is to be done again was made from it.
   void forget_from(std::size_t first) const {
-    for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) fs::remove(files(cycle).marker);
+    for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) {
+      fs::remove(files(cycle).marker);
+      if (cycle > first) remove_checkpoints(cycle);
+    }
+  }
+
+  void remove_checkpoints(std::size_t cycle) const {
+    fs::remove_all(files(cycle).checkpoints);
+    fs::remove(files(cycle).checkpoints_of);
+  }
+
+  /// Where they are asked for: an adaptation that was killed goes on from those of the same settings.
+  void keep_checkpoints(std::size_t cycle, Options& options) const {
+    constexpr const char* kEvery = "checkpoint-every";
+    if (get_option(options, kEvery) == get_option({}, kEvery)) return;
+    const CycleFiles f = files(cycle);
+    const Json wanted = config_.settings(cycle);
+    std::ifstream in(f.checkpoints_of);
+    if (Json::parse(in, nullptr, false) != wanted) {
+      remove_checkpoints(cycle);
+      write_text(f.checkpoints_of.string(), wanted.dump() + "\n");
+    }
+    options.checkpoint.folder = options.checkpoint.resume = f.checkpoints.string();
   }
 
   /// What a killed run was writing still has its temporary name; the lock says that nobody writes it now.
@@ -159,8 +185,11 @@ class Loop {
     options.metric.sol = files.fields;
     options.metric.complexity = config_.complexities[cycle - 1];
     marker["target_complexity"] = options.metric.complexity;
-    return config_.launcher.empty() ? adapt_here(files, options, marker)
-                                    : adapt_on_ranks(cycle, files, options, marker);
+    keep_checkpoints(cycle, options);
+    const bool done = config_.launcher.empty() ? adapt_here(files, options, marker)
+                                               : adapt_on_ranks(cycle, files, options, marker);
+    if (done) remove_checkpoints(cycle);
+    return done;
   }
 
   bool adapt_here(const Files& files, Options& options, Json& marker) const {
@@ -200,34 +229,25 @@ class Loop {
     return read_report(json, marker);
   }
 
+  /// With the options that are not as they are by themselves.
   static std::string adapt_line(const Files& files, const Options& options) {
-    const MetricOptions& metric = options.metric;
     std::string line =
         "{weft} adapt {in} --sol {sol} --field {sol} -o {out} --report {report} --progress none";
-    const auto add = [&](const char* name, const auto& value) { line += fmt::format(" {} {}", name, value); };
-    const auto add_positive = [&](const char* name, double value) {
-      if (value > 0) add(name, value);
-    };
-    add("--complexity", metric.complexity);
-    add("--norm", metric.norm);
-    add("--recovery", metric.recovery == HessianRecovery::least_squares ? "lsq" : "l2");
-    add_positive("--hmin", metric.hmin);
-    add_positive("--hmax", metric.hmax);
-    add_positive("--aspect", metric.aspect);
-    add_positive("--hgrad", metric.hgrad);
-    add("--hgrad-space", metric.hgrad_space == GradationSpace::metric ? "metric" : "mixed");
-    add("--transfer", options.transfer == TransferMethod::linear ? "linear" : "conservative");
-    add("--threads", options.run.threads);
-    add_positive("--hausd", options.geometry.hausd);
-    add("--ridge-angle", options.geometry.ridge_angle);
-    if (options.distributed.subdomains > 0) add("--subdomains", options.distributed.subdomains);
-    if (!options.distributed.partitioner.empty()) line += " --partitioner {partitioner}";
-    return filled_in(line, {{"weft", fs::read_symlink("/proc/self/exe").string()},
-                            {"in", files.input},
-                            {"sol", files.fields[0]},
-                            {"out", files.output},
-                            {"report", files.report},
-                            {"partitioner", options.distributed.partitioner}});
+    std::map<std::string, std::string> values = {{"weft", fs::read_symlink("/proc/self/exe").string()},
+                                                 {"in", files.input},
+                                                 {"sol", files.fields[0]},
+                                                 {"out", files.output},
+                                                 {"report", files.report}};
+    const Options plain;
+    for (const NamedOption& option : named_options()) {
+      const std::string value = get_option(options, option.name);
+      if (!option.of_command || option.name == "sol" || value == get_option(plain, option.name)) continue;
+      line += " --" + option.name;
+      if (option.type == "yes or no") continue;
+      line += " {" + option.name + "}";
+      values[option.name] = value;
+    }
+    return filled_in(line, values);
   }
 
   /// What weft itself said in a log, if anything.

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
+#include <string_view>
 #include <thread>
 
 #include "engine/json/json.h"
@@ -97,6 +99,8 @@ class Section {
     fail(key, "must be " + names);
   }
 
+  bool knows(const std::string& key) const { return std::ranges::find(known_, key) != known_.end(); }
+
   /// To be called when all keys have been asked for.
   void refuse_unknown() const {
     for (const auto& [key, value] : json_.items()) {
@@ -114,6 +118,69 @@ class Section {
   std::vector<std::string> known_;
 };
 
+/// Options of `weft adapt` that a loop sets itself, or says elsewhere.
+constexpr std::array<std::string_view, 10> kOfLoop = {"sol",      "metric",     "metric-fn",  "complexity",
+                                                      "transfer", "time-limit", "checkpoint", "resume",
+                                                      "measure",  "ghosts"};
+/// Those that change nothing of a result.
+constexpr std::array<std::string_view, 6> kOfRun = {"threads",          "force", "max-memory",
+                                                    "checkpoint-every", "check", "no-verify"};
+constexpr std::array<std::string_view, 14> kOfMetric = {
+    "norm",    "recovery",  "hmin",    "hmax", "aspect",      "hgrad",       "hgrad-space",
+    "implied", "curvature", "sagitta", "wall", "wall-height", "wall-growth", "wall-size"};
+
+bool is_among(const auto& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+/// Names of options that a section may have, as `weft adapt` has them.
+std::vector<std::string> names_of(bool of_metric) {
+  std::vector<std::string> names;
+  for (const NamedOption& option : named_options())
+    if (option.of_command && !is_among(kOfLoop, option.name) && is_among(kOfMetric, option.name) == of_metric)
+      names.push_back(option.name);
+  return names;
+}
+
+std::string as_key(std::string name) {
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+/// The text of a value, as set_option() takes it.
+std::string option_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (!value.is_array()) return value.dump();
+  std::string text;
+  for (const Json& each : value) text += (text.empty() ? "" : ",") + option_text(each);
+  return text;
+}
+
+/// Those that have no words of their own in the section.
+void read_others(Section& section, bool of_metric, Options& options) {
+  for (const std::string& name : names_of(of_metric)) {
+    if (section.knows(as_key(name))) continue;
+    const Json* value = section.find(as_key(name));
+    if (!value) continue;
+    try {
+      set_option(options, name, option_text(*value));
+    } catch (const OptionError& error) {
+      section.fail(as_key(name), error.reason());
+    }
+  }
+}
+
+/// The options of a section that are not as they are by themselves, but those of a run alone.
+Json changed_options(const Options& options, bool of_metric) {
+  const Options plain;
+  Json changed = Json::object();
+  for (const std::string& name : names_of(of_metric))
+    if (!is_among(kOfRun, name) && get_option(options, name) != get_option(plain, name))
+      changed[as_key(name)] = get_option(options, name);
+  return changed;
+}
+
 void read_norm(Section& section, double& norm) {
   const Json* json = section.find("norm");
   if (!json) return;
@@ -121,7 +188,8 @@ void read_norm(Section& section, double& norm) {
                                                                 : section.number_of("norm", *json, 1);
 }
 
-void read_metric(const std::string& file, const Json& json, MetricOptions& metric) {
+void read_metric(const std::string& file, const Json& json, Options& options) {
+  MetricOptions& metric = options.metric;
   static const std::map<std::string, HessianRecovery> recoveries = {
       {"lsq", HessianRecovery::least_squares}, {"l2", HessianRecovery::double_projection}};
   static const std::map<std::string, GradationSpace> spaces = {{"metric", GradationSpace::metric},
@@ -134,6 +202,7 @@ void read_metric(const std::string& file, const Json& json, MetricOptions& metri
   section.number("aspect", 1, metric.aspect);
   section.number("hgrad", 1, metric.hgrad);
   section.choice("hgrad_space", spaces, metric.hgrad_space);
+  read_others(section, true, options);
   section.refuse_unknown();
   if (metric.hmax > 0 && metric.hmin > metric.hmax) section.fail("hmin", "is larger than hmax");
 }
@@ -152,6 +221,9 @@ void read_adapt(const std::string& file, const Json& json, LoopConfig& config) {
   section.number("hausd", 0, options.geometry.hausd);
   section.number("ridge_angle", 0, options.geometry.ridge_angle);
   if (options.geometry.ridge_angle > 180) section.fail("ridge_angle", "must be at most 180");
+  read_others(section, false, options);
+  std::string& model = options.geometry.model;
+  if (!model.empty() && model != "carried") model = (config.home / model).string();
   section.refuse_unknown();
 }
 
@@ -203,10 +275,15 @@ LoopConfig read_loop_config(const std::string& file) {
   section.text("folder", folder);
   config.folder = config.home / folder;
   read_extensions(section, config);
-  if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.options.metric);
+  if (const Json* metric = section.find("metric")) read_metric(file, *metric, config.options);
   if (const Json* adapt = section.find("adapt")) read_adapt(file, *adapt, config);
   section.choice("transfer", methods, config.options.transfer);
   section.refuse_unknown();
+  try {
+    validate(config.options);
+  } catch (const OptionError& error) {
+    section.fail("adapt", error.what());
+  }
   if (!fs::is_regular_file(config.mesh)) section.fail("mesh", "there is no file " + config.mesh.string());
   return config;
 }
@@ -217,21 +294,11 @@ Json LoopConfig::settings(std::size_t cycle) const {
     all["mesh"] = mesh.filename().string();
     return all;
   }
-  const MetricOptions& metric = options.metric;
   all["complexity"] = complexities[cycle - 1];
   all["mesh_extension"] = mesh_extension;
-  all["metric"] = {{"norm", fmt::format("{}", metric.norm)},
-                   {"recovery", metric.recovery == HessianRecovery::least_squares ? "lsq" : "l2"},
-                   {"hmin", metric.hmin},
-                   {"hmax", metric.hmax},
-                   {"aspect", metric.aspect},
-                   {"hgrad", metric.hgrad},
-                   {"hgrad_space", metric.hgrad_space == GradationSpace::metric ? "metric" : "mixed"}};
-  all["adapt"] = {{"hausd", options.geometry.hausd}, {"ridge_angle", options.geometry.ridge_angle}};
-  const DistributedOptions& distributed = options.distributed;
-  if (distributed.subdomains > 0) all["adapt"]["subdomains"] = distributed.subdomains;
-  if (!distributed.partitioner.empty()) all["adapt"]["partitioner"] = distributed.partitioner;
-  all["transfer"] = options.transfer == TransferMethod::linear ? "linear" : "conservative";
+  all["metric"] = changed_options(options, true);
+  all["adapt"] = changed_options(options, false);
+  all["transfer"] = get_option(options, "transfer");
   return all;
 }
 

@@ -18,11 +18,11 @@ struct LoopConfig {
   std::filesystem::path folder;      ///< of the results
   std::vector<double> complexities;  ///< one a cycle after the first solution
   std::string mesh_extension = ".meshb", solution_extension = ".solb";
-  Options options;       ///< metric, limits, threads, subdomains, transfer: what all cycles share
+  Options options;       ///< what all cycles share
   std::string launcher;  ///< what `weft adapt` is started by, such as mpirun -n 8; empty: done here
 
   /// What cycle `cycle` depends on, as far as the configuration says it: a finished cycle is kept only as
-  /// long as this stays the same. Threads and folders are not among it.
+  /// long as this stays the same. Threads, limits and folders are not among it.
   nlohmann::ordered_json settings(std::size_t cycle) const;
 };
 

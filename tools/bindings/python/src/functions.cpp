@@ -73,7 +73,7 @@ std::vector<std::string> lines_of(const std::vector<Mend>& mends) {
 }
 
 /// Fields that live as long as what Python makes of them.
-py::dict dictionary_of(const std::shared_ptr<Fields>& fields) {
+py::dict kept_dictionary(const std::shared_ptr<Fields>& fields) {
   const py::capsule owner(new std::shared_ptr<Fields>(fields),
                           [](void* held) { delete static_cast<std::shared_ptr<Fields>*>(held); });
   return dictionary_of(*fields, owner);
@@ -87,7 +87,7 @@ py::tuple run_repair(const Mesh& mesh, const py::object& fields, const std::opti
     const py::gil_scoped_release released;
     mends = repair(*mended, carried.get());
   }
-  return py::make_tuple(mended, dictionary_of(carried), lines_of(mends));
+  return py::make_tuple(mended, kept_dictionary(carried), lines_of(mends));
 }
 
 py::tuple run_repair_metric(const Mesh& mesh, const py::object& fields,
@@ -99,7 +99,7 @@ py::tuple run_repair_metric(const Mesh& mesh, const py::object& fields,
     const py::gil_scoped_release released;
     mends = repair_metric(mesh, *mended);
   }
-  return py::make_tuple(dictionary_of(mended), lines_of(mends));
+  return py::make_tuple(kept_dictionary(mended), lines_of(mends));
 }
 
 py::tuple run_repair_surface(const Mesh& surface) {
