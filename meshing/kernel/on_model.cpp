@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace weft::meshing {
@@ -136,7 +137,6 @@ void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<
                  std::vector<double>* deviations) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const BoundaryFace& f = faces[i];
-    if (deviations) deviations->push_back(0);
     if (!share.triangles.empty() && !share.triangles[i]) continue;
     if (surface.faces(f.patch).empty()) {
       ++sums.unclassified_triangles;
@@ -146,7 +146,11 @@ void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<
     const Point &a = mesh.point(f.v[0]), &b = mesh.point(f.v[1]), &c = mesh.point(f.v[2]);
     const auto q = surface.closest_on_model(f.patch, (1.0 / 3) * (a + b + c), mesh.kind(f.v[0]),
                                             mesh.surface_hint(f.v[0]));
-    if (deviations) deviations->back() = q.at.distance;
+    if (deviations)
+      for (const VertexId v : f.v) {
+        double& largest = (*deviations)[v.value];
+        largest = std::fmax(largest, q.at.distance);  // NaN until there is one
+      }
     ModelEntitySums& entity = entities.of(Kind::face, q.face);
     ++entity.measured;
     entity.deviation = std::max(entity.deviation, q.at.distance);
@@ -223,6 +227,7 @@ ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelS
       ++record;
       if (share.vertices.empty() || share.vertices[p.vertex.value]) all.push_back(p);
     }
+  if (deviations) deviations->assign(mesh.vertex_slots(), std::numeric_limits<double>::quiet_NaN());
   judge_faces(mesh, surface, faces, share, entities, sums, deviations);
   judge_edges(mesh, surface, entities);
   judge_vertices(std::move(all), *surface.model(), sums);

@@ -43,9 +43,9 @@ ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelS
 ModelAccount account_of(const Model& model, ModelSums sums);
 
 /// Distances of boundary vertices from their entities, deviations of faces and edges. A vertex is off the
-/// model beyond 1e-8 of the model's size and its entity's tolerance. `deviations`: where not null, the
-/// distance of each boundary face's centroid from the model, in the order of export_mesh(). The surface has a
-/// model.
+/// model beyond 1e-8 of the model's size and its entity's tolerance. `deviations`: where not null, for
+/// each vertex slot the largest distance from the model of the centroids of the boundary faces around it; NaN
+/// where there is none. The surface has a model.
 ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface,
                               std::vector<double>* deviations = nullptr);
 

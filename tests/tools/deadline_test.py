@@ -40,6 +40,27 @@ class Deadline(CommandTest):
         self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb", "r"])
 
 
+class OfAnInitialMesh(Deadline):
+    def test_a_limit_leaves_a_valid_mesh_or_none(self):
+        for limit in ("0.5", "2", "6"):
+            done = subprocess.run([WEFT, "mesh", "ball", "--size", "0.01", "--time-limit", limit, "--threads", "1", "-o", "ball.meshb"],
+                                  cwd=self.folder, capture_output=True, text=True)
+            self.assertIn(done.returncode, (1, 2), done.stdout + done.stderr)
+            if done.returncode == 1:
+                self.assertIn("ended early: time limit", done.stdout)
+                self.weft("verify", "ball.meshb")
+            else:
+                self.assertEqual(self.files(), [])
+
+    def test_a_limit_of_memory(self):
+        done = subprocess.run([WEFT, "mesh", "ball", "--size", "0.02", "--max-memory", "90M", "-o", "ball.meshb"], cwd=self.folder,
+                              capture_output=True, text=True)
+        self.assertIn(done.returncode, (1, 2), done.stdout + done.stderr)
+        self.assertIn("memory", done.stdout + done.stderr)
+        if done.returncode == 1:
+            self.weft("verify", "ball.meshb")
+
+
 class TimeLimit(Deadline):
     def test_of_one_mesh(self):
         self.assert_valid_result(self.start(0, *LONG, "--time-limit", 1), "time limit")

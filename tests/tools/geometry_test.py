@@ -53,6 +53,59 @@ class Geometry(CommandTest):
         return subprocess.run([*MPIRUN, "-n", str(ranks), "sh", "-c", line], cwd=self.folder, capture_output=True, text=True,
                               timeout=200)
 
+    def test_a_metric_of_the_models_curvature(self):
+        self.start()
+        words = ["metric", "start.meshb", "--curvature", 24, "--geometry", MODEL, "--quiet", "-o"]
+        self.weft(*words, "one.solb")
+        self.weft(*words[:4], "--quiet", "-o", "triangles.solb")
+        self.assertNotEqual((self.folder / "one.solb").read_bytes(), (self.folder / "triangles.solb").read_bytes())
+        done = self.on_ranks(2, *words, "two.solb", "--threads", 1)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.folder / "one.solb").read_bytes(), (self.folder / "two.solb").read_bytes())
+
+    def test_a_picture_of_the_deviation(self):
+        self.weft("view", self.start(), "--geometry", MODEL, "--color-by", "deviation", "--from", "x", "-o", "fit.svg")
+        text = (self.folder / "fit.svg").read_text()
+        self.assertIn("deviation", text)
+
+    def test_records_that_need_a_model_are_told_when_they_are_left(self):
+        self.start()
+        for mode in ((), ("--subdomains", 2)):
+            out = self.weft("adapt", "start.meshb", "--metric-fn", "uniform:0.3", *mode, "-o", "out.meshb", expect=(0, 1)).stdout
+            self.assertRegex(out, r"warning: the input's \d+ records of vertices on a CAD model are not kept")
+            told = self.weft("adapt", "start.meshb", "--geometry", MODEL, "--metric-fn", "uniform:0.3", *mode, "-o", "out.vtu",
+                             expect=(0, 1)).stdout
+            self.assertIn("out.vtu does not keep the input's", told)
+
+    def test_records_follow_vertices_that_repair_renumbers(self):
+        self.start()
+        self.weft("convert", "start.meshb", "start.mesh")
+        lines = (self.folder / "start.mesh").read_text().splitlines()
+        at = lines.index("Vertices")
+        count = int(lines[at + 1])
+        moved, section = [], ""
+        for i, line in enumerate(lines):  # a vertex of no tet before all others: every number grows by one
+            words = line.split()
+            if len(words) == 1 and not words[0].lstrip("-").isdigit():
+                section = words[0]
+            if i == at + 1:
+                moved += [str(count + 1), "9 9 9 0"]
+            elif section in ("Tetrahedra", "Triangles", "Edges") and len(words) > 2:
+                moved.append(" ".join([*(str(int(v) + 1) for v in words[:-1]), words[-1]]))
+            elif section.startswith("VerticesOnGeometric") and len(words) > 1:
+                moved.append(" ".join([str(int(words[0]) + 1), *words[1:]]))
+            elif section in ("Corners", "RequiredVertices") and len(words) == 1 and words[0].isdigit() and lines[i - 1] != section:
+                moved.append(str(int(words[0]) + 1))
+            else:
+                moved.append(line)
+        self.write("unused.mesh", "\n".join(moved) + "\n")
+        words = ("--geometry", MODEL, "--metric-fn", "uniform:0.3", "--threads", 1)
+        out = self.weft("adapt", "unused.mesh", *words, "--repair", "-o", "out.meshb", expect=(0, 1)).stdout
+        self.assertIn("unused vertices removed", out)
+        self.assertNotIn("do not fit", out)
+        self.weft("adapt", "start.meshb", *words, "-o", "same.meshb", expect=(0, 1))
+        self.assertEqual((self.folder / "out.meshb").read_bytes(), (self.folder / "same.meshb").read_bytes())
+
     def test_subdomains_stay_on_the_model_and_report_what_stat_finds(self):
         self.start()
         self.weft("adapt", "start.meshb", "--geometry", MODEL, "--metric-fn", "uniform:0.2", "--subdomains", 4, "-o",

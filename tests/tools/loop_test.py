@@ -99,8 +99,8 @@ class OnRanks(LoopTest):
     def test_a_rank_that_fails_is_told_with_the_cycle(self):
         self.fails("run.json: adapt.launcher: cycle 1: ended with 3", "adapt.log", adapt={"launcher": "exit 3 #"})
         self.fails("run.json: adapt.launcher: cycle 1: wrote no mesh", adapt={"launcher": ": #"})
-        self.fails("run.json: adapt.launcher: cycle 1: ended with ", "partitioner 'nobody'", "adapt.log",
-                   adapt={"launcher": self.LAUNCHER + " -n 2", "partitioner": "nobody"})
+        self.fails("run.json: adapt.launcher: cycle 1: ended with ", "none.step", "adapt.log",
+                   adapt={"launcher": self.LAUNCHER + " -n 2", "geometry": "none.step"})
         self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
 
     def test_the_loop_itself_is_not_started_by_mpirun(self):
@@ -249,6 +249,7 @@ class Failures(LoopTest):
             ({"metric": {"hmin": 2, "hmax": 1}}, "metric.hmin: is larger than hmax"),
             ({"adapt": {"threads": 0}}, "adapt.threads"),
             ({"adapt": {"ridge_angle": 200}}, "adapt.ridge_angle: must be at most 180"),
+            ({"adapt": {"partitioner": "nobody"}}, "adapt: --partitioner: partitioner 'nobody'"),
             ({"adapt": {"layers_by": "guess"}}, "adapt.layers_by: 'guess' is none of"),
             ({"adapt": {"geometry_scale": 2}}, "adapt: --geometry-scale"),
             ({"adapt": {"geometri": "a.step"}}, "adapt.geometri: is unknown; did you mean geometry?"),

@@ -248,6 +248,8 @@ class View(CommandTest):
             (["--color-by", "nonconforming"], "--metric"),
             (["--color-by", "field"], "--field"),
             (["--color-by", "quality", "--field", "f.sol"], "--field"),
+            (["--color-by", "deviation"], "--geometry"),
+            (["--color-by", "quality", "--geometry", "a.step"], "--geometry"),
             (["--range", "0,1"], "--range"),
             (["--color-by", "quality", "--range", "1,0"], "--range"),
             (["--color-by", "length", "--metric-fn", "uniform:1", "--range", "0,1"], "--range"),

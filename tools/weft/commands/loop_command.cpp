@@ -27,9 +27,10 @@ scalar fields drive the metric. Optional: folder (default: CONFIG's name), cycle
 mesh_extension and solution_extension (.meshb and .solb), metric (norm, recovery, hmin, hmax, aspect,
 hgrad, hgrad_space, implied, curvature, sagitta, wall...), transfer, and adapt: any other option of `weft
 adapt`, with _ for - (threads, subdomains, geometry, repair, ...; checkpoint_every: an adaptation that was
-killed goes on from its last checkpoint). On a cluster start the loop itself without mpirun: "adapt": {"launcher": "mpirun -n 8"}
-starts each adaptation on ranks, with one thread each unless threads says otherwise; "solver" has a
-launcher of its own: "mpirun -n 64 ./flow ...".
+killed goes on from its last checkpoint).
+On a cluster start the loop itself without mpirun: "adapt": {"launcher": "mpirun -n 8"} starts each
+adaptation on ranks, with one thread each unless threads says otherwise; "solver" has a launcher of its
+own: "mpirun -n 64 ./flow ...".
 Every cycle keeps its mesh, metric, fields, report, solution and log in its own folder, 000, 001, ...
 The same command continues where an earlier run stopped, even if it was killed. Ctrl-C: exit code 1.)";
 

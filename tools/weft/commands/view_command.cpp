@@ -11,6 +11,7 @@
 #include "tools/common/naming.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
+#include "tools/weft/options/model_options.h"
 #include "tools/weft/options/option_checks.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -24,6 +25,7 @@ constexpr const char* kViewFooter = R"(Examples:
   weft view fine.meshb --metric fine.solb --clip y=0.5 --from -y --color-by quality -o cut.png
   weft view fine.meshb --metric fine.solb --color-by nonconforming --size 2400x1800 -o left.pdf
   weft view wing.meshb --only 1,2,3 --clip y=0 --from iso -o wing.svg
+  weft view wing.meshb --geometry wing.step --color-by deviation -o fit.png
   weft view flow.vtu --color-by field:mach --clip z=0.1 --slice --from z -o mach.png
 
 Shows the surface. --clip removes what lies on the viewer's side of a plane like x=0.5, or on the side of P
@@ -35,12 +37,14 @@ from x towards y, elevations from there towards z, in degrees. --color-by takes
   quality        mean ratio of the tets, in the metric where one is given
   length         length of the edges in the metric: each colours the adjacent third of a face
   nonconforming  in red the tets with an edge outside [1/√2, √2] in the metric
+  deviation      distance of the triangles' centroids from the CAD model of --geometry
   field[:NAME]   a scalar of --field or of MESH, or the length of a vector
 The picture is a .png, or a .pdf or .svg with vector text around an image. Edges closer than a pixel fade.)";
 
 struct ViewCommand {
   std::string mesh, output;
   MetricOptions metric;
+  GeometryOptions geometry;
   std::vector<std::string> fields;
   std::string color_by = "none";
   bool no_edges = false, no_legend = false, no_axes = false;
@@ -48,9 +52,11 @@ struct ViewCommand {
   Verbosity verbosity;
 };
 
+constexpr const char* kDeviation = "deviation";  // is drawn as a field
+
 /// The word before the colon, if there is one.
 std::string kind_of(const std::string& color_by) {
-  return color_by.starts_with("field:") ? "field" : color_by;
+  return color_by.starts_with("field:") || color_by == kDeviation ? "field" : color_by;
 }
 
 std::string check_colouring(const std::string& word) {
@@ -68,9 +74,14 @@ void check_needs(const ViewCommand& command) {
   const std::string& by = command.picture.color_by;
   if ((by == "length" || by == "nonconforming") && !command.metric.given())
     throw CLI::RequiresError("--color-by " + command.color_by, "--metric or --metric-fn");
+  const bool deviation = command.color_by == kDeviation;
+  if (deviation == command.geometry.model.empty())
+    throw deviation ? CLI::RequiresError("--color-by deviation", "--geometry")
+                    : CLI::RequiresError("--geometry", "--color-by deviation");
+  if (deviation && command.fields.empty()) return;
   if (by == "field" && command.fields.empty() && !holds_fields(command.mesh))
     throw CLI::RequiresError("--color-by " + command.color_by, "--field");
-  if (by != "field" && !command.fields.empty())
+  if ((by != "field" || deviation) && !command.fields.empty())
     throw CLI::ValidationError("--field", "is for --color-by field");
 }
 
@@ -100,6 +111,13 @@ std::pair<std::vector<double>, std::string> colour_field(const ViewCommand& comm
                                wanted.empty() ? "" : " '" + wanted + "'", known));
 }
 
+/// The same: how far triangles are from the CAD model.
+std::pair<std::vector<double>, std::string> deviation_field(const ViewCommand& command, const Mesh& mesh) {
+  std::vector<double> deviations;
+  measure_on_model(mesh, command.geometry, command.mesh, 0, &deviations);
+  return {std::move(deviations), kDeviation};
+}
+
 /// What a run in subdomains writes into one file does not tell them any more; pieces do.
 Mesh mesh_to_show(const ViewCommand& command, RefNames& names) {
   const bool pieces = std::filesystem::path(command.mesh).extension() == ".pvtu";
@@ -123,7 +141,10 @@ int run_view(ViewCommand& command) {
   Metric metric;
   if (command.metric.given()) metric = make_metric(mesh, command.metric, command.mesh).metric;
   std::pair<std::vector<double>, std::string> field;
-  if (picture.color_by == "field") field = colour_field(command, mesh.points.size());
+  if (command.color_by == kDeviation)
+    field = deviation_field(command, mesh);
+  else if (picture.color_by == "field")
+    field = colour_field(command, mesh.points.size());
   const PictureSource source{mesh, command.metric.given() ? &metric : nullptr, field.first, field.second,
                              &names};
   progress.phase("drawing");
@@ -174,7 +195,7 @@ void add_cut_options(CLI::App& sub, ViewCommand& command) {
 void add_colour_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Colour";
   sub.add_option("--color-by", command.color_by,
-                 "none, ref, subdomain, quality, length, nonconforming or field[:NAME]")
+                 "none, ref, subdomain, quality, length, nonconforming, deviation or field[:NAME]")
       ->type_name("WHAT")
       ->check(CLI::Validator(check_colouring, ""))
       ->group(kGroup);
@@ -222,6 +243,7 @@ void add_view_command(CLI::App& app, Action& action) {
   add_camera_options(*sub, *command);
   add_sheet_options(*sub, *command);
   add_metric_source(*sub, command->metric);
+  add_model(*sub, command->geometry);
   add_verbosity(*sub, command->verbosity);
   sub->callback([command, &action] { action = [command] { return run_view(*command); }; });
 }

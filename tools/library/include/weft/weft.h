@@ -564,8 +564,9 @@ WEFT_API MeshFigures measure_all(const Mesh& mesh, const Metric* metric = nullpt
 /// JSON of schema "weft-stat-1".
 WEFT_API std::string to_json(const MeshFigures& figures);
 /// Classifies the boundary of `mesh` on the CAD model that `geometry` names and measures how it lies there.
-/// `deviations`: distance from the model of the centroid of each boundary triangle, in the order of the tets
-/// that have them as faces. Throws InputError where the model cannot be read or is another body's.
+/// `deviations`: for each vertex, the largest distance from the model of the centroids of the boundary
+/// triangles around it; NaN at those that have none on the model. Throws InputError where the model cannot be
+/// read or is another body's.
 WEFT_API ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
                                        const std::string& name = {}, int threads = 0,
                                        std::vector<double>* deviations = nullptr);
