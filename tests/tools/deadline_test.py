@@ -116,7 +116,7 @@ class Memory(Deadline):
         """ulimit -v: arrays are refused in the middle of the run, and the result still has room."""
         if {"ASAN_OPTIONS", "TSAN_OPTIONS"} & set(os.environ):
             self.skipTest("sanitizers reserve more address space than any limit leaves")
-        most = 350 << 20
+        most = 300 << 20
         process = self.start(0, *LONG, "--force", at_start=lambda: resource.setrlimit(resource.RLIMIT_AS, (most, most)))
         self.assert_valid_result(process, "out of memory")
 

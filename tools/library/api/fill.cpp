@@ -29,8 +29,8 @@ class Filling {
   FillResult run() {
     try {
       make_grid();
-    } catch (const meshing::Interrupted& error) {
-      throw RunError(error.what());
+    } catch (const meshing::Interrupted&) {
+      throw RunError(tools::text_of(monitor_.reason()) + " before there was a mesh");
     }
     fill();
     return std::move(result_);
@@ -93,7 +93,7 @@ class Filling {
     result_.mesh = std::move(filled.mesh);
     result_.metric = Metric::from_logarithms(std::move(filled.log_metrics));
     result_.cancelled = filled.report.interrupted;
-    if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
+    if (result_.cancelled) result_.ended_by = tools::text_of(monitor_.reason());
     if (options_.run.verify) {
       monitor_.update("checking the result", 0.99, result_.mesh.tets.size());
       tools::check_conforms(result_.mesh);
