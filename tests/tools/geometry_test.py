@@ -8,6 +8,7 @@ import subprocess
 import unittest
 
 from command import DATA, WEFT, CommandTest
+from view_test import Png
 
 MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 MODEL = DATA / "models" / "cylinder.brep"  # radius 1, height 2, made by OpenCASCADE
@@ -64,9 +65,13 @@ class Geometry(CommandTest):
         self.assertEqual((self.folder / "one.solb").read_bytes(), (self.folder / "two.solb").read_bytes())
 
     def test_a_picture_of_the_deviation(self):
-        self.weft("view", self.start(), "--geometry", MODEL, "--color-by", "deviation", "--from", "x", "-o", "fit.svg")
-        text = (self.folder / "fit.svg").read_text()
-        self.assertIn("deviation", text)
+        self.start()
+        self.weft("mesh", MODEL, "--size", 0.5, "--hausd", 0.002, "-o", "fine.meshb")
+        for mesh, is_far in (("start.meshb", True), ("fine.meshb", False)):
+            self.weft("view", mesh, "--geometry", MODEL, "--color-by", "deviation", "--range", "0,0.05", "--no-edges", "--from", "x",
+                      "--size", "320x240", "-o", "fit.png")
+            red, green, blue = Png(self.folder / "fit.png").at(0.4, 0.5)
+            self.assertEqual(green > 1.5 * blue or green > 100, is_far, (mesh, red, green, blue))
 
     def test_records_that_need_a_model_are_told_when_they_are_left(self):
         self.start()

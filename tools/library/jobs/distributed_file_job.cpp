@@ -54,6 +54,7 @@ class DistributedFileJob {
         options_(options),
         keep_(what_to_keep(files)),
         account_(begin_run(files, options)),
+        shares_its_thread_(transport.virtual_time() != nullptr),
         run_(options, transport, keep_, begin) {}
 
   FilesResult run() {
@@ -77,9 +78,11 @@ class DistributedFileJob {
   }
 
  private:
-  /// Outside the engine: other ranks have the other cores.
+  /// Outside the engine: other ranks have the other cores. Simulated ranks take turns within one thread,
+  /// where an arena would be left by another rank than has entered it.
   template <class Work>
   auto on_threads(const Work& work) const {
+    if (shares_its_thread_) return work();
     return with_threads(std::max(1, options_.run.threads), work);
   }
 
@@ -214,6 +217,7 @@ class DistributedFileJob {
   Keep keep_;
   Stopwatch total_, watch_;
   RunResult account_;
+  bool shares_its_thread_;
   DistributedRun run_;
   std::string report_error_;
   partition::MeshSlice old_;  ///< points and tets of the input, where fields have to be carried along

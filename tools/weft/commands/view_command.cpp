@@ -195,7 +195,7 @@ void add_cut_options(CLI::App& sub, ViewCommand& command) {
 void add_colour_options(CLI::App& sub, ViewCommand& command) {
   constexpr const char* kGroup = "Colour";
   sub.add_option("--color-by", command.color_by,
-                 "none, ref, subdomain, quality, length, nonconforming, deviation or field[:NAME]")
+                 "none, ref, subdomain, quality, length, nonconforming, deviation, field[:NAME]")
       ->type_name("WHAT")
       ->check(CLI::Validator(check_colouring, ""))
       ->group(kGroup);
