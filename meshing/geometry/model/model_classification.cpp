@@ -17,6 +17,8 @@ namespace {
 
 // Of the model's size: what lies nearer lies on it; what lies farther than the second does not belong to it.
 constexpr double kOn = 1e-6, kFar = 0.01;
+// As far may a vertex be from where its record says.
+constexpr double kRecorded = 1e-4;
 // Of the longest edge at a vertex: a vertex farther off does not follow the model.
 constexpr double kFarOfEdge = 0.25;
 constexpr double kNearlyAsNear = 1.5;
@@ -60,7 +62,9 @@ class Classifier {
 
   void measure_edges();
   void take_records();
-  bool records_agree() const;
+  bool fits(const Association::OnNode& record) const;
+  bool fits(const Association::OnEdge& record) const;
+  bool fits(const Association::OnFace& record) const;
   void find_faces_of_vertices();
   std::vector<Candidate> faces_near(std::uint32_t v) const;
   void refuse_another_body() const;
@@ -83,6 +87,13 @@ class Classifier {
   void warn();
 
   double on() const { return kOn * model_.size(); }
+  static bool is_id(std::int32_t id, std::size_t count) {
+    return id >= 1 && id <= static_cast<std::int64_t>(count);
+  }
+  static std::uint32_t index_of(std::int32_t id) { return static_cast<std::uint32_t>(id - 1); }
+  bool is_at(std::uint32_t v, const Point& recorded) const {
+    return norm(recorded - mesh_.points[v]) <= kRecorded * model_.size();
+  }
   double reach(std::uint32_t v) const {
     return std::max(on(), std::min(kFarOfEdge * longest_[v], kFar * model_.size()));
   }
@@ -116,44 +127,45 @@ void Classifier::measure_edges() {
     if (longest_[v] > 0) vertices_.push_back(v);
 }
 
-/// Whether the recorded parameters give back the vertices, but for one in ten.
-bool Classifier::records_agree() const {
-  const Association& a = mesh_.association;
-  const double far = std::max(1e-4 * model_.size(), on());
-  std::size_t wrong = 0;
-  for (const auto& r : a.nodes)
-    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_nodes()) ||
-             norm(model_.node(static_cast<std::uint32_t>(r.id - 1)) - mesh_.points[r.vertex]) > far;
-  for (const auto& r : a.edges) {
-    const bool known = r.id >= 1 && r.id <= static_cast<std::int64_t>(model_.num_edges());
-    wrong += !known;
-    if (!known || model_.edge(static_cast<std::uint32_t>(r.id - 1)).degenerate) continue;
-    wrong += norm(model_.curve(static_cast<std::uint32_t>(r.id - 1), r.t).x - mesh_.points[r.vertex]) > far;
-  }
-  for (const auto& r : a.faces)
-    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_faces()) ||
-             norm(model_.surface(static_cast<std::uint32_t>(r.id - 1), {r.u, r.v}).x -
-                  mesh_.points[r.vertex]) > far;
-  return 10 * wrong <= a.nodes.size() + a.edges.size() + a.faces.size();
+/// Whether the model has a record's entity, and it gives back the vertex.
+bool Classifier::fits(const Association::OnNode& r) const {
+  return is_id(r.id, model_.num_nodes()) && is_at(r.vertex, model_.node(index_of(r.id)));
 }
 
+bool Classifier::fits(const Association::OnEdge& r) const {
+  if (!is_id(r.id, model_.num_edges())) return false;
+  const ModelEdge& edge = model_.edge(index_of(r.id));
+  if (!edge.degenerate) return is_at(r.vertex, model_.curve(index_of(r.id), r.t).x);
+  return edge.nodes[0] == kNoEntity || is_at(r.vertex, model_.node(edge.nodes[0]));
+}
+
+bool Classifier::fits(const Association::OnFace& r) const {
+  return is_id(r.id, model_.num_faces()) && is_at(r.vertex, model_.surface(index_of(r.id), {r.u, r.v}).x);
+}
+
+/// Records of another file of the same body fit but for some: its nodes and edges may count otherwise. A
+/// record that does not fit is none; where more than one in ten do not, those that fit do so by chance.
 void Classifier::take_records() {
   const Association& a = mesh_.association;
-  if (a.empty()) return;
-  if (!records_agree()) {
+  const auto take = [this](const auto& records, auto& taken) {
+    for (const auto& r : records)
+      if (fits(r)) taken.emplace_back(r.vertex, index_of(r.id));
+    return records.size() - taken.size();
+  };
+  const std::size_t given = a.nodes.size() + a.edges.size() + a.faces.size();
+  const std::size_t wrong =
+      take(a.nodes, node_records_) + take(a.edges, edge_records_) + take(a.faces, face_records_);
+  if (10 * wrong > given) {
+    for (auto* list : {&face_records_, &edge_records_, &node_records_}) list->clear();
     c_.warnings.push_back(
         "the mesh's records of where its vertices lie on a model do not fit this model and are not used");
     return;
   }
-  const auto valid = [](std::int32_t id, std::size_t n) {
-    return id >= 1 && id <= static_cast<std::int64_t>(n);
-  };
-  for (const auto& r : a.nodes)
-    if (valid(r.id, model_.num_nodes())) node_records_.emplace_back(r.vertex, r.id - 1);
-  for (const auto& r : a.edges)
-    if (valid(r.id, model_.num_edges())) edge_records_.emplace_back(r.vertex, r.id - 1);
-  for (const auto& r : a.faces)
-    if (valid(r.id, model_.num_faces())) face_records_.emplace_back(r.vertex, r.id - 1);
+  if (wrong > 0)
+    c_.warnings.push_back(
+        fmt::format("{} of the mesh's {} records of where its vertices lie on a model do not fit this model "
+                    "and are not used",
+                    wrong, given));
   // A vertex on an edge is on the edge's faces too, whether that is recorded or not.
   for (const auto& [v, e] : edge_records_)
     for (const std::uint32_t f : model_.faces_at_edge(e)) face_records_.emplace_back(v, f);
