@@ -74,6 +74,7 @@ struct DistributedResult {
   std::vector<std::vector<std::uint8_t>> was_interface;  ///< a flag for each point of each piece
   std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
   std::vector<partition::PieceOnModel> on_model;         ///< of each piece, where the boundary has a model
+  meshing::ModelFaults input_on_model;                   ///< the same on all ranks
   meshing::OperationCounts counts;                       ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks

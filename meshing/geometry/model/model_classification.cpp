@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "meshing/base/error.h"
@@ -32,6 +33,14 @@ struct Side {
   friend auto operator<=>(const Side&, const Side&) = default;
 };
 
+/// What a vertex lies on: a node, else an edge, else a face.
+struct Place {
+  enum class Kind : std::uint8_t { none, node, edge, face };
+  Kind kind = Kind::none;
+  std::uint32_t entity = kNoEntity;
+  Parameters guess{};  ///< on a face without formula
+};
+
 class Classifier {
  public:
   Classifier(const MeshData& mesh, std::shared_ptr<const Model> model) : mesh_(mesh), model_(*model) {
@@ -50,6 +59,7 @@ class Classifier {
     find_edges();
     group_faces();
     set_parameters();
+    find_faults();
     warn();
     return std::move(c_);
   }
@@ -84,6 +94,21 @@ class Classifier {
   std::array<double, 2> parameters_along(std::uint32_t e, const std::array<std::uint32_t, 2>& v) const;
   void group_faces();
   void set_parameters();
+  void find_faults();
+  std::uint64_t turned_triangles() const;
+  std::vector<Place> places() const;
+  double distance_from(const Place& place, const Point& p) const;
+  double tolerance_of(const Place& place) const;
+  /// Parameters to begin from: of a corner of a triangle, of its centroid.
+  Parameters guess(std::size_t triangle, std::size_t corner) const {
+    return c_.parameters.empty() ? Parameters{} : c_.parameters[triangle][corner];
+  }
+  Parameters guess(std::size_t triangle) const {
+    Parameters middle{};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 2; ++j) middle[j] += guess(triangle, k)[j] / 3;
+    return middle;
+  }
   void warn();
 
   double on() const { return kOn * model_.size(); }
@@ -524,6 +549,81 @@ void Classifier::set_parameters() {
       c_.parameters[i][k] = q;
     }
   });
+}
+
+/// Where each vertex of the mesh lies.
+std::vector<Place> Classifier::places() const {
+  std::vector<Place> places(mesh_.points.size());
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+    if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity)
+      for (std::size_t k = 0; k < 3; ++k) places[mesh_.triangles[i][k]] = {Place::Kind::face, f, guess(i, k)};
+  for (const ModelClassification::Edge& e : c_.edges)
+    for (const std::uint32_t v : e.vertices) places[v] = {Place::Kind::edge, e.edge, {}};
+  for (const auto& [v, n] : c_.nodes) places[v] = {Place::Kind::node, n, {}};
+  return places;
+}
+
+double Classifier::distance_from(const Place& place, const Point& p) const {
+  switch (place.kind) {
+    case Place::Kind::node:
+      return norm(p - model_.node(place.entity));
+    case Place::Kind::edge:
+      return model_.closest_on_edge(place.entity, p).distance;
+    case Place::Kind::face:
+      return model_.closest_on_face(place.entity, p, place.guess).distance;
+    default:
+      return 0;
+  }
+}
+
+double Classifier::tolerance_of(const Place& place) const {
+  switch (place.kind) {
+    case Place::Kind::node:
+      return model_.node_tolerance(place.entity);
+    case Place::Kind::edge:
+      return model_.edge_tolerance(place.entity);
+    case Place::Kind::face:
+      return model_.face_tolerance(place.entity);
+    default:
+      return 0;
+  }
+}
+
+void Classifier::find_faults() {
+  const std::vector<Place> places = this->places();
+  std::vector<double> distance(vertices_.size(), 0);
+  std::vector<std::uint8_t> off(vertices_.size(), 0);
+  for_each_index(vertices_.size(), [&](std::size_t i) {
+    const Place& at = places[vertices_[i]];
+    const Point& p = mesh_.points[vertices_[i]];
+    distance[i] = distance_from(at, p);
+    off[i] = distance[i] > std::max(kOffModel * model_.size(), tolerance_of(at));
+  });
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    c_.faults.off += off[i];
+    c_.faults.largest = std::max(c_.faults.largest, distance[i]);
+  }
+  c_.faults.turned = turned_triangles();
+}
+
+/// Files may list triangles turned as it comes: most of those on a face with one reference are right.
+std::uint64_t Classifier::turned_triangles() const {
+  std::vector<std::int8_t> side(mesh_.triangles.size(), 0);
+  for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
+    const std::uint32_t f = c_.triangle_face[i];
+    if (f == kNoEntity) return;
+    const auto& t = mesh_.triangles[i];
+    const Point &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
+    const OnFace q = model_.closest_on_face(f, (1.0 / 3) * (a + b + c), guess(i));
+    const double along = dot(cross(b - a, c - a), q.normal);
+    side[i] = along > 0 ? 1 : along < 0 ? -1 : 0;
+  });
+  std::map<std::pair<std::uint32_t, std::int32_t>, std::array<std::uint64_t, 2>> counts;
+  for (std::size_t i = 0; i < side.size(); ++i)
+    if (side[i] != 0) ++counts[{c_.triangle_face[i], mesh_.triangle_refs[i]}][side[i] > 0];
+  std::uint64_t turned = 0;
+  for (const auto& [key, count] : counts) turned += std::min(count[0], count[1]);
+  return turned;
 }
 
 /// Names what lies on no face by the references of its triangles, and faces that nothing lies on.

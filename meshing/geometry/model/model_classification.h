@@ -33,6 +33,8 @@ struct ModelClassification {
   std::vector<Edge> edges;                                     ///< sorted by vertices
   std::vector<std::pair<std::uint32_t, std::uint32_t>> nodes;  ///< (vertex, node), sorted
   std::vector<std::string> warnings;
+  /// As the mesh comes. Of triangles on a face with one reference, those that are listed as fewer are.
+  ModelFaults faults;
 };
 
 /// Classifies `boundary`, which has all of a mesh's boundary and interface triangles, by the records that it
