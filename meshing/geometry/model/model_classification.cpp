@@ -25,6 +25,12 @@ constexpr double kFarOfEdge = 0.25;
 constexpr double kNearlyAsNear = 1.5;
 // Fewer vertices than this share on the model: it is another body's.
 constexpr double kLeastShare = 1.0 / 3;
+// So too where less of the mesh's boundary lies on it and less of the model has triangles on it. A body amid
+// its surroundings has little of the mesh's boundary, but all of the model; half a body half of it.
+constexpr double kLeastOfMesh = 0.5, kLeastOfModel = 0.4;
+// Of the model's size: so far off, by their root mean square, vertices are beside the model, where a scale
+// and a shift explain that much of the squares. (A mesh of chords is off otherwise: not at their ends.)
+constexpr double kBeside = 5e-4, kExplained = 0.95;
 
 /// A triangle or an edge of the boundary seen from an edge: (lower vertex, higher vertex), triangle.
 struct Side {
@@ -54,6 +60,8 @@ class Classifier {
     refuse_another_body();
     find_faces_of_triangles();
     fill_gaps();
+    refuse_another_shape();
+    refuse_another_place();
     sort_sides();
     find_nodes();
     find_edges();
@@ -78,6 +86,10 @@ class Classifier {
   void find_faces_of_vertices();
   std::vector<Candidate> faces_near(std::uint32_t v) const;
   void refuse_another_body() const;
+  void refuse_another_shape() const;
+  void refuse_another_place() const;
+  double area_of_face(std::uint32_t f) const;
+  std::string distances() const;
   std::string hint_of_scale() const;
   void find_faces_of_triangles();
   std::vector<std::uint32_t> shared_faces(const std::array<std::uint32_t, 3>& t) const;
@@ -260,21 +272,143 @@ std::string Classifier::hint_of_scale() const {
 
 void Classifier::refuse_another_body() const {
   std::size_t on_model = 0;
-  double farthest = 0;
-  std::vector<double> all;
-  for (const std::uint32_t v : vertices_) {
-    on_model += !near_[v].empty();
-    all.push_back(distance_[v]);
-    farthest = std::max(farthest, distance_[v]);
-  }
+  for (const std::uint32_t v : vertices_) on_model += !near_[v].empty();
   if (static_cast<double>(on_model) >= kLeastShare * static_cast<double>(vertices_.size())) return;
-  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
   throw InputError(
       model_.geometry().name(), "",
-      fmt::format(
-          "is not the model of this mesh: of {} vertices of the boundary {} lie on it, half of them are "
-          "farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}{}",
-          vertices_.size(), on_model, all[all.size() / 2], farthest, model_.size(), hint_of_scale()));
+      fmt::format("is not the model of this mesh: of {} vertices of the boundary {} lie on it, {}{}",
+                  vertices_.size(), on_model, distances(), hint_of_scale()));
+}
+
+/// Of vertices from the model.
+std::string Classifier::distances() const {
+  std::vector<double> all;
+  for (const std::uint32_t v : vertices_) all.push_back(distance_[v]);
+  std::ranges::sort(all);
+  return fmt::format("half of them are farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}",
+                     all[all.size() / 2], all.back(), model_.size());
+}
+
+/// Within its border, roughly.
+double Classifier::area_of_face(std::uint32_t f) const {
+  constexpr int kCells = 32;
+  const ModelFace& face = model_.face(f);
+  const double du = (face.hi[0] - face.lo[0]) / kCells, dv = (face.hi[1] - face.lo[1]) / kCells;
+  double area = 0;
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j) {
+      const Parameters at{face.lo[0] + (i + 0.5) * du, face.lo[1] + (j + 0.5) * dv};
+      if (!model_.is_inside(f, at)) continue;
+      const SurfaceJet jet = model_.surface(f, at);
+      area += norm(cross(jet.du, jet.dv)) * du * dv;
+    }
+  return area;
+}
+
+/// By areas: vertices of another body may lie on the model by chance, as those of a plane through it.
+void Classifier::refuse_another_shape() const {
+  std::vector<double> on_face(model_.num_faces(), 0);
+  double all = 0, on_model = 0;
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const auto& t = mesh_.triangles[i];
+    const double area =
+        0.5 * norm(cross(mesh_.points[t[1]] - mesh_.points[t[0]], mesh_.points[t[2]] - mesh_.points[t[0]]));
+    all += area;
+    if (c_.triangle_face[i] == kNoEntity) continue;
+    on_model += area;
+    on_face[c_.triangle_face[i]] += area;
+  }
+  if (on_model >= kLeastOfMesh * all) return;
+  double of_model = 0, covered = 0;
+  for (std::uint32_t f = 0; f < model_.num_faces(); ++f) {
+    const double area = area_of_face(f);
+    of_model += area;
+    covered += std::min(area, on_face[f]);
+  }
+  if (covered >= kLeastOfModel * of_model) return;
+  throw InputError(
+      model_.geometry().name(), "",
+      fmt::format("is not the model of this mesh: {:.0f} % of the mesh's boundary lie on it, on {:.0f} % of "
+                  "its area; of the boundary's vertices {}{}",
+                  100 * on_model / all, 100 * covered / of_model, distances(), hint_of_scale()));
+}
+
+namespace {
+
+constexpr std::size_t kUnknowns = 7;
+using Unknowns = std::array<double, kUnknowns>;
+
+/// Least squares of the seven unknowns of a similarity: scale, shift, turn; kept regular.
+class Fit {
+ public:
+  void add(const Unknowns& row, double value) {
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      right_[i] += row[i] * value;
+      for (std::size_t j = 0; j < kUnknowns; ++j) matrix_[i][j] += row[i] * row[j];
+    }
+    squares_ += value * value;
+    ++count_;
+  }
+  double mean_square() const { return count_ > 0 ? squares_ / static_cast<double>(count_) : 0; }
+  Unknowns solution() const;
+  /// The share of the squares that the solution explains.
+  double explained(const Unknowns& x) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      sum += 2 * x[i] * right_[i];
+      for (std::size_t j = 0; j < kUnknowns; ++j) sum -= x[i] * matrix_[i][j] * x[j];
+    }
+    return squares_ > 0 ? sum / squares_ : 0;
+  }
+
+ private:
+  std::array<Unknowns, kUnknowns> matrix_{};
+  Unknowns right_{};
+  double squares_ = 0;
+  std::size_t count_ = 0;
+};
+
+Unknowns Fit::solution() const {
+  auto a = matrix_;
+  auto x = right_;
+  for (std::size_t i = 0; i < kUnknowns; ++i) a[i][i] += 1e-6 * static_cast<double>(count_);
+  for (std::size_t i = 0; i < kUnknowns; ++i)  // positive definite: no pivots
+    for (std::size_t k = i + 1; k < kUnknowns; ++k) {
+      const double factor = a[k][i] / a[i][i];
+      for (std::size_t j = i; j < kUnknowns; ++j) a[k][j] -= factor * a[i][j];
+      x[k] -= factor * x[i];
+    }
+  for (std::size_t i = kUnknowns; i-- > 0;) {
+    for (std::size_t j = i + 1; j < kUnknowns; ++j) x[i] -= a[i][j] * x[j];
+    x[i] /= a[i][i];
+  }
+  return x;
+}
+
+}  // namespace
+
+/// The mesh as a whole may be a little too large, or beside its place: each vertex is near the model then,
+/// but they are off it as a similarity would have it.
+void Classifier::refuse_another_place() const {
+  Fit fit;
+  const double size = model_.size();
+  const Point middle = 0.5 * (model_.box().lo + model_.box().hi);
+  for (const std::uint32_t v : vertices_) {
+    if (near_[v].empty()) continue;
+    const OnFace q = model_.closest_within(near_[v].front().face, mesh_.points[v]);
+    const Vec away = mesh_.points[v] - q.x, from_middle = (1 / size) * (mesh_.points[v] - middle);
+    const Vec u = norm(away) > on() ? normalized(away) : q.normal, turn = cross(from_middle, u);
+    fit.add({dot(u, from_middle), u.x, u.y, u.z, turn.x, turn.y, turn.z}, dot(u, away) / size);
+  }
+  if (fit.mean_square() <= kBeside * kBeside) return;
+  const Unknowns x = fit.solution();
+  if (fit.explained(x) < kExplained) return;
+  throw InputError(model_.geometry().name(), "",
+                   fmt::format("is not the model of this mesh as it is: it looks {:.4g} times as large, "
+                               "shifted by ({:.3g}, {:.3g}, "
+                               "{:.3g}) and turned by {:.2g} degrees; of the boundary's vertices {}",
+                               1 / (1 - x[0]), x[1] * size, x[2] * size, x[3] * size,
+                               std::hypot(x[4], x[5], x[6]) * 180 / std::numbers::pi, distances()));
 }
 
 /// The faces that all vertices of a triangle may lie on.
