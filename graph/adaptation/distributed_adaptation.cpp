@@ -315,6 +315,7 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   const std::string of_coordinate = find_coordinate(peers, slice, decomposition);
   partition::Distributed d = distribute_on_background(peers, std::move(slice), options, decomposition);
   result.warnings = d.warnings;
+  result.input_on_model = d.geometry->on_model;
   result.cut_by_runs = d.cut_by_runs;
   if (!of_coordinate.empty()) result.warnings.push_back(of_coordinate);
   result.decomposition_seconds = seconds_since(begin);

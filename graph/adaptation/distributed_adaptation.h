@@ -75,6 +75,7 @@ struct DistributedResult {
   std::vector<std::vector<ShiftRecord>> shifts;          ///< of each piece
   double surface_deviation = 0;  ///< of the pieces here: largest distance of a triangle's centroid
   std::vector<partition::PieceOnModel> on_model;  ///< of each piece, where the boundary has a model
+  meshing::ModelFaults input_on_model;            ///< the same on all ranks
   meshing::OperationCounts counts;                ///< of all subdomains that are here now
   std::vector<Neighbours> planned;    ///< of the subdomains that were here after the decomposition
   std::vector<std::string> warnings;  ///< the same on all ranks

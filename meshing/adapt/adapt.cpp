@@ -128,9 +128,11 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       result.report.surface_deviation = largest_surface_deviation(*imported.mesh, *imported.surface);
       result.report.hausd = kernel.limits.hausd;
       result.report.surface_demands = surface_demands(kernel);
-      if (options.model)
-        result.report.model =
-            std::make_shared<const ModelAccount>(account_on_model(*imported.mesh, *imported.surface));
+      if (options.model) {
+        ModelAccount account = account_on_model(*imported.mesh, *imported.surface);
+        account.input = imported.on_model;
+        result.report.model = std::make_shared<const ModelAccount>(std::move(account));
+      }
     }
     if (result.report.in_order && given.mesh == &input)
       result.origins = origins_of(*imported.mesh, input, *given.log_metrics);

@@ -8,6 +8,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Shape.hxx>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "meshing/geometry/model/geometry_model.h"
@@ -29,6 +30,7 @@ class OccModel : public GeometryModel {
   const std::string& unit() const override { return unit_; }
   std::span<const std::string> warnings() const override { return warnings_; }
 
+  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
   const TopoDS_Shape& shape() const { return shape_; }
   /// Ids from 1, in the order in which EGADS and refine count.
   const TopTools_IndexedMapOfShape& face_map() const { return face_map_; }

@@ -6,8 +6,12 @@
 #include <BRepLib.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IGESData_IGESModel.hxx>
+#include <Interface_Check.hxx>
+#include <Interface_CheckIterator.hxx>
+#include <Interface_InterfaceModel.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_PrinterOStream.hxx>
@@ -21,6 +25,8 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <UnitsMethods.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -28,10 +34,12 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/cad/cad_reader.h"
+#include "meshing/cad/check_model.h"
 #include "meshing/cad/occ_model.h"
 #include "meshing/cad/occ_tessellate.h"
 
@@ -92,6 +100,32 @@ struct Read {
   std::vector<std::string> warnings;
 };
 
+/// The first of them, and how many more there are.
+std::string listed(const std::vector<std::string>& all, std::size_t most = 10, const char* between = ", ") {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), most); ++i) text += (i > 0 ? between : "") + all[i];
+  return all.size() > most ? text + " and " + std::to_string(all.size() - most) + " more" : text;
+}
+
+/// What the reader has found wrong with entities of a STEP file, by their ids there.
+void list_failures(Interface_CheckIterator checks, const Handle(Interface_InterfaceModel) & model,
+                   std::vector<std::string>& failures) {
+  for (checks.Start(); checks.More(); checks.Next()) {
+    const Handle(Interface_Check) check = checks.Value();
+    std::string why;
+    if (check->NbFails() > 0) why = check->CFail(1);
+    for (int i = 1; why.empty() && i <= check->NbWarnings(); ++i)
+      if (std::string_view(check->CWarning(i)).find("not translated") != std::string_view::npos)
+        why = check->CWarning(i);
+    if (why.empty()) continue;
+    const int number = checks.Number();
+    const std::string entity = number >= 1 && number <= model->NbEntities()
+                                   ? model->StringLabel(model->Value(number))->ToCString()
+                                   : "the file";
+    failures.push_back(entity + " (" + why.substr(why.find_first_not_of(' ')) + ")");
+  }
+}
+
 Read read_step(const std::string& path) {
   Read result;
   STEPControl_Reader reader;
@@ -105,10 +139,15 @@ Read read_step(const std::string& path) {
   result.millimetres = unit.millimetres;
   if (lengths.Length() > 1)
     result.warnings.push_back("parts have different units of length; all are converted to " + result.unit);
+  std::vector<std::string> failures;
+  list_failures(reader.WS()->ModelCheckList(Standard_False), reader.Model(), failures);
   const int roots = reader.NbRootsForTransfer(), transferred = reader.TransferRoots();
   if (transferred < roots)
     result.warnings.push_back(std::to_string(roots - transferred) + " of " + std::to_string(roots) +
                               " parts cannot be read");
+  list_failures(reader.WS()->TransferReader()->LastCheckList(), reader.Model(), failures);
+  if (!failures.empty())
+    result.warnings.push_back("entities of the file that are damaged or cannot be read: " + listed(failures));
   if (reader.NbShapes() == 0) throw InputError(path, "", "holds no shape, or is damaged or truncated");
   result.shape = reader.OneShape();
   return result;
@@ -226,13 +265,40 @@ void check(Read& read) {
   const BRepCheck_Analyzer analyzer(read.shape);
   if (analyzer.IsValid()) return;
   const TopTools_IndexedMapOfShape faces = all_of(read.shape, TopAbs_FACE);
-  std::string list;
-  int bad = 0;
+  std::vector<std::string> bad;
   for (int i = 1; i <= faces.Extent(); ++i)
-    if (!analyzer.IsValid(faces(i)) && ++bad <= 10) list += (list.empty() ? "" : ", ") + std::to_string(i);
-  read.warnings.push_back(bad == 0 ? std::string("the topology of the model is not valid")
-                                   : "faces that are not valid in themselves: " + list +
-                                         (bad > 10 ? " and " + std::to_string(bad - 10) + " more" : ""));
+    if (!analyzer.IsValid(faces(i))) bad.push_back(std::to_string(i));
+  read.warnings.push_back(bad.empty() ? "the topology of the model is not valid"
+                                      : "faces that are not valid in themselves: " + listed(bad));
+}
+
+/// Edges that bound one face only of a solid's shell; of any, where there is no solid: readers make shells of
+/// one that has lost a face. (A loose face beside a solid is none of its body.)
+void find_open_edges(Read& read) {
+  const TopTools_IndexedMapOfShape edges = all_of(read.shape, TopAbs_EDGE);
+  const bool has_solids = has(read.shape, TopAbs_SOLID);
+  const TopTools_IndexedMapOfShape bodies = all_of(read.shape, has_solids ? TopAbs_SOLID : TopAbs_SHELL);
+  std::vector<std::string> open;
+  for (int i = 1; i <= bodies.Extent(); ++i) {
+    std::map<int, int> uses;
+    for (TopExp_Explorer edge(bodies(i), TopAbs_EDGE); edge.More(); edge.Next())
+      ++uses[edges.FindIndex(edge.Current())];
+    for (const auto& [index, count] : uses)
+      if (count == 1 && !BRep_Tool::Degenerated(TopoDS::Edge(edges(index))))
+        open.push_back(std::to_string(index));
+  }
+  if (!open.empty()) read.warnings.push_back("the model is open at edge " + listed(open));
+}
+
+/// Throws where what has been read is not the body that is meant.
+void check(OccModel& model) {
+  const ModelDefects defects = defects_of(model);
+  if (!defects.fatal.empty()) {
+    std::string also;
+    for (const std::string& warning : model.warnings()) also += "; " + warning;
+    throw InputError(model.name(), "", "the model is damaged: " + listed(defects.fatal, 3, "; ") + also);
+  }
+  if (!defects.slight.empty()) model.warn(listed(defects.slight, 10, "; "));
 }
 
 void refuse_empty(const std::string& path, const TopoDS_Shape& shape) {
@@ -260,6 +326,7 @@ Read read_by_extension(const std::string& path) {
   }
   BRepLib::BuildCurves3d(read.shape);
   check(read);
+  find_open_edges(read);
   return read;
 }
 
@@ -272,7 +339,9 @@ class OccReader : public CadReader {
       // Whoever else uses OpenCASCADE in this process may have set another unit.
       UnitsMethods::SetCasCadeLengthUnit(1.0);
       Read read = read_by_extension(path);
-      return std::make_shared<OccModel>(read.shape, path, read.unit, std::move(read.warnings));
+      const auto model = std::make_shared<OccModel>(read.shape, path, read.unit, std::move(read.warnings));
+      check(*model);
+      return model;
     } catch (const Standard_Failure& failure) {
       throw InputError(path, "", std::string("OpenCASCADE cannot read it: ") + failure.GetMessageString());
     }

@@ -93,15 +93,26 @@ AdaptResult fill_kept_surface(const MeshData& start, const FillOptions& options)
   return adapt(input, {&input, &metric}, adapt_options);
 }
 
+/// How the result lies on the model is to be seen beside the surface that was given.
+void compare_with(const ModelFaults& of_surface, AdaptReport& report) {
+  if (!report.model) return;
+  ModelAccount account = *report.model;
+  account.input = of_surface;
+  report.model = std::make_shared<const ModelAccount>(std::move(account));
+}
+
 /// A surface that is adapted has lost its own sizes after the coarse pass, which makes points to carry them.
 AdaptResult fill_and_remesh(const MeshData& start, const FillOptions& options) {
   const PointDistribution of_start(start, options.growth, options.size);
   AdaptResult result;
   result.mesh = start;
+  std::optional<ModelFaults> of_surface;
   for (const double factor : {4.0, 1.0}) {
     const MeshData input = std::move(result.mesh);
     const LogMetricField metric = of_start.sample(input.points, factor);
     result = adapt(input, {&input, &metric}, options.adapt);
+    if (!of_surface && result.report.model) of_surface = result.report.model->input;
+    if (of_surface) compare_with(*of_surface, result.report);
     if (result.report.interrupted) break;
   }
   return result;

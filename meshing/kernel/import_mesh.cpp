@@ -146,13 +146,14 @@ void keep_touching_edges(const Adjacency& adjacency, Boundary& b, std::vector<st
 }
 
 std::unique_ptr<Surface> make_surface(const MeshData& m, MeshData& boundary, double ridge_angle_degrees,
-                                      std::shared_ptr<const Model> model,
-                                      std::vector<std::string>& warnings) {
+                                      std::shared_ptr<const Model> model, std::vector<std::string>& warnings,
+                                      ModelFaults& faults) {
   const Surface::Options options{ridge_angle_degrees};
   if (!model) return std::make_unique<Surface>(boundary, options);
   boundary.association = m.association;
   ModelClassification classification = classify_on_model(boundary, std::move(model));
   warnings.insert(warnings.end(), classification.warnings.begin(), classification.warnings.end());
+  faults = classification.faults;
   return std::make_unique<Surface>(boundary, options, std::move(classification));
 }
 
@@ -242,7 +243,7 @@ ImportedMesh import_mesh(const MeshData& m, double ridge_angle_degrees, std::siz
   keep_touching_edges(r.adjacency, b, r.warnings);
   r.mesh = reserve_tet_mesh({vertex_capacity, tet_capacity}, {2 * m.points.size(), 2 * m.tets.size()});
   fill_tets(m, r.adjacency, *r.mesh);
-  r.surface = make_surface(m, b.data, ridge_angle_degrees, std::move(model), r.warnings);
+  r.surface = make_surface(m, b.data, ridge_angle_degrees, std::move(model), r.warnings, r.on_model);
   classify_boundary(b, m, *r.surface, *r.mesh);
   r.patch_required.assign(r.surface->patches().size(), false);
   for (const std::uint32_t t : b.data.required_triangles)

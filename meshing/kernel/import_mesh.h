@@ -21,7 +21,8 @@ struct ImportedMesh {
   Adjacency adjacency;               ///< of the input's tets
   std::vector<bool> patch_required;  ///< patches made of required triangles
   std::vector<std::string>
-      warnings;  ///< what was repaired: missing triangles created, unused points dropped ...
+      warnings;          ///< what was repaired: missing triangles created, unused points dropped ...
+  ModelFaults on_model;  ///< of the input
 };
 
 /// Throws InputError (no file name) for arrays of reference numbers that do not fit their entities, indices

@@ -4,19 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 
 namespace weft::meshing {
 namespace {
 
 using Kind = ModelEntityAccount::Kind;
-constexpr double kOn = 1e-8;
 constexpr std::size_t kMostListed = 100;
 
-/// A face of a tet on a patch of the model, once.
+/// A face of a tet on a patch of the model, once, seen from that tet.
 struct BoundaryFace {
   std::array<VertexId, 3> v;
   PatchId patch;
+  std::int32_t ref;  ///< of the tet
+  bool both;         ///< there is a tet of the same reference behind it: it has no side of its own
 };
 
 std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
@@ -26,9 +28,11 @@ std::vector<BoundaryFace> boundary_faces(const TetMesh& mesh) {
     if (!mesh.alive(t)) continue;
     for (int f = 0; f < 4; ++f) {
       const PatchId p = mesh.patch(t, f);
-      if (!p.valid() || (mesh.neighbour(t, f).valid() && mesh.neighbour(t, f).tet() < t)) continue;
+      const TetFace behind = mesh.neighbour(t, f);
+      if (!p.valid() || (behind.valid() && behind.tet() < t)) continue;
       const auto at = [&](int k) { return mesh.vertex(t, kTetFaces[f][k]); };
-      faces.push_back({{at(0), at(2), at(1)}, p});
+      faces.push_back(
+          {{at(0), at(2), at(1)}, p, mesh.ref(t), behind.valid() && mesh.ref(behind.tet()) == mesh.ref(t)});
     }
   }
   return faces;
@@ -131,10 +135,20 @@ class EntityTable {
   std::array<std::size_t, 3> begin_{};
 };
 
+using Normals = std::map<std::pair<std::uint32_t, std::int32_t>, ModelNormalSums>;
+
+void judge_normal(const BoundaryFace& f, std::uint32_t face, const Vec& n, const Vec& of_model,
+                  Normals& normals) {
+  if (norm(n) == 0 || norm(of_model) == 0) return;
+  const double product = f.both ? std::abs(dot(n, of_model)) : dot(n, of_model), cosine = product / norm(n);
+  normals[{face, f.ref}].add({face, f.ref, product, cosine, cosine, cosine > 0, cosine < 0});
+}
+
 /// Deviation and normals of boundary faces.
 void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<BoundaryFace>& faces,
                  const ModelShare& share, EntityTable& entities, ModelSums& sums,
                  std::vector<double>* deviations) {
+  Normals normals;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const BoundaryFace& f = faces[i];
     if (!share.triangles.empty() && !share.triangles[i]) continue;
@@ -154,13 +168,9 @@ void judge_faces(const TetMesh& mesh, const Surface& surface, const std::vector<
     ModelEntitySums& entity = entities.of(Kind::face, q.face);
     ++entity.measured;
     entity.deviation = std::max(entity.deviation, q.at.distance);
-    const Vec n = cross(b - a, c - a);
-    if (norm(n) == 0 || norm(q.at.normal) == 0) continue;
-    const double cosine = dot(n, q.at.normal) / norm(n);
-    entity.least_cosine = std::min(entity.least_cosine, cosine);
-    entity.largest_cosine = std::max(entity.largest_cosine, cosine);
-    entity.side += dot(n, q.at.normal);
+    judge_normal(f, q.face, cross(b - a, c - a), q.at.normal, normals);
   }
+  for (const auto& [key, n] : normals) sums.normals.push_back(n);
 }
 
 void judge_edges(const TetMesh& mesh, const Surface& surface, EntityTable& entities) {
@@ -191,7 +201,7 @@ void judge_vertices(std::vector<Place> places, const Model& model, ModelSums& su
     ++sums.vertices;
     sums.distance += p.distance;
     sums.largest = std::max(sums.largest, p.distance);
-    if (p.distance > std::max(kOn * model.size(), tolerance_of(model, p.kind, p.entity)))
+    if (p.distance > std::max(kOffModel * model.size(), tolerance_of(model, p.kind, p.entity)))
       sums.listed.emplace_back(p.distance, p.vertex.value);
   }
   sums.off = sums.listed.size();
@@ -206,12 +216,32 @@ ModelEntityAccount account_of(const Model& model, const ModelEntitySums& sums) {
   a.mean = sums.distance / static_cast<double>(sums.vertices);
   a.largest = sums.largest;
   a.deviation = sums.deviation;
-  // Which way a face looks is what most of its triangles say: interfaces have two sides.
-  a.least_normal = std::min(1.0, sums.side < 0 ? -sums.largest_cosine : sums.least_cosine);
   return a;
 }
 
+/// Which way a face looks from one side is what most of its triangles there say.
+void add_normals(const std::vector<ModelNormalSums>& normals, std::vector<ModelEntityAccount>& entities) {
+  for (const ModelNormalSums& n : normals) {
+    const auto a = std::ranges::find_if(entities, [&](const ModelEntityAccount& e) {
+      return e.kind == Kind::face && e.id == static_cast<std::int32_t>(n.face + 1);
+    });
+    if (a == entities.end()) continue;
+    a->least_normal = std::min(a->least_normal, n.side < 0 ? -n.largest_cosine : n.least_cosine);
+    a->turned += n.side < 0 ? n.along : n.against;
+  }
+}
+
 }  // namespace
+
+void ModelNormalSums::add(const ModelNormalSums& more) {
+  face = more.face;
+  ref = more.ref;
+  side += more.side;
+  least_cosine = std::min(least_cosine, more.least_cosine);
+  largest_cosine = std::max(largest_cosine, more.largest_cosine);
+  along += more.along;
+  against += more.against;
+}
 
 ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelShare& share,
                        std::vector<double>* deviations) {
@@ -244,7 +274,7 @@ ModelAccount account_of(const Model& model, ModelSums sums) {
   total.nodes = model.num_nodes();
   total.edges = model.num_edges();
   total.faces = model.num_faces();
-  total.tolerance = kOn * model.size();
+  total.tolerance = kOffModel * model.size();
   total.vertices = sums.vertices;
   total.triangles = sums.triangles;
   total.unclassified_triangles = sums.unclassified_triangles;
@@ -258,7 +288,9 @@ ModelAccount account_of(const Model& model, ModelSums sums) {
     total.listed.push_back(sums.listed[i].second);
   for (const ModelEntitySums& entity : sums.entities)
     if (entity.vertices > 0) total.entities.push_back(account_of(model, entity));
+  add_normals(sums.normals, total.entities);
   for (const ModelEntityAccount& a : total.entities) {
+    total.turned += a.turned;
     total.deviation = std::max(total.deviation, a.deviation);
     total.least_normal = std::min(total.least_normal, a.least_normal);
   }

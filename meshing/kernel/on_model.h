@@ -17,8 +17,17 @@ struct ModelEntitySums {
   std::uint32_t entity = 0;
   std::uint64_t vertices = 0, measured = 0;         ///< `measured`: triangles or mesh edges
   double distance = 0, largest = 0, deviation = 0;  ///< distances of vertices: the sum, the largest
-  double side = 0;                                  ///< of its triangles' normals: along its own, or against
+};
+
+/// What is known of the normals of the triangles on a face of the model, seen from tets of one reference:
+/// interfaces have two sides, and a face of the model may bound several regions.
+struct ModelNormalSums {
+  std::uint32_t face = 0;
+  std::int32_t ref = 0;
+  double side = 0;  ///< of the normals: along the face's own, or against
   double least_cosine = 1, largest_cosine = -1;
+  std::uint64_t along = 0, against = 0;
+  void add(const ModelNormalSums& more);
 };
 
 /// An account before it is closed.
@@ -28,6 +37,7 @@ struct ModelSums {
   double distance = 0, largest = 0;
   std::vector<std::pair<double, std::uint32_t>> listed;  ///< (distance, vertex) of those off
   std::vector<ModelEntitySums> entities;                 ///< by kind and entity
+  std::vector<ModelNormalSums> normals;                  ///< by face and reference
 };
 
 /// What of a part of a mesh counts, where other parts have some of it too: flags for the records of
@@ -43,7 +53,7 @@ ModelSums sum_on_model(const TetMesh& mesh, const Surface& surface, const ModelS
 ModelAccount account_of(const Model& model, ModelSums sums);
 
 /// Distances of boundary vertices from their entities, deviations of faces and edges. A vertex is off the
-/// model beyond 1e-8 of the model's size and its entity's tolerance. `deviations`: where not null, for
+/// model beyond kOffModel of the model's size and its entity's tolerance. `deviations`: where not null, for
 /// each vertex slot the largest distance from the model of the centroids of the boundary faces around it; NaN
 /// where there is none. The surface has a model.
 ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface,

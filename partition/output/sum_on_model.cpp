@@ -10,11 +10,17 @@ namespace weft::partition {
 namespace {
 
 using meshing::ModelEntitySums;
+using meshing::ModelNormalSums;
 using meshing::ModelSums;
 
 struct EntityRecord {
   std::uint64_t subdomain;
   ModelEntitySums sums;
+};
+
+struct NormalRecord {
+  std::uint64_t subdomain;
+  ModelNormalSums sums;
 };
 
 struct TotalRecord {
@@ -36,20 +42,29 @@ void add(ModelEntitySums& to, const ModelEntitySums& more) {
   to.distance += more.distance;
   to.largest = std::max(to.largest, more.largest);
   to.deviation = std::max(to.deviation, more.deviation);
-  to.side += more.side;
-  to.least_cosine = std::min(to.least_cosine, more.least_cosine);
-  to.largest_cosine = std::max(to.largest_cosine, more.largest_cosine);
+}
+
+std::vector<ModelNormalSums> summed_normals(Peers& peers, const std::vector<NormalRecord>& mine) {
+  const auto key = [](const NormalRecord& r) { return std::tuple(r.sums.face, r.sums.ref, r.subdomain); };
+  std::vector<ModelNormalSums> all;
+  for (const NormalRecord& r : gathered(peers, mine, key)) {
+    if (all.empty() || all.back().face != r.sums.face || all.back().ref != r.sums.ref) all.emplace_back();
+    all.back().add(r.sums);
+  }
+  return all;
 }
 
 }  // namespace
 
 ModelSums sum_on_model(Peers& peers, std::span<const PieceOnModel> mine) {
   std::vector<EntityRecord> entities;
+  std::vector<NormalRecord> normals;
   std::vector<TotalRecord> totals;
   for (const auto& [subdomain, s] : mine) {
     totals.push_back(
         {subdomain.value, s.vertices, s.triangles, s.unclassified_triangles, s.off, s.distance, s.largest});
     for (const ModelEntitySums& e : s.entities) entities.push_back({subdomain.value, e});
+    for (const ModelNormalSums& n : s.normals) normals.push_back({subdomain.value, n});
   }
   ModelSums sums;
   for (const TotalRecord& t : gathered(peers, totals, &TotalRecord::subdomain)) {
@@ -68,6 +83,7 @@ ModelSums sum_on_model(Peers& peers, std::span<const PieceOnModel> mine) {
     else
       sums.entities.push_back(r.sums);
   }
+  sums.normals = summed_normals(peers, normals);
   return sums;
 }
 

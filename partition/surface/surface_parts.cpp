@@ -118,6 +118,7 @@ struct Told {
   std::vector<char> warnings;          ///< each ended by 0
   std::vector<std::uint8_t> required;  ///< by patch
   std::vector<std::uint64_t> triangles;
+  std::vector<meshing::ModelFaults> faults;  ///< one: of the input on its model
 };
 
 SurfaceParts build_here(const WholeBoundary& boundary, double ridge_angle_degrees,
@@ -126,6 +127,7 @@ SurfaceParts build_here(const WholeBoundary& boundary, double ridge_angle_degree
   if (model) on_model = meshing::classify_on_model(boundary.data, model);
   for (const std::string& warning : on_model.warnings)
     told.warnings.insert(told.warnings.end(), warning.c_str(), warning.c_str() + warning.size() + 1);
+  told.faults = {on_model.faults};
   meshing::BuiltSurface surface =
       meshing::build_surface(boundary.data, {ridge_angle_degrees}, std::move(on_model), boundary.numbers);
   told.tables = bytes_of(*surface.tables);
@@ -157,7 +159,7 @@ SurfaceParts build_on_one(Peers& peers, BoundaryShare&& boundary, const FetchPoi
   });
   parts.mesh = {kept, &kept->data};
   tell(peers, told.tables), tell(peers, told.warnings), tell(peers, told.required),
-      tell(peers, told.triangles);
+      tell(peers, told.triangles), tell(peers, told.faults);
   for (auto at = told.warnings.begin(); at != told.warnings.end();) {
     const auto end = std::find(at, told.warnings.end(), '\0');
     warnings.emplace_back(at, end);
@@ -166,7 +168,8 @@ SurfaceParts build_on_one(Peers& peers, BoundaryShare&& boundary, const FetchPoi
   parts.geometry =
       std::make_shared<Geometry>(Geometry{meshing::Surface(meshing::tables_of(told.tables, model)),
                                           {told.required.begin(), told.required.end()},
-                                          std::vector<bool>(told.required.size(), false)});
+                                          std::vector<bool>(told.required.size(), false),
+                                          told.faults.front()});
   parts.triangles = std::move(told.triangles);
   return parts;
 }

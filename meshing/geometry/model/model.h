@@ -12,6 +12,10 @@
 
 namespace weft::meshing {
 
+/// Of the model's size: a vertex that is farther from its entity, and than the entity's tolerance, is off the
+/// model.
+inline constexpr double kOffModel = 1e-8;
+
 /// A point of an edge.
 struct OnEdge {
   Point x;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "meshing/base/error.h"
@@ -17,17 +18,33 @@ namespace {
 
 // Of the model's size: what lies nearer lies on it; what lies farther than the second does not belong to it.
 constexpr double kOn = 1e-6, kFar = 0.01;
+// As far may a vertex be from where its record says.
+constexpr double kRecorded = 1e-4;
 // Of the longest edge at a vertex: a vertex farther off does not follow the model.
 constexpr double kFarOfEdge = 0.25;
 constexpr double kNearlyAsNear = 1.5;
 // Fewer vertices than this share on the model: it is another body's.
 constexpr double kLeastShare = 1.0 / 3;
+// So too where less of the mesh's boundary lies on it and less of the model has triangles on it. A body amid
+// its surroundings has little of the mesh's boundary, but all of the model; half a body half of it.
+constexpr double kLeastOfMesh = 0.5, kLeastOfModel = 0.4;
+// Of the model's size: so far off, by their root mean square, vertices are beside the model, where a scale
+// and a shift explain that much of the squares. (A mesh of chords is off otherwise: not at their ends.)
+constexpr double kBeside = 5e-4, kExplained = 0.95;
 
 /// A triangle or an edge of the boundary seen from an edge: (lower vertex, higher vertex), triangle.
 struct Side {
   std::array<std::uint32_t, 2> vertices;
   std::uint32_t triangle;
   friend auto operator<=>(const Side&, const Side&) = default;
+};
+
+/// What a vertex lies on: a node, else an edge, else a face.
+struct Place {
+  enum class Kind : std::uint8_t { none, node, edge, face };
+  Kind kind = Kind::none;
+  std::uint32_t entity = kNoEntity;
+  Parameters guess{};  ///< on a face without formula
 };
 
 class Classifier {
@@ -43,11 +60,14 @@ class Classifier {
     refuse_another_body();
     find_faces_of_triangles();
     fill_gaps();
+    refuse_another_shape();
+    refuse_another_place();
     sort_sides();
     find_nodes();
     find_edges();
     group_faces();
     set_parameters();
+    find_faults();
     warn();
     return std::move(c_);
   }
@@ -60,10 +80,16 @@ class Classifier {
 
   void measure_edges();
   void take_records();
-  bool records_agree() const;
+  bool fits(const Association::OnNode& record) const;
+  bool fits(const Association::OnEdge& record) const;
+  bool fits(const Association::OnFace& record) const;
   void find_faces_of_vertices();
   std::vector<Candidate> faces_near(std::uint32_t v) const;
   void refuse_another_body() const;
+  void refuse_another_shape() const;
+  void refuse_another_place() const;
+  double area_of_face(std::uint32_t f) const;
+  std::string distances() const;
   std::string hint_of_scale() const;
   void find_faces_of_triangles();
   std::vector<std::uint32_t> shared_faces(const std::array<std::uint32_t, 3>& t) const;
@@ -80,9 +106,31 @@ class Classifier {
   std::array<double, 2> parameters_along(std::uint32_t e, const std::array<std::uint32_t, 2>& v) const;
   void group_faces();
   void set_parameters();
+  void find_faults();
+  std::uint64_t turned_triangles() const;
+  std::vector<Place> places() const;
+  double distance_from(const Place& place, const Point& p) const;
+  double tolerance_of(const Place& place) const;
+  /// Parameters to begin from: of a corner of a triangle, of its centroid.
+  Parameters guess(std::size_t triangle, std::size_t corner) const {
+    return c_.parameters.empty() ? Parameters{} : c_.parameters[triangle][corner];
+  }
+  Parameters guess(std::size_t triangle) const {
+    Parameters middle{};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 2; ++j) middle[j] += guess(triangle, k)[j] / 3;
+    return middle;
+  }
   void warn();
 
   double on() const { return kOn * model_.size(); }
+  static bool is_id(std::int32_t id, std::size_t count) {
+    return id >= 1 && id <= static_cast<std::int64_t>(count);
+  }
+  static std::uint32_t index_of(std::int32_t id) { return static_cast<std::uint32_t>(id - 1); }
+  bool is_at(std::uint32_t v, const Point& recorded) const {
+    return norm(recorded - mesh_.points[v]) <= kRecorded * model_.size();
+  }
   double reach(std::uint32_t v) const {
     return std::max(on(), std::min(kFarOfEdge * longest_[v], kFar * model_.size()));
   }
@@ -116,44 +164,45 @@ void Classifier::measure_edges() {
     if (longest_[v] > 0) vertices_.push_back(v);
 }
 
-/// Whether the recorded parameters give back the vertices, but for one in ten.
-bool Classifier::records_agree() const {
-  const Association& a = mesh_.association;
-  const double far = std::max(1e-4 * model_.size(), on());
-  std::size_t wrong = 0;
-  for (const auto& r : a.nodes)
-    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_nodes()) ||
-             norm(model_.node(static_cast<std::uint32_t>(r.id - 1)) - mesh_.points[r.vertex]) > far;
-  for (const auto& r : a.edges) {
-    const bool known = r.id >= 1 && r.id <= static_cast<std::int64_t>(model_.num_edges());
-    wrong += !known;
-    if (!known || model_.edge(static_cast<std::uint32_t>(r.id - 1)).degenerate) continue;
-    wrong += norm(model_.curve(static_cast<std::uint32_t>(r.id - 1), r.t).x - mesh_.points[r.vertex]) > far;
-  }
-  for (const auto& r : a.faces)
-    wrong += r.id < 1 || r.id > static_cast<std::int64_t>(model_.num_faces()) ||
-             norm(model_.surface(static_cast<std::uint32_t>(r.id - 1), {r.u, r.v}).x -
-                  mesh_.points[r.vertex]) > far;
-  return 10 * wrong <= a.nodes.size() + a.edges.size() + a.faces.size();
+/// Whether the model has a record's entity, and it gives back the vertex.
+bool Classifier::fits(const Association::OnNode& r) const {
+  return is_id(r.id, model_.num_nodes()) && is_at(r.vertex, model_.node(index_of(r.id)));
 }
 
+bool Classifier::fits(const Association::OnEdge& r) const {
+  if (!is_id(r.id, model_.num_edges())) return false;
+  const ModelEdge& edge = model_.edge(index_of(r.id));
+  if (!edge.degenerate) return is_at(r.vertex, model_.curve(index_of(r.id), r.t).x);
+  return edge.nodes[0] == kNoEntity || is_at(r.vertex, model_.node(edge.nodes[0]));
+}
+
+bool Classifier::fits(const Association::OnFace& r) const {
+  return is_id(r.id, model_.num_faces()) && is_at(r.vertex, model_.surface(index_of(r.id), {r.u, r.v}).x);
+}
+
+/// Records of another file of the same body fit but for some: its nodes and edges may count otherwise. A
+/// record that does not fit is none; where more than one in ten do not, those that fit do so by chance.
 void Classifier::take_records() {
   const Association& a = mesh_.association;
-  if (a.empty()) return;
-  if (!records_agree()) {
+  const auto take = [this](const auto& records, auto& taken) {
+    for (const auto& r : records)
+      if (fits(r)) taken.emplace_back(r.vertex, index_of(r.id));
+    return records.size() - taken.size();
+  };
+  const std::size_t given = a.nodes.size() + a.edges.size() + a.faces.size();
+  const std::size_t wrong =
+      take(a.nodes, node_records_) + take(a.edges, edge_records_) + take(a.faces, face_records_);
+  if (10 * wrong > given) {
+    for (auto* list : {&face_records_, &edge_records_, &node_records_}) list->clear();
     c_.warnings.push_back(
         "the mesh's records of where its vertices lie on a model do not fit this model and are not used");
     return;
   }
-  const auto valid = [](std::int32_t id, std::size_t n) {
-    return id >= 1 && id <= static_cast<std::int64_t>(n);
-  };
-  for (const auto& r : a.nodes)
-    if (valid(r.id, model_.num_nodes())) node_records_.emplace_back(r.vertex, r.id - 1);
-  for (const auto& r : a.edges)
-    if (valid(r.id, model_.num_edges())) edge_records_.emplace_back(r.vertex, r.id - 1);
-  for (const auto& r : a.faces)
-    if (valid(r.id, model_.num_faces())) face_records_.emplace_back(r.vertex, r.id - 1);
+  if (wrong > 0)
+    c_.warnings.push_back(
+        fmt::format("{} of the mesh's {} records of where its vertices lie on a model do not fit this model "
+                    "and are not used",
+                    wrong, given));
   // A vertex on an edge is on the edge's faces too, whether that is recorded or not.
   for (const auto& [v, e] : edge_records_)
     for (const std::uint32_t f : model_.faces_at_edge(e)) face_records_.emplace_back(v, f);
@@ -223,21 +272,143 @@ std::string Classifier::hint_of_scale() const {
 
 void Classifier::refuse_another_body() const {
   std::size_t on_model = 0;
-  double farthest = 0;
-  std::vector<double> all;
-  for (const std::uint32_t v : vertices_) {
-    on_model += !near_[v].empty();
-    all.push_back(distance_[v]);
-    farthest = std::max(farthest, distance_[v]);
-  }
+  for (const std::uint32_t v : vertices_) on_model += !near_[v].empty();
   if (static_cast<double>(on_model) >= kLeastShare * static_cast<double>(vertices_.size())) return;
-  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
   throw InputError(
       model_.geometry().name(), "",
-      fmt::format(
-          "is not the model of this mesh: of {} vertices of the boundary {} lie on it, half of them are "
-          "farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}{}",
-          vertices_.size(), on_model, all[all.size() / 2], farthest, model_.size(), hint_of_scale()));
+      fmt::format("is not the model of this mesh: of {} vertices of the boundary {} lie on it, {}{}",
+                  vertices_.size(), on_model, distances(), hint_of_scale()));
+}
+
+/// Of vertices from the model.
+std::string Classifier::distances() const {
+  std::vector<double> all;
+  for (const std::uint32_t v : vertices_) all.push_back(distance_[v]);
+  std::ranges::sort(all);
+  return fmt::format("half of them are farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}",
+                     all[all.size() / 2], all.back(), model_.size());
+}
+
+/// Within its border, roughly.
+double Classifier::area_of_face(std::uint32_t f) const {
+  constexpr int kCells = 32;
+  const ModelFace& face = model_.face(f);
+  const double du = (face.hi[0] - face.lo[0]) / kCells, dv = (face.hi[1] - face.lo[1]) / kCells;
+  double area = 0;
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j) {
+      const Parameters at{face.lo[0] + (i + 0.5) * du, face.lo[1] + (j + 0.5) * dv};
+      if (!model_.is_inside(f, at)) continue;
+      const SurfaceJet jet = model_.surface(f, at);
+      area += norm(cross(jet.du, jet.dv)) * du * dv;
+    }
+  return area;
+}
+
+/// By areas: vertices of another body may lie on the model by chance, as those of a plane through it.
+void Classifier::refuse_another_shape() const {
+  std::vector<double> on_face(model_.num_faces(), 0);
+  double all = 0, on_model = 0;
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const auto& t = mesh_.triangles[i];
+    const double area =
+        0.5 * norm(cross(mesh_.points[t[1]] - mesh_.points[t[0]], mesh_.points[t[2]] - mesh_.points[t[0]]));
+    all += area;
+    if (c_.triangle_face[i] == kNoEntity) continue;
+    on_model += area;
+    on_face[c_.triangle_face[i]] += area;
+  }
+  if (on_model >= kLeastOfMesh * all) return;
+  double of_model = 0, covered = 0;
+  for (std::uint32_t f = 0; f < model_.num_faces(); ++f) {
+    const double area = area_of_face(f);
+    of_model += area;
+    covered += std::min(area, on_face[f]);
+  }
+  if (covered >= kLeastOfModel * of_model) return;
+  throw InputError(
+      model_.geometry().name(), "",
+      fmt::format("is not the model of this mesh: {:.0f} % of the mesh's boundary lie on it, on {:.0f} % of "
+                  "its area; of the boundary's vertices {}{}",
+                  100 * on_model / all, 100 * covered / of_model, distances(), hint_of_scale()));
+}
+
+namespace {
+
+constexpr std::size_t kUnknowns = 7;
+using Unknowns = std::array<double, kUnknowns>;
+
+/// Least squares of the seven unknowns of a similarity: scale, shift, turn; kept regular.
+class Fit {
+ public:
+  void add(const Unknowns& row, double value) {
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      right_[i] += row[i] * value;
+      for (std::size_t j = 0; j < kUnknowns; ++j) matrix_[i][j] += row[i] * row[j];
+    }
+    squares_ += value * value;
+    ++count_;
+  }
+  double mean_square() const { return count_ > 0 ? squares_ / static_cast<double>(count_) : 0; }
+  Unknowns solution() const;
+  /// The share of the squares that the solution explains.
+  double explained(const Unknowns& x) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      sum += 2 * x[i] * right_[i];
+      for (std::size_t j = 0; j < kUnknowns; ++j) sum -= x[i] * matrix_[i][j] * x[j];
+    }
+    return squares_ > 0 ? sum / squares_ : 0;
+  }
+
+ private:
+  std::array<Unknowns, kUnknowns> matrix_{};
+  Unknowns right_{};
+  double squares_ = 0;
+  std::size_t count_ = 0;
+};
+
+Unknowns Fit::solution() const {
+  auto a = matrix_;
+  auto x = right_;
+  for (std::size_t i = 0; i < kUnknowns; ++i) a[i][i] += 1e-6 * static_cast<double>(count_);
+  for (std::size_t i = 0; i < kUnknowns; ++i)  // positive definite: no pivots
+    for (std::size_t k = i + 1; k < kUnknowns; ++k) {
+      const double factor = a[k][i] / a[i][i];
+      for (std::size_t j = i; j < kUnknowns; ++j) a[k][j] -= factor * a[i][j];
+      x[k] -= factor * x[i];
+    }
+  for (std::size_t i = kUnknowns; i-- > 0;) {
+    for (std::size_t j = i + 1; j < kUnknowns; ++j) x[i] -= a[i][j] * x[j];
+    x[i] /= a[i][i];
+  }
+  return x;
+}
+
+}  // namespace
+
+/// The mesh as a whole may be a little too large, or beside its place: each vertex is near the model then,
+/// but they are off it as a similarity would have it.
+void Classifier::refuse_another_place() const {
+  Fit fit;
+  const double size = model_.size();
+  const Point middle = 0.5 * (model_.box().lo + model_.box().hi);
+  for (const std::uint32_t v : vertices_) {
+    if (near_[v].empty()) continue;
+    const OnFace q = model_.closest_within(near_[v].front().face, mesh_.points[v]);
+    const Vec away = mesh_.points[v] - q.x, from_middle = (1 / size) * (mesh_.points[v] - middle);
+    const Vec u = norm(away) > on() ? normalized(away) : q.normal, turn = cross(from_middle, u);
+    fit.add({dot(u, from_middle), u.x, u.y, u.z, turn.x, turn.y, turn.z}, dot(u, away) / size);
+  }
+  if (fit.mean_square() <= kBeside * kBeside) return;
+  const Unknowns x = fit.solution();
+  if (fit.explained(x) < kExplained) return;
+  throw InputError(model_.geometry().name(), "",
+                   fmt::format("is not the model of this mesh as it is: it looks {:.4g} times as large, "
+                               "shifted by ({:.3g}, {:.3g}, "
+                               "{:.3g}) and turned by {:.2g} degrees; of the boundary's vertices {}",
+                               1 / (1 - x[0]), x[1] * size, x[2] * size, x[3] * size,
+                               std::hypot(x[4], x[5], x[6]) * 180 / std::numbers::pi, distances()));
 }
 
 /// The faces that all vertices of a triangle may lie on.
@@ -512,6 +683,81 @@ void Classifier::set_parameters() {
       c_.parameters[i][k] = q;
     }
   });
+}
+
+/// Where each vertex of the mesh lies.
+std::vector<Place> Classifier::places() const {
+  std::vector<Place> places(mesh_.points.size());
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+    if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity)
+      for (std::size_t k = 0; k < 3; ++k) places[mesh_.triangles[i][k]] = {Place::Kind::face, f, guess(i, k)};
+  for (const ModelClassification::Edge& e : c_.edges)
+    for (const std::uint32_t v : e.vertices) places[v] = {Place::Kind::edge, e.edge, {}};
+  for (const auto& [v, n] : c_.nodes) places[v] = {Place::Kind::node, n, {}};
+  return places;
+}
+
+double Classifier::distance_from(const Place& place, const Point& p) const {
+  switch (place.kind) {
+    case Place::Kind::node:
+      return norm(p - model_.node(place.entity));
+    case Place::Kind::edge:
+      return model_.closest_on_edge(place.entity, p).distance;
+    case Place::Kind::face:
+      return model_.closest_on_face(place.entity, p, place.guess).distance;
+    default:
+      return 0;
+  }
+}
+
+double Classifier::tolerance_of(const Place& place) const {
+  switch (place.kind) {
+    case Place::Kind::node:
+      return model_.node_tolerance(place.entity);
+    case Place::Kind::edge:
+      return model_.edge_tolerance(place.entity);
+    case Place::Kind::face:
+      return model_.face_tolerance(place.entity);
+    default:
+      return 0;
+  }
+}
+
+void Classifier::find_faults() {
+  const std::vector<Place> places = this->places();
+  std::vector<double> distance(vertices_.size(), 0);
+  std::vector<std::uint8_t> off(vertices_.size(), 0);
+  for_each_index(vertices_.size(), [&](std::size_t i) {
+    const Place& at = places[vertices_[i]];
+    const Point& p = mesh_.points[vertices_[i]];
+    distance[i] = distance_from(at, p);
+    off[i] = distance[i] > std::max(kOffModel * model_.size(), tolerance_of(at));
+  });
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    c_.faults.off += off[i];
+    c_.faults.largest = std::max(c_.faults.largest, distance[i]);
+  }
+  c_.faults.turned = turned_triangles();
+}
+
+/// Files may list triangles turned as it comes: most of those on a face with one reference are right.
+std::uint64_t Classifier::turned_triangles() const {
+  std::vector<std::int8_t> side(mesh_.triangles.size(), 0);
+  for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
+    const std::uint32_t f = c_.triangle_face[i];
+    if (f == kNoEntity) return;
+    const auto& t = mesh_.triangles[i];
+    const Point &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
+    const OnFace q = model_.closest_on_face(f, (1.0 / 3) * (a + b + c), guess(i));
+    const double along = dot(cross(b - a, c - a), q.normal);
+    side[i] = along > 0 ? 1 : along < 0 ? -1 : 0;
+  });
+  std::map<std::pair<std::uint32_t, std::int32_t>, std::array<std::uint64_t, 2>> counts;
+  for (std::size_t i = 0; i < side.size(); ++i)
+    if (side[i] != 0) ++counts[{c_.triangle_face[i], mesh_.triangle_refs[i]}][side[i] > 0];
+  std::uint64_t turned = 0;
+  for (const auto& [key, count] : counts) turned += std::min(count[0], count[1]);
+  return turned;
 }
 
 /// Names what lies on no face by the references of its triangles, and faces that nothing lies on.

@@ -33,11 +33,14 @@ struct ModelClassification {
   std::vector<Edge> edges;                                     ///< sorted by vertices
   std::vector<std::pair<std::uint32_t, std::uint32_t>> nodes;  ///< (vertex, node), sorted
   std::vector<std::string> warnings;
+  /// As the mesh comes. Of triangles on a face with one reference, those that are listed as fewer are.
+  ModelFaults faults;
 };
 
 /// Classifies `boundary`, which has all of a mesh's boundary and interface triangles, by the records that it
 /// has of its vertices (where the model agrees with them) and by coordinates, references and listed edges.
-/// Throws InputError naming the distance where most vertices lie off the model. O(n) for a given model.
+/// Throws InputError naming the distance where the model is another body's: most vertices lie off it, or
+/// little of either's area is common, or they are off as if scaled or shifted. O(n) for a given model.
 ModelClassification classify_on_model(const MeshData& boundary, std::shared_ptr<const Model> model);
 
 }  // namespace weft::meshing

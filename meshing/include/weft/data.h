@@ -110,6 +110,14 @@ struct ModelEntityAccount {
   double largest = 0, mean = 0;  ///< distance of these vertices from it
   double deviation = 0;          ///< largest distance from it of a triangle's centroid or an edge's middle
   double least_normal = 1;       ///< of a face: least product of unit normals of triangle and face
+  std::uint64_t turned = 0;      ///< of a face: triangles for which that is negative
+};
+
+/// What of a boundary is not as it should be on a CAD model.
+struct ModelFaults {
+  std::uint64_t off = 0;     ///< vertices off the model
+  double largest = 0;        ///< distance of a vertex from it
+  std::uint64_t turned = 0;  ///< triangles turned against it
 };
 
 /// How well the boundary of a mesh lies on a CAD model.
@@ -123,8 +131,10 @@ struct ModelAccount {
   std::uint64_t off = 0;                          ///< vertices off the model
   std::vector<std::uint32_t> listed;              ///< some of these, 0-based, farthest first
   double largest = 0, mean = 0, deviation = 0, least_normal = 1;  ///< over all entities
+  std::uint64_t turned = 0;                  ///< triangles whose normals are against the model's
   double tolerance = 0;                      ///< a vertex is off the model beyond this or its entity's
   std::vector<ModelEntityAccount> entities;  ///< nodes, edges, faces, those without vertices left out
+  ModelFaults input;                         ///< of a result: those of the mesh that it was made from
 };
 
 /// One field of a solution file: `values` holds components(kind) doubles per vertex, row after row.

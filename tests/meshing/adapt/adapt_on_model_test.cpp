@@ -106,10 +106,49 @@ TEST(AdaptOnModel, IsRefusedWhereTheModelIsAnotherBodys) {
   EXPECT_NO_THROW(adapted(coarse_ball(), std::make_shared<const Model>(ball_model({}, 1000), 0.001), 0.3));
 }
 
-TEST(AdaptOnModel, ReconstructsWhatLiesOnNoFaceAndSaysSo) {
-  // The ends of the cylinder are there, its side is another one's.
+TEST(AdaptOnModel, IsRefusedWhereOnlyPartOfAnotherBodyHappensToLieOnIt) {
+  // The lower end is the cylinder's, nothing else is.
   const auto narrow = std::make_shared<const Model>(frustum_model({}, 1, 0.8, 2));
-  const AdaptResult result = adapted(coarse_cylinder(), narrow, 0.4);
+  EXPECT_THROW(adapted(coarse_cylinder(), narrow, 0.4), InputError);
+  const auto beside = std::make_shared<const Model>(frustum_model({0.5, 0, 0}, 1, 1, 2));
+  EXPECT_THROW(adapted(coarse_cylinder(), beside, 0.4), InputError);
+}
+
+TEST(AdaptOnModel, IsRefusedWhereTheMeshIsAFewHundredthsTooLarge) {
+  MeshData mesh = coarse_cylinder();
+  for (Point& p : mesh.points) p = 1.02 * p;
+  try {
+    adapted(mesh, cylinder(), 0.4);
+    FAIL() << "a mesh 2 % too large was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("1.02 times as large"));
+  }
+}
+
+/// A cylinder's ends without its side.
+class Ends : public GeometryModel {
+ public:
+  std::span<const ModelNode> nodes() const override { return whole_->nodes(); }
+  std::span<const ModelEdge> edges() const override { return whole_->edges(); }
+  std::span<const ModelFace> faces() const override { return whole_->faces().subspan(1); }
+  CurveJet curve(std::uint32_t edge, double t) const override { return whole_->curve(edge, t); }
+  SurfaceJet surface(std::uint32_t face, const Parameters& at) const override {
+    return whole_->surface(face + 1, at);
+  }
+  Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const override {
+    return whole_->on_face(face + 1, use, t);
+  }
+  const std::string& name() const override { return whole_->name(); }
+  const std::string& unit() const override { return whole_->unit(); }
+  std::span<const std::string> warnings() const override { return {}; }
+
+ private:
+  std::shared_ptr<const GeometryModel> whole_ = frustum_model({}, 1, 1, 2);
+};
+
+TEST(AdaptOnModel, ReconstructsWhatLiesOnNoFaceAndSaysSo) {
+  const AdaptResult result =
+      adapted(coarse_cylinder(), std::make_shared<const Model>(std::make_shared<Ends>()), 0.4);
   EXPECT_GT(result.report.model->unclassified_triangles, 0u);
   EXPECT_THAT(result.report.warnings, testing::Contains(testing::HasSubstr("lie on no face of the model")));
 }

@@ -38,6 +38,7 @@
 #include <map>
 
 #include "meshing/base/error.h"
+#include "meshing/cad/check_model.h"
 #include "meshing/cad/load_model.h"
 #include "meshing/geometry/model/model.h"
 #include "meshing/io/gmf/gmf.h"
@@ -151,6 +152,106 @@ TEST_F(OccModels, ThatAreDamagedAreRefusedByName) {
   EXPECT_THROW(load_model(other), InputError);
   EXPECT_THROW(load_model((folder_ / "none.step").string()), InputError);
   EXPECT_THROW(load_model((folder_ / "none.txt").string()), InputError);
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string without_entity(std::string text, std::size_t at) {
+  return text.erase(at, text.find(";\n", at) + 2 - at);
+}
+
+/// Why a model is refused; empty where it is read.
+std::string refusal_of(const std::string& path) {
+  try {
+    load_model(path);
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST_F(OccModels, WithoutTheCurveOfAnEdgeAreRefusedByFaceAndEntity) {
+  const std::string path = step(pierced_cube(), "MM"), whole = text_of(path);
+  // The first curve of a SURFACE_CURVE or an EDGE_CURVE on a line is the one in space.
+  const std::size_t line = whole.find(" = LINE(");
+  ASSERT_NE(line, std::string::npos);
+  std::ofstream(path) << without_entity(whole, whole.rfind('#', line));
+  EXPECT_THAT(refusal_of(path),
+              testing::AllOf(HasSubstr("the model is damaged"), HasSubstr("entities of the file")));
+}
+
+TEST_F(OccModels, WithoutOneFaceTellWhereTheyAreOpen) {
+  const std::string path = step(pierced_cube(), "MM"), whole = text_of(path);
+  const std::size_t face = whole.find(" = ADVANCED_FACE(");
+  ASSERT_NE(face, std::string::npos);
+  std::ofstream(path) << without_entity(whole, whole.rfind('#', face));
+  const auto warnings = load_model(path)->warnings();
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("the model is open at edge")));
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("entities of the file")));
+}
+
+/// A model of which something may be changed.
+class Damaged : public GeometryModel {
+ public:
+  explicit Damaged(std::shared_ptr<const GeometryModel> whole)
+      : node_list(whole->nodes().begin(), whole->nodes().end()),
+        edge_list(whole->edges().begin(), whole->edges().end()),
+        face_list(whole->faces().begin(), whole->faces().end()),
+        whole_(std::move(whole)) {}
+  std::span<const ModelNode> nodes() const override { return node_list; }
+  std::span<const ModelEdge> edges() const override { return edge_list; }
+  std::span<const ModelFace> faces() const override { return face_list; }
+  CurveJet curve(std::uint32_t edge, double t) const override { return whole_->curve(edge, t); }
+  SurfaceJet surface(std::uint32_t face, const Parameters& at) const override {
+    SurfaceJet jet = whole_->surface(face, at);
+    jet.x.x += face == 0 ? first_face_off : 0;
+    return jet;
+  }
+  Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const override {
+    return whole_->on_face(face, use, t);
+  }
+  const std::string& name() const override { return whole_->name(); }
+  const std::string& unit() const override { return whole_->unit(); }
+  std::span<const std::string> warnings() const override { return {}; }
+
+  std::vector<ModelNode> node_list;
+  std::vector<ModelEdge> edge_list;
+  std::vector<ModelFace> face_list;
+  double first_face_off = 0;
+
+ private:
+  std::shared_ptr<const GeometryModel> whole_;
+};
+
+TEST_F(OccModels, AreCheckedEntityByEntity) {
+  const auto whole = load_model(step(pierced_cube(), "MM"));
+  const auto fatal = [&](const auto& damage) {
+    Damaged model(whole);
+    damage(model);
+    return defects_of(model).fatal;
+  };
+  using testing::Contains;
+  EXPECT_TRUE(fatal([](Damaged&) {}).empty());
+  EXPECT_TRUE(defects_of(*whole).slight.empty());
+  EXPECT_THAT(fatal([](Damaged& m) { m.node_list[2].x.x = std::nan(""); }), Contains(HasSubstr("node 3")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.node_list[2].x.x += 0.1; }), Contains(HasSubstr("end at its node 3")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.node_list[2].tolerance = 0.5; }),
+              Contains(HasSubstr("node 3 is known")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.edge_list[4].end = 2e100; }),
+              Contains(HasSubstr("edge 5 has no ends")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.face_list[1].lo[0] = -2e100; }),
+              Contains(HasSubstr("face 2 is not bounded")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.face_list[1].border.pop_back(); }),
+              Contains(HasSubstr("border of face 2 is not closed")));
+  EXPECT_THAT(fatal([](Damaged& m) { m.first_face_off = 0.1; }),
+              Contains(HasSubstr("does not lie on its face 1")));
+  Damaged model(whole);
+  model.first_face_off = 1e-4;
+  EXPECT_TRUE(defects_of(model).fatal.empty());
+  EXPECT_THAT(defects_of(model).slight, Contains(HasSubstr("does not lie on its face 1")));
 }
 
 /// Evaluation along borders: of a face's surface at an edge's place on it is the edge's curve.

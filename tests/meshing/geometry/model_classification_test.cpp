@@ -127,5 +127,30 @@ TEST(ModelClassification, BelievesReferencesThatAreIdsOfFacesWhereVerticesAllowS
   EXPECT_EQ(differ, kRing / 2 - 1);  // other references tell nothing
 }
 
+/// The cylinder with all its records on the frustum's faces, and records of the nodes, exchanged or not.
+MeshData with_records(bool exchanged) {
+  MeshData m = cylinder();
+  for (std::uint32_t v = 0; v < 2 * kRing; ++v) {
+    const double angle = 2 * std::numbers::pi * (v % kRing) / kRing;
+    m.association.edges.push_back({v, v < kRing ? 1 : 2, angle, 0});
+  }
+  m.association.nodes.push_back({0, exchanged ? 2 : 1});
+  m.association.nodes.push_back({kRing, exchanged ? 1 : 2});
+  return m;
+}
+
+TEST(ModelClassification, LeavesOutTheRecordsThatDoNotGiveBackTheirVertices) {
+  // Another file of the same body counts its nodes otherwise: their vertices must not go to the other end.
+  const auto model = std::make_shared<const Model>(frustum_model({}, 1, 1, 2));
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> nodes{{0, 0}, {kRing, 1}};
+  const ModelClassification same = classify_on_model(with_records(false), model);
+  EXPECT_EQ(same.nodes, nodes);
+  EXPECT_TRUE(same.warnings.empty());
+  const ModelClassification other = classify_on_model(with_records(true), model);
+  EXPECT_EQ(other.nodes, nodes);
+  ASSERT_EQ(other.warnings.size(), 1u);
+  EXPECT_NE(other.warnings[0].find("2 of the mesh's 50 records"), std::string::npos) << other.warnings[0];
+}
+
 }  // namespace
 }  // namespace weft::meshing::model_classification_test

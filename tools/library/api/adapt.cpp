@@ -156,7 +156,7 @@ const Measures& measures(Result& result) {
     result.after = tools::with_threads(
         result.threads, [&] { return meshing::measure(result.mesh, result.metric.logarithms()); });
     result.missed = tools::missed_goals(result.after, result.complexity_asked ? result.target_complexity : 0,
-                                        result.ended_by);
+                                        result.ended_by, result.model.get());
     result.times.measure += watch.lap();
   }
   return *result.after;

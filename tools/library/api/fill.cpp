@@ -14,6 +14,7 @@
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/result_check.h"
+#include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
 #include "weft/weft.h"
@@ -98,9 +99,10 @@ class Filling {
       monitor_.update("checking the result", 0.99, result_.mesh.tets.size());
       tools::check_conforms(result_.mesh);
     }
-    if (const auto& model = filled.report.model; model && model->off > 0)
-      result_.warnings.push_back(
-          fmt::format("{} vertices are off the model, the farthest by {:.3g}", model->off, model->largest));
+    if (const auto& model = filled.report.model) {
+      tools::warn_of_faults(*model, result_.warnings);
+      result_.missed = tools::worse_on_model(*model);
+    }
     result_.warnings.insert(result_.warnings.end(), filled.report.warnings.begin(),
                             filled.report.warnings.end());
     result_.fill_seconds = watch_.lap();

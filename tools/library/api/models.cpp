@@ -37,7 +37,9 @@ ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
     return tools::naming(name, [&] {
       const meshing::ImportedMesh imported =
           meshing::import_mesh(*whole, geometry.ridge_angle, mesh.points.size(), mesh.tets.size(), model);
-      return meshing::account_on_model(*imported.mesh, *imported.surface, deviations);
+      ModelAccount account = meshing::account_on_model(*imported.mesh, *imported.surface, deviations);
+      account.input = {account.off, account.largest, account.turned};
+      return account;
     });
   });
 }

@@ -48,7 +48,8 @@ class OneMesh {
     judge();
     if (!input_.fields.fields.empty())
       if_memory_lasts("the fields are not carried along", [this] { carry_fields(); });
-    result_.missed = missed_goals(result_.after, options_.metric.complexity, result_.ended_by);
+    result_.missed =
+        missed_goals(result_.after, options_.metric.complexity, result_.ended_by, result_.model.get());
     return std::move(result_);
   }
 
@@ -121,6 +122,7 @@ class OneMesh {
     result_.cancelled = report.interrupted;
     if (result_.cancelled) result_.ended_by = text_of(monitor_.reason());
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
+    if (result_.model) warn_of_faults(*result_.model, result_.warnings);
     result_.output_counts = count(result_.mesh);
     work_->adapted(static_cast<double>(result_.output_counts.tets));
     result_.times.adapt = watch_.lap();

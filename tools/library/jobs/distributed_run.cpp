@@ -264,12 +264,15 @@ void DistributedRun::adapt(partition::MeshSlice&& slice, double target_complexit
       static_cast<EndReason>(partition::max(*peers_, static_cast<std::uint8_t>(monitor_.reason())));
   report.cancelled = reason != EndReason::none;
   report.ended_by = text_of(reason);
-  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
   report.surface_deviation = partition::max(*peers_, result_.surface_deviation);
   report.hausd = rank_.plan.hausd;
-  if (model_)
-    report.model = std::make_shared<const ModelAccount>(
-        meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model)));
+  if (model_) {
+    ModelAccount account = meshing::account_of(*model_, partition::sum_on_model(*peers_, result_.on_model));
+    account.input = result_.input_on_model;
+    warn_of_faults(account, report.warnings);
+    report.model = std::make_shared<const ModelAccount>(std::move(account));
+  }
+  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
   gather_statistics(report);
 }
 
@@ -335,7 +338,7 @@ void DistributedRun::measure(Report& report) {
   report.after = partition::measure_pieces(*peers_, result_.pieces);
   stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
   report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};
-  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by);
+  report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
 }
 
 void DistributedRun::gather_machines() {

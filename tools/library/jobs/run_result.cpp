@@ -11,12 +11,60 @@ namespace weft::tools {
 
 using meshing::Verdict;
 
+namespace {
+
+using Kind = meshing::ModelEntityAccount::Kind;
+
+/// `entity`, or nothing where `key` of all is least.
+template <class Key>
+std::string worst_entity(const meshing::ModelAccount& model, const Key& key) {
+  const meshing::ModelEntityAccount* worst = nullptr;
+  for (const meshing::ModelEntityAccount& e : model.entities)
+    if (!worst || key(e) > key(*worst)) worst = &e;
+  if (!worst) return "the model";
+  return fmt::format("{} {}",
+                     worst->kind == Kind::node   ? "node"
+                     : worst->kind == Kind::edge ? "edge"
+                                                 : "face",
+                     worst->id);
+}
+
+std::string off_text(const meshing::ModelAccount& m) {
+  return fmt::format("{} of {} boundary vertices {} off the CAD model, by up to {:.3g} ({})", grouped(m.off),
+                     grouped(m.vertices), m.off == 1 ? "is" : "are", m.largest,
+                     worst_entity(m, [](const auto& e) { return e.largest - e.tolerance; }));
+}
+
+std::string turned_text(const meshing::ModelAccount& m) {
+  return fmt::format("{} of {} boundary triangles {} turned against the CAD model, most of them on {}",
+                     grouped(m.turned), grouped(m.triangles), m.turned == 1 ? "is" : "are",
+                     worst_entity(m, [](const auto& e) { return e.turned; }));
+}
+
+}  // namespace
+
+std::vector<std::string> worse_on_model(const meshing::ModelAccount& m) {
+  constexpr double kFarther = 1.01;
+  std::vector<std::string> worse;
+  if (m.off > m.input.off || (m.off > 0 && m.largest > kFarther * m.input.largest))
+    worse.push_back(off_text(m) +
+                    fmt::format("; of the input {}, by up to {:.3g}", grouped(m.input.off), m.input.largest));
+  if (m.turned > m.input.turned)
+    worse.push_back(turned_text(m) + fmt::format("; of the input {}", grouped(m.input.turned)));
+  return worse;
+}
+
+void warn_of_faults(const meshing::ModelAccount& m, std::vector<std::string>& warnings) {
+  if (m.off > 0) warnings.push_back(off_text(m));
+  if (m.turned > 0) warnings.push_back(turned_text(m));
+}
+
 MeshCounts count(const meshing::MeshData& mesh) {
   return {mesh.points.size(), mesh.tets.size(), mesh.triangles.size(), mesh.edges.size()};
 }
 
 std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
-                                      const std::string& ended_by) {
+                                      const std::string& ended_by, const meshing::ModelAccount* model) {
   constexpr double kLeastUnitEdges = 0.5;
   constexpr double kComplexityTolerance = 0.2;
   std::vector<std::string> missed;
@@ -24,6 +72,8 @@ std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& af
     missed.push_back(ended_by + ": this is the valid mesh reached so far");
   else if (!ended_by.empty())
     missed.push_back("ended by its " + ended_by + ": this is the valid mesh reached so far");
+  if (model)
+    for (const std::string& reason : worse_on_model(*model)) missed.push_back(reason);
   if (!after) return missed;
   if (after->edges_unit < kLeastUnitEdges)
     missed.push_back(fmt::format("only {} of the edges are unit", percent(after->edges_unit)));

@@ -22,9 +22,17 @@ struct RunResult : Report {
 };
 
 /// Reasons to call the goal missed: ended before it was done (`ended_by`: Report::ended_by), less than half
-/// of the edges unit, complexity off by more than 20 %. Without measures the first alone.
+/// of the edges unit, complexity off by more than 20 %, farther from the CAD model than the input
+/// (worse_on_model()). Without measures the first and the last alone. `model` may be null.
 std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
-                                      const std::string& ended_by);
+                                      const std::string& ended_by, const meshing::ModelAccount* model);
+
+/// In which respects a result lies on the CAD model worse than its input did: more vertices off it, or
+/// farther off, or more triangles turned against it. Empty for what the input had and could not be mended.
+std::vector<std::string> worse_on_model(const meshing::ModelAccount& model);
+
+/// Adds how many vertices are off the model and how many triangles turned against it, how far and where.
+void warn_of_faults(const meshing::ModelAccount& model, std::vector<std::string>& warnings);
 
 /// The warning of a run that was to go on from checkpoints in a folder that has none.
 std::string begun_anew(const std::string& folder);

@@ -41,6 +41,7 @@ std::string model_text(const ModelAccount& a, bool entities) {
       grouped(a.vertices), a.largest, a.mean, grouped(a.off), a.tolerance);
   text += fmt::format("  {} triangles on it: deviation at most {:.3g}, least product of normals {:.3f}\n",
                       grouped(a.triangles), a.deviation, a.least_normal);
+  if (a.turned > 0) text += fmt::format("  {} triangles turned against it\n", grouped(a.turned));
   if (a.unclassified_triangles > 0)
     text += fmt::format("  {} triangles on no face of it\n", grouped(a.unclassified_triangles));
   if (!a.listed.empty()) {
@@ -62,7 +63,8 @@ nlohmann::ordered_json json_of(const ModelAccount& a) {
                         {"mean", e.mean},
                         {"deviation", e.deviation},
                         {"tolerance", e.tolerance},
-                        {"least_normal", e.least_normal}});
+                        {"least_normal", e.least_normal},
+                        {"turned", e.turned}});
   std::vector<std::uint32_t> listed;
   for (const std::uint32_t v : a.listed) listed.push_back(v + 1);
   return {{"model", a.model},
@@ -81,6 +83,8 @@ nlohmann::ordered_json json_of(const ModelAccount& a) {
           {"mean", a.mean},
           {"deviation", a.deviation},
           {"least_normal", a.least_normal},
+          {"turned", a.turned},
+          {"input", {{"off", a.input.off}, {"largest", a.input.largest}, {"turned", a.input.turned}}},
           {"tolerance", a.tolerance},
           {"entities", std::move(entities)}};
 }

@@ -21,6 +21,7 @@ void print_summary(const VolumeRequest& request, const FillResult& result) {
   const Mesh& mesh = result.mesh;
   verbosity.print("{}", mends_text(result.mends));
   for (const std::string& w : result.warnings) verbosity.print("note: {}\n", w);
+  for (const std::string& reason : result.missed) verbosity.print("GOAL NOT MET: {}\n", reason);
   if (result.cancelled) verbosity.print("ended early: {}\n", result.ended_by);
   verbosity.print("{}: {} vertices, {} tets, {} triangles, {} region{}\n", request.output,
                   grouped(std::uint64_t{mesh.points.size()}), grouped(std::uint64_t{mesh.tets.size()}),
@@ -68,7 +69,7 @@ int make_volume(const std::string& name, const Mesh& surface, const RefNames& na
   write_result(request.output, result.mesh, result.metric, {}, names);
   progress.finish();
   print_summary(request, result);
-  return result.cancelled ? kGoalNotMet : kDone;
+  return result.cancelled || !result.missed.empty() ? kGoalNotMet : kDone;
 }
 
 }  // namespace weft::tools

@@ -5,10 +5,10 @@ namespace weft::tools {
 
 enum ExitCode : int {
   kDone = 0,
-  kGoalNotMet =
-      1,  ///< a valid mesh was written, but interrupted or far from the request; `verify`: does not conform
-  kNoMesh = 2,  ///< bad input or a failure; nothing was written
-  kUsage = 64,  ///< the command line makes no sense (EX_USAGE)
+  kGoalNotMet = 1,  ///< a valid mesh was written, but interrupted, far from the request, or worse on its CAD
+                    ///< model than the input; `verify`: does not conform
+  kNoMesh = 2,      ///< bad input or a failure; nothing was written
+  kUsage = 64,      ///< the command line makes no sense (EX_USAGE)
 };
 
 }  // namespace weft::tools

@@ -338,6 +338,8 @@ void add_reports(py::module_& module) {
           "What repair has done to the surface, a line each.")
       .def_readonly("deviation", &FillResult::deviation,
                     "Of repair: largest distance of the mended surface from the one given.")
+      .def_readonly("missed", &FillResult::missed,
+                    "Where it lies on the CAD model worse than the surface did; empty: nowhere.")
       .def_readonly("cancelled", &FillResult::cancelled)
       .def_readonly("ended_by", &FillResult::ended_by);
 }

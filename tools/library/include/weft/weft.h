@@ -687,6 +687,7 @@ struct FillResult {
   std::vector<std::string> warnings;  ///< what was mended
   std::vector<Mend> mends;            ///< of the surface (RunOptions::repair)
   double deviation = 0;               ///< of repair: largest distance of the mended surface from the input's
+  std::vector<std::string> missed;    ///< where it lies on the CAD model worse than the surface did
   bool cancelled = false;
   std::string ended_by;  ///< of a cancelled one, as Report::ended_by
   double grid_seconds = 0, fill_seconds = 0;
