@@ -73,11 +73,12 @@ PartSums sums_over(const MetricMeshView& m, const std::vector<std::uint8_t>& wan
   PartSums sums;
   const SomeTets some = some_of(m, wanted);
   std::vector<double> qualities;
-  sums.tets = sum_tets(some.tets, some.points, some.log_metrics, qualities);
+  const MeasuredPoints points(some.points, some.log_metrics);
+  sums.tets = sum_tets(some.tets, points, qualities);
   std::ranges::copy_if(qualities, std::back_inserter(sums.low), [&](double q) { return q <= bound; });
   const EdgeLists edges = unique_edges(some.tets, some.points.size());
   OddLengths odd;
-  sums.edges = sum_edges(edges, edges_alone(m, wanted, some, edges), some.points, some.log_metrics, &odd);
+  sums.edges = sum_edges(edges, edges_alone(m, wanted, some, edges), points, &odd);
   sums.odd = std::move(odd.values);
   std::ranges::sort(sums.low);
   std::ranges::sort(sums.odd);
@@ -131,7 +132,8 @@ MeasuredMesh::MeasuredMesh(const MetricMeshView& m) {
   measures_.num_triangles = m.mesh.triangles.size();
   if (m.mesh.tets.empty()) return;
   std::vector<double> qualities;
-  tets_ = sum_tets(m.mesh.tets, m.mesh.points, m.log_metrics, qualities);
+  const MeasuredPoints points(m.mesh.points, m.log_metrics);
+  tets_ = sum_tets(m.mesh.tets, points, qualities);
   put_tets(tets_, measures_.num_tets, measures_);
   const std::size_t q01 = quantile_place(qualities.size(), 0.01);
   const std::size_t kept = std::min(qualities.size(), q01 + q01 / 2 + 16);
@@ -145,7 +147,7 @@ MeasuredMesh::MeasuredMesh(const MetricMeshView& m) {
   constexpr std::size_t kOneIn = 8;
   OddLengths odd;
   odd.most = edges.others.size() / kOneIn;
-  edges_ = sum_edges(edges, {}, m.mesh.points, m.log_metrics, &odd);
+  edges_ = sum_edges(edges, {}, points, &odd);
   put_edges(edges_, measures_);
   odd_ = std::move(odd.values);
   std::ranges::sort(odd_);

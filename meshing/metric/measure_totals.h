@@ -115,16 +115,26 @@ struct OddLengths {
   }
 };
 
-/// Sums over tets; qualities[t] becomes the mean ratio of tets[t]. `points` and `log_metrics` have one entry
-/// a vertex. Multithreaded on TBB; does not depend on the number of threads.
-TetTotals sum_tets(std::span<const std::array<std::uint32_t, 4>> tets, std::span<const Point> points,
-                   std::span<const LogMetric> log_metrics, std::vector<double>& qualities);
+/// Points, one a vertex, with what sums take from the metrics there.
+struct MeasuredPoints {
+  /// Of what stays as long as this. Multithreaded on TBB.
+  MeasuredPoints(std::span<const Point> x, std::span<const LogMetric> log_metrics);
+
+  std::span<const Point> x;
+  std::span<const LogMetric> log_metrics;
+  std::vector<double> densities;  ///< sqrt(det M)
+  std::vector<Metric> metrics;
+};
+
+/// Sums over tets; qualities[t] becomes the mean ratio of tets[t]. Multithreaded on TBB; does not depend on
+/// the number of threads.
+TetTotals sum_tets(std::span<const std::array<std::uint32_t, 4>> tets, const MeasuredPoints& points,
+                   std::vector<double>& qualities);
 
 /// Sums over edges likewise: those with a flag (one an entry of edges.others), all without flags. `odd`,
 /// where it is not null, becomes those of them that are not unit, up to odd->most.
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
-                     std::span<const Point> points, std::span<const LogMetric> log_metrics,
-                     OddLengths* odd = nullptr);
+                     const MeasuredPoints& points, OddLengths* odd = nullptr);
 
 /// What the sums over `num_tets` > 0 tets, or over at least one edge, say.
 void put_tets(const TetTotals& totals, std::uint64_t num_tets, Measures& measures);

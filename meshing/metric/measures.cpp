@@ -104,9 +104,9 @@ double least_dihedral_degrees(const MeshData& mesh) {
   return std::acos(std::clamp(largest.cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-void measure_tets(const MeshData& mesh, std::span<const LogMetric> log_metrics, Measures& m) {
+void measure_tets(const MeshData& mesh, const MeasuredPoints& points, Measures& m) {
   std::vector<double> qualities;
-  put_tets(sum_tets(mesh.tets, mesh.points, log_metrics, qualities), mesh.tets.size(), m);
+  put_tets(sum_tets(mesh.tets, points, qualities), mesh.tets.size(), m);
   const std::size_t q01 = select_quantile(qualities, qualities.size(), 0.01);
   m.quality_q01 = qualities[q01];
   m.quality_q001 = qualities[select_quantile(qualities, q01 + 1, 0.001)];
@@ -114,18 +114,19 @@ void measure_tets(const MeshData& mesh, std::span<const LogMetric> log_metrics, 
 
 }  // namespace
 
-TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
-                   std::span<const LogMetric> log_metrics, std::vector<double>& qualities) {
+MeasuredPoints::MeasuredPoints(std::span<const Point> points, std::span<const LogMetric> logs)
+    : x(points), log_metrics(logs), densities(densities_of(logs)), metrics(metrics_of(logs)) {}
+
+TetTotals sum_tets(std::span<const Tet> tets, const MeasuredPoints& points, std::vector<double>& qualities) {
   qualities.resize(tets.size());
-  const std::vector<double> densities = densities_of(log_metrics);
   return reduce<TetTotals>(tets.size(), [&](TetTotals& sums, std::size_t begin, std::size_t end) {
     for (std::size_t first = begin; first < end; first += kLanes) {
-      const Lanes ratios = mean_ratios(tets.first(end), first, points, log_metrics);
+      const Lanes ratios = mean_ratios(tets.first(end), first, points.x, points.log_metrics);
       const Lanes logs = log10_for_bins(ratios);
       for (std::size_t t = first; t < std::min(end, first + kLanes); ++t) {
         qualities[t] = ratios[static_cast<int>(t - first)];
-        sums.volume += tet_volume(tets[t], points);
-        sums.complexity += tet_complexity(tets[t], points, densities);
+        sums.volume += tet_volume(tets[t], points.x);
+        sums.complexity += tet_complexity(tets[t], points.x, points.densities);
         sums.add_quality(qualities[t], logs[static_cast<int>(t - first)]);
       }
     }
@@ -133,7 +134,7 @@ TetTotals sum_tets(std::span<const Tet> tets, std::span<const Point> points,
 }
 
 EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> counted,
-                     std::span<const Point> points, std::span<const LogMetric> log_metrics, OddLengths* odd) {
+                     const MeasuredPoints& points, OddLengths* odd) {
   struct Sums {
     EdgeTotals totals;
     OddLengths odd;
@@ -143,9 +144,8 @@ EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> count
       return *this;
     }
   };
-  const std::vector<Metric> metrics = metrics_of(log_metrics);
   const std::size_t most_odd = odd ? odd->most : 0;
-  Sums all = reduce<Sums>(points.size(), [&](Sums& sums, std::size_t begin, std::size_t end) {
+  Sums all = reduce<Sums>(points.x.size(), [&](Sums& sums, std::size_t begin, std::size_t end) {
     sums.odd.most = most_odd;
     EdgeBatch batch;
     const auto take = [&] {
@@ -160,7 +160,7 @@ EdgeTotals sum_edges(const EdgeLists& edges, std::span<const std::uint8_t> count
       for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e) {
         const std::uint32_t w = edges.others[e];
         if (!counted.empty() && !counted[e]) continue;
-        batch.add(points[w] - points[v], metrics[v], metrics[w]);
+        batch.add(points.x[w] - points.x[v], points.metrics[v], points.metrics[w]);
         if (batch.size() == kLanes) take();
       }
     }
@@ -230,15 +230,17 @@ Measures measure(const MeshData& mesh, std::span<const LogMetric> log_metrics) {
   m.num_tets = mesh.tets.size();
   m.num_triangles = mesh.triangles.size();
   if (mesh.tets.empty()) return m;
-  measure_tets(mesh, log_metrics, m);
-  put_edges(sum_edges(unique_edges(mesh.tets, mesh.points.size()), {}, mesh.points, log_metrics), m);
+  const MeasuredPoints points(mesh.points, log_metrics);
+  measure_tets(mesh, points, m);
+  put_edges(sum_edges(unique_edges(mesh.tets, mesh.points.size()), {}, points), m);
   return m;
 }
 
 ShapeMeasures measure_shape(const MeshData& mesh) {
   if (mesh.tets.empty()) return {};
   Measures m;
-  measure_tets(mesh, LogMetricField(mesh.points.size()), m);
+  const LogMetricField euclidean(mesh.points.size());
+  measure_tets(mesh, {mesh.points, euclidean}, m);
   return {m.quality_mean, m.quality_min, m.quality_q01, least_dihedral_degrees(mesh)};
 }
 

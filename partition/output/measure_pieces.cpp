@@ -8,6 +8,7 @@
 
 #include "meshing/mesh/adjacency.h"
 #include "meshing/mesh/mesh_data.h"
+#include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/measure_totals.h"
 #include "partition/communication/home_rank.h"
 #include "partition/communication/reduce.h"
@@ -24,12 +25,20 @@ using meshing::Measures;
 using meshing::Tet;
 using meshing::TetTotals;
 
-/// The part of a piece that is measured.
+using Flags = std::vector<std::uint8_t>;
+
+/// What of a piece is counted of the whole and of the part: entities that no lower subdomain counts too.
+struct Counts {
+  std::uint64_t vertices = 0, triangles = 0;
+};
+
+/// What is summed of a piece. An entity of both whole and part is summed once, for both.
 struct PieceMeasures {
-  std::vector<Tet> tets;
-  EdgeLists edges;                   ///< of the tets
-  std::vector<std::uint8_t> counts;  ///< of edges.others: 1 where no lower subdomain measures the edge too
-  std::uint64_t num_vertices = 0, num_triangles = 0;  ///< that no lower subdomain counts too
+  std::vector<Tet> beside, part;  ///< tets of the piece: those of the part apart
+  EdgeLists edges;                ///< of all of them
+  Flags in_part;                  ///< of edges.others, as the next ones: 1 for edges of the part's tets
+  Flags of_whole, of_part;        ///< 1 where no lower subdomain measures the edge too
+  Counts whole_counts, part_counts;
 };
 
 /// What the pieces' sums are put together of. The sums of one piece come first: doubles, whose order matters.
@@ -38,70 +47,117 @@ struct PieceSums {
   double volume, complexity, quality, length;
 };
 
-bool any_flag(std::span<const std::uint32_t> vertices, const std::vector<std::uint8_t>& flags) {
+bool any_flag(std::span<const std::uint32_t> vertices, const Flags& flags) {
   return std::ranges::any_of(vertices, [&](std::uint32_t v) { return flags[v] != 0; });
 }
 
-/// Asks which edges with two shared ends a lower subdomain measures too.
-void divide_edges(Peers& peers, std::span<const MeshPiece> mine, std::vector<PieceMeasures>& parts) {
-  std::vector<Holding<2>> holdings;
-  std::vector<std::uint8_t*> counts;
+/// Marks the edges of the part's tets: all that have a flagged end, and what lies opposite.
+void find_edges_of_part(const Flags& flags, PieceMeasures& piece) {
+  const EdgeLists& edges = piece.edges;
+  piece.in_part.assign(edges.others.size(), 0);
+  for (std::size_t v = 0; v < flags.size(); ++v)
+    for (std::size_t e = edges.begins[v]; e < edges.begins[v + 1]; ++e)
+      piece.in_part[e] = flags[v] | flags[edges.others[e]];
+  for (const Tet& tet : piece.part)
+    for (const auto& e : meshing::kTetEdges) {
+      const auto [a, b] = std::minmax(tet[e[0]], tet[e[1]]);
+      if (flags[a] | flags[b]) continue;
+      const auto others = edges.of(a);
+      piece.in_part[edges.begins[a] +
+                    static_cast<std::size_t>(std::ranges::lower_bound(others, b) - others.begin())] = 1;
+    }
+}
+
+/// Flags of entities that several pieces may have, each asked for at its home.
+template <std::size_t N>
+class Undecided {
+ public:
+  void add(const EntityKey<N>& key, const MeshPiece& piece, std::uint8_t& flag) {
+    holdings_.push_back({sorted_key<N>(key), piece.subdomain.value});
+    flags_.push_back(&flag);
+  }
+  /// All ranks: sets the flags, to 0 where a lower subdomain has added the entity too.
+  void decide(Peers& peers) {
+    const Flags lowest = held_by_no_lower<N>(peers, holdings_);
+    for (std::size_t i = 0; i < lowest.size(); ++i) *flags_[i] = lowest[i];
+  }
+
+ private:
+  std::vector<Holding<N>> holdings_;
+  std::vector<std::uint8_t*> flags_;
+};
+
+/// Asks which edges with two shared ends a lower subdomain measures too. Who has an edge with a flagged end
+/// has it in the part.
+void divide_edges(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags,
+                  std::vector<PieceMeasures>& pieces) {
+  Undecided<2> of_whole, of_part;
   for (std::size_t p = 0; p < mine.size(); ++p) {
-    PieceMeasures& part = parts[p];
-    const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
-    part.counts.assign(part.edges.others.size(), 1);
+    PieceMeasures& piece = pieces[p];
+    const Flags shared = shared_flags(mine[p]);
+    piece.of_whole.assign(piece.edges.others.size(), 1);
+    piece.of_part = piece.in_part;
     for (std::size_t v = 0; v < shared.size(); ++v) {
       if (!shared[v]) continue;
-      for (std::size_t e = part.edges.begins[v]; e < part.edges.begins[v + 1]; ++e) {
-        if (!shared[part.edges.others[e]]) continue;
-        const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[part.edges.others[e]]};
-        holdings.push_back({sorted_key<2>(ends), mine[p].subdomain.value});
-        counts.push_back(&part.counts[e]);
+      for (std::size_t e = piece.edges.begins[v]; e < piece.edges.begins[v + 1]; ++e) {
+        const std::uint32_t w = piece.edges.others[e];
+        if (!shared[w]) continue;
+        const EntityKey<2> ends{mine[p].ids[v], mine[p].ids[w]};
+        of_whole.add(ends, mine[p], piece.of_whole[e]);
+        if (piece.in_part[e] && !(flags[p][v] | flags[p][w])) of_part.add(ends, mine[p], piece.of_part[e]);
       }
     }
   }
-  const std::vector<std::uint8_t> lowest = held_by_no_lower<2>(peers, holdings);
-  for (std::size_t i = 0; i < lowest.size(); ++i) *counts[i] = lowest[i];
+  of_whole.decide(peers);
+  of_part.decide(peers);
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    for (std::size_t v = 0; v < flags[p].size(); ++v)
+      for (std::size_t e = pieces[p].edges.begins[v]; e < pieces[p].edges.begins[v + 1]; ++e)
+        if (flags[p][v] | flags[p][pieces[p].edges.others[e]]) pieces[p].of_part[e] = pieces[p].of_whole[e];
 }
 
-/// Counts the vertices of the parts' tets, each in the lowest subdomain that has it.
-void count_vertices_of_tets(Peers& peers, std::span<const MeshPiece> mine,
-                            std::vector<PieceMeasures>& parts) {
-  std::vector<Holding<1>> holdings;
-  std::vector<std::size_t> pieces;
+/// Counts the vertices of the part's tets, each in the lowest subdomain that has it there.
+void count_vertices_of_part(Peers& peers, std::span<const MeshPiece> mine, std::span<const PieceShare> shares,
+                            const VertexFlags& flags, std::vector<PieceMeasures>& pieces) {
+  Undecided<1> undecided;
+  VertexFlags counted(mine.size());
   for (std::size_t p = 0; p < mine.size(); ++p) {
-    const std::vector<std::uint8_t> shared = shared_flags(mine[p]);
-    std::vector<std::uint8_t> used(shared.size());
-    for (const Tet& tet : parts[p].tets)
-      for (const std::uint32_t v : tet) used[v] = 1;
-    for (std::size_t v = 0; v < used.size(); ++v) {
-      parts[p].num_vertices += used[v] && !shared[v];
-      if (!used[v] || !shared[v]) continue;
-      holdings.push_back({{mine[p].ids[v]}, mine[p].subdomain.value});
-      pieces.push_back(p);
+    counted[p].assign(flags[p].size(), 0);
+    for (const Tet& tet : pieces[p].part)
+      for (const std::uint32_t v : tet) counted[p][v] = 1;
+    const Flags shared = shared_flags(mine[p]);
+    for (std::size_t v = 0; v < shared.size(); ++v) {
+      if (!counted[p][v] || !shared[v]) continue;
+      if (flags[p][v])
+        counted[p][v] = shares[p].points[v];
+      else
+        undecided.add({mine[p].ids[v]}, mine[p], counted[p][v]);
     }
   }
-  const std::vector<std::uint8_t> lowest = held_by_no_lower<1>(peers, holdings);
-  for (std::size_t i = 0; i < lowest.size(); ++i) parts[pieces[i]].num_vertices += lowest[i];
+  undecided.decide(peers);
+  for (std::size_t p = 0; p < mine.size(); ++p)
+    pieces[p].part_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(counted[p], 1));
 }
 
-/// `flags`: nullptr for everything.
-std::vector<PieceMeasures> parts_of(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags* flags) {
-  std::vector<PieceMeasures> parts(mine.size());
+std::vector<PieceMeasures> look_at(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
+  std::vector<PieceMeasures> pieces(mine.size());
   const std::vector<PieceShare> shares = shares_of(peers, mine);
   for (std::size_t p = 0; p < mine.size(); ++p) {
     const meshing::MeshData& mesh = mine[p].mesh;
-    for (const Tet& tet : mesh.tets)
-      if (!flags || any_flag(tet, (*flags)[p])) parts[p].tets.push_back(tet);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      parts[p].num_triangles +=
-          shares[p].triangles[t] && (!flags || any_flag(mesh.triangles[t], (*flags)[p]));
-    if (!flags) parts[p].num_vertices = static_cast<std::uint64_t>(std::ranges::count(shares[p].points, 1));
-    parts[p].edges = meshing::unique_edges(parts[p].tets, mesh.points.size());
+    PieceMeasures& piece = pieces[p];
+    for (const Tet& tet : mesh.tets) (any_flag(tet, flags[p]) ? piece.part : piece.beside).push_back(tet);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!shares[p].triangles[t]) continue;
+      ++piece.whole_counts.triangles;
+      piece.part_counts.triangles += any_flag(mesh.triangles[t], flags[p]);
+    }
+    piece.whole_counts.vertices = static_cast<std::uint64_t>(std::ranges::count(shares[p].points, 1));
+    piece.edges = meshing::unique_edges(mesh.tets, mesh.points.size());
+    find_edges_of_part(flags[p], piece);
   }
-  if (flags) count_vertices_of_tets(peers, mine, parts);
-  divide_edges(peers, mine, parts);
-  return parts;
+  count_vertices_of_part(peers, mine, shares, flags, pieces);
+  divide_edges(peers, mine, flags, pieces);
+  return pieces;
 }
 
 /// Everything that is summed over pieces.
@@ -111,25 +167,51 @@ struct Sums {
   EdgeTotals edges;
   std::vector<PieceSums> pieces;
   std::vector<double> qualities;
+
+  void add(SubdomainId subdomain, const TetTotals& of_tets, const EdgeTotals& of_edges,
+           const Counts& counted) {
+    pieces.push_back({subdomain.value, of_tets.volume, of_tets.complexity, of_tets.quality, of_edges.length});
+    tets += of_tets;
+    edges += of_edges;
+    counts.num_vertices += counted.vertices;
+    counts.num_triangles += counted.triangles;
+    counts.num_tets = qualities.size();
+  }
 };
 
-Sums sum_here(std::span<const MeshPiece> mine, const std::vector<PieceMeasures>& parts) {
-  Sums sums;
+struct BothSums {
+  Sums whole, part;
+};
+
+/// The edges that a function of both flags picks, of the whole and of the part.
+template <class Pick>
+Flags picked(const PieceMeasures& piece, const Pick& pick) {
+  Flags flags(piece.of_whole.size());
+  for (std::size_t e = 0; e < flags.size(); ++e) flags[e] = pick(piece.of_whole[e], piece.of_part[e]);
+  return flags;
+}
+
+void add_piece(const MeshPiece& piece, const PieceMeasures& look, BothSums& sums) {
+  const meshing::MeasuredPoints points(piece.mesh.points, piece.log_metrics);
+  const auto add_qualities = [](const std::vector<double>& from, std::vector<double>& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
   std::vector<double> qualities;
-  for (std::size_t p = 0; p < mine.size(); ++p) {
-    const meshing::MeshData& mesh = mine[p].mesh;
-    const TetTotals tets = sum_tets(parts[p].tets, mesh.points, mine[p].log_metrics, qualities);
-    const EdgeTotals edges = sum_edges(parts[p].edges, parts[p].counts, mesh.points, mine[p].log_metrics);
-    sums.qualities.insert(sums.qualities.end(), qualities.begin(), qualities.end());
-    sums.pieces.push_back(
-        {mine[p].subdomain.value, tets.volume, tets.complexity, tets.quality, edges.length});
-    sums.tets += tets;
-    sums.edges += edges;
-    sums.counts.num_vertices += parts[p].num_vertices;
-    sums.counts.num_triangles += parts[p].num_triangles;
-    sums.counts.num_tets += parts[p].tets.size();
-  }
-  return sums;
+  TetTotals tets = sum_tets(look.beside, points, qualities);
+  add_qualities(qualities, sums.whole.qualities);
+  const TetTotals tets_of_part = sum_tets(look.part, points, qualities);
+  add_qualities(qualities, sums.whole.qualities);
+  add_qualities(qualities, sums.part.qualities);
+  tets += tets_of_part;
+
+  const auto edges = [&](const auto& pick) { return sum_edges(look.edges, picked(look, pick), points); };
+  EdgeTotals edges_of_whole = edges([](bool whole, bool part) { return whole && !part; });
+  EdgeTotals edges_of_part = edges([](bool whole, bool part) { return !whole && part; });
+  const EdgeTotals of_both = edges([](bool whole, bool part) { return whole && part; });
+  edges_of_whole += of_both;
+  edges_of_part += of_both;
+  sums.whole.add(piece.subdomain, tets, edges_of_whole, look.whole_counts);
+  sums.part.add(piece.subdomain, tets_of_part, edges_of_part, look.part_counts);
 }
 
 /// Calls visit(count) for every count that adds up, in a fixed order.
@@ -176,8 +258,7 @@ void add_reals(Peers& peers, Sums& sums) {
   }
 }
 
-Measures measure_parts(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags* flags) {
-  Sums sums = sum_here(mine, parts_of(peers, mine, flags));
+Measures measures_of(Peers& peers, Sums& sums) {
   add_counts(peers, sums);
   add_extremes(peers, sums);
   add_reals(peers, sums);
@@ -196,11 +277,16 @@ Measures measure_parts(Peers& peers, std::span<const MeshPiece> mine, const Vert
 }  // namespace
 
 Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine) {
-  return measure_parts(peers, mine, nullptr);
+  VertexFlags none;
+  for (const MeshPiece& piece : mine) none.emplace_back(piece.mesh.points.size(), 0);
+  return measure_pieces(peers, mine, none).whole;
 }
 
-Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
-  return measure_parts(peers, mine, &flags);
+WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags) {
+  BothSums sums;
+  const std::vector<PieceMeasures> looks = look_at(peers, mine, flags);
+  for (std::size_t p = 0; p < mine.size(); ++p) add_piece(mine[p], looks[p], sums);
+  return {measures_of(peers, sums.whole), measures_of(peers, sums.part)};
 }
 
 }  // namespace weft::partition

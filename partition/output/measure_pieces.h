@@ -19,8 +19,12 @@ using VertexFlags = std::vector<std::vector<std::uint8_t>>;
 /// pieces, nor on the number of threads (TBB, in the caller's arena).
 meshing::Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine);
 
-/// Likewise of a part of the mesh alone: the tets with a flagged vertex, their vertices and edges, and the
-/// triangles with a flagged vertex. Copies of a vertex have the same flag; flags[p] is for mine[p].
-meshing::Measures measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags);
+struct WholeAndPart {
+  meshing::Measures whole, part;
+};
+
+/// Likewise, and of a part of the mesh beside it: the tets with a flagged vertex, their vertices and edges,
+/// and the triangles with a flagged vertex. Copies of a vertex have the same flag; flags[p] is for mine[p].
+WholeAndPart measure_pieces(Peers& peers, std::span<const MeshPiece> mine, const VertexFlags& flags);
 
 }  // namespace weft::partition

@@ -72,20 +72,40 @@ void for_each_interface_face(const Subdomain& s, const Geometry& geometry, F f) 
   }
 }
 
-/// `v` by id.
-InterfaceVertices::Face digest_of(const TetMesh& mesh, const std::array<VertexId, 3>& v) {
-  const auto id = [&](std::size_t i) { return GlobalId::from_value(mesh.label(v[i])); };
-  GlobalId bits;
-  const auto add = [&](double x) {
-    bits = GlobalId::derived_from(bits, GlobalId::from_value(std::bit_cast<std::uint64_t>(x)));
-  };
-  for (const VertexId x : v) {
-    const Point& p = mesh.point(x);
-    const LogMetric& l = mesh.log_metric(x);
-    for (const double value : {p.x, p.y, p.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz}) add(value);
+/// What neighbours compare of the interface's faces. Every vertex is in several of them: its bits are hashed
+/// once.
+class FaceDigests {
+ public:
+  explicit FaceDigests(const TetMesh& mesh) : mesh_(mesh), bits_(mesh.vertex_slots()) {
+    for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+      if (const VertexId v(i); mesh.alive(v) && mesh.frozen(v)) bits_[i] = bits_of(v);
   }
-  return {GlobalId::derived_from(GlobalId::derived_from(id(0), id(1)), id(2)).value(), bits.value()};
-}
+
+  /// `v` by id.
+  InterfaceVertices::Face of(const std::array<VertexId, 3>& v) const {
+    const auto id = [&](std::size_t i) { return GlobalId::from_value(mesh_.label(v[i])); };
+    const auto bits = [&](std::size_t i) { return bits_[v[i].value]; };
+    return {of_three(id).value(), of_three(bits).value()};
+  }
+
+ private:
+  template <class Part>
+  static GlobalId of_three(const Part& part) {
+    return GlobalId::derived_from(GlobalId::derived_from(part(0), part(1)), part(2));
+  }
+
+  GlobalId bits_of(VertexId v) const {
+    const Point& p = mesh_.point(v);
+    const LogMetric& l = mesh_.log_metric(v);
+    GlobalId bits;
+    for (const double x : {p.x, p.y, p.z, l.xx, l.xy, l.yy, l.xz, l.yz, l.zz})
+      bits = GlobalId::derived_from(bits, GlobalId::from_value(std::bit_cast<std::uint64_t>(x)));
+    return bits;
+  }
+
+  const TetMesh& mesh_;
+  std::vector<GlobalId> bits_;  ///< of the frozen vertices, by slot
+};
 
 /// Derived names are hashes: two vertices may have the same, by an accident of 1 in 1e19 for each pair.
 void check_names(const RefinedVertices& vertices, SubdomainId subdomain) {
@@ -363,8 +383,9 @@ void InterfaceRefinement::add_faces(std::vector<InterfaceVertices>& result) cons
   const std::vector<VertexId> places = places_of(vertices_, subdomain_);
   for (VertexIndex i = 0; i < places.size(); ++i) index_of[places[i].value] = i;
   const auto neighbours = subdomain_.interface.neighbours();
+  const FaceDigests digests(*subdomain_.mesh);
   for_each_interface_face(subdomain_, geometry_, [&](const std::array<VertexId, 3>& v) {
-    const InterfaceVertices::Face face = digest_of(*subdomain_.mesh, v);
+    const InterfaceVertices::Face face = digests.of(v);
     for (const SubdomainId other : vertices_.holders(index_of[v[0].value])) {
       const auto holds = [&](VertexId x) {
         return std::ranges::binary_search(vertices_.holders(index_of[x.value]), other);
@@ -396,8 +417,9 @@ void compare_faces(const Subdomain& s, const Geometry& geometry, std::span<const
   for (const InterfaceVertices& of_one : theirs)
     all.insert(all.end(), of_one.faces.begin(), of_one.faces.end());
   std::sort(all.begin(), all.end());
+  const FaceDigests digests(*s.mesh);
   for_each_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
-    const Face mine = digest_of(*s.mesh, v);
+    const Face mine = digests.of(v);
     if (std::binary_search(all.begin(), all.end(), mine)) return;
     const auto at = std::lower_bound(all.begin(), all.end(), Face{mine.name, 0});
     const bool named = at != all.end() && at->name == mine.name;
@@ -413,19 +435,22 @@ void register_interface(Subdomain& s, const Geometry& geometry, std::span<const 
   for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
     if (s.mesh->alive(VertexId(i)) && s.mesh->frozen(VertexId(i)) && s.global_id(VertexId(i)).derived())
       mine.emplace(s.global_id(VertexId(i)), VertexId(i));
-  std::vector<Holder> lines(s.interface.lines().begin(), s.interface.lines().end());
+  std::vector<Holder> more;
   const auto neighbours = s.interface.neighbours();
   for (std::size_t n = 0; n < theirs.size(); ++n)
     for (const InterfaceVertices::Vertex& v : theirs[n].vertices) {
       const auto at = mine.find(v.id);
       if (at == mine.end()) continue;
-      lines.push_back({v.id, neighbours[n]});
+      more.push_back({v.id, neighbours[n]});
       // Who has the boundary's faces at an edge knows best how it lies in the boundary.
       if (v.kind <= s.mesh->kind(at->second)) continue;
       s.mesh->set_kind(at->second, v.kind);
       s.mesh->set_surface_hint(at->second, v.surface_hint);
     }
-  s.interface = Interface(std::move(lines));
+  if (!more.empty()) {
+    more.insert(more.end(), s.interface.lines().begin(), s.interface.lines().end());
+    s.interface = Interface(std::move(more));
+  }
   locate_interface(s);
 }
 

@@ -38,14 +38,16 @@ std::vector<OpenFace> in_order(const std::vector<OpenFace>& faces) {
   return sorted;
 }
 
-/// The faces without a neighbour in the piece; ids[i] is the name of its point i.
-std::vector<OpenFace> border_of(const BackgroundPiece& piece, std::span<const GlobalId> ids) {
+/// The faces without a neighbour, by name; ids[i] is the name of point i.
+std::vector<OpenFace> border_of(std::span<const std::array<std::uint32_t, 4>> tets,
+                                std::span<const std::array<std::uint32_t, 4>> neighbours,
+                                std::span<const GlobalId> ids) {
   std::vector<OpenFace> border;
-  for (std::uint32_t t = 0; t < piece.tets.size(); ++t)
+  for (std::uint32_t t = 0; t < tets.size(); ++t)
     for (std::size_t f = 0; f < 4; ++f) {
-      if (piece.neighbours[t][f] != kNoNeighbour) continue;
+      if (neighbours[t][f] != kNoNeighbour) continue;
       std::array<GlobalId, 3> v;
-      for (std::size_t i = 0; i < 3; ++i) v[i] = ids[piece.tets[t][meshing::kTetFaces[f][i]]];
+      for (std::size_t i = 0; i < 3; ++i) v[i] = ids[tets[t][meshing::kTetFaces[f][i]]];
       std::sort(v.begin(), v.end());
       const GlobalId name = GlobalId::derived_from(GlobalId::derived_from(v[0], v[1]), v[2]);
       border.push_back({name.value(), 4 * t + f});
@@ -53,32 +55,22 @@ std::vector<OpenFace> border_of(const BackgroundPiece& piece, std::span<const Gl
   return in_order(border);
 }
 
-/// Cuts tets of a mesh out of it, as pieces of their own.
-class PieceCutter {
+/// The vertices of one piece after the other, numbered in the order in which its tets name them.
+class PieceVertices {
  public:
-  PieceCutter(std::span<const meshing::Point> points, std::span<const meshing::LogMetric> log_metrics,
-              std::span<const GlobalId> ids)
-      : points_(points), log_metrics_(log_metrics), ids_(ids), place_(points.size(), kNowhere) {}
+  explicit PieceVertices(std::size_t num_vertices) : place_(num_vertices, kNowhere) {}
 
-  std::shared_ptr<const BackgroundPiece> cut(std::uint64_t id,
-                                             std::span<const std::array<std::uint32_t, 4>> tets) {
-    auto piece = std::make_shared<BackgroundPiece>();
-    piece->id = id;
+  /// The tets of the next piece by the numbers of its vertices, counted on from `first`.
+  void number(std::span<const std::array<std::uint32_t, 4>> tets, std::uint32_t first,
+              std::vector<std::array<std::uint32_t, 4>>& numbered) {
     vertices_.clear();
-    piece->tets.reserve(tets.size());
     for (const auto& t : tets)
-      piece->tets.push_back({place_of(t[0]), place_of(t[1]), place_of(t[2]), place_of(t[3])});
-    std::vector<GlobalId> names;
-    for (const std::uint32_t v : vertices_) {
-      piece->points.push_back(points_[v]);
-      piece->log_metrics.push_back(log_metrics_[v]);
-      names.push_back(ids_[v]);
-      place_[v] = kNowhere;
-    }
-    piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
-    piece->border = border_of(*piece, names);
-    return piece;
+      numbered.push_back(
+          {first + place_of(t[0]), first + place_of(t[1]), first + place_of(t[2]), first + place_of(t[3])});
+    for (const std::uint32_t v : vertices_) place_[v] = kNowhere;
   }
+  /// Of that piece.
+  std::span<const std::uint32_t> vertices() const { return vertices_; }
 
  private:
   static constexpr std::uint32_t kNowhere = 0xFFFFFFFFu;
@@ -92,12 +84,16 @@ class PieceCutter {
     return place;
   }
 
-  std::span<const meshing::Point> points_;
-  std::span<const meshing::LogMetric> log_metrics_;
-  std::span<const GlobalId> ids_;
-  std::vector<std::uint32_t> place_;     ///< vertex -> its place in the piece that is being cut
-  std::vector<std::uint32_t> vertices_;  ///< of that piece
+  std::vector<std::uint32_t> place_;  ///< of the vertices in the piece
+  std::vector<std::uint32_t> vertices_;
 };
+
+/// Calls f(tets of a piece), one piece after the other.
+template <class F>
+void for_each_piece(std::span<const std::array<std::uint32_t, 4>> tets, const F& f) {
+  for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece)
+    f(tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first)));
+}
 
 }  // namespace
 
@@ -120,19 +116,47 @@ std::vector<std::shared_ptr<const BackgroundPiece>> cut_background(
     std::uint64_t first_id, std::span<const meshing::Point> points,
     std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
     std::span<const std::array<std::uint32_t, 4>> tets) {
-  PieceCutter cutter(points, log_metrics, ids);
+  PieceVertices vertices(points.size());
   std::vector<std::shared_ptr<const BackgroundPiece>> pieces;
-  for (std::size_t first = 0; first < tets.size(); first += kTetsOfPiece)
-    pieces.push_back(cutter.cut(first_id + pieces.size(),
-                                tets.subspan(first, std::min(kTetsOfPiece, tets.size() - first))));
+  for_each_piece(tets, [&](std::span<const std::array<std::uint32_t, 4>> of_piece) {
+    auto piece = std::make_shared<BackgroundPiece>();
+    piece->id = first_id + pieces.size();
+    piece->tets.reserve(of_piece.size());
+    vertices.number(of_piece, 0, piece->tets);
+    std::vector<GlobalId> names;
+    for (const std::uint32_t v : vertices.vertices()) {
+      piece->points.push_back(points[v]);
+      piece->log_metrics.push_back(log_metrics[v]);
+      names.push_back(ids[v]);
+    }
+    piece->neighbours = meshing::build_adjacency(piece->tets, piece->points.size()).neighbours;
+    piece->border = border_of(piece->tets, piece->neighbours, names);
+    pieces.push_back(std::move(piece));
+  });
   return pieces;
 }
 
 BackgroundStore::BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                                  std::span<const meshing::LogMetric> log_metrics,
                                  std::span<const GlobalId> ids,
-                                 std::span<const std::array<std::uint32_t, 4>> tets) {
-  add(cut_background(std::uint64_t{subdomain.value} << 32, points, log_metrics, ids, tets));
+                                 std::span<const std::array<std::uint32_t, 4>> tets, Adjacency adjacency) {
+  PieceVertices vertices(points.size());
+  mesh_->tets.reserve(tets.size());
+  for_each_piece(tets, [&](std::span<const std::array<std::uint32_t, 4>> of_piece) {
+    const std::uint64_t id = std::uint64_t{subdomain.value} << 32 | joined_.size();
+    const auto first_point = static_cast<std::uint32_t>(mesh_->points.size());
+    const auto first_tet = static_cast<std::uint32_t>(mesh_->tets.size());
+    place_.emplace(id, first_tet);
+    joined_.push_back({id, first_point, first_tet, {}, {}});
+    vertices.number(of_piece, first_point, mesh_->tets);
+    for (const std::uint32_t v : vertices.vertices()) {
+      mesh_->points.push_back(points[v]);
+      log_metrics_->push_back(log_metrics[v]);
+      names_.push_back(ids[v]);
+    }
+  });
+  border_ = border_of(mesh_->tets, adjacency.neighbours, names_);
+  background_ = std::make_unique<meshing::Background>(*mesh_, *log_metrics_, std::move(adjacency));
 }
 
 void BackgroundStore::add(std::span<const SharedPiece> pieces) {
@@ -214,7 +238,6 @@ BackgroundStore::SharedPiece BackgroundStore::piece(std::size_t place) const {
   piece->id = joined.id;
   piece->points = of_piece(mesh_->points, joined.first_point, end_point);
   piece->log_metrics = of_piece(*log_metrics_, joined.first_point, end_point);
-  piece->border = joined.border;
   piece->tets = of_piece(mesh_->tets, joined.first_tet, end_tet);
   for (auto& tet : piece->tets)
     for (std::uint32_t& v : tet) v -= joined.first_point;
@@ -224,6 +247,9 @@ BackgroundStore::SharedPiece BackgroundStore::piece(std::size_t place) const {
   for (auto& tet : piece->neighbours)
     for (std::uint32_t& code : tet)
       code = code < first_code || code >= end_code ? kNoNeighbour : code - first_code;
+  if (joined.border.empty())  // it was cut here, and nobody has asked for it yet
+    joined.border = border_of(piece->tets, piece->neighbours, std::span(names_).subspan(joined.first_point));
+  piece->border = joined.border;
   joined.copy = piece;
   return piece;
 }

@@ -88,11 +88,12 @@ class BackgroundStore {
 
   BackgroundStore() = default;
 
-  /// Cuts the start of a subdomain into pieces. `tets` must be in an order in which neighbours are near each
+  /// Cuts the start of a subdomain into pieces, as cut_background(), and joins them: their faces are matched
+  /// already in `adjacency`, that of the tets. `tets` must be in an order in which neighbours are near each
   /// other.
   BackgroundStore(SubdomainId subdomain, std::span<const meshing::Point> points,
                   std::span<const meshing::LogMetric> log_metrics, std::span<const GlobalId> ids,
-                  std::span<const std::array<std::uint32_t, 4>> tets);
+                  std::span<const std::array<std::uint32_t, 4>> tets, meshing::Adjacency adjacency);
 
   /// Whether it is another mesh than the input: its faces and the input's have nothing in common.
   bool of_another_mesh() const { return !joined_.empty() && (joined_.front().id & kOfAnotherMesh) != 0; }
@@ -124,7 +125,7 @@ class BackgroundStore {
   struct Joined {
     std::uint64_t id = 0;
     std::uint32_t first_point = 0, first_tet = 0;
-    std::vector<OpenFace> border;
+    mutable std::vector<OpenFace> border;               ///< empty: not looked for yet
     mutable std::weak_ptr<const BackgroundPiece> copy;  ///< that somebody may have
   };
 
@@ -136,6 +137,7 @@ class BackgroundStore {
   std::vector<Joined> joined_;
   std::unordered_map<std::uint64_t, std::uint32_t> place_;  ///< id of a piece -> its first tet
   std::vector<OpenFace> border_;                            ///< what is still open, by name
+  std::vector<GlobalId> names_;                             ///< of the points of pieces that were cut here
   // Held by pointer: the background refers to them, and the store may move.
   std::unique_ptr<meshing::MeshData> mesh_ = std::make_unique<meshing::MeshData>();
   std::unique_ptr<std::vector<meshing::LogMetric>> log_metrics_ =

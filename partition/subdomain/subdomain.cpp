@@ -1,6 +1,8 @@
 // From a start to a subdomain, names of new vertices, and the piece that is left at the end.
 #include "partition/subdomain/subdomain.h"
 
+#include <utility>
+
 #include "meshing/kernel/import_mesh.h"
 #include "meshing/kernel/renumber.h"
 #include "meshing/mesh/adjacency.h"
@@ -28,8 +30,7 @@ void fill_vertices(const SubdomainStart& s, meshing::TetMesh& mesh) {
   }
 }
 
-void fill_tets(const SubdomainStart& s, meshing::TetMesh& mesh) {
-  const meshing::Adjacency adjacency = meshing::build_adjacency(s.tets, s.points.size());
+void fill_tets(const SubdomainStart& s, const meshing::Adjacency& adjacency, meshing::TetMesh& mesh) {
   mesh.take_tet_slots(static_cast<std::uint32_t>(s.tets.size()));
   for (std::uint32_t i = 0; i < s.tets.size(); ++i) {
     const TetId t(i);
@@ -48,8 +49,9 @@ void fill_tets(const SubdomainStart& s, meshing::TetMesh& mesh) {
   for (const auto& e : s.feature_edges) mesh.set_curve(VertexId(e.ends[0]), VertexId(e.ends[1]), e.curve);
 }
 
-BackgroundStore background_of(const SubdomainStart& s) {
-  if (s.background_places.empty()) return {s.subdomain, s.points, s.log_metrics, s.ids, s.tets};
+BackgroundStore background_of(const SubdomainStart& s, meshing::Adjacency adjacency) {
+  if (s.background_places.empty())
+    return {s.subdomain, s.points, s.log_metrics, s.ids, s.tets, std::move(adjacency)};
   BackgroundStore store;
   store.add(s.background);
   return store;
@@ -61,10 +63,11 @@ Subdomain::Subdomain(const SubdomainStart& start, std::size_t capacity)
     : id(start.subdomain),
       next_local(std::uint64_t{1} << (GlobalId::kLocalBits - 1)),  // beyond all numbers of the input
       mesh(meshing::reserve_tet_mesh({vertex_capacity(capacity), capacity},
-                                     {start.points.size(), start.tets.size()}, meshing::Pages::small)),
-      background(background_of(start)) {
+                                     {start.points.size(), start.tets.size()}, meshing::Pages::small)) {
+  meshing::Adjacency adjacency = meshing::build_adjacency(start.tets, start.points.size());
   fill_vertices(start, *mesh);
-  fill_tets(start, *mesh);
+  fill_tets(start, adjacency, *mesh);
+  background = background_of(start, std::move(adjacency));
   surface.add(start.surface);
   for (std::uint32_t v = 0; v < start.background_places.size(); ++v)
     mesh->set_background_hint(VertexId(v), background.tet_of(start.background_places[v]));

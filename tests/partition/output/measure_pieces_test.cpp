@@ -67,7 +67,7 @@ Measures measure_on(int ranks, const std::vector<MeshPiece>& pieces, const Flag&
       flags.emplace_back();
       for (std::size_t v = 0; flag && v < piece.ids.size(); ++v) flags.back().push_back(flag(piece, v));
     }
-    const Measures m = flag ? measure_pieces(peers, mine, flags) : measure_pieces(peers, mine);
+    const Measures m = flag ? measure_pieces(peers, mine, flags).part : measure_pieces(peers, mine);
     const std::lock_guard lock(mutex);
     results.push_back(m);
   });

@@ -36,7 +36,7 @@ class Whole {
       if (part[t] == s) tets.push_back(mesh.tets[t]);
     std::vector<GlobalId> ids;
     for (std::size_t v = 0; v < mesh.points.size(); ++v) ids.emplace_back(SubdomainId(0), v);
-    return {s, mesh.points, log_metrics, ids, tets};
+    return {s, mesh.points, log_metrics, ids, tets, meshing::build_adjacency(tets, mesh.points.size())};
   }
 
   meshing::MeshData mesh;

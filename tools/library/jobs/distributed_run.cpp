@@ -335,8 +335,10 @@ void DistributedRun::account_for_exchanges() {
 void DistributedRun::measure(Report& report) {
   monitor_.update("measuring", 1, 0);
   if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, record_);
-  report.after = partition::measure_pieces(*peers_, result_.pieces);
-  stats_->former_interface = partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+  const partition::WholeAndPart measures =
+      partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
+  report.after = measures.whole;
+  stats_->former_interface = measures.part;
   report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
 }
