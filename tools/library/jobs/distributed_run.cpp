@@ -17,6 +17,7 @@
 #include "partition/communication/reduce.h"
 #include "partition/decompose/partitioner.h"
 #include "partition/output/measure_pieces.h"
+#include "partition/output/numbering.h"
 #include "partition/output/sum_on_model.h"
 #include "partition/verify/check_result.h"
 #include "tools/common/naming.h"
@@ -341,6 +342,11 @@ void DistributedRun::measure(Report& report) {
   stats_->former_interface = measures.part;
   report.output_counts = {report.after->num_vertices, report.after->num_tets, report.after->num_triangles, 0};
   report.missed = missed_goals(report.after, options_.metric.complexity, report.ended_by, report.model.get());
+}
+
+void DistributedRun::count(Report& report) {
+  const auto totals = partition::number_pieces(*peers_, result_.pieces).totals;
+  report.output_counts = {totals.points, totals.tets, totals.triangles, totals.edges};
 }
 
 void DistributedRun::gather_machines() {

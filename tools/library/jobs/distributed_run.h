@@ -48,6 +48,8 @@ class DistributedRun {
              partition::MeshSlice* background = nullptr);
   /// Fills the measures of the result, and what they say of the goal.
   void measure(Report& report);
+  /// Fills the numbers of its entities alone.
+  void count(Report& report);
 
   std::vector<partition::MeshPiece>& pieces() { return result_.pieces; }
   const graph::adaptation::AdaptationPlan& plan() const { return rank_.plan; }
