@@ -17,7 +17,7 @@ MESHING = {
     "meshing/mesh/repair": ["base", "mesh"],
     "meshing/geometry/model": ["base", "mesh"],
     "meshing/geometry/surface": ["base", "mesh", "geometry/model"],
-    "meshing/cad": ["base", "mesh", "geometry/model"],
+    "meshing/cad": ["base", "mesh", "geometry/model", "io/files"],
     "meshing/metric": ["base", "mesh", "mesh/repair", *GEOMETRY],
     "meshing/metric/sources": ["base", "mesh", *GEOMETRY, "metric"],
     "meshing/fields": ["base", "mesh", "metric"],

@@ -21,6 +21,12 @@ class CadReader {
   virtual ~CadReader() = default;
   /// Reads STEP, IGES or BREP by the file's extension. Throws InputError naming file, entity and reason.
   virtual std::shared_ptr<const GeometryModel> read(const std::string& path) const = 0;
+  /// Reads like read(), for another process, and leaves in the file `kept` what it has read, bit by bit;
+  /// where that cannot be written, nothing.
+  virtual void keep(const std::string& path, const std::string& kept) const = 0;
+  /// What read(path) would give, in little time; null where nothing was kept.
+  virtual std::shared_ptr<const GeometryModel> read_kept(const std::string& path,
+                                                         const std::string& kept) const = 0;
   /// Triangles on a model that read() has given: conforming across edges, references are the ids of faces and
   /// edges, corners the nodes; associated with the model. Throws InputError naming the entity where they
   /// would not be closed.
@@ -31,6 +37,6 @@ class CadReader {
 /// another.
 using CadEntry = const CadReader* (*)(int interface);
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
-inline constexpr int kCadInterface = 3;
+inline constexpr int kCadInterface = 4;
 
 }  // namespace weft::meshing

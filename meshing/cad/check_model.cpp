@@ -17,6 +17,8 @@ constexpr double kNowhere = 1e50;
 // Of the model's size: gaps and tolerances. 82 sound models have no gap beyond the first; their tolerances
 // are at most 1e-4 of it.
 constexpr double kSlight = 1e-5, kFatal = 1e-2;
+// What OpenCASCADE knows any entity to, however small the model is: 1e-7, and what other programs make of it.
+constexpr double kUsual = 1e-6;
 // Of the size of all edges: a face that leaves its borders so far is not within them.
 constexpr double kFarOut = 100;
 constexpr int kSamples = 8;
@@ -140,7 +142,7 @@ void Checker::check_sizes() {
 }
 
 void Checker::check_tolerance(const std::string& entity, double tolerance) {
-  if (!(tolerance <= kFatal * size_))
+  if (!(tolerance <= std::max(kFatal * size_, kUsual)))
     fatal(entity + " is known to " + number(tolerance) + " only, where the model's size is " + number(size_));
 }
 

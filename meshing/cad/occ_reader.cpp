@@ -7,6 +7,7 @@
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <BinTools.hxx>
 #include <IGESControl_Reader.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <Interface_Check.hxx>
@@ -34,6 +35,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -330,21 +332,75 @@ Read read_by_extension(const std::string& path) {
   return read;
 }
 
+std::shared_ptr<const GeometryModel> checked_model(Read&& read, const std::string& path) {
+  const auto model = std::make_shared<OccModel>(read.shape, path, read.unit, std::move(read.warnings));
+  check(*model);
+  return model;
+}
+
+constexpr const char* kKept = "weft keeps a shape";
+
+/// Unit and warnings a line each, then the shape.
+void write_kept(const Read& read, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  out << kKept << '\n' << read.unit << '\n' << read.warnings.size() << '\n';
+  for (std::string line : read.warnings) {
+    std::ranges::replace(line, '\n', ' ');
+    out << line << '\n';
+  }
+  BinTools::Write(read.shape, out);
+  out.close();
+  if (!out) std::ofstream(path, std::ios::trunc);
+}
+
+std::optional<Read> kept_in(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  if (!std::getline(in, line) || line != kKept) return std::nullopt;
+  Read read;
+  std::getline(in, read.unit);
+  std::getline(in, line);
+  read.warnings.resize(std::stoul(line));
+  for (std::string& warning : read.warnings) std::getline(in, warning);
+  BinTools::Read(read.shape, in);
+  if (read.shape.IsNull()) return std::nullopt;
+  return read;
+}
+
+/// One at a time, silent, and OpenCASCADE's exceptions as InputError.
+template <class Work>
+auto guarded(const std::string& path, const Work& work) {
+  const std::scoped_lock lock(readers());
+  Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_PrinterOStream));
+  try {
+    // Whoever else uses OpenCASCADE in this process may have set another unit.
+    UnitsMethods::SetCasCadeLengthUnit(1.0);
+    return work();
+  } catch (const Standard_Failure& failure) {
+    throw InputError(path, "", std::string("OpenCASCADE cannot read it: ") + failure.GetMessageString());
+  }
+}
+
 class OccReader : public CadReader {
  public:
   std::shared_ptr<const GeometryModel> read(const std::string& path) const override {
-    const std::scoped_lock lock(readers());
-    Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_PrinterOStream));
-    try {
-      // Whoever else uses OpenCASCADE in this process may have set another unit.
-      UnitsMethods::SetCasCadeLengthUnit(1.0);
+    return guarded(path, [&] { return checked_model(read_by_extension(path), path); });
+  }
+
+  void keep(const std::string& path, const std::string& kept) const override {
+    guarded(path, [&] {
       Read read = read_by_extension(path);
-      const auto model = std::make_shared<OccModel>(read.shape, path, read.unit, std::move(read.warnings));
-      check(*model);
-      return model;
-    } catch (const Standard_Failure& failure) {
-      throw InputError(path, "", std::string("OpenCASCADE cannot read it: ") + failure.GetMessageString());
-    }
+      checked_model(Read(read), path);
+      write_kept(read, kept);
+    });
+  }
+
+  std::shared_ptr<const GeometryModel> read_kept(const std::string& path,
+                                                 const std::string& kept) const override {
+    return guarded(path, [&]() -> std::shared_ptr<const GeometryModel> {
+      std::optional<Read> read = kept_in(kept);
+      return read ? checked_model(std::move(*read), path) : nullptr;
+    });
   }
 
   MeshData tessellate(const GeometryModel& model, const CadTessellation& options) const override {

@@ -1,7 +1,11 @@
 #include "meshing/io/files/child_process.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/resource.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,9 +27,25 @@ std::string issue_of(const std::function<std::string()>& work) try {
   return error.what();
 }
 
+/// Whoever started this process, or it itself, may have other plans for these: here crashes and alarms end
+/// it. Who interrupts the parent does not mean that the data are damaged: the child goes on, and ends with
+/// it.
+void end_by_signals() {
+  sigset_t none;
+  ::sigemptyset(&none);
+  for (const int s : {SIGALRM, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::signal(s, SIG_DFL);
+  for (const int s : {SIGINT, SIGTERM, SIGHUP}) ::signal(s, SIG_IGN);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+#ifdef __linux__
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+}
+
 [[noreturn]] void be_child(const std::function<std::string()>& work, int to_parent, unsigned patience) {
   const int nowhere = ::open("/dev/null", O_WRONLY);
-  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+  if (nowhere >= 0)
+    for (const int output : {STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, output);
+  end_by_signals();
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   ::alarm(patience);
