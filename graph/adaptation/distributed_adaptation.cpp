@@ -199,11 +199,13 @@ void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::
                  DistributedResult& result) {
   dataflow::visit<SubdomainTask>(runtime, [&](SubdomainTask::Ref, SubdomainTask& task) {
     Subdomain& s = task.subdomain();
-    result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required));
-    std::vector<std::uint8_t> was(result.pieces.back().ids.size());
-    for (std::uint32_t v = 0; v < was.size(); ++v)
-      was[v] = s.mesh->frozen(meshing::VertexId(v)) ||
-               s.mesh->flags(meshing::VertexId(v)) & partition::kWasInterface;
+    const auto order = result.cut_by_runs ? partition::PieceOrder::kept_if_good : partition::PieceOrder::anew;
+    result.pieces.push_back(make_piece(s, geometry.surface, geometry.patch_required, order));
+    std::vector<std::uint8_t> was;
+    was.reserve(result.pieces.back().ids.size());
+    for (std::uint32_t i = 0; i < s.mesh->vertex_slots(); ++i)
+      if (const meshing::VertexId v(i); s.mesh->alive(v))
+        was.push_back(s.mesh->frozen(v) || s.mesh->flags(v) & partition::kWasInterface);
     result.was_interface.push_back(std::move(was));
     result.shifts.push_back(task.shifts());
     result.counts += task.counts();

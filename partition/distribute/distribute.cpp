@@ -364,7 +364,7 @@ Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptio
   for (SubdomainId s(0); s.value < options.num_subdomains; ++s.value) {
     if (home_rank(s, options.num_subdomains, peers.ranks()) != peers.rank()) continue;
     const auto end = std::find_if(begin, mine.end(), [&](const TetRecord& t) { return t.subdomain != s; });
-    result.starts.push_back(build_start(s, {begin, end}, records, holders, index));
+    result.starts.push_back(build_start(s, {begin, end}, records, holders, index, result.cut_by_runs));
     begin = end;
   }
   find_inner_patches(peers, surface.triangles, result.starts, *surface.geometry);

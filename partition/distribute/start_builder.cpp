@@ -2,6 +2,7 @@
 #include "partition/distribute/start_builder.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "meshing/mesh/compact_order.h"
 #include "meshing/mesh/tet_tables.h"
@@ -18,11 +19,12 @@ class StartBuilder {
   StartBuilder(std::span<const TetRecord> tets, const BoundaryIndex& boundary)
       : tets_(tets), boundary_(boundary), numbers_(vertices_of(tets)) {}
 
-  SubdomainStart build(SubdomainId subdomain, std::span<const PointRecord> points, const Holders& holders) {
+  SubdomainStart build(SubdomainId subdomain, std::span<const PointRecord> points, const Holders& holders,
+                       bool compact) {
     start_.subdomain = subdomain;
     add_vertices(points);
     add_names(holders);
-    add_tets();
+    add_tets(compact);
     for (std::uint32_t t = 0; t < tets_.size(); ++t) add_boundary(t);
     auto& edges = start_.feature_edges;
     std::sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.ends < b.ends; });
@@ -35,7 +37,7 @@ class StartBuilder {
  private:
   void add_vertices(std::span<const PointRecord> points);
   void add_names(const Holders& holders);
-  void add_tets();
+  void add_tets(bool compact);
   void add_boundary(std::uint32_t t);
 
   std::span<const TetRecord> tets_;
@@ -48,8 +50,8 @@ class StartBuilder {
 void StartBuilder::add_vertices(std::span<const PointRecord> points) {
   auto point = points.begin();
   for (const std::uint32_t number : numbers_) {
-    point = std::lower_bound(point, points.end(), number,
-                             [](const PointRecord& p, std::uint32_t n) { return p.number < n; });
+    if (point->number != number)  // mostly the next one
+      point = std::ranges::lower_bound(point, points.end(), number, {}, &PointRecord::number);
     const std::uint32_t known = boundary_.vertex(number);
     start_.points.push_back(point->point);
     start_.point_refs.push_back(point->ref);
@@ -58,6 +60,7 @@ void StartBuilder::add_vertices(std::span<const PointRecord> points) {
     start_.flags.push_back(known == kNone ? 0 : boundary_.flags(known));
     start_.surface_hints.push_back(known == kNone ? kNone : boundary_.hint(known));
     known_.push_back(known);
+    if (point + 1 != points.end()) ++point;
   }
 }
 
@@ -70,13 +73,18 @@ void StartBuilder::add_names(const Holders& holders) {
   }
 }
 
-void StartBuilder::add_tets() {
+void StartBuilder::add_tets(bool compact) {
   PlacesOfNumbers places(numbers_);
   std::vector<std::array<std::uint32_t, 4>> tets;
   tets.reserve(tets_.size());
   for (const TetRecord& tet : tets_) tets.push_back(places(tet.vertices));
-  start_.tets.reserve(tets_.size());
   start_.tet_refs.reserve(tets_.size());
+  if (compact) {
+    for (const TetRecord& tet : tets_) start_.tet_refs.push_back(tet.ref);
+    start_.tets = std::move(tets);
+    return;
+  }
+  start_.tets.reserve(tets_.size());
   for (const std::uint32_t t : meshing::compact_order(start_.points, tets, kTetsOfPiece)) {
     start_.tets.push_back(tets[t]);
     start_.tet_refs.push_back(tets_[t].ref);
@@ -109,8 +117,8 @@ void StartBuilder::add_boundary(std::uint32_t t) {
 
 SubdomainStart build_start(SubdomainId subdomain, std::span<const TetRecord> tets,
                            std::span<const PointRecord> points, const Holders& holders,
-                           const BoundaryIndex& boundary) {
-  return StartBuilder(tets, boundary).build(subdomain, points, holders);
+                           const BoundaryIndex& boundary, bool compact) {
+  return StartBuilder(tets, boundary).build(subdomain, points, holders, compact);
 }
 
 }  // namespace weft::partition

@@ -10,10 +10,11 @@
 
 namespace weft::partition {
 
-/// The start of one subdomain: its tets in the order given, its vertices in that of the input. `points` are
-/// sorted by number and have at least the tets' vertices.
+/// The start of one subdomain, its vertices in the order of the input. `points` are sorted by number and have
+/// at least the tets' vertices. `compact`: the tets are in an order in which those of a piece of the
+/// background lie together, and keep it.
 SubdomainStart build_start(SubdomainId subdomain, std::span<const TetRecord> tets,
                            std::span<const PointRecord> points, const Holders& holders,
-                           const BoundaryIndex& boundary);
+                           const BoundaryIndex& boundary, bool compact);
 
 }  // namespace weft::partition

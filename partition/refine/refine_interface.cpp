@@ -410,19 +410,46 @@ namespace {
   throw std::runtime_error(text.str());
 }
 
+/// What neighbours have sent, by name: a hash that is never 0.
+class TheirFaces {
+ public:
+  using Face = InterfaceVertices::Face;
+
+  explicit TheirFaces(std::span<const InterfaceVertices> theirs) {
+    std::size_t faces = 0;
+    for (const InterfaceVertices& of_one : theirs) faces += of_one.faces.size();
+    slots_.resize(std::bit_ceil(2 * faces + 1), Face{0, 0});
+    for (const InterfaceVertices& of_one : theirs)
+      for (const Face& face : of_one.faces) {
+        std::size_t at = face.name & mask();
+        while (slots_[at].name != 0) at = (at + 1) & mask();
+        slots_[at] = face;
+      }
+  }
+
+  /// Whether `is_it` holds for one with the name.
+  template <class IsIt>
+  bool has(std::uint64_t name, const IsIt& is_it) const {
+    for (std::size_t at = name & mask(); slots_[at].name != 0; at = (at + 1) & mask())
+      if (slots_[at].name == name && is_it(slots_[at])) return true;
+    return false;
+  }
+
+ private:
+  std::size_t mask() const { return slots_.size() - 1; }
+
+  std::vector<Face> slots_;
+};
+
 /// Each face of the interface is there, with the same bits, in a neighbour.
 void compare_faces(const Subdomain& s, const Geometry& geometry, std::span<const InterfaceVertices> theirs) {
   using Face = InterfaceVertices::Face;
-  std::vector<Face> all;
-  for (const InterfaceVertices& of_one : theirs)
-    all.insert(all.end(), of_one.faces.begin(), of_one.faces.end());
-  std::sort(all.begin(), all.end());
+  const TheirFaces all(theirs);
   const FaceDigests digests(*s.mesh);
   for_each_interface_face(s, geometry, [&](const std::array<VertexId, 3>& v) {
     const Face mine = digests.of(v);
-    if (std::binary_search(all.begin(), all.end(), mine)) return;
-    const auto at = std::lower_bound(all.begin(), all.end(), Face{mine.name, 0});
-    const bool named = at != all.end() && at->name == mine.name;
+    if (all.has(mine.name, [&](const Face& face) { return face == mine; })) return;
+    const bool named = all.has(mine.name, [](const Face&) { return true; });
     refuse(s, v, named ? "has other coordinates or metrics in a neighbour" : "is in no neighbour");
   });
 }

@@ -124,16 +124,23 @@ void locate_interface(Subdomain& s) {
   }
 }
 
-MeshPiece make_piece(Subdomain& s, const meshing::Surface& surface, const std::vector<bool>& patch_required) {
-  meshing::renumber_along_curve(*s.mesh);
+MeshPiece make_piece(Subdomain& s, const meshing::Surface& surface, const std::vector<bool>& patch_required,
+                     PieceOrder order) {
+  const bool is_kept = order == PieceOrder::kept_if_good && !surface.model() && meshing::is_in_order(*s.mesh);
+  if (!is_kept) meshing::renumber_along_curve(*s.mesh);
   locate_interface(s);
   MeshPiece piece;
   piece.subdomain = s.id;
   meshing::export_mesh(*s.mesh, surface.part(s.surface), patch_required, piece.mesh, piece.log_metrics);
-  for (std::uint32_t i = 0; i < piece.mesh.points.size(); ++i) piece.ids.push_back(s.global_id(VertexId(i)));
+  std::vector<std::uint32_t> places(s.mesh->vertex_slots());
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    if (!s.mesh->alive(VertexId(i))) continue;
+    places[i] = static_cast<std::uint32_t>(piece.ids.size());
+    piece.ids.push_back(s.global_id(VertexId(i)));
+  }
   for (std::uint32_t i = 0; i < s.interface.size(); ++i)
     for (const Holder& h : s.interface.others(i))
-      piece.shared.push_back({s.interface.local(i).value, h.subdomain});
+      piece.shared.push_back({places[s.interface.local(i).value], h.subdomain});
   std::sort(piece.shared.begin(), piece.shared.end());
   return piece;
 }

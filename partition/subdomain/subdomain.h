@@ -64,9 +64,15 @@ void begin_next_phase(Subdomain& subdomain);
 /// left have no place (until scattering has found who holds them now).
 void locate_interface(Subdomain& subdomain);
 
-/// The subdomain as plain arrays. `surface`: any part of the whole mesh's. Numbers change: holes are closed.
+/// How the entities of a piece are numbered.
+enum class PieceOrder : std::uint8_t {
+  anew,          ///< along a curve, and so is the subdomain: numbers change, holes are closed
+  kept_if_good,  ///< without holes as in the subdomain, if they are in order (meshing::is_in_order)
+};
+
+/// The subdomain as plain arrays. `surface`: any part of the whole mesh's; one of a model is in order anew.
 MeshPiece make_piece(Subdomain& subdomain, const meshing::Surface& surface,
-                     const std::vector<bool>& patch_required);
+                     const std::vector<bool>& patch_required, PieceOrder order = PieceOrder::anew);
 
 }  // namespace weft::partition
 

@@ -64,7 +64,9 @@ class SliceFaces {
         tets_(placed.tets),
         marks_(vertex_marks(peers, points, placed.numbers, slice.boundary.triangles)) {
     try {
-      neighbours_ = meshing::build_adjacency(tets_, placed.numbers.size()).neighbours;
+      meshing::Adjacency adjacency = meshing::build_adjacency(tets_, placed.numbers.size());
+      neighbours_ = std::move(adjacency.neighbours);
+      turns_differ_ = adjacency.turns_differ;
     } catch (const meshing::InputError&) {
       neighbours_.clear();  // a face has three tets: all faces are to meet, and all ranks will know
     }
@@ -76,13 +78,16 @@ class SliceFaces {
     if (neighbours_.empty()) return true;
     const std::uint32_t code = neighbours_[t][f];
     if (code == meshing::kNoNeighbour || slice_.tet_refs[t] != slice_.tet_refs[code >> 2]) return true;
-    const Triangle mine = corners(t, f), other = corners(code >> 2, code & 3);
+    const Triangle mine = corners(t, f);
     if (marks_[mine[0]] & marks_[mine[1]] & marks_[mine[2]]) return true;
-    const auto at = static_cast<std::size_t>(std::ranges::find(other, mine[0]) - other.begin());
-    return other[(at + 1) % 3] == mine[1];
+    return !turns_differ_ && turns_alike(mine, corners(code >> 2, code & 3));
   }
 
  private:
+  static bool turns_alike(const Triangle& mine, const Triangle& other) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(other, mine[0]) - other.begin());
+    return other[(at + 1) % 3] == mine[1];
+  }
   Triangle corners(std::uint32_t t, std::size_t f) const {
     const auto& c = meshing::kTetFaces[f];
     return {tets_[t][c[0]], tets_[t][c[1]], tets_[t][c[2]]};
@@ -92,6 +97,7 @@ class SliceFaces {
   std::span<const Tet> tets_;
   std::vector<std::uint8_t> marks_;  ///< of vertices
   std::vector<Tet> neighbours_;      ///< empty: not known
+  bool turns_differ_ = true;         ///< as in meshing::Adjacency
 };
 
 /// The faces that meet here, sorted.
