@@ -25,6 +25,8 @@ WEFT_FAULTS=250 ctest --test-dir build --output-on-failure --tests-regex '^comma
 scripts/fuzz.sh 3600
 # Random meshes, metrics, partitions, ranks.
 scripts/fuzz_runs.py build/bin/weft --seconds 3600
+# The CAD cases on their models; skips loudly where they are not there.
+scripts/cad_cases.py build/bin/weft
 # A thousand ranks in one thread, and real ones: the same bytes.
 scripts/many_ranks.py
 # Several hosts over TCP, links that are slow, lossy or cut, hosts that are lost; skips loudly where network namespaces are not permitted.
