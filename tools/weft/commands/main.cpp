@@ -13,10 +13,12 @@ namespace {
 
 /// Freed arrays go back to the system at once. By itself glibc keeps up to 32 MiB of each size that it has
 /// seen, and a rank of a run in subdomains, which has many such arrays one after the other, twice what it
-/// needs.
+/// needs. What lies at the end of the heap stays, up to a size that is little beside a run's: else it goes
+/// and comes back, page by page, with each of the small arrays.
 void keep_no_freed_arrays() {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   mallopt(M_TRIM_THRESHOLD, 1 << 22);
+  mallopt(M_TOP_PAD, 1 << 24);
 }
 
 }  // namespace
