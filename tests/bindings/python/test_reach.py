@@ -251,7 +251,7 @@ def test_repair_mends_metrics_and_surfaces(start):
     sizes[3] = np.nan
     metric, mends = weft.repair_metric(start, sizes)
     assert metric == pytest.approx(np.full(len(start.points), 0.3)) and len(mends) == 1
-    tensors = np.tile([10.0, 0, 0, 10, 0, 10], (len(start.points), 1))
+    tensors = np.tile([10.0, 0, 10, 0, 0, 10], (len(start.points), 1))
     tensors[5, 0] = -1
     metric, mends = weft.repair_metric(start, tensors, order="sol")
     assert metric.shape == (len(start.points), 3, 3) and np.linalg.eigvalsh(metric).min() > 0 and mends
