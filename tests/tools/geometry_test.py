@@ -64,6 +64,13 @@ class Geometry(CommandTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.folder / "one.solb").read_bytes(), (self.folder / "two.solb").read_bytes())
 
+    def test_stat_tells_what_lies_on_no_face(self):
+        self.weft("mesh", "cylinder", "--radius", 1, "--height", 3, "--size", 0.4, "-o", "long.meshb")
+        told = self.weft("stat", "long.meshb", "--geometry", MODEL).stderr
+        self.assertRegex(told, r"warning: \d+ triangles of reference 1 lie on no face of the model")
+        self.start()
+        self.assertNotIn("warning", self.weft("stat", "start.meshb", "--geometry", MODEL).stderr)
+
     def test_a_picture_of_the_deviation(self):
         self.start()
         self.weft("mesh", MODEL, "--size", 0.5, "--hausd", 0.002, "-o", "fine.meshb")

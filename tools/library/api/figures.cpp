@@ -32,7 +32,8 @@ MeshFigures measure_all(const Mesh& mesh, const Metric* metric, const GeometryOp
   figures.required_triangles = mesh.required_triangles.size();
   figures.geometry = measure_geometry(mesh);
   if (metric) figures.measures = measure(mesh, *metric);
-  if (!geometry.model.empty()) figures.model = measure_on_model(mesh, geometry, name, threads);
+  if (!geometry.model.empty())
+    figures.model = measure_on_model(mesh, geometry, name, threads, nullptr, &figures.model_warnings);
   return figures;
 }
 
@@ -57,6 +58,7 @@ std::string to_json(const MeshFigures& figures) {
                {"area_by_ref", json_of(g.area_by_ref)}};
   if (figures.measures) json["measures"] = Json::parse(to_json(*figures.measures));
   if (figures.model) json["model"] = Json::parse(to_json(*figures.model));
+  if (figures.model) json["model"]["warnings"] = figures.model_warnings;
   return json.dump(1);
 }
 

@@ -29,7 +29,8 @@ void check(const GeometryOptions& geometry, int threads) {
 }  // namespace
 
 ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry, const std::string& name,
-                              int threads, std::vector<double>* deviations) {
+                              int threads, std::vector<double>* deviations,
+                              std::vector<std::string>* warnings) {
   check(geometry, threads);
   const WholeMesh whole(mesh);
   return tools::with_threads(tools::number_of_threads(threads), [&] {
@@ -37,6 +38,10 @@ ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
     return tools::naming(name, [&] {
       const meshing::ImportedMesh imported =
           meshing::import_mesh(*whole, geometry.ridge_angle, mesh.points.size(), mesh.tets.size(), model);
+      if (warnings) {
+        *warnings = tools::model_warnings(model.get());
+        warnings->insert(warnings->end(), imported.warnings.begin(), imported.warnings.end());
+      }
       ModelAccount account = meshing::account_on_model(*imported.mesh, *imported.surface, deviations);
       account.input = {account.off, account.largest, account.turned};
       return account;

@@ -99,6 +99,8 @@ std::string measures_text(const StatCommand& command, const Measures& measures) 
 
 /// Draws and prints what is asked for.
 void tell(const StatCommand& command, const MeshFigures& figures) {
+  for (const std::string& warning : figures.model_warnings)
+    if (!command.verbosity.quiet) fmt::print(stderr, "warning: {}\n", warning);
   std::string text = figures.measures ? measures_text(command, *figures.measures) : geometry_text(figures);
   if (figures.model) text += "\n" + summary(*figures.model);
   command.verbosity.print("{}", command.json ? to_json(figures) + "\n" : text);

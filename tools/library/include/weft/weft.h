@@ -554,8 +554,9 @@ struct MeshFigures {
   MeshCounts counts;
   std::uint64_t corners = 0, ridges = 0, required_vertices = 0, required_edges = 0, required_triangles = 0;
   Geometry geometry;
-  std::optional<Measures> measures;   ///< in a metric, where one is given
-  std::optional<ModelAccount> model;  ///< on a CAD model, where one is named
+  std::optional<Measures> measures;         ///< in a metric, where one is given
+  std::optional<ModelAccount> model;        ///< on a CAD model, where one is named
+  std::vector<std::string> model_warnings;  ///< of the model, and of how the mesh lies on it
 };
 /// `metric`: at the vertices of the mesh; null: none. `geometry`: names a CAD model, or none.
 WEFT_API MeshFigures measure_all(const Mesh& mesh, const Metric* metric = nullptr,
@@ -565,11 +566,13 @@ WEFT_API MeshFigures measure_all(const Mesh& mesh, const Metric* metric = nullpt
 WEFT_API std::string to_json(const MeshFigures& figures);
 /// Classifies the boundary of `mesh` on the CAD model that `geometry` names and measures how it lies there.
 /// `deviations`: for each vertex, the largest distance from the model of the centroids of the boundary
-/// triangles around it; NaN at those that have none on the model. Throws InputError where the model cannot be
-/// read or is another body's.
+/// triangles around it; NaN at those that have none on the model. `warnings`: what is odd about the model,
+/// and what of the mesh lies on none of it. Throws InputError where the model cannot be read or is another
+/// body's.
 WEFT_API ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
                                        const std::string& name = {}, int threads = 0,
-                                       std::vector<double>* deviations = nullptr);
+                                       std::vector<double>* deviations = nullptr,
+                                       std::vector<std::string>* warnings = nullptr);
 /// The account as text, a line for each entity of the model.
 WEFT_API std::string summary(const ModelAccount& account);
 WEFT_API std::string to_json(const ModelAccount& account);
