@@ -198,6 +198,7 @@ class Trials:
             self.say(name, self.options.random > 0, "the run was over before: a larger --complexity takes longer")
         else:
             named = with_mpirun or "rank" in said or "10.77.0." in said or self.hosts.name(host) in said
+            named = named or "unable to reliably start" in said  # mpirun's words where that host's ranks have not begun
             good = code not in (None, 0) and named and not left and not run.output.exists()  # mpirun has codes of its own
             what = next((line for line in said.splitlines() if "error" in line.lower() or "lost" in line.lower()), said.strip()[:200])
             self.say(name, good, f"exit {code} after {seconds:.1f} s: {what}{f'; processes went on on hosts {left}' if left else ''}")
