@@ -24,6 +24,16 @@ void stop_runtime(int) {
   if (Runtime* runtime = runtime_to_stop) runtime->request_stop("stopped from outside (SIGTERM)");
 }
 
+/// While it is there SIGTERM stops the runtime; when that is gone, the signal does nothing.
+class StopsOnSignal {
+ public:
+  explicit StopsOnSignal(Runtime& runtime) {
+    runtime_to_stop = &runtime;
+    std::signal(SIGTERM, stop_runtime);
+  }
+  ~StopsOnSignal() { runtime_to_stop = nullptr; }
+};
+
 void say_who(Context& context) {
   std::printf("rank %d is process %d\n", context.rank().value, static_cast<int>(getpid()));
   std::fflush(stdout);
@@ -64,8 +74,7 @@ int main(int argc, char** argv) {
         .method<&Victim::take>("take");
     Runtime runtime(transport, registry,
                     {.silence = std::chrono::seconds(3), .grace = std::chrono::seconds(2)});
-    runtime_to_stop = &runtime;
-    std::signal(SIGTERM, stop_runtime);
+    const StopsOnSignal stops(runtime);
     const ShowStateOnSignal show(runtime);
     runtime.run([&](Context& context) {
       const auto victim = context.create<Victim>();
