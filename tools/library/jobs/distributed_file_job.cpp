@@ -28,6 +28,7 @@
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/sources/shares.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/world.h"
 #include "tools/library/parts/piece_moves.h"
