@@ -219,13 +219,14 @@ ModelEntityAccount account_of(const Model& model, const ModelEntitySums& sums) {
   return a;
 }
 
-/// Which way a face looks from one side is what most of its triangles there say.
+/// Which way a face looks from one side is what most of its triangles there say. Entities are in the order of
+/// kinds and ids.
 void add_normals(const std::vector<ModelNormalSums>& normals, std::vector<ModelEntityAccount>& entities) {
   for (const ModelNormalSums& n : normals) {
-    const auto a = std::ranges::find_if(entities, [&](const ModelEntityAccount& e) {
-      return e.kind == Kind::face && e.id == static_cast<std::int32_t>(n.face + 1);
-    });
-    if (a == entities.end()) continue;
+    const std::tuple wanted(Kind::face, static_cast<std::int32_t>(n.face + 1));
+    const auto name = [](const ModelEntityAccount& e) { return std::tuple(e.kind, e.id); };
+    const auto a = std::ranges::lower_bound(entities, wanted, {}, name);
+    if (a == entities.end() || name(*a) != wanted) continue;
     a->least_normal = std::min(a->least_normal, n.side < 0 ? -n.largest_cosine : n.least_cosine);
     a->turned += n.side < 0 ? n.along : n.against;
   }

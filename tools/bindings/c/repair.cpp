@@ -1,4 +1,7 @@
-// Imperfect input, mended.
+// Imperfect input, mended. What is mended takes the place of what was given when all is done.
+#include <memory>
+#include <utility>
+
 #include "tools/bindings/c/calls.h"
 
 namespace weft::c {
@@ -18,11 +21,11 @@ weft_status weft_mesh_repair(weft_mesh* mesh, weft_fields* fields, weft_text** m
   return guarded([&] {
     const auto object = object_of<MeshObject>(mesh, "mesh");
     const auto values = object_or_none<FieldsObject>(fields, "fields");
-    weft::Mesh mended = *object->mesh;  // nothing changes where it cannot be mended
-    weft::Fields carried = values ? *values->fields : weft::Fields{};
-    const auto done = weft::repair(mended, values ? &carried : nullptr);
-    object->own() = std::move(mended);
-    if (values) values->own() = std::move(carried);
+    const auto mended = std::make_shared<weft::Mesh>(*object->mesh);
+    const auto carried = values ? std::make_shared<weft::Fields>(*values->fields) : nullptr;
+    const auto done = weft::repair(*mended, carried.get());
+    object->mesh = mended;
+    if (values) values->fields = carried;
     tell(done, mends);
   });
 }
@@ -30,9 +33,9 @@ weft_status weft_mesh_repair(weft_mesh* mesh, weft_fields* fields, weft_text** m
 weft_status weft_fields_repair_metric(weft_fields* fields, const weft_mesh* mesh, weft_text** mends) {
   return guarded([&] {
     const auto values = object_of<FieldsObject>(fields, "fields");
-    weft::Fields mended = *values->fields;
-    const auto done = weft::repair_metric(*mesh_of(mesh), mended);
-    values->own() = std::move(mended);
+    const auto mended = std::make_shared<weft::Fields>(*values->fields);
+    const auto done = weft::repair_metric(*mesh_of(mesh), *mended);
+    values->fields = mended;
     tell(done, mends);
   });
 }
@@ -40,9 +43,9 @@ weft_status weft_fields_repair_metric(weft_fields* fields, const weft_mesh* mesh
 weft_status weft_surface_repair(weft_mesh* surface, weft_text** mends) {
   return guarded([&] {
     const auto object = object_of<MeshObject>(surface, "surface");
-    weft::Mesh mended = *object->mesh;
-    const auto done = weft::repair_surface(mended);
-    object->own() = std::move(mended);
+    const auto mended = std::make_shared<weft::Mesh>(*object->mesh);
+    const auto done = weft::repair_surface(*mended);
+    object->mesh = mended;
     tell(done, mends);
   });
 }

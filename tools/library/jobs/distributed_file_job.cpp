@@ -71,8 +71,10 @@ class DistributedFileJob {
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
     if (write_first) carry_and_write();
-    const bool measured = options_.run.measure || keep_.record;  // the account is of measures
-    measured ? run_.measure(account_) : run_.count(account_);
+    if (options_.run.measure || keep_.record)  // the account is of measures
+      run_.measure(account_);
+    else
+      run_.count(account_);
     account_.times.measure += watch_.lap();
     if (!write_first) carry_and_write();
     finish();

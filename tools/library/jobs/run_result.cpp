@@ -15,7 +15,7 @@ namespace {
 
 using Kind = meshing::ModelEntityAccount::Kind;
 
-/// `entity`, or nothing where `key` of all is least.
+/// The name of the entity whose `key` is largest.
 template <class Key>
 std::string worst_entity(const meshing::ModelAccount& model, const Key& key) {
   const meshing::ModelEntityAccount* worst = nullptr;

@@ -301,6 +301,12 @@ py::dict dictionary_of(const Fields& fields, const py::object& owner) {
   return all;
 }
 
+py::dict held(Fields&& fields) {
+  auto* kept = new Fields(std::move(fields));
+  const py::capsule owner(kept, [](void* place) { delete static_cast<Fields*>(place); });
+  return dictionary_of(*kept, owner);
+}
+
 py::array_t<double> tensors_of(const Metric& metric, const std::optional<std::string>& order) {
   const auto count = static_cast<py::ssize_t>(metric.size());
   if (!order) {

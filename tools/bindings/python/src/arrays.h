@@ -48,6 +48,8 @@ Fields fields_of(const py::object& dictionary, std::size_t num_points,
                  Values values = Values::finite);
 /// The reverse: views of the fields, which keep `owner` alive; tensors are copied to (n, 3, 3).
 py::dict dictionary_of(const Fields& fields, const py::object& owner);
+/// The same of fields that nobody else has: they stay as long as anybody looks at them.
+py::dict held(Fields&& fields);
 /// A metric's tensors as (n, 3, 3), or as (n, 6) in the order named.
 py::array_t<double> tensors_of(const Metric& metric, const std::optional<std::string>& order);
 

@@ -12,13 +12,6 @@ std::shared_ptr<Mesh> run_read(const std::string& path) {
   return std::make_shared<Mesh>(read_mesh(path));
 }
 
-/// A file's fields, as long as anybody looks at them.
-py::dict held(Fields&& fields) {
-  auto* kept = new Fields(std::move(fields));
-  const py::capsule owner(kept, [](void* place) { delete static_cast<Fields*>(place); });
-  return dictionary_of(*kept, owner);
-}
-
 py::tuple run_read_all(const std::string& path) {
   MeshFile file;
   {

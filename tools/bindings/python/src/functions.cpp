@@ -72,34 +72,26 @@ std::vector<std::string> lines_of(const std::vector<Mend>& mends) {
   return lines;
 }
 
-/// Fields that live as long as what Python makes of them.
-py::dict kept_dictionary(const std::shared_ptr<Fields>& fields) {
-  const py::capsule owner(new std::shared_ptr<Fields>(fields),
-                          [](void* held) { delete static_cast<std::shared_ptr<Fields>*>(held); });
-  return dictionary_of(*fields, owner);
-}
-
 py::tuple run_repair(const Mesh& mesh, const py::object& fields, const std::optional<std::string>& order) {
   const auto mended = std::make_shared<Mesh>(mesh);
-  const auto carried = std::make_shared<Fields>(fields_of(fields, mesh.points.size(), order));
+  Fields carried = fields_of(fields, mesh.points.size(), order);
   std::vector<Mend> mends;
   {
     const py::gil_scoped_release released;
-    mends = repair(*mended, carried.get());
+    mends = repair(*mended, &carried);
   }
-  return py::make_tuple(mended, kept_dictionary(carried), lines_of(mends));
+  return py::make_tuple(mended, held(std::move(carried)), lines_of(mends));
 }
 
 py::tuple run_repair_metric(const Mesh& mesh, const py::object& fields,
                             const std::optional<std::string>& order) {
-  const auto mended =
-      std::make_shared<Fields>(fields_of(fields, mesh.points.size(), order, "fields", Values::any));
+  Fields mended = fields_of(fields, mesh.points.size(), order, "fields", Values::any);
   std::vector<Mend> mends;
   {
     const py::gil_scoped_release released;
-    mends = repair_metric(mesh, *mended);
+    mends = repair_metric(mesh, mended);
   }
-  return py::make_tuple(kept_dictionary(mended), lines_of(mends));
+  return py::make_tuple(held(std::move(mended)), lines_of(mends));
 }
 
 py::tuple run_repair_surface(const Mesh& surface) {
