@@ -40,7 +40,7 @@ struct Side {
 };
 
 /// What a vertex lies on: a node, else an edge, else a face.
-struct Place {
+struct Carrier {
   enum class Kind : std::uint8_t { none, node, edge, face };
   Kind kind = Kind::none;
   std::uint32_t entity = kNoEntity;
@@ -108,9 +108,9 @@ class Classifier {
   void set_parameters();
   void find_faults();
   std::uint64_t turned_triangles() const;
-  std::vector<Place> places() const;
-  double distance_from(const Place& place, const Point& p) const;
-  double tolerance_of(const Place& place) const;
+  std::vector<Carrier> places() const;
+  double distance_from(const Carrier& place, const Point& p) const;
+  double tolerance_of(const Carrier& place) const;
   /// Parameters to begin from: of a corner of a triangle, of its centroid.
   Parameters guess(std::size_t triangle, std::size_t corner) const {
     return c_.parameters.empty() ? Parameters{} : c_.parameters[triangle][corner];
@@ -686,37 +686,38 @@ void Classifier::set_parameters() {
 }
 
 /// Where each vertex of the mesh lies.
-std::vector<Place> Classifier::places() const {
-  std::vector<Place> places(mesh_.points.size());
+std::vector<Carrier> Classifier::places() const {
+  std::vector<Carrier> places(mesh_.points.size());
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
     if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity)
-      for (std::size_t k = 0; k < 3; ++k) places[mesh_.triangles[i][k]] = {Place::Kind::face, f, guess(i, k)};
+      for (std::size_t k = 0; k < 3; ++k)
+        places[mesh_.triangles[i][k]] = {Carrier::Kind::face, f, guess(i, k)};
   for (const ModelClassification::Edge& e : c_.edges)
-    for (const std::uint32_t v : e.vertices) places[v] = {Place::Kind::edge, e.edge, {}};
-  for (const auto& [v, n] : c_.nodes) places[v] = {Place::Kind::node, n, {}};
+    for (const std::uint32_t v : e.vertices) places[v] = {Carrier::Kind::edge, e.edge, {}};
+  for (const auto& [v, n] : c_.nodes) places[v] = {Carrier::Kind::node, n, {}};
   return places;
 }
 
-double Classifier::distance_from(const Place& place, const Point& p) const {
+double Classifier::distance_from(const Carrier& place, const Point& p) const {
   switch (place.kind) {
-    case Place::Kind::node:
+    case Carrier::Kind::node:
       return norm(p - model_.node(place.entity));
-    case Place::Kind::edge:
+    case Carrier::Kind::edge:
       return model_.closest_on_edge(place.entity, p).distance;
-    case Place::Kind::face:
+    case Carrier::Kind::face:
       return model_.closest_on_face(place.entity, p, place.guess).distance;
     default:
       return 0;
   }
 }
 
-double Classifier::tolerance_of(const Place& place) const {
+double Classifier::tolerance_of(const Carrier& place) const {
   switch (place.kind) {
-    case Place::Kind::node:
+    case Carrier::Kind::node:
       return model_.node_tolerance(place.entity);
-    case Place::Kind::edge:
+    case Carrier::Kind::edge:
       return model_.edge_tolerance(place.entity);
-    case Place::Kind::face:
+    case Carrier::Kind::face:
       return model_.face_tolerance(place.entity);
     default:
       return 0;
@@ -724,11 +725,11 @@ double Classifier::tolerance_of(const Place& place) const {
 }
 
 void Classifier::find_faults() {
-  const std::vector<Place> places = this->places();
+  const std::vector<Carrier> places = this->places();
   std::vector<double> distance(vertices_.size(), 0);
   std::vector<std::uint8_t> off(vertices_.size(), 0);
   for_each_index(vertices_.size(), [&](std::size_t i) {
-    const Place& at = places[vertices_[i]];
+    const Carrier& at = places[vertices_[i]];
     const Point& p = mesh_.points[vertices_[i]];
     distance[i] = distance_from(at, p);
     off[i] = distance[i] > std::max(kOffModel * model_.size(), tolerance_of(at));
