@@ -432,6 +432,7 @@ void Scheduler::start(std::function<void(Context&)> root) {
   const Lock lock(mutex_);
   stopping_ = false;
   failure_.reset();
+  forget_former_roots();
   root_function_ = std::move(root);
   if (root_function_) make_ready(root_);
   if (!ready_.empty()) work_there_.notify_all();  // objects that were restored

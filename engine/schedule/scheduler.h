@@ -152,6 +152,7 @@ class Scheduler {
   void end_copy(Cell& cell, CellCopy copy);
   void copy_cell(Cell& cell, Lane& lane, Lock& lock);
   static Task copy_of(const Task& task);
+  void forget_former_roots();
   void place(PackedCell packed);
   Rank home_of(ObjectId id) const { return Rank(id.home.value % options_.ranks); }
   void dispatch(Task task);
@@ -235,7 +236,8 @@ class Scheduler {
   bool collecting_ = false;    ///< it goes on
   std::uint64_t copied_ = 0;   ///< objects, in this epoch
   std::uint64_t movable_made_ = 0;
-  bool foreign_homes_ = false;  ///< objects were restored that were made on ranks which do not exist here
+  std::vector<ObjectId> restored_;  ///< since the last run
+  bool foreign_homes_ = false;      ///< objects were restored that were made on ranks which do not exist here
   std::uint64_t tasks_sent_ = 0, tasks_received_ = 0;            ///< to and from other ranks
   std::uint64_t sent_after_copy_ = 0, received_after_copy_ = 0;  ///< of these, by objects of this epoch
   std::atomic<TimePoint> copying_{0};

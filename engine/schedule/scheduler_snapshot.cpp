@@ -156,6 +156,7 @@ void Scheduler::restore_object(Payload copy) {
   }
   const Lock lock(mutex_);
   stopping_ = true;  // until the next run starts
+  restored_.push_back(packed.id);
   ++movable_made_;
   place(std::move(packed));
 }
@@ -171,6 +172,15 @@ void Scheduler::restore_message(Payload copy) {
   if (cell == nullptr)
     throw std::runtime_error(text("a message is for object ", task.envelope.target, ", which is not here"));
   accept(*cell, std::move(task));
+}
+
+/// Under the lock, when all has been restored: roots of this run number their messages from 0. Those of the
+/// run that the objects come from have all come.
+void Scheduler::forget_former_roots() {
+  for (const ObjectId id : restored_)
+    std::erase_if(find(id)->inbound,
+                  [](const auto& from) { return from.first.is_root() && from.second.held.empty(); });
+  restored_.clear();
 }
 
 void Scheduler::restore_location(ObjectId id, Rank at) {

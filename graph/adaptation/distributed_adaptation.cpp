@@ -100,24 +100,30 @@ class CheckedRun {
 
   /// After make_subdomains(). Returns the number of checks.
   std::uint32_t run(const Made& made) {
-    const partition::PiecesReport at_first = check("after the decomposition");
-    double deviation = 0;
-    dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
-      const Subdomain& s = task.subdomain();
-      deviation = std::max(
-          deviation, meshing::largest_surface_deviation(*s.mesh, rank_.geometry->surface.part(s.surface)));
-    });
-    totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd + partition::max(peers_, deviation));
+    const std::vector<const Subdomain*> mine = here();
+    expect(check(mine, "after the decomposition"), mine);
     runtime_.run([&](engine::Context& context) { start_tasks(context, made, rank_.plan); });
-    while (const std::optional<Pause> pause = next_pause()) {
-      const bool after_interiors = !pause->begins_phase && rank_.plan.begins_phase(pause->round);
-      const bool after_division = pause->begins_phase && rank_.plan.division == pause->round - 1;
-      check(after_interiors  ? "after the adaptation of the interiors"
-            : after_division ? "after the division"
-                             : "after shift " + std::to_string(pause->round));
-      go_on();
+    return go_on_to_the_end();
+  }
+
+  /// Before a checkpoint is restored: what its run began with is what must stay. Uses up the starts.
+  void expect_of(std::vector<partition::SubdomainStart>& starts) {
+    std::vector<Subdomain> subdomains;
+    for (partition::SubdomainStart& start : starts) {
+      const std::size_t num_tets = start.tets.size();
+      subdomains.emplace_back(start, partition::tet_slots_for(0, num_tets));
+      start = {};
     }
-    return checks_;
+    starts.clear();
+    std::vector<const Subdomain*> mine;
+    for (const Subdomain& s : subdomains) mine.push_back(&s);
+    expect(check(mine, "after the decomposition"), mine);
+  }
+
+  /// After a checkpoint has been restored. Returns the number of checks.
+  std::uint32_t resume() {
+    runtime_.run();
+    return go_on_to_the_end();
   }
 
  private:
@@ -133,12 +139,36 @@ class CheckedRun {
     return Pause{(next - 1) / 2, next % 2 == 1};
   }
 
-  partition::PiecesReport check(const std::string& when) {
+  std::uint32_t go_on_to_the_end() {
+    while (const std::optional<Pause> pause = next_pause()) {
+      const bool after_interiors = !pause->begins_phase && rank_.plan.begins_phase(pause->round);
+      const bool after_division = pause->begins_phase && rank_.plan.division == pause->round - 1;
+      check(here(), after_interiors  ? "after the adaptation of the interiors"
+                    : after_division ? "after the division"
+                                     : "after shift " + std::to_string(pause->round));
+      go_on();
+    }
+    return checks_;
+  }
+
+  std::vector<const Subdomain*> here() {
     std::vector<const Subdomain*> mine;
     dataflow::visit<SubdomainTask>(runtime_, [&](SubdomainTask::Ref, SubdomainTask& task) {
       if (options_.on_check) options_.on_check(task.subdomain());
       mine.push_back(&task.subdomain());
     });
+    return mine;
+  }
+
+  void expect(const partition::PiecesReport& at_first, const std::vector<const Subdomain*>& mine) {
+    double deviation = 0;
+    for (const Subdomain* s : mine)
+      deviation = std::max(
+          deviation, meshing::largest_surface_deviation(*s->mesh, rank_.geometry->surface.part(s->surface)));
+    totals_ = totals_to_keep(at_first, *rank_.geometry, rank_.plan.hausd + partition::max(peers_, deviation));
+  }
+
+  partition::PiecesReport check(const std::vector<const Subdomain*>& mine, const std::string& when) {
     partition::PiecesReport report = check_subdomains(peers_, mine, *rank_.geometry, totals_);
     throw_if_violated(report, when);
     ++checks_;
@@ -354,10 +384,15 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);
   if (!options.resume.empty()) {
     check_same_run(options.resume[0], plan, hash);
+    CheckedRun checked(runtime, peers, rank, options);
+    if (plan.pauses) checked.expect_of(d.starts);
     d.starts.clear();
     result.resumed = restore_latest(runtime, peers, plan, options.resume, result.warnings).folder;
     result.planned = neighbours_here(runtime);
-    runtime.run();
+    if (plan.pauses)
+      result.checks = checked.resume();
+    else
+      runtime.run();
   } else {
     Made made;
     runtime.run([&](engine::Context& context) {

@@ -28,6 +28,7 @@ std::uint64_t hash_of(const AdaptationPlan& plan) {
                                       plan.shift.by_faces,
                                       plan.shift.fewer_later,
                                       plan.refine_interface,
+                                      plan.pauses,
                                       plan.tets_at_frozen_stay,
                                       plan.allowed.insert,
                                       plan.allowed.swap,

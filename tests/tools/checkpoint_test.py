@@ -136,6 +136,20 @@ class Resuming(Checkpoints):
             account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
             self.assertIn("ck/", account["resumed"])
 
+    def test_of_a_run_with_checks(self):
+        words = ("--check", "--report", "r")
+        self.run_on(2, *words, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        self.assertEqual(self.bytes_of("first.meshb"), self.reference())
+        checks = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checks"]
+        for ranks in (0, 3):
+            self.run_on(ranks, *words, "--resume", "ck", "-o", "second.meshb")
+            self.assertEqual(self.bytes_of("second.meshb"), self.reference())
+            account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]
+            self.assertIn("ck/", account["checkpoints"]["resumed"])
+            self.assertIn(account["checks"], range(1, checks + 1))
+        text = self.run_on(2, "--resume", "ck", "-o", "third.meshb", expect=(2,))
+        self.assertIn("another run", text)
+
     def test_of_nothing_begins_anew(self):
         self.run_on(2, "--resume", "ck", "-o", "second.meshb")
         self.assertEqual(self.bytes_of("second.meshb"), self.reference())

@@ -85,11 +85,9 @@ void check_partitioner(const DistributedOptions& distributed) {
   }
 }
 
-void validate(const CheckpointOptions& checkpoint, const RunOptions& run) {
+void validate(const CheckpointOptions& checkpoint) {
   require(checkpoint.every >= 0 && std::isfinite(checkpoint.every), "--checkpoint-every",
           fmt::format("{} is not a number of seconds", checkpoint.every));
-  const bool asked = !checkpoint.folder.empty() || !checkpoint.resume.empty();
-  require(!asked || !run.check, "--check", "is not possible with checkpoints");
 }
 
 void validate(const DistributedOptions& distributed) {
@@ -123,7 +121,7 @@ void validate(const Options& options) {
   validate(options.metric);
   validate(options.run);
   validate(options.distributed);
-  validate(options.checkpoint, options.run);
+  validate(options.checkpoint);
 }
 
 const char* version() { return tools::kVersion; }
