@@ -12,6 +12,7 @@
 #include "meshing/initial/point_distribution.h"
 #include "meshing/initial/recovery/improve_tets.h"
 #include "meshing/io/files/point_merger.h"
+#include "meshing/metric/measures.h"
 
 namespace weft::meshing {
 namespace {
@@ -101,14 +102,28 @@ void compare_with(const ModelFaults& of_surface, AdaptReport& report) {
   report.model = std::make_shared<const ModelAccount>(std::move(account));
 }
 
-/// A surface that is adapted has lost its own sizes after the coarse pass, which makes points to carry them.
+/// By how much the sizes of the next pass are too large; `last`: of the pass before, `mesh`: which came of
+/// it. Along long edges between small sizes, as a grid without inner points has them, an adaptation makes
+/// points that are not asked for. Where these would be millions, passes are so coarse at first that they are
+/// few; fine parts of a flat surface may be lost in these.
+double next_factor(double last, const PointDistribution& sizes, const MeshData& mesh) {
+  constexpr double kBeforeLast = 4, kMany = 1e6, kFew = 2e4, kGrowth = 4;
+  if (last <= kBeforeLast) return 1;
+  const double made = complexity(mesh, sizes.sample(mesh.points, 1));
+  const auto points = static_cast<double>(mesh.points.size());
+  if (made <= std::pow(kBeforeLast, 3) * std::max(kMany, kGrowth * points)) return kBeforeLast;
+  return std::max(kBeforeLast, std::min(std::cbrt(made / std::max(kFew, kGrowth * points)), last / 2));
+}
+
+/// A surface that is adapted has lost its own sizes after a coarse pass, which makes points to carry them.
 AdaptResult fill_and_remesh(const MeshData& start, const FillOptions& options) {
   const PointDistribution of_start(start, options.growth, options.size);
   AdaptResult result;
   result.mesh = start;
   std::optional<ModelFaults> of_surface;
-  for (const double factor : {4.0, 1.0}) {
+  for (double factor = std::numeric_limits<double>::infinity(); factor > 1;) {
     const MeshData input = std::move(result.mesh);
+    factor = next_factor(factor, of_start, input);
     const LogMetricField metric = of_start.sample(input.points, factor);
     result = adapt(input, {&input, &metric}, options.adapt);
     if (!of_surface && result.report.model) of_surface = result.report.model->input;

@@ -74,6 +74,61 @@ TEST(FillVolume, RemeshesTheSurfaceWhenAsked) {
   EXPECT_GT(mesh.triangles.size(), 100u);
 }
 
+/// A cube with a patch of tiny squares in the middle of each face, joined to its corners by needles.
+MeshData cube_with_fine_patches(double half, double cell, std::uint32_t n) {
+  MeshData m;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-half, half}) {
+      const auto first = static_cast<std::uint32_t>(m.points.size());
+      const auto add = [&](double a, double b) {
+        Point p;
+        p[axis] = side, p[(axis + 1) % 3] = a, p[(axis + 2) % 3] = b;
+        m.points.push_back(p);
+      };
+      const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (side < 0) std::swap(b, c);
+        m.triangles.push_back({first + a, first + b, first + c});
+        m.triangle_refs.push_back(2 * axis + (side > 0) + 1);
+      };
+      const auto at = [&](std::uint32_t i, std::uint32_t j) { return i + j * (n + 1); };
+      for (std::uint32_t j = 0; j <= n; ++j)
+        for (std::uint32_t i = 0; i <= n; ++i) add(cell * (i - 0.5 * n), cell * (j - 0.5 * n));
+      for (std::uint32_t j = 0; j < n; ++j)
+        for (std::uint32_t i = 0; i < n; ++i) {
+          triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+          triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+        }
+      const std::uint32_t corner = at(0, n + 1);
+      for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) add(a * half, b * half);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        triangle(corner, at(i + 1, 0), at(i, 0));
+        triangle(corner + 1, at(n, i + 1), at(n, i));
+        triangle(corner + 2, at(n - i - 1, n), at(n - i, n));
+        triangle(corner + 3, at(0, n - i - 1), at(0, n - i));
+      }
+      triangle(corner, corner + 1, at(n, 0));
+      triangle(corner + 1, corner + 2, at(n, n));
+      triangle(corner + 2, corner + 3, at(0, n));
+      triangle(corner + 3, corner, at(0, 0));
+    }
+  m.point_refs.assign(m.points.size(), 0);
+  return m;
+}
+
+TEST(FillVolume, LongEdgesBetweenFinePartsOfTheSurfaceAreNotFilledWithPoints) {
+  std::uint64_t most = 0;
+  FillOptions options;
+  options.growth = 2;
+  options.remesh_surface = true;
+  options.adapt.progress = [&](const std::string&, double, std::uint64_t tets) {
+    most = std::max(most, tets);
+  };
+  const MeshData mesh = fill_volume(grid_of(cube_with_fine_patches(100, 0.01, 6)), options).mesh;
+  EXPECT_TRUE(check_mesh(mesh).ok());
+  EXPECT_NEAR(check_mesh(mesh).volume, 8e6, 1e-3);
+  EXPECT_LE(most, 3 * mesh.tets.size());
+}
+
 TEST(FillVolume, TakesSizesFromABackground) {
   const MeshData grid = grid_of(box_surface({}, {1, 1, 1}, 5));
   const LogMetricField sizes(grid.points.size(), identity_tensor(-2 * std::log(0.1)));
