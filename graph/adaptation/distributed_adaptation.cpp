@@ -98,10 +98,11 @@ class CheckedRun {
              const DistributedOptions& options)
       : runtime_(runtime), peers_(peers), rank_(rank), options_(options) {}
 
-  /// After make_subdomains(). Returns the number of checks.
-  std::uint32_t run(const Made& made) {
+  /// After make_subdomains(). Returns the number of checks. `begins`: called before anything is adapted.
+  std::uint32_t run(const Made& made, const std::function<void()>& begins) {
     const std::vector<const Subdomain*> mine = here();
     expect(check(mine, "after the decomposition"), mine);
+    begins();
     runtime_.run([&](engine::Context& context) { start_tasks(context, made, rank_.plan); });
     return go_on_to_the_end();
   }
@@ -381,8 +382,11 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
   const engine::TimePoint middle = engine::now();
   const bool keeps_state = options.checkpoints || !options.resume.empty();
   const std::uint64_t hash = keeps_state ? hash_of_run(peers, d.starts, plan, options.program) : 0;
-  if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);
+  const auto begin_writing = [&] {
+    if (options.checkpoints) begin_checkpoints(peers, plan, hash, *options.checkpoints);
+  };
   if (!options.resume.empty()) {
+    begin_writing();
     check_same_run(options.resume[0], plan, hash);
     CheckedRun checked(runtime, peers, rank, options);
     if (plan.pauses) checked.expect_of(d.starts);
@@ -395,11 +399,13 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
       runtime.run();
   } else {
     Made made;
+    if (!plan.pauses) begin_writing();
     runtime.run([&](engine::Context& context) {
       made = make_subdomains(context, d.starts, options.recording, plan);
       if (!plan.pauses) start_tasks(context, made, plan);
     });
-    if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made);
+    // Nothing goes on by itself from subdomains that have not been started.
+    if (plan.pauses) result.checks = CheckedRun(runtime, peers, rank, options).run(made, begin_writing);
     result.planned = std::move(made.neighbours);
   }
   if (options.on_end) options.on_end();
