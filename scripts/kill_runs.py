@@ -4,7 +4,7 @@
     kill_runs.py WEFT [--runs N] [--limits N] [--seed N] [--ranks R] [--size F] [--keep DIR] [--case SEED]
 
 Killed (SIGKILL) are any rank, rank 0, two ranks, mpirun itself, or all at once, as a power cut does; one mesh in one process, with one
-thread and more, subdomains, and ranks. The result must pass `weft verify`, and where all had one thread its bytes must be those of
+thread and more, subdomains, and ranks, some with `--check`. The result must pass `weft verify`, and where all had one thread its bytes must be those of
 the run that nobody disturbs. Besides, `--limits` runs have a `--time-limit` at random: they must end within it and two seconds more,
 with a valid mesh. Ends with a table of counts by kind; exit code 1 where any failed: its command lines are printed, and its files
 with these lines are kept in DIR, to be run again by `--case SEED`.
@@ -52,11 +52,12 @@ class Run:
         self.mode = self.random.choice(MODES)
         self.one_thread = self.random.random() < 0.6
         self.subdomains = self.random.choice((2, 5, 9))
+        self.checked = self.mode != "one mesh" and self.random.random() < 0.25
         self.most_ranks, self.size, self.grace = most_ranks, size, grace
         self.lines, self.kinds = [], collections.Counter()
 
     def kind(self):
-        return self.mode + ("" if self.one_thread else ", threads")
+        return self.mode + ("" if self.one_thread else ", threads") + (", checked" if self.checked else "")
 
     def make_mesh(self):
         words, self.metric, complexity = MESHES[self.mesh]
@@ -71,6 +72,7 @@ class Run:
 
     def adaptation(self, threads, *words):
         parts = ["--subdomains", self.subdomains] if self.mode != "one mesh" else []
+        parts += ["--check"] if self.checked else []
         return ["adapt", "start.meshb", *self.metric, "--complexity", self.complexity, *parts, "--threads", threads, "--progress", "none",
                 *words]
 
