@@ -189,6 +189,14 @@ class Repair(CommandTest):
                 self.assert_mended("vertices of the boundary at inverted or flat tets moved")
                 vertex[:3] = [1.0, 0.5, 0.5]
 
+    def test_inverted_tets_at_a_ridge(self):
+        for place in ([0.3, 0.45, 0.5], [1.0, 1.0, 1.3], [0.8, 0.2, -0.4]):
+            with self.subTest(place=place):
+                vertex = self.mesh["Vertices"][self.vertex_at(1.0, 1.0, 0.5) - 1]
+                vertex[:3] = place
+                self.assert_mended("vertices of ridges, and beside them, at inverted or flat tets moved")
+                vertex[:3] = [1.0, 1.0, 0.5]
+
     def test_inverted_tets_at_a_corner(self):
         self.mesh["Vertices"][self.vertex_at(1.0, 1.0, 1.0) - 1][:3] = [0.3, 0.35, 0.4]
         self.write("bad.mesh", text_of(self.mesh))

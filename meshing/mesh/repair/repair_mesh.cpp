@@ -64,6 +64,7 @@ class Repair {
     untangle(VertexGroup::inner);
     drop_flat_tets();
     untangle(VertexGroup::boundary);
+    untangle(VertexGroup::ridge);
     refuse_what_is_left();
     mend_triangles();
     mend_edges();
@@ -364,7 +365,9 @@ class Repair {
   void untangle(VertexGroup group) {
     for (const MovedPoint& moved : meshing::untangle(m_, group))
       mend(group == VertexGroup::inner ? "vertices of inverted or flat tets moved"
-                                       : "vertices of the boundary at inverted or flat tets moved",
+           : group == VertexGroup::boundary
+               ? "vertices of the boundary at inverted or flat tets moved"
+               : "vertices of ridges, and beside them, at inverted or flat tets moved",
            "vertex", "distance")
           .add(moved.vertex, norm(m_.points[moved.vertex] - moved.from));
   }

@@ -2,8 +2,10 @@
 #include "meshing/mesh/repair/untangle.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "meshing/mesh/adjacency.h"
@@ -21,13 +23,14 @@ class Untangling {
         near_(vertex_neighbours(mesh.tets, mesh.points.size())),
         where_(mesh.points.size(), Where::inside) {
     find_boundary(group);
+    if (group == VertexGroup::ridge) find_ridges();
   }
 
   std::vector<MovedPoint> run() {
     constexpr int kMostRounds = 50;
     for (int round = 0; round < kMostRounds && !bad_.empty(); ++round) {
       bool any = false;
-      for (const Where where : {Where::on_boundary, Where::inside})
+      for (const Where where : {Where::on_ridge, Where::on_boundary, Where::inside})
         for (const std::uint32_t t : bad_)
           for (const std::uint32_t v : m_.tets[t])
             if (where_[v] == where) any |= improve_place(v);
@@ -41,11 +44,11 @@ class Untangling {
   }
 
  private:
-  enum class Where : std::uint8_t { inside, on_boundary, held };
+  enum class Where : std::uint8_t { inside, on_boundary, on_ridge, held };
 
   /// Boundary vertices of bad tets, with their faces there; all others there are held, and what is listed.
   void find_boundary(VertexGroup group) {
-    const Where on_boundary = group == VertexGroup::boundary ? Where::on_boundary : Where::held;
+    const Where on_boundary = group == VertexGroup::inner ? Where::held : Where::on_boundary;
     const Adjacency adjacency = build_adjacency(m_.tets, m_.points.size());
     for (std::size_t t = 0; t < m_.tets.size(); ++t)
       for (int f = 0; f < 4; ++f)
@@ -72,6 +75,36 @@ class Untangling {
         }
   }
 
+  /// Of the vertices of bad tets. One along whose ridge nobody knows the way, with three neighbours there,
+  /// say, is held.
+  void find_ridges() {
+    using Edge = std::array<std::uint32_t, 2>;
+    std::map<std::uint32_t, std::set<std::uint32_t>> along;
+    const auto add = [&](const Edge& e) {
+      for (const auto& [v, n] : {std::pair{e[0], e[1]}, {e[1], e[0]}})
+        if (const auto at = along.find(v); at != along.end()) at->second.insert(n);
+    };
+    for (const std::uint32_t t : bad_)
+      for (const std::uint32_t v : m_.tets[t]) along[v];
+    for (const Edge& e : m_.edges) add(e);
+    std::map<Edge, std::set<std::int32_t>> refs;
+    for (std::size_t i = 0; i < m_.triangles.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = m_.triangles[i][k], b = m_.triangles[i][(k + 1) % 3];
+        if (along.contains(a) || along.contains(b))
+          refs[{std::min(a, b), std::max(a, b)}].insert(m_.triangle_refs[i]);
+      }
+    for (const auto& [edge, there] : refs)
+      if (there.size() > 1) add(edge);
+    for (const auto* list : {&m_.corners, &m_.required_points})
+      for (const std::uint32_t v : *list) along.erase(v);
+    for (const auto& [v, ends] : along) {
+      if (ends.empty()) continue;
+      where_[v] = ends.size() == 2 ? Where::on_ridge : Where::held;
+      if (ends.size() == 2) ridges_[v] = {*ends.begin(), *ends.rbegin()};
+    }
+  }
+
   /// Of the tets at a vertex, how many are not positive, and the smallest volume.
   std::pair<int, double> state_of(std::uint32_t v) const {
     int bad = 0;
@@ -83,8 +116,12 @@ class Untangling {
     return {bad, least};
   }
 
-  /// The middle of the neighbours; of a boundary vertex, of those there.
+  /// The middle of the neighbours; of a boundary vertex, of those there; on a ridge, of the two along it.
   Point middle_of(std::uint32_t v) const {
+    if (where_[v] == Where::on_ridge) {
+      const auto& [a, b] = ridges_.at(v);
+      return 0.5 * (m_.points[a] + m_.points[b]);
+    }
     Point sum{};
     double count = 0;
     const auto add = [&](std::uint32_t n) {
@@ -138,6 +175,7 @@ class Untangling {
   std::vector<Where> where_;
   std::map<std::uint32_t, std::vector<Triangle>>
       faces_;  ///< of the boundary, at vertices that may move there
+  std::map<std::uint32_t, std::array<std::uint32_t, 2>> ridges_;  ///< neighbours along them
   std::map<std::uint32_t, Point> before_;
 };
 

@@ -10,8 +10,10 @@ namespace weft::meshing {
 
 /// `inner`: vertices inside. `boundary`: those too, and before them vertices within smooth parts of the
 /// boundary, which go towards the middle of their neighbours there: as the input has it the body is folded at
-/// such a vertex. Neither moves what lies on listed edges or is a corner or required.
-enum class VertexGroup { inner, boundary };
+/// such a vertex. `ridge`: before these, vertices with two neighbours along listed edges, or along the border
+/// of triangles of different references; they go towards the middle of the two. None moves corners, nor what
+/// is required.
+enum class VertexGroup { inner, boundary, ridge };
 
 struct MovedPoint {
   std::uint32_t vertex;
