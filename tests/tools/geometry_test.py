@@ -1,5 +1,6 @@
 """`--geometry`: meshes made of a CAD model, adapted on it and measured against it."""
 
+import base64
 import json
 import os
 import shlex
@@ -47,6 +48,18 @@ class Geometry(CommandTest):
         self.assertIn("VerticesOnGeometricTriangles", text)
         report = json.loads((self.folder / "report" / "report.json").read_text())
         self.assertEqual(report["model"]["off"], 0)
+        self.assert_page_shows(report["model"])
+
+    def assert_page_shows(self, account):
+        """Of the report page's picture: the farthest triangle is that of the account, and all have a colour."""
+        deviation = max(e["deviation"] for e in account["entities"] if e["kind"] == "face")
+        mesh = json.loads((self.folder / "report" / "profile.json").read_text())["mesh"]
+        self.assertAlmostEqual(mesh["largest_deviation"], deviation, delta=1e-6 * deviation)
+        shown = base64.b64decode(mesh["layers"][0]["deviation"])
+        self.assertEqual(len(shown), mesh["layers"][0]["facets"])
+        self.assertEqual(max(shown), 254)
+        self.assertLess(min(shown), 100)
+        self.assertNotIn("deviation", mesh["layers"][1])
 
     def on_ranks(self, ranks, *words, before=""):
         """`weft` on so many ranks, each of which first runs a line of shell."""
@@ -129,6 +142,7 @@ class Geometry(CommandTest):
         self.assertEqual([(e["kind"], e["id"], e["vertices"]) for e in told["entities"]],
                          [(e["kind"], e["id"], e["vertices"]) for e in found["entities"]])
         self.assertAlmostEqual(told["deviation"], found["deviation"], delta=1e-9)
+        self.assert_page_shows(told)
 
     def test_subdomains_record_where_vertices_lie(self):
         self.start()

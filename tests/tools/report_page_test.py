@@ -274,6 +274,7 @@ class Others(PageTest):
             self.choose(colouring)
             pictures.add(tuple(pixels()))
         self.assertEqual(len(pictures), 5)
+        self.assertEqual(self.browser.run("document.querySelectorAll('[data-choice=deviation]').length"), 0)  # there is no model
         self.choose("1")
         section = [layer for layer in layers if layer["axis"] == 1]
         self.assertEqual(facets(), layers[0]["facets"] + section[len(section) // 2]["facets"])

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "engine/json/json.h"
+#include "meshing/geometry/model/face_deviations.h"
 #include "meshing/metric/measures.h"
 #include "tools/picture/shown_faces.h"
 #include "tools/report/encode/base64.h"
@@ -68,14 +70,19 @@ Corner corner_of(const Point& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-ViewLayer surface_layer(const MeshData& mesh, TetValues& values, std::uint32_t subdomain, bool is_piece) {
+ViewLayer surface_layer(const MeshData& mesh, TetValues& values, std::uint32_t subdomain, bool is_piece,
+                        const meshing::Model* model) {
   ViewLayer layer;
+  std::optional<meshing::FaceDeviations> deviations;
+  if (model) deviations.emplace(mesh, *model);
   for (const picture::ShownFace& face : picture::Surface(mesh).faces()) {
     if (is_piece && !face.ref) continue;  // a face that another piece has too
     ViewFacet facet;
     for (std::size_t i = 0; i < 3; ++i) facet.corners[i] = corner_of(mesh.points[face.vertices[i]]);
     facet.subdomain = subdomain;
     values.fill(face.tet, facet);
+    if (deviations)
+      if (const double d = deviations->at(face.vertices); d >= 0) facet.deviation = static_cast<float>(d);
     layer.facets.push_back(facet);
   }
   return layer;
@@ -179,6 +186,7 @@ std::vector<ViewFacet> joined(const std::vector<ViewFacet>& facets, const Box& b
       ViewFacet& other = left[number];
       other.quality = std::min(other.quality, facet.quality);
       other.length = worse_length(other.length, facet.length);
+      other.deviation = std::max(other.deviation, facet.deviation);
     }
   }
   return left;
@@ -214,12 +222,18 @@ bool is_unit(float length) {
   return length >= 1 / std::numbers::sqrt2_v<float> && length <= std::numbers::sqrt2_v<float>;
 }
 
+/// 255: there is none.
+std::uint8_t deviation_code(float deviation, float largest) {
+  if (deviation < 0) return 255;
+  return static_cast<std::uint8_t>(std::lround(254 * (largest > 0 ? deviation / largest : 0.0F)));
+}
+
 /// Vertices that facets share are written once.
-nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
+nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box, float largest_deviation) {
   FlatIndex<std::uint16_t, 3> numbers(layer.facets.size());
   std::vector<std::uint16_t> positions, subdomains;
   std::vector<std::uint32_t> corners;
-  std::vector<std::uint8_t> qualities, lengths, conforming;
+  std::vector<std::uint8_t> qualities, lengths, conforming, deviations;
   for (const ViewFacet& facet : layer.facets) {
     for (const Corner& corner : facet.corners) {
       std::array<std::uint16_t, 3> at;
@@ -234,26 +248,30 @@ nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box) {
     qualities.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(facet.quality, 0.0F, 1.0F))));
     lengths.push_back(length_code(facet.length));
     conforming.push_back(is_unit(facet.length) ? 1 : 0);
+    deviations.push_back(deviation_code(facet.deviation, largest_deviation));
   }
-  return {{"axis", layer.axis},
-          {"position", layer.position},
-          {"thinned", layer.thinned},
-          {"facets", layer.facets.size()},
-          {"positions", base64_of(positions)},
-          {"corners", base64_of(corners)},
-          {"subdomain", base64_of(subdomains)},
-          {"quality", base64_of(qualities)},
-          {"length", base64_of(lengths)},
-          {"conforming", base64_of(conforming)}};
+  nlohmann::ordered_json json = {{"axis", layer.axis},
+                                 {"position", layer.position},
+                                 {"thinned", layer.thinned},
+                                 {"facets", layer.facets.size()},
+                                 {"positions", base64_of(positions)},
+                                 {"corners", base64_of(corners)},
+                                 {"subdomain", base64_of(subdomains)},
+                                 {"quality", base64_of(qualities)},
+                                 {"length", base64_of(lengths)},
+                                 {"conforming", base64_of(conforming)}};
+  if (layer.axis < 0 && largest_deviation >= 0) json["deviation"] = base64_of(deviations);
+  return json;
 }
 
 }  // namespace
 
 MeshView mesh_view(const MeshData& mesh, std::span<const LogMetric> log_metrics, std::uint32_t subdomain,
-                   const Box& box, bool is_piece, const MeshViewOptions& options) {
+                   const Box& box, bool is_piece, const MeshViewOptions& options,
+                   const meshing::Model* model) {
   MeshView view;
   TetValues values(mesh, log_metrics);
-  view.layers.push_back(surface_layer(mesh, values, subdomain, is_piece));
+  view.layers.push_back(surface_layer(mesh, values, subdomain, is_piece, model));
   for (int axis = 0; axis < 3; ++axis) {
     const Planes planes(box, axis, options.sections);
     const std::size_t first = view.layers.size();
@@ -284,8 +302,14 @@ void thin_out(MeshView& view, const Box& box, const MeshViewOptions& options) {
 
 nlohmann::ordered_json json_of(const MeshView& view, const Box& box) {
   nlohmann::ordered_json layers = nlohmann::ordered_json::array();
-  for (const ViewLayer& layer : view.layers) layers.push_back(json_of(layer, box));
-  return {{"box", {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}}}, {"layers", layers}};
+  float largest = kNoDeviation;
+  for (const ViewLayer& layer : view.layers)
+    for (const ViewFacet& facet : layer.facets) largest = std::max(largest, facet.deviation);
+  for (const ViewLayer& layer : view.layers) layers.push_back(json_of(layer, box, largest));
+  nlohmann::ordered_json json = {{"box", {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}}},
+                                 {"layers", layers}};
+  json["largest_deviation"] = largest >= 0 ? nlohmann::ordered_json(largest) : nlohmann::ordered_json();
+  return json;
 }
 
 }  // namespace weft::report

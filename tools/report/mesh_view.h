@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "meshing/base/box.h"
+#include "meshing/geometry/model/model.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric.h"
 
 namespace weft::report {
+
+inline constexpr float kNoDeviation = -1;
 
 /// A triangle with what it may be coloured by.
 struct ViewFacet {
@@ -20,6 +23,7 @@ struct ViewFacet {
   std::uint32_t subdomain = 0;
   float quality = 0;  ///< mean ratio of its tet
   float length = 1;   ///< of its tet's edges in the metric, that which is farthest from 1 by ratio
+  float deviation = kNoDeviation;  ///< of its centroid from the CAD model; only on the surface
 };
 
 /// The surface, or the section by one plane.
@@ -51,17 +55,17 @@ struct MeshViewOptions {
 };
 
 /// `mesh` is whole, or a piece of a larger one of which only listed triangles are surface. `box`: of the
-/// whole mesh; `log_metrics`: one a vertex. Throws InputError (no file name) for a mesh that has indices out
-/// of range.
+/// whole mesh; `log_metrics`: one a vertex; `model`: that the mesh's records are of, or null. Throws
+/// InputError (no file name) for a mesh that has indices out of range.
 MeshView mesh_view(const meshing::MeshData& mesh, std::span<const meshing::LogMetric> log_metrics,
                    std::uint32_t subdomain, const meshing::Box& box, bool is_piece,
-                   const MeshViewOptions& options);
+                   const MeshViewOptions& options, const meshing::Model* model = nullptr);
 
 /// Adds the facets of another part of the mesh, made with the same box and options.
 void append(MeshView& view, MeshView&& part);
 
 /// Joins vertices on grids, coarser and coarser, until no layer has more facets than the options allow; what
-/// remains of several facets has their worst quality and length.
+/// remains of several facets has their worst quality, length and deviation.
 void thin_out(MeshView& view, const meshing::Box& box, const MeshViewOptions& options);
 
 /// As in the schema "weft-profile-1", "mesh": positions in 16 bits an axis, other values in 8 or 16.

@@ -58,6 +58,7 @@ class OneMesh {
 
   void prepare_metric() {
     model_ = model_of(options_.geometry, input_.mesh, input_.name);
+    if (input_.model) *input_.model = model_;
     predict_work(options_.metric.complexity);
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;

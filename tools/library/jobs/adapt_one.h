@@ -1,9 +1,11 @@
 // Adaptation of one mesh in memory: metric, prediction of memory, kernel, measures, fields.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "meshing/geometry/model/model.h"
 #include "meshing/metric/metric_field.h"
 #include "tools/library/jobs/monitor.h"
 #include "weft/weft.h"
@@ -18,6 +20,8 @@ struct AdaptInput {
   std::string background_name;
   const meshing::LogMetricField* metric = nullptr;  ///< a source besides those of the options
   const meshing::SolutionData& fields;              ///< at the vertices of `mesh`, to be carried along
+  /// Unless null, gets the CAD model that the mesh lies on, if any.
+  std::shared_ptr<const meshing::Model>* model = nullptr;
 };
 
 /// Throws InputError. Times of reading and writing, the total and the goals' asking are left to the caller.

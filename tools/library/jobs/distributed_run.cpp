@@ -335,7 +335,7 @@ void DistributedRun::account_for_exchanges() {
 
 void DistributedRun::measure(Report& report) {
   monitor_.update("measuring", 1, 0);
-  if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, record_);
+  if (keep_.view) gather_view(*exchange_, *peers_, result_.pieces, model_.get(), record_);
   const partition::WholeAndPart measures =
       partition::measure_pieces(*peers_, result_.pieces, result_.was_interface);
   report.after = measures.whole;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <memory>
 #include <new>
 #include <optional>
 #include <utility>
@@ -77,7 +78,8 @@ class FileJob {
                            background_ ? &*background_ : nullptr,
                            files_.background,
                            source_ ? &*source_ : nullptr,
-                           fields_};
+                           fields_,
+                           &model_};
     result_ = adapt_one(input, options_, monitor_);
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);
@@ -111,7 +113,8 @@ class FileJob {
     once_written([this] {
       write_text(run_.report_path, json_of(run_).dump(1) + "\n");
       if (files_.page)
-        write_record(run_, record_of(result_.mesh, result_.metric.logarithms()), files_.case_name);
+        write_record(run_, record_of(result_.mesh, result_.metric.logarithms(), model_.get()),
+                     files_.case_name);
     });
   }
 
@@ -132,6 +135,7 @@ class FileJob {
   Monitor monitor_;
   Stopwatch total_, watch_;
   RunResult run_;
+  std::shared_ptr<const meshing::Model> model_;  ///< null: there is none
   double read_seconds_ = 0;
   std::string report_error_;
   MeshData input_;

@@ -105,13 +105,14 @@ void gather_machines(RankExchange& exchange, report::MemorySamples memory, RunRe
 }
 
 void gather_view(RankExchange& exchange, partition::Peers& peers,
-                 const std::vector<partition::MeshPiece>& pieces, RunRecord& record) {
+                 const std::vector<partition::MeshPiece>& pieces, const meshing::Model* model,
+                 RunRecord& record) {
   const report::MeshViewOptions options;
   record.box = common_box(peers, pieces);
   report::MeshView mine;
   for (const partition::MeshPiece& piece : pieces)
     append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain.value, record.box, true,
-                                   options));
+                                   options, model));
   thin_out(mine, record.box, options);
   for (report::MeshView& part : gather(exchange, std::move(mine))) {
     if (!part.layers.empty()) append(record.mesh, std::move(part));
@@ -119,11 +120,12 @@ void gather_view(RankExchange& exchange, partition::Peers& peers,
   thin_out(record.mesh, record.box, options);
 }
 
-RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics) {
+RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics,
+                    const meshing::Model* model) {
   const report::MeshViewOptions options;
   RunRecord record;
   for (const meshing::Point& p : mesh.points) record.box.include(p);
-  record.mesh = report::mesh_view(mesh, log_metrics, 0, record.box, false, options);
+  record.mesh = report::mesh_view(mesh, log_metrics, 0, record.box, false, options, model);
   thin_out(record.mesh, record.box, options);
   record.hardware = {report::this_machine(0)};
   return record;

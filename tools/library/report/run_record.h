@@ -54,12 +54,14 @@ void gather_plan(graph::dataflow::RankExchange& exchange, std::vector<graph::ada
 void gather_machines(graph::dataflow::RankExchange& exchange, report::MemorySamples memory,
                      RunRecord& record);
 
-/// The view of all pieces. All ranks must call it.
+/// The view of all pieces; `model`: that they lie on, or null. All ranks must call it.
 void gather_view(graph::dataflow::RankExchange& exchange, partition::Peers& peers,
-                 const std::vector<partition::MeshPiece>& pieces, RunRecord& record);
+                 const std::vector<partition::MeshPiece>& pieces, const meshing::Model* model,
+                 RunRecord& record);
 
-/// The view of a whole mesh, and the machine.
-RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics);
+/// The view of a whole mesh, and the machine. `model`: that it lies on, or null.
+RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField& log_metrics,
+                    const meshing::Model* model);
 
 /// profile.json and report.html in the folder of run.report_path, graph.json too where there is a graph.
 /// Throws InputError.

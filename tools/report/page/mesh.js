@@ -9,7 +9,7 @@
 
   function layer(raw) {
     return { axis: raw.axis, position: raw.position, facets: raw.facets, thinned: raw.thinned, positions: words(raw.positions, Uint16Array), corners: words(raw.corners, Uint32Array),
-      subdomain: words(raw.subdomain, Uint16Array), quality: bytesOf(raw.quality), length: bytesOf(raw.length), conforming: bytesOf(raw.conforming) };
+      subdomain: words(raw.subdomain, Uint16Array), quality: bytesOf(raw.quality), length: bytesOf(raw.length), conforming: bytesOf(raw.conforming), deviation: raw.deviation && bytesOf(raw.deviation) };
   }
   const colourings = {
     plain: () => [185, 205, 224],
@@ -20,12 +20,14 @@
       return t < 0 ? [0, 1, 2].map((k) => Math.round(235 + t * (235 - [33, 102, 172][k]))) : [0, 1, 2].map((k) => Math.round(235 - t * (235 - [178, 24, 43][k])));
     },
     conforming: (l, f) => (l.conforming[f] ? [214, 220, 228] : RED),
+    deviation: (l, f) => (l.deviation && l.deviation[f] < 255 ? weft.viridis(l.deviation[f] / 254) : [185, 205, 224]),
   };
   const keys = {
     plain: [], subdomain: ["a colour a subdomain"],
     quality: ["quality (mean ratio): 0", { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) }, "1"],
     length: ["edge of the tet that is farthest from length 1 in the metric: ¼ or less", { scale: ["#2166ac", "#ebebeb", "#b2182b"] }, "4 or more"],
     conforming: [["#d6dce4", "conforming"], ["#d7191c", "an edge outside [1/√2, √2]"]],
+    deviation: ["distance of the triangle from the CAD model: 0", { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) }, weft.digits(mesh.largest_deviation ?? 0)],
   };
 
   function geometryOf(l, by) {
@@ -140,7 +142,7 @@
       view.rebuild();
     }
     const tool = make("div", { class: "tool" }, "Colour:",
-      weft.choice("colour", [["quality", "Quality"], ["length", "Edge length"], ["conforming", "Not conforming"], ["subdomain", "Subdomains"], ["plain", "Plain"]], (by) => { view.state.by = by; update(); }),
+      weft.choice("colour", [["quality", "Quality"], ["length", "Edge length"], ["conforming", "Not conforming"], ["subdomain", "Subdomains"], ...(mesh.largest_deviation == null ? [] : [["deviation", "Deviation"]]), ["plain", "Plain"]], (by) => { view.state.by = by; update(); }),
       "Cut:", weft.choice("clip", [["-1", "none"], ["0", "x"], ["1", "y"], ["2", "z"]], (axis) => { view.state.axis = Number(axis); view.state.index = Math.floor(sections(view.state.axis).length / 2); update(); }),
       slider, place, make("label", {}, make("input", { type: "checkbox", checked: true, onchange: (e) => { view.state.edges = e.target.checked; update(); } }), "edges"), make("button", { type: "button", onclick: () => { view.home(); view.render(); } }, "Reset"));
     slider.addEventListener("input", () => { view.state.index = Number(slider.value); update(); });
