@@ -100,8 +100,7 @@ class CheckedRun {
 
   /// After make_subdomains(). Returns the number of checks. `begins`: called before anything is adapted.
   std::uint32_t run(const Made& made, const std::function<void()>& begins) {
-    const std::vector<const Subdomain*> mine = here();
-    expect(check(mine, "after the decomposition"), mine);
+    begin_with(here());
     begins();
     runtime_.run([&](engine::Context& context) { start_tasks(context, made, rank_.plan); });
     return go_on_to_the_end();
@@ -118,7 +117,7 @@ class CheckedRun {
     starts.clear();
     std::vector<const Subdomain*> mine;
     for (const Subdomain& s : subdomains) mine.push_back(&s);
-    expect(check(mine, "after the decomposition"), mine);
+    begin_with(mine);
   }
 
   /// After a checkpoint has been restored. Returns the number of checks.
@@ -161,7 +160,9 @@ class CheckedRun {
     return mine;
   }
 
-  void expect(const partition::PiecesReport& at_first, const std::vector<const Subdomain*>& mine) {
+  /// What must stay is what there is after the decomposition.
+  void begin_with(const std::vector<const Subdomain*>& mine) {
+    const partition::PiecesReport at_first = check(mine, "after the decomposition");
     double deviation = 0;
     for (const Subdomain* s : mine)
       deviation = std::max(

@@ -197,6 +197,14 @@ class Repair(CommandTest):
                 self.assert_mended("vertices of ridges, and beside them, at inverted or flat tets moved")
                 vertex[:3] = [1.0, 1.0, 0.5]
 
+    def test_inverted_tets_at_a_required_edge(self):
+        v = self.vertex_at(1.0, 1.0, 0.5)
+        self.mesh["Edges"] = [[self.vertex_at(1.0, 1.0, z), v, 1] for z in (0.0, 1.0)]
+        self.mesh["Vertices"][v - 1][:3] = [0.3, 0.45, 0.5]
+        self.write("bad.mesh", text_of(self.mesh).replace("End\n", "RequiredEdges\n1\n2\nEnd\n"))
+        self.assert_fails("adapt", "bad.mesh", "--metric-fn", "uniform:0.4", "-o", "out.meshb", "--repair",
+                          says=["bad.mesh", "is inverted, and moving its vertices does not help"])
+
     def test_inverted_tets_at_a_corner(self):
         self.mesh["Vertices"][self.vertex_at(1.0, 1.0, 1.0) - 1][:3] = [0.3, 0.35, 0.4]
         self.write("bad.mesh", text_of(self.mesh))

@@ -304,7 +304,8 @@ nlohmann::ordered_json json_of(const MeshView& view, const Box& box) {
   nlohmann::ordered_json layers = nlohmann::ordered_json::array();
   float largest = kNoDeviation;
   for (const ViewLayer& layer : view.layers)
-    for (const ViewFacet& facet : layer.facets) largest = std::max(largest, facet.deviation);
+    if (layer.axis < 0)
+      for (const ViewFacet& facet : layer.facets) largest = std::max(largest, facet.deviation);
   for (const ViewLayer& layer : view.layers) layers.push_back(json_of(layer, box, largest));
   nlohmann::ordered_json json = {{"box", {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}}},
                                  {"layers", layers}};

@@ -46,6 +46,17 @@ class Untangling {
  private:
   enum class Where : std::uint8_t { inside, on_boundary, on_ridge, held };
 
+  /// Corners, and the vertices of what is required.
+  std::vector<std::uint32_t> fixed() const {
+    std::vector<std::uint32_t> all = m_.corners;
+    all.insert(all.end(), m_.required_points.begin(), m_.required_points.end());
+    for (const std::uint32_t e : m_.required_edges)
+      if (e < m_.edges.size()) all.insert(all.end(), m_.edges[e].begin(), m_.edges[e].end());
+    for (const std::uint32_t t : m_.required_triangles)
+      if (t < m_.triangles.size()) all.insert(all.end(), m_.triangles[t].begin(), m_.triangles[t].end());
+    return all;
+  }
+
   /// Boundary vertices of bad tets, with their faces there; all others there are held, and what is listed.
   void find_boundary(VertexGroup group) {
     const Where on_boundary = group == VertexGroup::inner ? Where::held : Where::on_boundary;
@@ -61,8 +72,7 @@ class Untangling {
       for (const std::uint32_t v : t)
         if (v < where_.size() && where_[v] == Where::inside) hold(v);  // between materials
     for (const auto& e : m_.edges) std::for_each(e.begin(), e.end(), hold);
-    for (const std::uint32_t v : m_.corners) hold(v);
-    for (const std::uint32_t v : m_.required_points) hold(v);
+    for (const std::uint32_t v : fixed()) hold(v);
     for (const std::uint32_t t : bad_)
       for (const std::uint32_t v : m_.tets[t])
         if (where_[v] == Where::on_boundary) faces_[v];
@@ -96,8 +106,7 @@ class Untangling {
       }
     for (const auto& [edge, there] : refs)
       if (there.size() > 1) add(edge);
-    for (const auto* list : {&m_.corners, &m_.required_points})
-      for (const std::uint32_t v : *list) along.erase(v);
+    for (const std::uint32_t v : fixed()) along.erase(v);
     for (const auto& [v, ends] : along) {
       if (ends.empty()) continue;
       where_[v] = ends.size() == 2 ? Where::on_ridge : Where::held;

@@ -4,6 +4,7 @@
   const { data, make } = weft;
   if (!data.mesh) return;
   const mesh = data.mesh, [lo, hi] = mesh.box, RED = [215, 25, 28];
+  const VIRIDIS = { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) };
   const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const words = (text, Type) => new Type(bytesOf(text).buffer);
 
@@ -20,14 +21,14 @@
       return t < 0 ? [0, 1, 2].map((k) => Math.round(235 + t * (235 - [33, 102, 172][k]))) : [0, 1, 2].map((k) => Math.round(235 - t * (235 - [178, 24, 43][k])));
     },
     conforming: (l, f) => (l.conforming[f] ? [214, 220, 228] : RED),
-    deviation: (l, f) => (l.deviation && l.deviation[f] < 255 ? weft.viridis(l.deviation[f] / 254) : [185, 205, 224]),
+    deviation: (l, f) => (l.deviation && l.deviation[f] < 255 ? weft.viridis(l.deviation[f] / 254) : colourings.plain()),
   };
   const keys = {
     plain: [], subdomain: ["a colour a subdomain"],
-    quality: ["quality (mean ratio): 0", { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) }, "1"],
+    quality: ["quality (mean ratio): 0", VIRIDIS, "1"],
     length: ["edge of the tet that is farthest from length 1 in the metric: ¼ or less", { scale: ["#2166ac", "#ebebeb", "#b2182b"] }, "4 or more"],
     conforming: [["#d6dce4", "conforming"], ["#d7191c", "an edge outside [1/√2, √2]"]],
-    deviation: ["distance of the triangle from the CAD model: 0", { scale: [0, 1, 2, 3, 4, 5, 6, 7].map((i) => `rgb(${weft.viridis(i / 7)})`) }, weft.digits(mesh.largest_deviation ?? 0)],
+    deviation: ["distance of the triangle from the CAD model: 0", VIRIDIS, weft.digits(mesh.largest_deviation ?? 0)],
   };
 
   function geometryOf(l, by) {
