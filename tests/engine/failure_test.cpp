@@ -27,6 +27,7 @@ using weft::testing::on_ranks;
 struct Bomb {
   std::int64_t value = 0;
   bool travels_badly = false;
+  bool asks_again = false;
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -39,7 +40,13 @@ struct Bomb {
   void tick(Context&) { ++value; }
   void wait_for(Context& context, ObjectId other) { context.expect<&Bomb::meet>(7, {other}); }
   void call(Context& context, ObjectId other) { context.signal<&Bomb::meet>(MobilePtr<Bomb>{other}, 7); }
-  void meet(Context&, std::uint64_t, std::vector<Arrival<Nothing>>) {}
+  void wait_and_ask_again(Context& context, ObjectId other) {
+    asks_again = true;
+    wait_for(context, other);
+  }
+  void meet(Context& context, std::uint64_t, std::vector<Arrival<Nothing>> arrivals) {
+    if (asks_again) context.invoke<&Bomb::call>(MobilePtr<Bomb>{arrivals.front().from}, context.self());
+  }
   void last_until_stopped(Context& context) {
     while (!context.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -53,6 +60,7 @@ Registry bombs() {
       .method<&Bomb::shorten_fuse>("shorten_fuse")
       .method<&Bomb::tick>("tick")
       .method<&Bomb::wait_for>("wait_for")
+      .method<&Bomb::wait_and_ask_again>("wait_and_ask_again")
       .method<&Bomb::call>("call")
       .method<&Bomb::last_until_stopped>("last_until_stopped")
       .event<&Bomb::meet>("meet");
@@ -356,10 +364,20 @@ TEST_P(FailureOnRanks, ASecondSignalForAnEventThatHasFiredIsAStall) {
       GetParam(),
       [&](Context& context) {
         if (context.rank() != Rank(0)) return;
-        context.invoke<&Bomb::wait_for>(kBomb(0), kBomb(last()).id);
-        for (int time = 0; time < 2; ++time) context.invoke<&Bomb::call>(kBomb(last()), kBomb(0).id);
+        context.invoke<&Bomb::wait_and_ask_again>(kBomb(0), kBomb(last()).id);
+        context.invoke<&Bomb::call>(kBomb(last()), kBomb(0).id);
       },
       "(Bomb, rank 0) never expects Bomb::meet in round 7, signalled by " + rank_text() + ".1");
+}
+
+TEST_P(FailureOnRanks, ASecondSignalForAnEventThatHasNotFiredFailsTheRun) {
+  expect_failure(
+      GetParam(),
+      [&](Context& context) {
+        if (context.rank() != Rank(0)) return;
+        for (int time = 0; time < 2; ++time) context.invoke<&Bomb::call>(kBomb(last()), kBomb(0).id);
+      },
+      "(Bomb) on rank 0: object " + rank_text() + ".1 signals round 7 twice");
 }
 
 TEST_P(FailureOnRanks, ASignalFromAStrangerFailsTheRun) {
