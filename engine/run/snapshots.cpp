@@ -13,7 +13,7 @@ Snapshots::Snapshots(SnapshotSink& sink, Scheduler& scheduler, Rank rank, int ra
 
 void Snapshots::begin_run() {
   scheduler_.end_snapshot();
-  if (stage_ != Stage::none) sink_.give_up();
+  sink_.give_up();  // rank 0's also when its own part is stored, and another's was not in time
   stage_ = Stage::none;
   over_ = told_ready_ = wished_ = closing_ = false;
   not_stored_ = 0;

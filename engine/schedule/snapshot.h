@@ -34,7 +34,7 @@ class SnapshotSink {
   virtual std::optional<bool> stored(std::uint64_t epoch) = 0;
   /// On rank 0: all ranks have stored their parts (or one could not, `whole` is false then).
   virtual void finish(std::uint64_t epoch, bool whole) = 0;
-  /// The run has ended, or failed, before that: nothing is to be left of it.
+  /// A run begins: what the one before has not finished, wishes too, never will be.
   virtual void give_up() = 0;
 };
 

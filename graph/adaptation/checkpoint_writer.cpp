@@ -59,6 +59,7 @@ bool CheckpointWriter::wanted() {
   if (!active_ || pending_) return false;
   const bool asked = now_ != nullptr && now_->exchange(false);
   const bool due = rank_ == 0 && every_ > 0 && Clock::now() >= next_;
+  asked_ |= asked;
   if (rank_ == 0) pending_ = asked || due;
   return asked || due;
 }
@@ -101,6 +102,7 @@ void CheckpointWriter::in_background(Work work) {
 void CheckpointWriter::close(std::uint64_t epoch) {
   add(epoch, CheckpointRecord::Kind::object, {});
   stored_ = -1;
+  if (rank_ != 0) asked_ = false;
   in_background([this] {
     const std::lock_guard lock(mutex_);
     try {
@@ -125,7 +127,7 @@ bool CheckpointWriter::wait_until_stored() {
 }
 
 void CheckpointWriter::finish(std::uint64_t epoch, bool whole) {
-  pending_ = false;
+  pending_ = asked_ = false;
   schedule(std::min(every_, 2 * interval_));
   const fs::path folder = checkpoint_folder(folder_, manifest_.first_number + epoch);
   if (!whole) return fail("a rank could not write its part of " + folder.string());
@@ -161,8 +163,10 @@ void CheckpointWriter::write_manifest(const fs::path& folder) {
   written_.failure.clear();
 }
 
+/// Who has asked for one still wants it.
 void CheckpointWriter::give_up() {
   if (background_.joinable()) background_.join();
+  if (std::exchange(asked_, false)) now_->store(true);
   pending_ = false;
   const std::lock_guard lock(mutex_);
   file_.reset();

@@ -68,6 +68,7 @@ class CheckpointWriter final : public engine::SnapshotSink {
 
   std::atomic<bool> active_ = false;
   bool pending_ = false;  ///< one is wanted or goes on; of the communication thread
+  bool asked_ = false;    ///< for one that is not stored yet; `now` has been reset
   Clock::time_point next_;
   double interval_ = 0;  ///< seconds, of those up to next_
   CheckpointManifest manifest_;

@@ -70,7 +70,7 @@ class Archive {
   std::set<std::uint64_t> whole;
 };
 
-class MemorySink final : public SnapshotSink {
+class MemorySink : public SnapshotSink {
  public:
   explicit MemorySink(Archive& archive) : archive_(archive) {}
   bool wanted() override { return !std::exchange(pending_, true); }
@@ -238,6 +238,42 @@ TEST_P(SnapshotsOnRanks, ARunOnOtherRanksGoesOnFromThem) {
     EXPECT_EQ(handled, kChains * (kHops + 1) + kAccounts) << ranks;
     for (const std::uint64_t epoch : again.whole) EXPECT_EQ(again.epochs[epoch].objects.size(), kAccounts);
   }
+}
+
+/// Wishes on rank 0 alone; never stores anything before it is told to.
+class SlowSink final : public MemorySink {
+ public:
+  SlowSink(Archive& archive, Rank rank) : MemorySink(archive), rank_(rank) {}
+  bool wanted() override { return rank_ == Rank(0) && MemorySink::wanted(); }
+  std::optional<bool> stored(std::uint64_t epoch) override {
+    if (!stores) return {};
+    return MemorySink::stored(epoch);
+  }
+
+  bool stores = false;
+
+ private:
+  const Rank rank_;
+};
+
+/// The other ranks have stored their parts of a snapshot when the run ends, the last one has not.
+TEST_P(SnapshotsOnRanks, ARunTakesThemThoughTheOneBeforeDidNotFinishIts) {
+  Archive archive;
+  on_ranks(GetParam(), [&](Transport& transport) {
+    const Registry registry = accounts();
+    SlowSink sink(archive, transport.rank());
+    sink.stores = transport.rank().value < GetParam() - 1;
+    Runtime runtime(transport, registry, options_of(sink, 1));
+    runtime.run(start);
+    sink.stores = true;
+    for (int attempt = 0; attempt < 50; ++attempt) {  // each may be over before its first snapshot is
+      runtime.run([](Context& context) {
+        for (std::uint32_t a = 1; context.rank() == Rank(0) && a <= kAccounts; ++a)
+          context.invoke<&Account::give>(MobilePtr<Account>{{Rank(0), a}}, 0L, kHops);
+      });
+    }
+  });
+  EXPECT_FALSE(archive.whole.empty());
 }
 
 /// Gives away whatever seems to wait for a worker, half of the time: more often and later than any policy

@@ -21,8 +21,9 @@ MPIRUN = os.environ["WEFT_MPIRUN"].split(";")
 SECONDS = 300  # far above what anything here takes
 KILLS = int(os.environ.get("WEFT_KILLS", "3"))
 SEED = int(os.environ.get("WEFT_SEED", "20261123"))
+ATTEMPTS = 20
 COMPLEXITY = 4000  # long enough for two checkpoints though others take the processor, and to be killed in
-RUN = ("box.meshb", "--metric-fn", "polar-2", "--subdomains", 9, "--threads", 1, "--quiet")
+RUN = ("box.meshb", "--metric-fn", "polar-2", "--subdomains", 9, "--quiet")
 
 
 def children_of(pid):
@@ -37,14 +38,14 @@ class Checkpoints(CommandTest):
         super().setUp()
         self.box(6)
 
-    def start(self, ranks, *words, complexity=COMPLEXITY):
-        words = (*words, "--complexity", complexity)
+    def start(self, ranks, *words, complexity=COMPLEXITY, threads=1):
+        words = (*words, "--complexity", complexity, "--threads", threads)
         launcher = [*MPIRUN, "-n", str(ranks)] if ranks else []
         return subprocess.Popen([*launcher, str(WEFT), "adapt", *map(str, RUN), *map(str, words)], cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
-    def run_on(self, ranks, *words, expect=(0, 1), complexity=COMPLEXITY):
-        process = self.start(ranks, *words, complexity=complexity)
+    def run_on(self, ranks, *words, expect=(0, 1), **options):
+        process = self.start(ranks, *words, **options)
         out, errors = process.communicate(timeout=SECONDS)
         self.assertIn(process.returncode, expect, f"{words}\n{out}{errors}")
         return out + errors
@@ -68,14 +69,22 @@ class Checkpoints(CommandTest):
             Checkpoints.whole = self.bytes_of("whole.meshb")
         return Checkpoints.whole
 
+    def until_two_are_kept(self, run):
+        """Again and again: on a slow disk a run may be over before its second checkpoint is there."""
+        for _ in range(ATTEMPTS):
+            shutil.rmtree(self.folder / "ck", ignore_errors=True)
+            run()
+            if len(self.complete()) >= 2:
+                break
+        self.assertEqual(len(self.complete()), 2, "two are kept")
+
     whole = None
     made = None  # by the first test of a class that asks for some_checkpoints()
 
     def once(self, run):
         """Files that `run` writes into the test's folder; in the class's further tests copies of them."""
         if type(self).made is None:
-            run()
-            self.assertEqual(len(self.complete()), 2, "two are kept")
+            self.until_two_are_kept(run)
             type(self).made = tempfile.TemporaryDirectory(prefix="weft-checkpoint-test-")
             self.addClassCleanup(type(self).made.cleanup)
             shutil.copytree(self.folder, type(self).made.name, dirs_exist_ok=True)
@@ -89,19 +98,17 @@ class Checkpoints(CommandTest):
 
 class Writing(Checkpoints):
     def test_changes_no_byte_and_keeps_two(self):
-        self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", "--report", "r")
+        self.until_two_are_kept(lambda: self.run_on(
+            2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", "--report", "r"))
         self.assertEqual(self.bytes_of("first.meshb"), self.reference())
-        self.assertEqual(len(self.complete()), 2)
         self.assertEqual(len(list((self.folder / "ck").iterdir())), 2, "what was not finished in time is gone")
         account = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checkpoints"]
         self.assertGreaterEqual(account["written"], 2)
         self.assertEqual(account["failure"], "")
 
     def test_of_one_process_with_threads(self):
-        words = [w if w != 1 else 2 for w in RUN]
-        subprocess.run([str(WEFT), "adapt", *map(str, words), "--complexity", str(COMPLEXITY), "--checkpoint", "ck", "--checkpoint-every", "0.02", "-o",
-                        "first.meshb"], cwd=self.folder, check=False, timeout=SECONDS)
-        self.assertGreaterEqual(len(self.complete()), 1)
+        self.until_two_are_kept(lambda: self.run_on(
+            0, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", threads=2))
         for ranks in (0, 2):
             self.run_on(ranks, "--resume", "ck", "-o", "second.meshb")
             self.weft("verify", "second.meshb", "--against", "box.meshb")
@@ -138,7 +145,8 @@ class Resuming(Checkpoints):
 
     def test_of_a_run_with_checks(self):
         words = ("--check", "--report", "r")
-        self.run_on(2, *words, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        self.until_two_are_kept(lambda: self.run_on(
+            2, *words, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb"))
         self.assertEqual(self.bytes_of("first.meshb"), self.reference())
         checks = json.loads((self.folder / "r/report.json").read_text())["subdomains"]["checks"]
         for ranks in (0, 3):
@@ -204,7 +212,6 @@ class OneMesh(Checkpoints):
 
     def checkpoints_of(self, threads):
         self.adapt("--checkpoint", "ck", "--checkpoint-every", 0.01, "-o", "first.meshb", threads=threads)
-        self.assertEqual(len(self.complete()), 2, "two are kept")
 
     def some_checkpoints(self):
         self.once(lambda: self.checkpoints_of(threads=1))
@@ -230,7 +237,7 @@ class OneMesh(Checkpoints):
 
     def test_goes_on_with_other_threads(self):
         for before, after in ((2, 1), (1, 2)):
-            self.checkpoints_of(threads=before)
+            self.until_two_are_kept(lambda: self.checkpoints_of(threads=before))
             self.adapt("--resume", "ck", "-o", "second.meshb", threads=after)
             self.weft("verify", "second.meshb", "--against", "box.meshb")
             shutil.rmtree(self.folder / "ck")
