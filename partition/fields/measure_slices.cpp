@@ -10,6 +10,7 @@
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/mesh/mesh_data.h"
+#include "meshing/metric/metric_field.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -85,6 +86,13 @@ MeshPiece piece_of(Peers& peers, const MeshSlice& slice, bool with_metric) {
   return piece;
 }
 
+/// All ranks: the metric of a piece such that the complexity of all becomes `target`.
+void scale_together(Peers& peers, double target, MeshPiece& piece) {
+  const double here = meshing::complexity(piece.mesh, piece.log_metrics);
+  const double all = ordered_sum(peers, {&here, 1});
+  if (here > 0) meshing::scale_to_complexity(piece.mesh, target * (here / all), piece.log_metrics);
+}
+
 /// All ranks: the sums of all, in the order of the ranks.
 std::map<std::int32_t, double> total(Peers& peers, const std::map<std::int32_t, double>& mine) {
   struct Row {
@@ -113,8 +121,9 @@ std::map<std::int32_t, double> areas(Peers& peers, const MeshSlice& slice) {
 
 }  // namespace
 
-meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice) {
-  const MeshPiece piece = piece_of(peers, slice, true);
+meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double target_complexity) {
+  MeshPiece piece = piece_of(peers, slice, true);
+  if (target_complexity > 0) scale_together(peers, target_complexity, piece);
   meshing::Measures measures = measure_pieces(peers, {&piece, 1});
   measures.num_triangles = slice.num_triangles;
   return measures;

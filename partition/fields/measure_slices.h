@@ -12,8 +12,9 @@
 namespace weft::partition {
 
 /// All ranks: what meshing::measure says of the whole mesh in the metric of the slices: counts and qualities
-/// exactly, sums and lengths but for rounding. The same on all ranks.
-meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice);
+/// exactly, sums and lengths but for rounding. The same on all ranks. The metric is scaled to
+/// `target_complexity` first; 0: as it is.
+meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double target_complexity = 0);
 
 /// What can be said without a metric.
 struct SlicesGeometry {

@@ -286,6 +286,34 @@ class Results(Subdomains):
         self.assertEqual({lane["name"].split()[0] for lane in lanes}, {"worker"}, "which worker ran a task is known of all")
         self.assertGreater(report["former_interface"]["tets"], 0)
 
+    def test_the_input_is_measured_by_all_ranks_as_by_one(self):
+        self.box(5)
+        words = ("box.meshb", "--metric-fn", "polar-2", "--complexity", 300, "-o", "out.meshb", "--report", "r", "--quiet")
+
+        def before():
+            return json.loads((self.folder / "r/report.json").read_text())["before"]
+
+        self.weft("adapt", *words, expect=(0, 1))
+        expected = before()
+        for ranks in (1, 3):
+            self.run_on(ranks, *words, "--subdomains", 4, expect=(0, 1))
+            self.assert_alike(before(), expected, f"on {ranks} ranks")
+
+    def assert_alike(self, these, those, where):
+        """But for rounding."""
+        if isinstance(those, dict):
+            self.assertEqual(set(these), set(those), where)
+            for name in those:
+                self.assert_alike(these[name], those[name], f"{name} {where}")
+        elif isinstance(those, list):
+            self.assertEqual(len(these), len(those), where)
+            for i in range(len(those)):
+                self.assert_alike(these[i], those[i], f"{i} of {where}")
+        elif isinstance(those, float):
+            self.assertAlmostEqual(these, those, delta=1e-9 * max(1, abs(those)), msg=where)
+        else:
+            self.assertEqual(these, those, where)
+
     def check_shifts(self, shifts):
         self.assertGreater(len(shifts), 0)
         for number, shift in enumerate(shifts, 1):

@@ -14,6 +14,7 @@
 #include "meshing/metric/measures.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
+#include "partition/fields/measure_slices.h"
 #include "partition/fields/piece_slices.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/merge_pieces.h"
@@ -71,7 +72,7 @@ class DistributedFileJob {
     // Who interrupts a run may soon kill it: the mesh first.
     const bool write_first = account_.cancelled && written_by_all();
     if (write_first) carry_and_write();
-    if (options_.run.measure || keep_.record)  // the account is of measures
+    if (is_measured())
       run_.measure(account_);
     else
       run_.count(account_);
@@ -110,11 +111,20 @@ class DistributedFileJob {
     account_.input_counts = {input.slice.num_points, input.slice.num_tets, input.slice.num_triangles,
                              input.slice.num_edges};
     account_.times.read = watch_.lap();
-    if (input.whole && run_.first()) account_.before = meshing::measure(*input.whole, input.whole_metric);
-    input.whole.reset();
+    measure_before(input);
     account_.times.measure = watch_.lap();
     return input;
   }
+
+  /// Nothing where the metric is another mesh's.
+  void measure_before(const SliceInput& input) {
+    if (input.background || !is_measured()) return;
+    account_.before = on_threads(
+        [&] { return partition::measure_slices(run_.peers(), input.slice, input.target_complexity); });
+  }
+
+  /// The account is of measures.
+  bool is_measured() const { return options_.run.measure || keep_.record; }
 
   /// Points, tets and fields of the input stay in shares until the result is there.
   void keep_for_fields(SliceInput& input) {

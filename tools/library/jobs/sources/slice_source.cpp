@@ -89,53 +89,41 @@ SliceInput read_share(Peers& peers, const Files& files, const Options& options,
   return input;
 }
 
-/// On one rank, which has the whole mesh in its slice.
-void keep_whole(SliceInput& input) {
-  input.whole = input.slice.boundary;
-  input.whole->points = input.slice.points;
-  input.whole->point_refs = input.slice.point_refs;
-  input.whole->tets = input.slice.tets;
-  input.whole->tet_refs = input.slice.tet_refs;
-  input.whole_metric = input.slice.log_metrics;
-  if (input.target_complexity > 0)
-    scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
-}
-
 /// What rank 0 does with the whole mesh: mends it, with what belongs to its vertices, and makes the metric
 /// (without a background of its own).
 SliceInput read_and_mend(Peers& peers, const Files& files, const Options& options,
                          const std::shared_ptr<const meshing::Model>& model) {
   SliceInput input;
-  Fields fields;            // whole, on rank 0
-  RepairedMetric repaired;  // the same
+  MeshData whole;  // on rank 0, with what follows
+  meshing::LogMetricField field;
+  Fields fields;
+  RepairedMetric repaired;
   MetricOptions metric = options.metric;
-  std::optional<SurfaceBound> bound;  // the same
+  std::optional<SurfaceBound> bound;
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
-    input.whole = meshing::read_mesh(files.input, &input.names, meshing::Coordinates::any);
-    if (input.whole->tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
-    fields = read_all_fields(files.fields, input.whole->points.size(), files.input);
+    whole = meshing::read_mesh(files.input, &input.names, meshing::Coordinates::any);
+    if (whole.tets.empty()) throw InputError(files.input, "", "has no tetrahedra");
+    fields = read_all_fields(files.fields, whole.points.size(), files.input);
     MetricOptions none;
-    repaired = repair_input(*input.whole, files.input, has_background(files) ? none : metric, fields);
+    repaired = repair_input(whole, files.input, has_background(files) ? none : metric, fields);
     input.mends = std::move(repaired.mends);
-    bound = surface_bound(options.geometry, *input.whole);
+    bound = surface_bound(options.geometry, whole);
   });
   const bool is_bounded = partition::max(peers, bound ? 1 : 0) != 0;
   if (only_scaled(metric) && !is_bounded) input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0 || has_background(files)) return;
-    LogMetricMade made = make_log_metric(metric, *input.whole, files.input,
+    LogMetricMade made = make_log_metric(metric, whole, files.input,
                                          repaired.source ? &*repaired.source : nullptr, model, bound);
-    input.whole_metric = std::move(made.field);
+    field = std::move(made.field);
     input.warnings = std::move(made.warnings);
     input.surface_limit = made.surface_limit;
   });
   if (peers.ranks() > 1)
     input.warnings.push_back("rank 0 has read all of " + files.input + ": a mesh is not repaired in shares");
-  input.slice = deal_out(peers, input.whole ? *input.whole : MeshData{}, input.whole_metric);
+  input.slice = deal_out(peers, whole, field);
   input.fields = deal_fields(peers, fields, input.slice);
-  if (input.whole && input.target_complexity > 0)
-    scale_to_complexity(*input.whole, input.target_complexity, input.whole_metric);
   return input;
 }
 
@@ -183,14 +171,11 @@ SliceInput read_slice(Peers& peers, const Files& files, const Options& options,
                                         : read_share(peers, files, options, model);
   warn_of_fields(peers, files, options, input);
   if (has_background(files)) {
-    input.whole.reset();
     input.target_complexity = 0;
     if (options.run.repair)
       mend_background(peers, files, options, model, input);
     else
       add_background(peers, files, options, model, input);
-  } else if (peers.ranks() == 1 && !input.whole) {
-    keep_whole(input);
   }
   return input;
 }

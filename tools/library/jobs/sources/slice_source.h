@@ -22,9 +22,6 @@ struct SliceInput {
   double target_complexity = 0;  ///< that the slice's metric still has to be scaled to; 0: as it is
   std::vector<std::string> warnings;
   meshing::SurfaceLimit surface_limit = {};
-  /// The whole input with its metric, where one rank has read it whole; only on rank 0.
-  std::optional<meshing::MeshData> whole;
-  meshing::LogMetricField whole_metric;
   meshing::RefNames names;  ///< of the input's references; on rank 0 at least
   std::vector<Mend> mends;  ///< of the input, on rank 0
   Fields fields;            ///< those that are carried along, at the slice's points
