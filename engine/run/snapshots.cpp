@@ -82,8 +82,8 @@ void Snapshots::receive(Rank from, const SnapshotMessage& message) {
       --not_ready_;
       objects_ += message.objects;
       return;
-    case Kind::wish:
-      wished_ = true;
+    case Kind::wish:  // the one that is being taken will do, as long as something may still be copied
+      wished_ |= stage_ != Stage::collecting || settling_;
       return;
     case Kind::begin:
       epoch_ = message.epoch;

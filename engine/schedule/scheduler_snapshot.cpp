@@ -133,11 +133,12 @@ void Scheduler::end_copy(Cell& cell, CellCopy copy) {
 void Scheduler::copy_cell(Cell& cell, Lane& lane, Lock& lock) {
   const TimePoint begin = now();
   CellCopy copy = begin_copy(cell);
+  const std::uint64_t epoch = copy.cell.epoch;
   lock.unlock();
   const bool good = guard(cell, {}, [&] { end_copy(cell, std::move(copy)); });
   const TimePoint end = now();
   lock.lock();
-  copied_ += good;
+  copied_ += good && epoch == epoch_;  // the next may have begun
   copying_ += end - begin;
   lane.span({begin, end, cell.id, Span::kNoName, Activity::pack, 0});
   wake_();

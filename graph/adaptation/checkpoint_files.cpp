@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
 
 #include "engine/base/text.h"
 #include "graph/adaptation/word_packing.h"
@@ -38,6 +40,7 @@ std::optional<std::uint64_t> number_of(const fs::path& folder) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
   if (error != std::errc() || end != name.data() + name.size() || number == 0) return {};
+  if (std::to_string(number) != name) return {};  // 007 is somebody else's
   return number;
 }
 
@@ -57,17 +60,29 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// A folder of files, as far as that can be done.
-void remove_folder(const fs::path& folder) {
+bool is_of_checkpoint(const std::string& name) {
+  const std::string_view rank = "rank-";
+  const auto digits = [&] { return name.find_first_not_of("0123456789", rank.size()) == std::string::npos; };
+  return name == kManifestName || (name.starts_with(rank) && digits()) ||
+         (name.starts_with(".weft-") && name.ends_with(".tmp"));
+}
+
+/// The files of a checkpoint, as far as that can be done; a folder with a number may be somebody else's.
+/// Returns whether there were any.
+bool remove_files(const fs::path& folder) {
   std::error_code ignored;
-  for (const fs::path& file : entries_of(folder)) fs::remove(file, ignored);
-  fs::remove(folder, ignored);
+  bool removed = fs::remove(folder / kManifestName, ignored);  // first: half of a checkpoint is none
+  for (const fs::path& file : entries_of(folder))
+    if (is_of_checkpoint(file.filename().string())) removed |= fs::remove(file, ignored);
+  return removed;
 }
 
 std::vector<std::pair<std::uint64_t, fs::path>> numbered_folders(const fs::path& folder) {
   std::vector<std::pair<std::uint64_t, fs::path>> all;
+  std::error_code ignored;
   for (const fs::path& entry : entries_of(folder))
-    if (const auto number = number_of(entry)) all.emplace_back(*number, entry);
+    if (const auto number = number_of(entry); number && fs::is_directory(entry, ignored))
+      all.emplace_back(*number, entry);
   std::sort(all.rbegin(), all.rend());
   return all;
 }
@@ -164,15 +179,37 @@ void remove_old_checkpoints(const fs::path& folder, std::size_t keep) {
     const bool complete = read_manifest(path).has_value();
     if (complete && kept++ < keep) continue;
     if (!complete && kept == 0) continue;  // it may be on its way
-    std::error_code ignored;
-    fs::remove(path / kManifestName, ignored);  // first: half of a checkpoint is none
-    remove_folder(path);
+    if (remove_files(path)) ::rmdir(path.c_str());
   }
+}
+
+void remove_checkpoint(const fs::path& folder) {
+  remove_files(folder);
+  ::rmdir(folder.c_str());
 }
 
 void remove_incomplete(const fs::path& folder, std::uint64_t after) {
   for (const auto& [number, path] : numbered_folders(folder))
-    if (number > after && !read_manifest(path)) remove_folder(path);
+    if (number > after && !read_manifest(path)) remove_checkpoint(path);
+}
+
+CheckpointLock::CheckpointLock(const fs::path& folder, std::chrono::milliseconds patience) {
+  std::error_code ignored;  // the first checkpoint tells
+  fs::create_directories(folder, ignored);
+  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0) return;
+  constexpr std::chrono::milliseconds kStep(100);
+  for (; ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; patience -= kStep) {
+    if (patience.count() <= 0) {
+      ::close(descriptor_);
+      throw InputError(folder.string(), "", "another run writes its checkpoints into this folder");
+    }
+    std::this_thread::sleep_for(kStep);
+  }
+}
+
+CheckpointLock::~CheckpointLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 fs::path checkpoint_folder(const fs::path& folder, std::uint64_t number) {

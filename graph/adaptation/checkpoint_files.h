@@ -7,6 +7,7 @@
 // Files appear under their names when they are whole and on the disk. Records carry a hash each.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -45,11 +46,29 @@ struct CheckpointPlace {
 std::vector<CheckpointPlace> find_checkpoints(const std::filesystem::path& folder);
 /// The highest number of any, complete or not; 0: there is none.
 std::uint64_t last_number(const std::filesystem::path& folder);
-/// Removes all but the `keep` latest that are complete, and older ones that never became so.
+/// Removes all but the `keep` latest that are complete, and older ones that never became so. Nothing but
+/// files of checkpoints, wherever they are, and folders that are empty then.
 void remove_old_checkpoints(const std::filesystem::path& folder, std::size_t keep);
 
 /// Removes those with numbers above `after` that are not complete.
 void remove_incomplete(const std::filesystem::path& folder, std::uint64_t after);
+
+/// One, complete or not.
+void remove_checkpoint(const std::filesystem::path& folder);
+
+/// Keeps other runs from writing checkpoints into a folder, which it makes. Where it cannot be locked it is
+/// not. Throws meshing::InputError when another still does after `patience`: processes of a run that was
+/// killed may take a while to notice.
+class CheckpointLock {
+ public:
+  CheckpointLock(const std::filesystem::path& folder, std::chrono::milliseconds patience);
+  ~CheckpointLock();
+  CheckpointLock(const CheckpointLock&) = delete;
+  CheckpointLock& operator=(const CheckpointLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
 
 std::filesystem::path checkpoint_folder(const std::filesystem::path& folder, std::uint64_t number);
 std::string rank_file(int rank);

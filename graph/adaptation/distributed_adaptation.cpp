@@ -14,6 +14,7 @@
 #include "meshing/base/error.h"
 #include "meshing/metric/expectations.h"
 #include "meshing/operators/surface_fit.h"
+#include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/coordinate/boundary_coordinate.h"
 #include "partition/fields/own_background.h"
@@ -255,7 +256,12 @@ void take_pieces(engine::Runtime& runtime, EnginePeers& peers, const partition::
 /// Folders are numbered on from those that are there: rank 0 looks.
 void begin_checkpoints(EnginePeers& peers, const AdaptationPlan& plan, std::uint64_t hash,
                        CheckpointWriter& writer) {
-  std::uint64_t last = peers.rank() == 0 ? last_number(writer.folder()) : 0;
+  std::uint64_t last = 0;
+  partition::agree_on(peers, [&] {
+    if (peers.rank() != 0) return;
+    writer.lock();
+    last = last_number(writer.folder());
+  });
   last = partition::max(peers, last);
   writer.begin({hash, plan.subdomains, plan.home_ranks, last, {}});
 }
@@ -286,11 +292,12 @@ const CheckpointPlace& restore_latest(engine::Runtime& runtime, EnginePeers& pee
   std::rethrow_exception(latest);
 }
 
-/// What no rank writes to any more can be told to be unfinished.
-void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer) {
+/// What no rank writes to any more can be told to be unfinished. Of a run that was interrupted it stays: its
+/// mesh is not to wait for a disk.
+void end_checkpoints(EnginePeers& peers, CheckpointWriter& writer, bool interrupted) {
   writer.end();
-  partition::sum(peers, std::uint64_t{0});
-  if (peers.rank() == 0) writer.remove_unfinished();
+  const bool all_have = partition::max(peers, interrupted ? 1 : 0) == 0;
+  if (all_have && peers.rank() == 0) writer.remove_unfinished();
 }
 
 /// All ranks: what slabs are to be cut along, where it is no axis. Returns a warning, or none.
@@ -393,6 +400,8 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     if (plan.pauses) checked.expect_of(d.starts);
     d.starts.clear();
     result.resumed = restore_latest(runtime, peers, plan, options.resume, result.warnings).folder;
+    dataflow::visit<SubdomainTask>(runtime,
+                                   [&](SubdomainTask::Ref, SubdomainTask& task) { task.tell(rank); });
     result.planned = neighbours_here(runtime);
     if (plan.pauses)
       result.checks = checked.resume();
@@ -410,7 +419,8 @@ DistributedResult adapt_distributed(engine::Runtime& runtime, EnginePeers& peers
     result.planned = std::move(made.neighbours);
   }
   if (options.on_end) options.on_end();
-  if (options.checkpoints) end_checkpoints(peers, *options.checkpoints);
+  if (options.checkpoints)
+    end_checkpoints(peers, *options.checkpoints, options.interrupt != nullptr && *options.interrupt);
   if (const auto lines = dataflow::incomplete<SubdomainTask>(runtime); !lines.empty())
     throw std::logic_error("the subdomains have not finished: " + lines.front());
   result.adaptation_seconds = seconds_since(middle);

@@ -48,7 +48,7 @@ struct DistributedOptions {
   std::function<void(partition::Subdomain&)> on_check = {};
   const std::atomic<bool>* interrupt = nullptr;
   std::function<void()> out_of_memory = {};  ///< meshing::AdaptOptions::out_of_memory, from any thread
-  /// Of the runtime (RuntimeOptions::snapshots); null: no checkpoints. Not with `check`.
+  /// Of the runtime (RuntimeOptions::snapshots); null: no checkpoints.
   CheckpointWriter* checkpoints = nullptr;
   /// To go on from, the same on all ranks and of one run: the first that is not damaged. Empty: from the
   /// beginning.

@@ -18,6 +18,8 @@ using Kind = CheckpointRecord::Kind;
 
 template <class T>
 std::uint64_t hash_of(const std::vector<T>& values, std::uint64_t seed) {
+  static_assert(std::is_floating_point_v<T> || std::has_unique_object_representations_v<T> ||
+                std::is_same_v<T, meshing::Point> || std::is_same_v<T, meshing::LogMetric>);
   return hash_bytes(values.data(), values.size() * sizeof(T), seed);
 }
 
@@ -76,6 +78,11 @@ std::uint64_t hash_of_run(partition::Peers& peers, std::span<const partition::Su
     hash = hash_of(s.log_metrics, hash);
     hash = hash_of(s.ids, hash);
     hash = hash_of(s.tets, hash);
+    hash = hash_of(s.point_refs, hash);
+    hash = hash_of(s.kinds, hash);
+    hash = hash_of(s.flags, hash);
+    hash = hash_of(s.boundary_faces, hash);
+    hash = hash_of(s.feature_edges, hash);
     for (const auto& piece : s.background) hash = hash_of(piece->log_metrics, hash ^ piece->id);
     sum += hash_of(s.tet_refs, hash);
   }

@@ -159,6 +159,8 @@ class SubdomainTask {
   const std::optional<Pause>& paused() const { return paused_; }
   /// Ends the pause that it has made (AdaptationPlan::pauses), if any; to be started there.
   std::optional<Pause> release();
+  /// Tells the rank's board how far it is.
+  void tell(const RankData& rank);
   /// How far it is, in words.
   std::string describe() const;
 
@@ -202,7 +204,6 @@ class SubdomainTask {
   double share_wanted(std::span<const partition::Proposal> proposals) const;
   partition::Priority priority_in(const AdaptationPlan& plan, std::uint64_t round) const;
   void tell_log_what_is_left(dataflow::NodeContext& context);
-  void tell(const RankData& rank);
 
   static constexpr std::uint64_t kNever = ~std::uint64_t{0};
 

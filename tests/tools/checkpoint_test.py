@@ -126,11 +126,16 @@ class Writing(Checkpoints):
         self.assertEqual(process.returncode, 1)
 
     def test_that_fails_costs_the_checkpoint_alone(self):
-        (self.folder / "ck").mkdir()
-        (self.folder / "ck" / "1").write_text("in the way")
-        shutil.copy(self.folder / "ck" / "1", self.folder / "ck" / "2")
-        text = self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb")
+        in_the_way = [self.folder / "ck" / str(number) for number in range(1, 400)]
+        in_the_way[0].parent.mkdir()
+        for file in in_the_way:
+            file.write_text("in the way")
+        text = self.run_on(2, "--checkpoint", "ck", "--checkpoint-every", 0.02, "-o", "first.meshb", "--report", "r")
         self.assertEqual(self.bytes_of("first.meshb"), self.reference(), text)
+        report = json.loads((self.folder / "r/report.json").read_text())
+        self.assertEqual(report["subdomains"]["checkpoints"]["written"], 0)
+        self.assertRegex("\n".join(report["warnings"]), "the latest checkpoint could not be written: .*ck/")
+        self.assertTrue(all(file.is_file() for file in in_the_way))
 
 
 class Resuming(Checkpoints):
@@ -194,8 +199,31 @@ class Resuming(Checkpoints):
 
     def test_of_another_run_is_refused(self):
         self.some_checkpoints()
-        text = self.run_on(2, "--resume", "ck", "-o", "second.meshb", expect=(2,), complexity=5000)
-        self.assertIn("another run", text)
+        for words, options in ((), {"complexity": 5000}), (("--ridge-angle", 50), {}), (("--hausd", 0.01), {}), (("--layers", 3), {}):
+            text = self.run_on(2, "--resume", "ck", "-o", "second.meshb", *words, expect=(2,), **options)
+            self.assertIn("another run", text)
+
+    def test_of_a_run_that_was_interrupted_is_of_whole_work(self):
+        """Subdomains end with what they have then, and nobody goes on from that."""
+        for moment in (0.1, 0.2, 0.4):
+            shutil.rmtree(self.folder / "ck", ignore_errors=True)
+            process = self.start(2, "--checkpoint", "ck", "--checkpoint-every", 0.01, "-o", "first.meshb")
+            while process.poll() is None and not (self.folder / "ck").exists():
+                time.sleep(0.01)  # before that a signal kills
+            time.sleep(moment)
+            if process.poll() is None:
+                process.send_signal(signal.SIGALRM)
+            process.communicate(timeout=SECONDS)
+            self.run_on(3, "--resume", "ck", "-o", "second.meshb")
+            self.assertEqual(self.bytes_of("second.meshb"), self.reference(), f"interrupted after {moment} s")
+
+    def test_waits_for_a_run_that_still_writes_there(self):
+        slow = self.start(2, "--checkpoint", "ck", "--checkpoint-every", 0.05, "-o", "first.meshb", complexity=4 * COMPLEXITY)
+        while slow.poll() is None and not self.complete():
+            time.sleep(0.01)
+        self.run_on(0, "--checkpoint", "ck", "--checkpoint-every", 1, "-o", "second.meshb")
+        self.assertIn("first.meshb", self.files(), "its run had the folder first")
+        slow.communicate(timeout=SECONDS)
 
 
 class OneMesh(Checkpoints):

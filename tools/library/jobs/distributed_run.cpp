@@ -76,7 +76,7 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   };
   if (!options.checkpoint.folder.empty()) {
     checkpoints_.emplace(options.checkpoint.folder, options.checkpoint.every, options.checkpoint.now,
-                         transport.rank().value, transport.size());
+                         &monitor_.flag(), transport.rank().value, transport.size());
     engine.snapshots = &*checkpoints_;
   }
   runtime_.emplace(transport, registry_, engine);
@@ -168,6 +168,14 @@ std::uint32_t DistributedRun::number_of_subdomains() const {
   return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * threads_);
 }
 
+/// With what a plan does not tell.
+std::uint64_t DistributedRun::hash_of_program() const {
+  const GeometryOptions& geometry = options_.geometry;
+  const std::string text =
+      fmt::format("{} {} {} {}", kVersion, geometry.ridge_angle, geometry.model_scale, geometry.model);
+  return graph::adaptation::hash_bytes(text.data(), text.size(), registry_.fingerprint());
+}
+
 graph::adaptation::DistributedOptions DistributedRun::method_options(double target_complexity) {
   const DistributedOptions& asked = options_.distributed;
   graph::adaptation::DistributedOptions method;
@@ -193,8 +201,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   method.out_of_memory = [this] { monitor_.out_of_memory(); };
   if (checkpoints_) method.checkpoints = &*checkpoints_;
   method.resume = resume_;
-  const std::string program = kVersion;
-  method.program = graph::adaptation::hash_bytes(program.data(), program.size(), registry_.fingerprint());
+  method.program = hash_of_program();
   if (monitor_.wanted()) method.news = &news_;
   method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
     before_loop_ = runtime_->summary();

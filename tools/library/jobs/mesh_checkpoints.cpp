@@ -94,10 +94,11 @@ std::uint64_t hash_of_run(const meshing::MeshData& input, const meshing::MeshDat
 }
 
 MeshCheckpoints::MeshCheckpoints(const CheckpointOptions& options, std::uint64_t run)
-    : writer_(options.folder, options.every, options.now, 0, 1) {
+    : writer_(options.folder, options.every, options.now, nullptr, 0, 1) {
   CheckpointManifest manifest;
   manifest.run = run;
   manifest.subdomains = kOneMesh;
+  writer_.lock();
   manifest.first_number = graph::adaptation::last_number(options.folder);
   writer_.begin(manifest);
 }
@@ -130,7 +131,7 @@ void MeshCheckpoints::write(meshing::AdaptationState&& state) {
   try {
     writer_.object(epoch_, engine::packed(std::move(state)));
     writer_.close(epoch_);
-    whole = writer_.wait_until_stored();
+    whole = writer_.wait_until_stored(epoch_);
   } catch (const std::exception&) {  // no memory for what is packed
   }
   finish_epoch(whole);
