@@ -4,7 +4,7 @@
     kill_runs.py WEFT [--runs N] [--limits N] [--seed N] [--ranks R] [--size F] [--keep DIR] [--case SEED]
 
 Killed (SIGKILL) are any rank, rank 0, two ranks, mpirun itself, or all at once, as a power cut does; one mesh in one process, with one
-thread and more, subdomains, and ranks, some with `--check`. The result must pass `weft verify`, and where all had one thread its bytes must be those of
+thread and more, subdomains, and ranks, some with `--check`. A quarter are interrupted instead (SIGALRM). The result must pass `weft verify`, and where all had one thread its bytes must be those of
 the run that nobody disturbs. Besides, `--limits` runs have a `--time-limit` at random: they must end within it and two seconds more,
 with a valid mesh. Ends with a table of counts by kind; exit code 1 where any failed: its command lines are printed, and its files
 with these lines are kept in DIR, to be run again by `--case SEED`.
@@ -28,6 +28,7 @@ SECONDS = 300  # far above what any of these takes
 AT_START = 0.3  # that mpirun takes until its ranks begin
 OF_MPIRUN = 1  # Open MPI's mpirun waits that long after a rank has ended with another code than 0
 MPIRUN = [*os.environ.get("WEFT_MPIRUN", "mpirun;--oversubscribe;--bind-to;none").split(";"), "-n"]
+INTERRUPTED = 0.25  # of those that are struck: by a signal that ends them early
 MOST_KILLS = 4  # of a run; then it is left alone
 # Name, how the mesh is made, the metric, the complexity.
 MESHES = {
@@ -134,10 +135,15 @@ class Run:
             victims |= {"a rank": [self.random.choice(ranks)], "rank 0": ranks[:1], "mpirun": [process.pid]}
         if len(ranks) > 1:
             victims["two ranks"] = self.random.sample(ranks, 2)
-        name = self.random.choice(sorted(victims))
-        self.lines.append(f"# after {after:.3f} s killed: {name}")
-        strike(*victims[name])
-        self.kinds[f"killed: {name}"] += 1
+        if self.random.random() < INTERRUPTED:  # it ends with the mesh that it has; who goes on wants the whole one
+            name = "interrupted"
+            self.lines.append(f"# after {after:.3f} s interrupted")
+            process.send_signal(signal.SIGALRM)
+        else:
+            name = self.random.choice(sorted(victims))
+            self.lines.append(f"# after {after:.3f} s killed: {name}")
+            strike(*victims[name])
+        self.kinds[name if name == "interrupted" else f"killed: {name}"] += 1
         self.end(process, SECONDS)
         deadline = time.monotonic() + SECONDS  # the ranks of a dead mpirun end by themselves, but later
         while any(is_weft(rank) for rank in ranks):
