@@ -57,6 +57,7 @@ class Checker {
   void check_finite();
   void check_finite_edges();
   void check_finite_faces();
+  void find_used();
   Box box_of_face(std::size_t f) const;
   void check_sizes();
   void check_tolerances();
@@ -70,16 +71,30 @@ class Checker {
 
   const GeometryModel& model_;
   ModelDefects defects_;
-  Box box_;  // of nodes and edges, of faces without any
+  std::vector<bool> used_, used_nodes_;  // edges, nodes: those of borders
+  Box box_;                              // of these, of faces without any
   double size_ = 0;
 };
 
+/// What is beside the body, such as sketches and axes, does not tell how large it is.
+void Checker::find_used() {
+  used_.assign(model_.edges().size(), false);
+  used_nodes_.assign(model_.nodes().size(), false);
+  for (const ModelFace& face : model_.faces())
+    for (const EdgeUse& use : face.border) {
+      used_[use.edge] = true;
+      for (const std::uint32_t n : model_.edges()[use.edge].nodes)
+        if (n != kNoEntity) used_nodes_[n] = true;
+    }
+}
+
 void Checker::check_finite() {
+  find_used();
   for (std::size_t n = 0; n < model_.nodes().size(); ++n)
-    if (is_near(model_.nodes()[n].x))
-      box_.include(model_.nodes()[n].x);
-    else
+    if (!is_near(model_.nodes()[n].x))
       fatal(name("node", n) + " is nowhere");
+    else if (used_nodes_[n])
+      box_.include(model_.nodes()[n].x);
   check_finite_edges();
   check_finite_faces();
 }
@@ -98,7 +113,7 @@ void Checker::check_finite_edges() {
         fatal(name("edge", i) + " is nowhere");
         break;
       }
-      box_.include(x);
+      if (used_[i]) box_.include(x);
     }
   }
 }

@@ -12,6 +12,7 @@
 #include <Geom_BezierSurface.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <Standard_Failure.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -22,7 +23,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "meshing/base/error.h"
 
 namespace weft::meshing {
 namespace {
@@ -160,6 +165,7 @@ OccModel::OccModel(const TopoDS_Shape& shape, std::string name, std::string unit
   add_nodes();
   add_edges();
   add_faces();
+  end_loose_lines();
 }
 
 void OccModel::add_nodes() {
@@ -193,6 +199,9 @@ void OccModel::add_edges() {
         e.period = kTurn;
       else if (curve->IsPeriodic())
         e.period = curve->Period();
+      // A closed curve that is not periodic is evaluated as if it were.
+      else if (!e.degenerate && e.nodes[0] == e.nodes[1] && e.nodes[0] != kNoEntity)
+        e.period = e.end - e.begin;
     }
     edges_.push_back(e);
     curves_.push_back(curve);
@@ -236,9 +245,27 @@ void OccModel::add_border(std::uint32_t face) {
     double first, last;
     const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, shape, first, last);
     if (index == 0 || curve.IsNull()) continue;
-    faces_[face].border.push_back(
-        {static_cast<std::uint32_t>(index - 1), edge.Orientation() == TopAbs_REVERSED});
-    pcurves_[face].push_back(curve);
+    const auto use = [&](bool reversed) {
+      faces_[face].border.push_back({static_cast<std::uint32_t>(index - 1), reversed});
+      pcurves_[face].push_back(curve);
+    };
+    const TopAbs_Orientation way = edge.Orientation();
+    if (way != TopAbs_REVERSED) use(false);
+    if (way != TopAbs_FORWARD) use(true);  // an edge within the face has it on both sides
+  }
+}
+
+/// Axes and other lines without ends that are no border of a face are none of the body.
+void OccModel::end_loose_lines() {
+  std::vector<bool> used(edges_.size());
+  for (const ModelFace& f : faces_)
+    for (const EdgeUse& use : f.border) used[use.edge] = true;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    ModelEdge& e = edges_[i];
+    if (used[i] || std::max(std::abs(e.begin), std::abs(e.end)) < 1e99) continue;
+    e.degenerate = true;
+    e.begin = 0;
+    e.end = 1;
   }
 }
 
@@ -248,10 +275,21 @@ std::size_t OccModel::num_bodies() const {
   return static_cast<std::size_t>(bodies.Extent());
 }
 
+/// OpenCASCADE's exceptions are none of the standard library's.
+template <class Evaluate>
+void OccModel::evaluating(const char* kind, std::uint32_t entity, const Evaluate& evaluate) const {
+  try {
+    evaluate();
+  } catch (const Standard_Failure& failure) {
+    throw InputError(name_, std::string(kind) + " " + std::to_string(entity + 1),
+                     std::string("cannot be evaluated: ") + failure.GetMessageString());
+  }
+}
+
 CurveJet OccModel::curve(std::uint32_t edge, double t) const {
   gp_Pnt p;
   gp_Vec d1, d2;
-  curves_[edge]->D2(t, p, d1, d2);
+  evaluating("edge", edge, [&] { curves_[edge]->D2(t, p, d1, d2); });
   return {point(p), vec(d1), vec(d2)};
 }
 
@@ -263,7 +301,7 @@ SurfaceJet OccModel::surface(std::uint32_t face, const Parameters& at) const {
       q[i] = into_range(q[i], f.first[i], f.period[i]);
   gp_Pnt p;
   gp_Vec du, dv, duu, dvv, duv;
-  surfaces_[face]->D2(q[0], q[1], p, du, dv, duu, dvv, duv);
+  evaluating("face", face, [&] { surfaces_[face]->D2(q[0], q[1], p, du, dv, duu, dvv, duv); });
   return {point(p), vec(du), vec(dv), vec(duu), vec(duv), vec(dvv)};
 }
 
@@ -271,7 +309,8 @@ Parameters OccModel::on_face(std::uint32_t face, const EdgeUse& use, double t) c
   const auto& border = faces_[face].border;
   for (std::size_t i = 0; i < border.size(); ++i) {
     if (border[i].edge != use.edge || border[i].reversed != use.reversed) continue;
-    const gp_Pnt2d p = pcurves_[face][i]->Value(t);
+    gp_Pnt2d p;
+    evaluating("face", face, [&] { p = pcurves_[face][i]->Value(t); });
     return {p.X(), p.Y()};
   }
   return {};

@@ -42,6 +42,9 @@ class OccModel : public GeometryModel {
   void add_edges();
   void add_faces();
   void add_border(std::uint32_t face);
+  void end_loose_lines();
+  template <class Evaluate>
+  void evaluating(const char* kind, std::uint32_t entity, const Evaluate& evaluate) const;
 
   TopoDS_Shape shape_;
   std::string name_, unit_;

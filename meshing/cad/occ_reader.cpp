@@ -1,5 +1,6 @@
 // Reads STEP, IGES and BREP files, keeps their units, mends and checks what it gets, and tessellates.
 #include <BOPAlgo_Builder.hxx>
+#include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -8,7 +9,9 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <BinTools.hxx>
+#include <Bnd_Box.hxx>
 #include <IGESControl_Reader.hxx>
+#include <IGESData_GlobalSection.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
@@ -31,6 +34,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -99,6 +103,7 @@ struct Read {
   TopoDS_Shape shape;
   std::string unit;
   double millimetres = 1;  ///< of the unit
+  double gaps = 0;         ///< that the file's program takes for none; millimetres
   std::vector<std::string> warnings;
 };
 
@@ -155,6 +160,16 @@ Read read_step(const std::string& path) {
   return result;
 }
 
+/// The specification's flags stand for names, which may be missing; without both lengths are in inches.
+std::string name_of_unit(const IGESData_GlobalSection& global) {
+  constexpr std::array<const char*, 12> kOfFlag = {"INCH", "INCH", "MM",  "",   "FT", "MI",
+                                                   "M",    "KM",   "MIL", "UM", "CM", ""};
+  const int flag = global.UnitFlag();
+  const bool known = flag >= 0 && flag < static_cast<int>(kOfFlag.size());
+  if (known && *kOfFlag[static_cast<std::size_t>(flag)] != 0) return kOfFlag[static_cast<std::size_t>(flag)];
+  return global.UnitName().IsNull() ? "INCH" : global.UnitName()->ToCString();
+}
+
 Read read_iges(const std::string& path) {
   Read result;
   IGESControl_Reader reader;
@@ -162,10 +177,12 @@ Read read_iges(const std::string& path) {
     throw InputError(path, "", "is no IGES file, or is damaged or truncated");
   const Handle(IGESData_IGESModel) model = Handle(IGESData_IGESModel)::DownCast(reader.Model());
   result.unit = "millimetre";
-  if (!model.IsNull() && !model->GlobalSection().UnitName().IsNull()) {
-    const Unit& unit = unit_called(model->GlobalSection().UnitName()->ToCString(), result.warnings);
+  if (!model.IsNull()) {
+    const IGESData_GlobalSection& global = model->GlobalSection();
+    const Unit& unit = unit_called(name_of_unit(global), result.warnings);
     result.unit = unit.name;
     result.millimetres = unit.millimetres;
+    result.gaps = global.Resolution() * unit.millimetres;
   }
   reader.TransferRoots();
   if (reader.NbShapes() == 0) throw InputError(path, "", "holds no shape, or is damaged or truncated");
@@ -206,10 +223,37 @@ TopTools_IndexedMapOfShape all_of(const TopoDS_Shape& shape, TopAbs_ShapeEnum ki
   return all;
 }
 
-/// Loose faces, as IGES has them, are sewn together.
+/// How many times each edge borders a face of the body, by its number among `edges`; one within a face has it
+/// on both sides.
+std::map<int, int> uses_of_edges(const TopoDS_Shape& body, const TopTools_IndexedMapOfShape& edges) {
+  std::map<int, int> uses;
+  for (TopExp_Explorer edge(body, TopAbs_EDGE); edge.More(); edge.Next())
+    if (!BRep_Tool::Degenerated(TopoDS::Edge(edge.Current())))
+      uses[edges.FindIndex(edge.Current())] += edge.Current().Orientation() == TopAbs_INTERNAL ? 2 : 1;
+  return uses;
+}
+
+/// Several shells that may be parts of one.
+bool are_loose_shells(const TopoDS_Shape& shape) {
+  if (all_of(shape, TopAbs_SHELL).Extent() < 2) return false;
+  const auto uses = uses_of_edges(shape, all_of(shape, TopAbs_EDGE));
+  return std::ranges::any_of(uses, [](const auto& use) { return use.second == 1; });
+}
+
+/// Gaps are what the file's program takes for none, at most a small part of the shape.
+double sewing_tolerance(const Read& read) {
+  Bnd_Box box;
+  BRepBndLib::Add(read.shape, box);
+  constexpr double kLeast = 1e-6, kMostOfSize = 1e-4;
+  const double most = box.IsVoid() ? kLeast : kMostOfSize * std::sqrt(box.SquareExtent());
+  return std::max(kLeast, std::min(read.gaps, most));
+}
+
+/// Loose faces, as IGES has them, are sewn together, and loose shells.
 void sew(Read& read) {
-  if (has(read.shape, TopAbs_SHELL)) return;
-  BRepBuilderAPI_Sewing sewing(1e-6);
+  if (has(read.shape, TopAbs_SOLID)) return;
+  if (has(read.shape, TopAbs_SHELL) && !are_loose_shells(read.shape)) return;
+  BRepBuilderAPI_Sewing sewing(sewing_tolerance(read));
   sewing.Add(read.shape);
   sewing.Perform();
   if (sewing.SewedShape().IsNull()) return;
@@ -282,12 +326,8 @@ void find_open_edges(Read& read) {
   const TopTools_IndexedMapOfShape bodies = all_of(read.shape, has_solids ? TopAbs_SOLID : TopAbs_SHELL);
   std::vector<std::string> open;
   for (int i = 1; i <= bodies.Extent(); ++i) {
-    std::map<int, int> uses;
-    for (TopExp_Explorer edge(bodies(i), TopAbs_EDGE); edge.More(); edge.Next())
-      ++uses[edges.FindIndex(edge.Current())];
-    for (const auto& [index, count] : uses)
-      if (count == 1 && !BRep_Tool::Degenerated(TopoDS::Edge(edges(index))))
-        open.push_back(std::to_string(index));
+    for (const auto& [index, count] : uses_of_edges(bodies(i), edges))
+      if (count == 1) open.push_back(std::to_string(index));
   }
   if (!open.empty()) read.warnings.push_back("the model is open at edge " + listed(open));
 }

@@ -14,6 +14,7 @@
 #include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/resolve_surface.h"
 #include "meshing/mesh/polygon.h"
+#include "meshing/mesh/repair/point_tree.h"
 
 namespace weft::meshing {
 namespace {
@@ -129,14 +130,21 @@ class SurfaceRepair {
     std::iota(all.begin(), all.end(), 0u);
     const std::vector<std::uint32_t> order = by_x(all);
     const double tolerance = kSamePlace * diagonal_;
-    for (std::size_t i = 0; i < order.size(); ++i)
-      for (std::size_t j = i + 1;
-           j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j) {
-        const double distance = norm(m_.points[order[i]] - m_.points[order[j]]);
-        if (distance > tolerance || now[order[j]] != order[j] || now[order[i]] == order[j]) continue;
-        now[order[j]] = now[order[i]];
-        mend("vertices at the same place merged", "vertex", "distance").add(order[j], distance);
+    const PointTree tree(m_.points, order);
+    for (const std::uint32_t a : order) {
+      Box box;
+      box.include(m_.points[a]);
+      std::vector<std::uint32_t> near;
+      tree.visit_in(box.grown(tolerance), [&](std::uint32_t b) {
+        if (std::pair(m_.points[a].x, a) < std::pair(m_.points[b].x, b)) near.push_back(b);
+      });
+      for (const std::uint32_t b : by_x(std::move(near))) {
+        const double distance = norm(m_.points[a] - m_.points[b]);
+        if (distance > tolerance || now[b] != b || now[a] == b) continue;
+        now[b] = now[a];
+        mend("vertices at the same place merged", "vertex", "distance").add(b, distance);
       }
+    }
     renumber(now);
   }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <list>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -13,13 +14,13 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "meshing/io/files/atomic_file.h"
 #include "meshing/io/vtk/pvtu.h"
 #include "meshing/io/vtk/vtu.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/by_components.h"
-#include "partition/output/new_files.h"
 
 namespace weft::partition {
 namespace {
@@ -184,7 +185,7 @@ void write_slices_as_pvtu(Peers& peers, const MeshSlice& slice, const meshing::S
     if (p * ranks / num_pieces == static_cast<std::size_t>(peers.rank())) mine.push_back(p);
   }
   PieceMaker maker(peers, slice, fields, num_pieces);
-  NewFiles files;
+  std::list<meshing::FormerFile> former;  // what was there comes back when anybody fails
   const std::size_t rounds = partition::max(peers, mine.size());
   for (std::size_t round = 0; round < rounds; ++round) {
     const std::size_t piece = round < mine.size() ? mine[round] : num_pieces;
@@ -192,14 +193,13 @@ void write_slices_as_pvtu(Peers& peers, const MeshSlice& slice, const meshing::S
     agree_on(peers, [&] {
       if (piece == num_pieces) return;
       const fs::path path = file.parent_path() / names[piece];
+      former.emplace_back(path);
       meshing::write_vtu_piece(path, contents, maker.global_ids(), options);
-      files.add(path);
     });
   }
   agree_on(peers, [&] {
     if (peers.rank() == 0) meshing::write_pvtu_index(file, fields, {}, names);
   });
-  files.keep();
 }
 
 }  // namespace weft::partition

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <list>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "meshing/io/files/atomic_file.h"
 #include "meshing/io/gmf/gmf.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/io/vtk/pvtu.h"
@@ -19,7 +21,6 @@
 #include "meshing/metric/measures.h"
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
-#include "partition/output/new_files.h"
 #include "partition/output/numbering.h"
 
 namespace weft::partition {
@@ -125,13 +126,13 @@ void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs
                          const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
   const std::vector<SubdomainId> subdomains = all_subdomains(peers, mine);
-  NewFiles files;
+  std::list<meshing::FormerFile> former;  // what was there comes back when anybody fails
   agree_on(peers, [&] {
     for (std::size_t p = 0; p < mine.size(); ++p) {
       const fs::path path = index.parent_path() / vtu_name(index, mine[p].subdomain);
+      former.emplace_back(path);
       write_vtu(path, mine[p], numbering.pieces[p],
                 fields.of_pieces.empty() ? nullptr : &fields.of_pieces[p]);
-      files.add(path);
     }
   });
   agree_on(peers, [&] {
@@ -140,22 +141,20 @@ void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs
     for (const SubdomainId subdomain : subdomains) names.push_back(vtu_name(index, subdomain));
     meshing::write_pvtu_index(index, kinds_of(fields), {"subdomain", "quality"}, names);
   });
-  files.keep();
 }
 
 void write_pieces_for_parmmg(Peers& peers, std::span<const MeshPiece> mine, const fs::path& mesh) {
   const Numbering numbering = number_pieces(peers, mine);
-  NewFiles files;
+  std::list<meshing::FormerFile> former;  // what was there comes back when anybody fails
   agree_on(peers, [&] {
     for (std::size_t p = 0; p < mine.size(); ++p) {
       const fs::path path = part_name(mesh, mine[p].subdomain), metric = meshing::solution_beside(path);
+      former.emplace_back(path);
       meshing::write_gmf_part(path, mine[p].mesh, communicators_of(mine[p], numbering.pieces[p]));
-      files.add(path);
+      former.emplace_back(metric);
       meshing::write_gmf_solution(metric, meshing::solution_from_metric(mine[p].log_metrics));
-      files.add(metric);
     }
   });
-  files.keep();
 }
 
 }  // namespace weft::partition

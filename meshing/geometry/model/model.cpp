@@ -78,7 +78,9 @@ Model::Model(std::shared_ptr<const GeometryModel> geometry, double scale)
   take_splines();
   sample_edges();
   sample_faces();
-  for (std::uint32_t n = 0; n < num_nodes(); ++n) box_.include(node(n));
+  const auto is_border = [this](std::uint32_t e) { return !edge_faces_[e].empty(); };
+  for (std::uint32_t n = 0; n < num_nodes(); ++n)
+    if (std::ranges::any_of(node_edges_[n], is_border)) box_.include(node(n));
   size_ = norm(box_.size());
   trace_borders();
   find_planes_and_lines();
@@ -123,7 +125,7 @@ void Model::sample_edges() {
       s.t.push_back(at_share(m.begin, m.end, i, n));
       s.x.push_back(curve(e, s.t.back()).x);
       box.include(s.x.back());
-      box_.include(s.x.back());
+      if (!edge_faces_[e].empty()) box_.include(s.x.back());  // others are beside the body
     }
     enlarge(box, 0.02, edge_tolerance(e));
   }

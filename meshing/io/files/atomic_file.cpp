@@ -42,6 +42,7 @@ AtomicFile::AtomicFile(const fs::path& target)
   // Renaming over a device would replace it; over a directory it would fail only after all the work.
   std::error_code ignored;
   const fs::file_status status = fs::status(resolved_, ignored);
+  if (ignored == std::errc::filename_too_long) fail(ENAMETOOLONG);
   if (fs::is_directory(status)) fail(EISDIR);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw InputError(target_.string(), "", "cannot write: not a regular file");

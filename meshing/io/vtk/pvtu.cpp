@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -176,8 +177,10 @@ void write_pvtu(const fs::path& path, const MeshView& contents, const WriteOptio
   const auto num_pieces = static_cast<std::size_t>(std::max(1, options.pieces));
   const std::vector<std::uint32_t> first = first_points(contents.mesh, num_pieces);
   std::vector<std::string> names;
+  std::list<FormerFile> former;
   for (std::size_t i = 0; i < num_pieces; ++i) {
     names.push_back(path.stem().string() + "_" + std::to_string(i) + ".vtu");
+    former.emplace_back(path.parent_path() / names.back());
     const Share share(contents, i, num_pieces, i == 0 ? first : std::vector<std::uint32_t>{});
     write_vtu_piece(path.parent_path() / names.back(), share.contents(), share.global_ids(), options);
   }

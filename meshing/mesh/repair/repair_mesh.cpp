@@ -20,6 +20,7 @@
 #include "meshing/mesh/repair/close_cracks.h"
 #include "meshing/mesh/repair/join_hanging.h"
 #include "meshing/mesh/repair/open_faces.h"
+#include "meshing/mesh/repair/point_tree.h"
 #include "meshing/mesh/repair/signed_tets.h"
 #include "meshing/mesh/repair/untangle.h"
 #include "meshing/mesh/tet_tables.h"
@@ -125,10 +126,18 @@ class Repair {
     };
     std::sort(order.begin(), order.end(), before);
     const VertexLists tets = vertex_tets(m_.tets, m_.points.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-      for (std::size_t j = i + 1;
-           j < order.size() && m_.points[order[j]].x - m_.points[order[i]].x <= tolerance; ++j)
-        merge(order[i], order[j], tolerance, tets, now);
+    const PointTree tree(m_.points, order);
+    std::vector<std::uint32_t> near;
+    for (const std::uint32_t a : order) {
+      near.clear();
+      Box place;
+      place.include(m_.points[a]);
+      tree.visit_in(place.grown(tolerance), [&](std::uint32_t b) {
+        if (before(a, b)) near.push_back(b);
+      });
+      std::sort(near.begin(), near.end(), before);
+      for (const std::uint32_t b : near) merge(a, b, tolerance, tets, now);
+    }
     renumber_points(now);
   }
 

@@ -33,7 +33,7 @@ class Untangling {
       for (const Where where : {Where::on_ridge, Where::on_boundary, Where::inside})
         for (const std::uint32_t t : bad_)
           for (const std::uint32_t v : m_.tets[t])
-            if (where_[v] == where) any |= improve_place(v);
+            if (where_[v] == where && may_move(v)) any |= improve_place(v);
       bad_ = tets_not_positive(m_);
       if (!any) break;
     }
@@ -45,6 +45,9 @@ class Untangling {
 
  private:
   enum class Where : std::uint8_t { inside, on_boundary, on_ridge, held };
+
+  /// A tet that was good may have become bad for another's sake: of its boundary vertices nothing is known.
+  bool may_move(std::uint32_t v) const { return where_[v] != Where::on_boundary || faces_.contains(v); }
 
   /// Corners, and the vertices of what is required.
   std::vector<std::uint32_t> fixed() const {
@@ -96,7 +99,8 @@ class Untangling {
     };
     for (const std::uint32_t t : bad_)
       for (const std::uint32_t v : m_.tets[t]) along[v];
-    for (const Edge& e : m_.edges) add(e);
+    for (const Edge& e : m_.edges)
+      if (std::max(e[0], e[1]) < m_.points.size()) add(e);
     std::map<Edge, std::set<std::int32_t>> refs;
     for (std::size_t i = 0; i < m_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {

@@ -189,12 +189,12 @@ std::vector<std::string> published_cases() {
 std::string summary(const Report& report) { return tools::summary_text(report); }
 std::string summary(const FilesResult& result) { return tools::summary_text(result); }
 
-std::string to_json(const Measures& measures) { return tools::json_of(measures).dump(1); }
+std::string to_json(const Measures& measures) { return tools::text_of(tools::json_of(measures), 1); }
 
 std::string to_json(const Report& report) {
   tools::RunResult run;
   static_cast<Report&>(run) = report;
-  return tools::json_of(run).dump(1);
+  return tools::text_of(tools::json_of(run), 1);
 }
 
 }  // namespace weft

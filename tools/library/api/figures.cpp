@@ -1,5 +1,6 @@
 // All that can be measured of a mesh, and its JSON.
 #include "engine/json/json.h"
+#include "tools/library/report/report_json.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -59,7 +60,7 @@ std::string to_json(const MeshFigures& figures) {
   if (figures.measures) json["measures"] = Json::parse(to_json(*figures.measures));
   if (figures.model) json["model"] = Json::parse(to_json(*figures.model));
   if (figures.model) json["model"]["warnings"] = figures.model_warnings;
-  return json.dump(1);
+  return tools::text_of(json, 1);
 }
 
 }  // namespace weft

@@ -51,6 +51,12 @@ class Filling {
     grid_ = meshing::make_initial_grid(closed, {options_.materials || has_bodies(), &monitor_.flag()});
     result_.regions = grid_.regions;
     result_.grid_seconds = watch_.lap();
+    if (has_bodies() && grid_.regions != model_->geometry().num_bodies())
+      result_.warnings.push_back(
+          fmt::format("{} volumes are enclosed where the model has {} bodies: voids within bodies or between "
+                      "them have been "
+                      "filled, each with a reference of its own",
+                      grid_.regions, model_->geometry().num_bodies()));
     if (grid_.left_on_surface > 0)
       result_.warnings.push_back(
           fmt::format("{} points had to be added on the surface", grid_.left_on_surface));

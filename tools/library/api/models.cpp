@@ -13,6 +13,7 @@
 #include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/report/model_text.h"
+#include "tools/library/report/report_json.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -50,7 +51,7 @@ ModelAccount measure_on_model(const Mesh& mesh, const GeometryOptions& geometry,
 }
 
 std::string summary(const ModelAccount& account) { return tools::model_text(account, true); }
-std::string to_json(const ModelAccount& account) { return tools::json_of(account).dump(1); }
+std::string to_json(const ModelAccount& account) { return tools::text_of(tools::json_of(account), 1); }
 
 bool is_model_name(const std::string& path) { return meshing::is_model_name(path); }
 std::string model_extensions() { return meshing::model_extensions(); }

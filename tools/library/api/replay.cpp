@@ -21,6 +21,7 @@
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/report/graph_file.h"
 #include "tools/library/report/json_file.h"
+#include "tools/library/report/report_json.h"
 #include "tools/library/report/run_record.h"
 #include "tools/report/profile.h"
 #include "tools/report/report_page.h"
@@ -191,14 +192,14 @@ void write_trace(const std::string& path, const graph::replay::Replayed& replaye
 /// As a real run writes it; the page needs what the recorded run says of the mesh.
 void write_report(const std::string& folder, const Json& report, const Json& account,
                   const graph::replay::Replayed& replayed) {
-  tools::write_text((fs::path(folder) / "replay.json").string(), account.dump(1) + "\n");
+  tools::write_text((fs::path(folder) / "replay.json").string(), tools::text_of(account, 1) + "\n");
   tools::write_graph((fs::path(folder) / "graph.json").string(), replayed.graph);
   if (!report.is_object()) return;
   const Json profile = report::profile_json({.report = report,
                                              .engine = &replayed.engine,
                                              .graph = &replayed.graph,
                                              .timelines = replayed.timelines});
-  tools::write_text((fs::path(folder) / "profile.json").string(), profile.dump() + "\n");
+  tools::write_text((fs::path(folder) / "profile.json").string(), tools::text_of(profile) + "\n");
   tools::write_text((fs::path(folder) / "report.html").string(), report::report_page(profile));
 }
 
@@ -269,7 +270,7 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
     write_report(options.report, report, json_of(result, path, replayed.engine), replayed);
   }
   if (!options.account.empty())
-    tools::write_text(options.account, json_of(result, path, replayed.engine).dump(1) + "\n");
+    tools::write_text(options.account, tools::text_of(json_of(result, path, replayed.engine), 1) + "\n");
   if (!options.trace.empty()) write_trace(options.trace, replayed);
   return result;
 }

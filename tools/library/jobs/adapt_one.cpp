@@ -44,6 +44,7 @@ class OneMesh {
     prepare_metric();
     check_size(input_.name, result_.target_complexity, options_.run, result_.input_counts, result_.predicted);
     if (options_.run.measure) measure_before();
+    if (!input_.fields.fields.empty()) monitor_.expect(seconds_to_carry(options_.transfer) / result_.threads);
     adapt();
     judge();
     if (!input_.fields.fields.empty())

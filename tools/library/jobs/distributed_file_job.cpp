@@ -129,6 +129,7 @@ class DistributedFileJob {
   /// Points, tets and fields of the input stay in shares until the result is there.
   void keep_for_fields(SliceInput& input) {
     if (files_.fields.empty()) return;
+    run_.monitor().expect(seconds_to_carry(options_.transfer) / std::max(1, options_.run.threads));
     old_ = partition::without_boundary(input.slice);
     fields_ = std::move(input.fields);
   }
@@ -177,9 +178,7 @@ class DistributedFileJob {
     } else {
       partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
                               names_, piece_fields_);
-      partition::agree_on(run_.peers(), [&] {
-        if (run_.first()) meshing::copy_mapbc(files_.input, mesh);
-      });
+      if (run_.first()) copy_names();
     }
     account_.times.write = watch_.lap();
   }
@@ -195,8 +194,17 @@ class DistributedFileJob {
       merged.mesh.association.model_in_words = carried_.model_in_words;
       write_mesh_with_solution(account_.outputs, merged.mesh,
                                meshing::solution_from_metric(merged.log_metrics), fields, names_);
-      meshing::copy_mapbc(files_.input, account_.outputs.mesh);
+      copy_names();
     });
+  }
+
+  /// Of the UGRID format, in a file beside. The mesh is there already.
+  void copy_names() {
+    try {
+      meshing::copy_mapbc(files_.input, account_.outputs.mesh);
+    } catch (const meshing::InputError& error) {
+      report_error_ = error.what();
+    }
   }
 
   void finish() {
@@ -211,6 +219,8 @@ class DistributedFileJob {
       report_error_ = error.what();
     } catch (const std::bad_alloc&) {
       report_error_ = "not enough memory to report the result";
+    } catch (const std::exception& error) {
+      report_error_ = error.what();
     }
   }
 
@@ -222,7 +232,7 @@ class DistributedFileJob {
     }
     if (!files_.trace.empty()) write_trace(files_.trace, record, run_.plan());
     if (account_.report_path.empty()) return;
-    write_text(account_.report_path, json_of(account_).dump(1) + "\n");
+    write_text(account_.report_path, text_of(json_of(account_), 1) + "\n");
     if (files_.page) write_record(account_, record, files_.case_name);
   }
 

@@ -96,7 +96,7 @@ class FileJob {
     work.adapted(static_cast<double>(result_.output_counts.tets));
     monitor_.update("writing", work.at_writing(), result_.output_counts.tets);
     write_mesh_with_solution(run_.outputs, result_.mesh, result_.metric.fields(), result_.fields, names_);
-    meshing::copy_mapbc(files_.input, run_.outputs.mesh);
+    once_written([this] { meshing::copy_mapbc(files_.input, run_.outputs.mesh); });
     result_.times.write = watch_.lap();
   }
 
@@ -111,7 +111,7 @@ class FileJob {
     run_.peak_memory = peak_memory_bytes();
     if (run_.report_path.empty()) return;
     once_written([this] {
-      write_text(run_.report_path, json_of(run_).dump(1) + "\n");
+      write_text(run_.report_path, text_of(json_of(run_), 1) + "\n");
       if (files_.page)
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms(), model_.get()),
                      files_.case_name);
@@ -127,6 +127,8 @@ class FileJob {
       report_error_ = error.what();
     } catch (const std::bad_alloc&) {
       report_error_ = "not enough memory to measure and report the result";
+    } catch (const std::exception& error) {
+      report_error_ = error.what();
     }
   }
 

@@ -16,6 +16,11 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, missing) && !missing;
 }
 
+void keep_inputs(const std::string& output, const std::string& name, const std::vector<std::string>& inputs) {
+  for (const std::string& file : inputs)
+    if (same_file(output, file)) throw OptionError("--out", name + " would replace the input " + file);
+}
+
 RunResult begin_run(const Files& files, const Options& options) {
   RunResult run;
   run.arguments = files.arguments;
@@ -29,11 +34,14 @@ RunResult begin_run(const Files& files, const Options& options) {
 
 void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs) {
   const bool pieces = fs::path(outputs.mesh).extension() == ".pvtu";
-  const bool in_place = same_file(files.output, files.input);
-  for (const std::vector<std::string>& inputs : {files_of(options.metric), files.fields})
-    for (const std::string& file : inputs)
-      if (same_file(outputs.solution, file) && !in_place)
-        throw OptionError("--out", "its metric " + outputs.solution + " would replace the input " + file);
+  if (!same_file(files.output, files.input)) {
+    std::vector<std::string> inputs = files_of(options.metric);
+    inputs.insert(inputs.end(), files.fields.begin(), files.fields.end());
+    if (!files.background.empty()) inputs.push_back(files.background);
+    keep_inputs(outputs.mesh, "it", inputs);
+    if (!pieces) keep_inputs(outputs.solution, "its metric " + outputs.solution, inputs);
+    if (!pieces && !files.fields.empty()) keep_inputs(outputs.fields, "its fields " + outputs.fields, inputs);
+  }
   check_writable(outputs.mesh);
   if (!pieces) check_writable(outputs.solution);
   if (!files.fields.empty() && !pieces) check_writable(outputs.fields);

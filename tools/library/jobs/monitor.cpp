@@ -84,16 +84,20 @@ void Monitor::cancel(EndReason reason) {
 double Monitor::seconds_to_finish() const {
   constexpr double kOfTet = 1e-6, kOfTetInParts = 2e-6, kAlways = 0.3, kOfLauncher = 2;
   const auto tets = static_cast<double>(tets_);
-  return kAlways + (sharers_ > 1 ? kOfLauncher + kOfTetInParts * tets / sharers_ : kOfTet * tets);
+  return kAlways + seconds_of_tet_ * tets / sharers_ +
+         (sharers_ > 1 ? kOfLauncher + kOfTetInParts * tets / sharers_ : kOfTet * tets);
 }
 
 /// Whoever takes the last memory of a machine or a control group is killed, and the mesh with it.
-std::optional<double> Monitor::memory_to_take() const {
+std::optional<Monitor::MemoryToTake> Monitor::memory_to_take() const {
   const double resident = resident_bytes();
-  if (memory_ > 0) return kMemoryInUse * memory_ - resident;
-  const std::optional<double> left = memory_left();
-  if (!left) return std::nullopt;
-  return *left / sharers_here_ - (1 / kMemoryInUse - 1) * (resident - memory_at_begin_);
+  std::optional<MemoryToTake> least;
+  if (memory_ > 0) least = {kMemoryInUse * memory_ - resident, true};
+  const std::optional<double> left = std::isinf(memory_) ? std::nullopt : memory_left();
+  if (!left) return least;
+  const double share = *left / sharers_here_ - (1 / kMemoryInUse - 1) * (resident - memory_at_begin_);
+  if (!least || share < least->bytes) least = {share, false};
+  return least;
 }
 
 void Monitor::watch() {
@@ -113,15 +117,17 @@ void Monitor::watch() {
 /// for arrays that grow. To look takes a little memory too.
 Monitor::Seconds Monitor::watch_memory() {
   try {
-    const std::optional<double> to_take = memory_to_take();
-    if (!to_take) return kMostPeriodOfMemory;
+    const std::optional<MemoryToTake> found = memory_to_take();
+    if (!found) return kMostPeriodOfMemory;
+    const double to_take = found->bytes;
     const Clock::time_point now = Clock::now();
-    const double taken = std::max(0.0, to_take_ - *to_take);
+    const double taken = std::max(0.0, to_take_ - to_take);
     taken_per_second_ = std::max(0.5 * taken_per_second_, taken / Seconds(now - looked_).count());
     const double held = resident_bytes() - memory_at_begin_;
-    const double at_once = memory_ > 0 ? 0 : std::min(kArraysGrow * held, kFastestTaken * kToLeave.count());
-    if (*to_take < std::max(at_once, taken_per_second_ * kToLeave.count())) cancel(EndReason::memory_limit);
-    to_take_ = *to_take;
+    const double at_once =
+        found->as_asked ? 0 : std::min(kArraysGrow * held, kFastestTaken * kToLeave.count());
+    if (to_take < std::max(at_once, taken_per_second_ * kToLeave.count())) cancel(EndReason::memory_limit);
+    to_take_ = to_take;
     looked_ = now;
   } catch (const std::bad_alloc&) {
     out_of_memory();

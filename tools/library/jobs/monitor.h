@@ -20,6 +20,11 @@ enum class EndReason : std::uint8_t { none, interrupted, memory_limit, time_limi
 /// "interrupted", "memory limit", "time limit", "out of memory", or empty.
 std::string text_of(EndReason reason);
 
+/// A tet, on one thread, with a margin: of two, as all else that comes after the adaptation.
+constexpr double seconds_to_carry(TransferMethod method) {
+  return method == TransferMethod::conservative ? 40e-6 : 1e-6;
+}
+
 /// Passes progress to the caller's function, on the calling thread; where that returns false the run is
 /// cancelled. With a time limit or a memory limit a thread of its own watches these, and cancels the run
 /// while there is time to measure and write what it has.
@@ -41,6 +46,9 @@ class Monitor {
   EndReason reason();
   /// Ends the run: an allocation has failed. From any thread.
   void out_of_memory() { cancel(EndReason::out_of_memory); }
+  /// Before the mesh is written, what takes so long for each of its tets has to be done on the ranks
+  /// together.
+  void expect(double seconds_of_tet) { seconds_of_tet_ = seconds_of_tet; }
   /// Whether progress has to be told.
   bool wanted() const { return options_.progress || options_.time_limit > 0; }
 
@@ -49,8 +57,14 @@ class Monitor {
 
   void watch();
   Seconds watch_memory();
-  /// Bytes that may still be taken before the run must end; none where the system does not tell.
-  std::optional<double> memory_to_take() const;
+  /// Bytes that may still be taken before the run must end, and whether by the limit that was asked for or by
+  /// what the machine has left.
+  struct MemoryToTake {
+    double bytes;
+    bool as_asked;
+  };
+  /// None where the system does not tell.
+  std::optional<MemoryToTake> memory_to_take() const;
   void cancel(EndReason reason);
   double seconds_to_finish() const;
 
@@ -60,7 +74,8 @@ class Monitor {
   const Clock::time_point begin_;
   std::atomic<bool> own_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
-  std::atomic<std::uint64_t> tets_ = 0;  ///< the most that have been told of
+  std::atomic<std::uint64_t> tets_ = 0;     ///< the most that have been told of
+  std::atomic<double> seconds_of_tet_ = 0;  ///< expect()
   double memory_ = 0;           ///< bytes that this process may take; 0: what is left, infinity: no matter
   double memory_at_begin_ = 0;  ///< that this process had
   double to_take_ = 0;          ///< memory_to_take() at the last look

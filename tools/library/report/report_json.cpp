@@ -230,4 +230,8 @@ Json json_of(const RunResult& run) {
       {"warnings", run.warnings}};
 }
 
+std::string text_of(const nlohmann::ordered_json& document, int indent) {
+  return document.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 }  // namespace weft::tools

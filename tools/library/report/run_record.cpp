@@ -146,7 +146,7 @@ void write_record(const RunResult& run, const RunRecord& record, const std::stri
                             .memory = record.memory,
                             .mesh = record.mesh,
                             .box = record.box});
-  write_text((folder / "profile.json").string(), profile.dump() + "\n");
+  write_text((folder / "profile.json").string(), text_of(profile) + "\n");
   write_text((folder / "report.html").string(), report::report_page(profile));
   if (executed) write_graph((folder / "graph.json").string(), record.graph);
 }

@@ -111,7 +111,9 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
     bound = surface_bound(options.geometry, whole);
   });
   const bool is_bounded = partition::max(peers, bound ? 1 : 0) != 0;
-  if (only_scaled(metric) && !is_bounded) input.target_complexity = std::exchange(metric.complexity, 0);
+  // By what all ranks have been asked for: rank 0 has the metric's file already.
+  if (only_scaled(options.metric) && !is_bounded)
+    input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0 || has_background(files)) return;
     LogMetricMade made = make_log_metric(metric, whole, files.input,
