@@ -199,9 +199,6 @@ void OccModel::add_edges() {
         e.period = kTurn;
       else if (curve->IsPeriodic())
         e.period = curve->Period();
-      // A closed curve that is not periodic is evaluated as if it were.
-      else if (!e.degenerate && e.nodes[0] == e.nodes[1] && e.nodes[0] != kNoEntity)
-        e.period = e.end - e.begin;
     }
     edges_.push_back(e);
     curves_.push_back(curve);
@@ -255,14 +252,15 @@ void OccModel::add_border(std::uint32_t face) {
   }
 }
 
-/// Axes and other lines without ends that are no border of a face are none of the body.
+/// Axes and other lines without ends that no face has are none of the body.
 void OccModel::end_loose_lines() {
-  std::vector<bool> used(edges_.size());
-  for (const ModelFace& f : faces_)
-    for (const EdgeUse& use : f.border) used[use.edge] = true;
+  TopTools_IndexedMapOfShape of_faces;
+  for (int f = 1; f <= face_map_.Extent(); ++f) TopExp::MapShapes(face_map_(f), TopAbs_EDGE, of_faces);
   for (std::size_t i = 0; i < edges_.size(); ++i) {
     ModelEdge& e = edges_[i];
-    if (used[i] || std::max(std::abs(e.begin), std::abs(e.end)) < 1e99) continue;
+    if (of_faces.Contains(edge_map_(static_cast<int>(i) + 1)) ||
+        std::max(std::abs(e.begin), std::abs(e.end)) < 1e99)
+      continue;
     e.degenerate = true;
     e.begin = 0;
     e.end = 1;

@@ -249,10 +249,11 @@ double sewing_tolerance(const Read& read) {
   return std::max(kLeast, std::min(read.gaps, most));
 }
 
-/// Loose faces, as IGES has them, are sewn together, and loose shells.
+/// Loose faces, as IGES has them, are sewn together, and loose shells where nothing of the file is damaged:
+/// of a solid that has lost a face readers make shells, which are to be refused.
 void sew(Read& read) {
   if (has(read.shape, TopAbs_SOLID)) return;
-  if (has(read.shape, TopAbs_SHELL) && !are_loose_shells(read.shape)) return;
+  if (has(read.shape, TopAbs_SHELL) && (!read.warnings.empty() || !are_loose_shells(read.shape))) return;
   BRepBuilderAPI_Sewing sewing(sewing_tolerance(read));
   sewing.Add(read.shape);
   sewing.Perform();

@@ -193,6 +193,13 @@ class Report(CommandTest):
                   "--report", "r")
         self.assertIsNone(json.loads((self.folder / "r/report.json").read_text())["before"])
 
+    def test_of_a_name_that_is_no_text_is_made_too(self):
+        name = b"fl\xfcgel.meshb".decode("utf-8", "surrogateescape")  # Latin-1
+        self.box(2)
+        for subdomains in ([], ["--subdomains", 2]):
+            self.weft("adapt", "box.meshb", "--metric-fn", "uniform:0.4", *subdomains, "-o", name, "--report", "r", "--quiet")
+            json.loads((self.folder / "r/report.json").read_text())
+
     def test_tells_the_complexity_that_was_asked_for_even_where_limits_keep_it_away(self):
         self.box(4)
         for subdomains in ([], ["--subdomains", 2]):

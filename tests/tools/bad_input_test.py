@@ -142,6 +142,20 @@ class BadInput(CommandTest):
         self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "out.solb")
         self.assert_fails("adapt", mesh, "--metric", "out.solb", "-o", "out.meshb", says="would replace", code=64)
 
+    def test_output_that_would_replace_another_input(self):
+        mesh = self.box()
+        metric = ("--metric-fn", "uniform:1")
+        self.weft("metric", mesh, *metric, "-o", "fine-fields.solb")
+        self.assert_fails("adapt", mesh, *metric, "--field", "fine-fields.solb", "-o", "fine.meshb", says=["its fields", "would replace"],
+                          code=64)
+        self.weft("metric", self.box(3, "other.meshb"), *metric, "-o", "other.solb")
+        self.assert_fails("adapt", mesh, "--background", "other.meshb", "--metric", "other.solb", "-o", "other.meshb", says="would replace",
+                          code=64)
+        self.weft("metric", "other.meshb", *metric, "-o", "ball.solb")
+        self.weft("convert", mesh, "surface.stl")
+        self.assert_fails("mesh", "surface.stl", "--background", "other.meshb", "--metric", "ball.solb", "-o", "ball.meshb", says="would replace",
+                          code=64)
+
 
 if __name__ == "__main__":
     unittest.main()

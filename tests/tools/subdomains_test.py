@@ -77,6 +77,25 @@ class Results(Subdomains):
         for options, whole in ((["--repair"], True), ([], False)):
             self.assert_in_shares(whole, self.run_on(2, "box.pvtu", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb", *options))
 
+    def test_a_mesh_that_is_mended_has_its_metric_scaled(self):
+        self.box(4)
+        self.weft("metric", "box.meshb", "--metric-fn", "polar-2", "-o", "m.solb")
+        meshes = []
+        for ranks in (0, 2, 3):
+            self.run_on(ranks, "box.meshb", "--metric", "m.solb", "--complexity", 500, "--repair", "--subdomains", 4, "--threads", 1, "-o", "o.meshb",
+                        expect=(0, 1))
+            meshes.append(self.bytes_of("o.meshb", "o.solb"))
+        self.assertEqual(meshes[1:], meshes[:1] * 2)
+
+    def test_pieces_that_were_there_stay_when_one_cannot_be_written(self):
+        words = (self.box(4), "--metric-fn", "uniform:0.2", "--subdomains", 4, "--partitioner", "pqr:4x1x1", "-o", "out.pvtu")
+        self.run_on(2, *words)
+        before = self.bytes_of("out.pvtu", "out_0.vtu", "out_1.vtu", "out_2.vtu")
+        (self.folder / "out_3.vtu").unlink()
+        (self.folder / "out_3.vtu").mkdir()
+        self.assertIn("out_3.vtu", self.run_on(2, *words, expect=2).stderr)
+        self.assertEqual(self.bytes_of("out.pvtu", "out_0.vtu", "out_1.vtu", "out_2.vtu"), before)
+
     def test_text_is_dealt_out_by_one_reader_and_gives_the_same_result(self):
         box = self.box(5)
         self.weft("convert", box, "in.lb8.ugrid")

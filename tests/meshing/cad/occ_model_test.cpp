@@ -7,6 +7,7 @@
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepOffsetAPI_ThruSections.hxx>
@@ -29,11 +30,13 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Shell.hxx>
+#include <TopoDS_Wire.hxx>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <gp_Circ.hxx>
+#include <gp_Lin.hxx>
 #include <gp_Pln.hxx>
 #include <map>
 
@@ -122,6 +125,60 @@ TEST_F(OccModels, AreReadFromIges) {
   EXPECT_EQ(model.geometry().unit(), "millimetre");
   EXPECT_NEAR(model.size(), std::sqrt(3.0), 1e-5);
   EXPECT_GE(model.num_faces(), 7u);
+}
+
+/// A file's unit is told by a flag; its name may be missing.
+TEST_F(OccModels, OfIgesWithoutANameOfTheirUnitKeepItsNumbers) {
+  const std::string path = (folder_ / "model.igs").string();
+  IGESControl_Writer writer("IN", 1);
+  writer.AddShape(pierced_cube());  // of millimetres
+  writer.ComputeModel();
+  writer.Write(path.c_str());
+  std::ifstream in(path);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const auto at = text.find(",1,4HINCH,");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, 10, ",1,,      ");  // as long as before: lines have 80 columns
+  std::ofstream(path) << text;
+  const Model model(load_model(path));
+  EXPECT_EQ(model.geometry().unit(), "inch");
+  EXPECT_NEAR(model.size(), std::sqrt(3.0) / 25.4, 1e-5);
+}
+
+/// Sketches, axes and points of construction.
+TEST_F(OccModels, WithWiresAndPointsBesideTheirBodyAreAsLargeAsIt) {
+  TopoDS_Compound all;
+  BRep_Builder builder;
+  builder.MakeCompound(all);
+  builder.Add(all, pierced_cube());
+  builder.Add(all, BRepBuilderAPI_MakeEdge(gp_Lin(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))).Edge());
+  builder.Add(all, BRepBuilderAPI_MakeEdge(gp_Pnt(50, 0, 0), gp_Pnt(80, 0, 0)).Edge());
+  builder.Add(all, BRepBuilderAPI_MakeVertex(gp_Pnt(1e4, 0, 0)).Vertex());
+  const Model model(load_model(brep(all)));
+  EXPECT_EQ(model.num_faces(), 7u);
+  EXPECT_NEAR(model.size(), std::sqrt(3.0), 1e-6);
+}
+
+/// As Boolean operations imprint them.
+TEST_F(OccModels, WithEdgesWithinAFaceAreWhole) {
+  TopoDS_Face face = BRepBuilderAPI_MakeFace(gp_Pln(), 0, 1, 0, 1).Face();
+  BRep_Builder builder;
+  for (const TopoDS_Edge& edge :
+       {BRepBuilderAPI_MakeEdge(gp_Pnt(.2, .2, 0), gp_Pnt(.4, .2, 0)).Edge(),
+        BRepBuilderAPI_MakeEdge(gp_Circ(gp_Ax2(gp_Pnt(.6, .6, 0), gp_Dir(0, 0, 1)), .2)).Edge()}) {
+    TopoDS_Wire wire;
+    builder.MakeWire(wire);
+    builder.Add(wire, edge.Oriented(TopAbs_INTERNAL));
+    builder.Add(face, wire);
+  }
+  TopoDS_Shell shell;
+  builder.MakeShell(shell);
+  builder.Add(shell, face);
+  const Model model(load_model(brep(shell)));
+  EXPECT_EQ(model.num_edges(), 6u);
+  EXPECT_EQ(model.face(0).border.size(), 8u) << "both on two sides";
+  for (const Point& p : {Point{.6, .6, .3}, Point{.1, .6, .3}})
+    EXPECT_NEAR(norm(model.closest_within(0, p).x - Point{p.x, p.y, 0}), 0, 1e-12);
 }
 
 TEST_F(OccModels, OfEgadsAreBrepWithAHeader) {
