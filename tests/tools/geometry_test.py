@@ -177,6 +177,12 @@ class Geometry(CommandTest):
         self.assertTrue(results[0] == results[1] == results[2])
         self.assertIn(model, results[0])
         self.weft("stat", "out.meshb", "--geometry", "carried")
+        (self.folder / "other.egads").write_bytes(model.replace(b"\n", b"\n\n", 1))  # other bytes
+        for subdomains in ([], ["--subdomains", 4]):
+            done = self.weft("adapt", "carrier.meshb", "--geometry", "other.egads", "--metric-fn", "uniform:0.3", *subdomains, "-o",
+                             "out.meshb", expect=(0, 1))
+            self.assertIn("the model that the mesh carries is left out", done.stdout + done.stderr)
+            self.assertNotIn(model, (self.folder / "out.meshb").read_bytes())
 
     def test_ranks_give_the_same_bytes(self):
         self.start()

@@ -29,6 +29,7 @@
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/shares.h"
 #include "tools/library/jobs/sources/slice_source.h"
 #include "tools/library/jobs/world.h"
@@ -102,6 +103,8 @@ class DistributedFileJob {
     const auto model = run_.read_model(carrier, files_.input);
     SliceInput input = on_threads([&] { return read_slice(run_.peers(), files_, options_, model); });
     account_.warnings = input.warnings;
+    if (std::string other = leave_out_other_model(options_.geometry, carried_); !other.empty())
+      account_.warnings.push_back(std::move(other));
     account_.surface_limit = input.surface_limit;
     account_.mends = input.mends;
     names_ = std::move(input.names);

@@ -21,6 +21,7 @@
 #include "tools/library/jobs/resources/threads.h"
 #include "tools/library/jobs/run_work.h"
 #include "tools/library/jobs/sources/field_source.h"
+#include "tools/library/jobs/sources/model_source.h"
 #include "tools/library/jobs/sources/repaired_input.h"
 #include "tools/library/report/report_json.h"
 #include "tools/library/report/run_record.h"
@@ -81,6 +82,9 @@ class FileJob {
                            fields_,
                            &model_};
     result_ = adapt_one(input, options_, monitor_);
+    if (std::string other = leave_out_other_model(options_.geometry, result_.mesh.association);
+        !other.empty())
+      result_.warnings.push_back(std::move(other));
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);
     std::ranges::move(loss_warnings(run_.outputs.mesh, meshing::counts_of(input_), names_,
