@@ -468,6 +468,31 @@ TEST(Parts, OfWhichSomeRanksAloneGiveAMetricAreRefused) {
   EXPECT_NE(told.find("metric: some ranks give one"), std::string::npos) << told;
 }
 
+TEST(Parts, HaveMetricAndSolutionsTogetherWhereOneRankHasAll) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, [](std::size_t) { return 0; });
+  Options options = options_of(8);
+  options.metric.complexity = 700;
+  if (!part.mesh.points.empty()) options.metric.solutions = {layer_of(part.mesh)};
+  const PartResult fine = adapt(split.communicator, part, metric_of(part), options);
+  const Part all = part_of(whole, 0, [](std::size_t) { return 0; });
+  options.metric.solutions = {layer_of(all.mesh)};
+  EXPECT_EQ(shape_of(fine, split.communicator),
+            shape_of(adapt(MPI_COMM_SELF, all, metric_of(all), options), MPI_COMM_SELF));
+}
+
+TEST(Parts, OfWhichOneRankHasPointsAndNoFieldsAreRefused) {
+  const Split split;
+  if (split.ranks == 1) GTEST_SKIP() << "for several ranks";
+  const Mesh whole = whole_box();
+  Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  if (split.rank == split.ranks - 1) part.fields = {};
+  EXPECT_NE(common_error(split, [&] { adapt(split.communicator, part, metric_of(part), options_of()); })
+                .find("not of the same number and kinds"),
+            std::string::npos);
+}
+
 TEST(Parts, WrongSolutionsAreRefusedOnAllRanks) {
   const Split split;
   const Mesh whole = whole_box();

@@ -77,6 +77,12 @@ class Results(Subdomains):
         for options, whole in ((["--repair"], True), ([], False)):
             self.assert_in_shares(whole, self.run_on(2, "box.pvtu", "--metric-fn", "uniform:0.3", "--subdomains", 4, "-o", "o.meshb", *options))
 
+    def test_ranks_may_have_different_numbers_of_threads(self):
+        self.box(4)
+        words = [str(WEFT), "adapt", "box.meshb", "--metric-fn", "uniform:0.2", "-o", "out.meshb", "--threads"]
+        subprocess.run([*MPIRUN, "-n", "1", *words, "1", ":", "-n", "1", *words, "3"], cwd=self.folder, check=True, capture_output=True, timeout=300)
+        self.weft("verify", "out.meshb", "--against", "box.meshb")
+
     def test_a_mesh_that_is_mended_has_its_metric_scaled(self):
         self.box(4)
         self.weft("metric", "box.meshb", "--metric-fn", "polar-2", "-o", "m.solb")

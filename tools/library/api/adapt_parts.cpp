@@ -41,10 +41,11 @@ double add_metric(partition::Peers& peers, const Part& part, const Metric* metri
                   const std::shared_ptr<const meshing::Model>& model,
                   const std::optional<tools::SurfaceBound>& bound, partition::MeshSlice& slice,
                   Report& report) {
-  if (metric && only_scaled(options.metric) && !bound) return options.metric.complexity;
+  // Ranks without points need not have the solutions.
+  const bool solves = partition::max(peers, options.metric.solutions.empty() ? 0 : 1) != 0;
+  if (metric && !solves && only_scaled(options.metric) && !bound) return options.metric.complexity;
   MetricOptions of_slice = options.metric;
-  if (partition::max(peers, of_slice.solutions.empty() ? 0 : 1) != 0)
-    of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
+  if (solves) of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
   tools::LogMetricMade made = tools::make_metric_in_parts(peers, of_slice, slice, "", model, bound);
   slice.log_metrics = std::move(made.field);
   report.warnings.insert(report.warnings.end(), made.warnings.begin(), made.warnings.end());

@@ -1,4 +1,7 @@
 // All ranks read, adapt, measure and write together; rank 0 makes the account.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -61,6 +64,7 @@ class DistributedFileJob {
         run_(options, transport, keep_, begin) {}
 
   FilesResult run() {
+    agree_on_files();
     partition::agree_on(run_.peers(), [this] {
       if (run_.first()) check_outputs(files_, options_, account_.outputs);
     });
@@ -84,6 +88,18 @@ class DistributedFileJob {
   }
 
  private:
+  /// What is read and written decides what all ranks do together.
+  void agree_on_files() {
+    const auto given = [](const std::string& path) { return path.empty() ? "none" : "some"; };
+    const std::string mine =
+        fmt::format("input {}, output {}, background {}, fields {}, report {}, graph {}, trace {}",
+                    files_.input, files_.output, files_.background, fmt::join(files_.fields, " "),
+                    given(files_.report), given(files_.graph), given(files_.trace));
+    const std::string first = partition::text_of_first(run_.peers(), mine);
+    partition::agree(run_.peers(),
+                     mine == first ? "" : fmt::format("files differ: {}; on rank 0: {}", mine, first));
+  }
+
   /// Outside the engine: other ranks have the other cores. Simulated ranks take turns within one thread,
   /// where an arena would be left by another rank than has entered it.
   template <class Work>

@@ -158,14 +158,15 @@ std::string DistributedRun::name_of(engine::ObjectId id) const {
                    : fmt::format("mailbox of rank {}", id.home.value);
 }
 
-std::uint32_t DistributedRun::number_of_subdomains() const {
+/// All ranks: they may have different numbers of threads.
+std::uint32_t DistributedRun::number_of_subdomains() {
   constexpr std::uint32_t kForEachThread = 4;  // so that there is something to balance with
   if (!resume_.empty()) return resume_[0].manifest.subdomains;
   if (options_.distributed.subdomains > 0) return options_.distributed.subdomains;
   const std::array<std::uint32_t, 3> slabs =
       partition::parse_partitioner(partitioner_of(options_.distributed)).slabs;
   if (slabs[0] > 0) return slabs[0] * slabs[1] * slabs[2];
-  return kForEachThread * static_cast<std::uint32_t>(runtime_->ranks() * threads_);
+  return kForEachThread * partition::sum(*peers_, static_cast<std::uint32_t>(threads_));
 }
 
 /// With what a plan does not tell.

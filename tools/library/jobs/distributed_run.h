@@ -62,7 +62,7 @@ class DistributedRun {
  private:
   engine::Bulletins bulletins();
   std::string name_of(engine::ObjectId id) const;
-  std::uint32_t number_of_subdomains() const;
+  std::uint32_t number_of_subdomains();
   std::uint64_t hash_of_program() const;
   graph::adaptation::DistributedOptions method_options(double target_complexity);
   void agree_on_options();

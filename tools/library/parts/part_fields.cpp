@@ -30,9 +30,11 @@ Fields agreed_fields(Peers& peers, const Part& part) {
   const auto has = std::ranges::find_if(all_kinds, [](const auto& of_rank) { return !of_rank.empty(); });
   Fields agreed;
   if (has == all_kinds.end()) return agreed;
-  if (std::ranges::any_of(all_kinds,
-                          [&](const auto& of_rank) { return !of_rank.empty() && of_rank != *has; }))
-    throw InputError("", "fields", "are not of the same number and kinds on all ranks");
+  const auto has_points =
+      partition::allgather(peers, std::vector<std::uint8_t>{std::uint8_t{!part.mesh.points.empty()}});
+  for (std::size_t r = 0; r < all_kinds.size(); ++r)
+    if ((has_points[r][0] || !all_kinds[r].empty()) && all_kinds[r] != *has)
+      throw InputError("", "fields", "are not of the same number and kinds on all ranks");
   const char* name = all_names[static_cast<std::size_t>(has - all_kinds.begin())].data();
   for (const Field::Kind kind : *has) {
     agreed.fields.push_back({kind, {}, name});

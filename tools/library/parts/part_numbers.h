@@ -25,6 +25,7 @@ class IdHomes {
       last_ = std::max(last_, of_rank[0]);
   }
   std::size_t home(std::uint64_t id) const {
+    if (ranks_ == 1) return 0;  // whatever the largest
     const std::uint64_t step = last_ / ranks_ + 1;
     return static_cast<std::size_t>(id / step);
   }
