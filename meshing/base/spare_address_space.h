@@ -7,13 +7,21 @@
 
 namespace weft::meshing {
 
-/// Takes address space and no memory, as far as there is some (ulimit -v), until it is released. Large arrays
-/// reserve all that they find: without it what comes after them would find none.
+/// Takes address space and no memory until it is released; where there is less (ulimit -v), a quarter to a
+/// half of that. Large arrays reserve all that they find: without it what comes after them would find none.
 class SpareAddressSpace {
  public:
-  explicit SpareAddressSpace(std::size_t bytes)
-      : bytes_(bytes),
-        at_(mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)) {}
+  explicit SpareAddressSpace(std::size_t bytes) : bytes_(bytes) {
+    take();
+    if (at_ != MAP_FAILED) return;
+    while (at_ == MAP_FAILED && bytes_ > kLeast) {
+      bytes_ /= 2;
+      take();
+    }
+    release();
+    bytes_ /= 2;
+    take();
+  }
   SpareAddressSpace(const SpareAddressSpace&) = delete;
   SpareAddressSpace& operator=(const SpareAddressSpace&) = delete;
   ~SpareAddressSpace() { release(); }
@@ -24,8 +32,12 @@ class SpareAddressSpace {
   }
 
  private:
+  static constexpr std::size_t kLeast = std::size_t{1} << 20;
+
+  void take() { at_ = mmap(nullptr, bytes_, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0); }
+
   std::size_t bytes_;
-  void* at_;
+  void* at_ = MAP_FAILED;
 };
 
 }  // namespace weft::meshing
