@@ -177,12 +177,17 @@ class Geometry(CommandTest):
         self.assertTrue(results[0] == results[1] == results[2])
         self.assertIn(model, results[0])
         self.weft("stat", "out.meshb", "--geometry", "carried")
-        (self.folder / "other.egads").write_bytes(model.replace(b"\n", b"\n\n", 1))  # other bytes
-        for subdomains in ([], ["--subdomains", 4]):
-            done = self.weft("adapt", "carrier.meshb", "--geometry", "other.egads", "--metric-fn", "uniform:0.3", *subdomains, "-o",
-                             "out.meshb", expect=(0, 1))
-            self.assertIn("the model that the mesh carries is left out", done.stdout + done.stderr)
-            self.assertNotIn(model, (self.folder / "out.meshb").read_bytes())
+        other = model.replace(b"\n", b"\n\n", 1)
+        (self.folder / "other.egads").write_bytes(other)
+        (self.folder / "other.brep").write_bytes(other)
+        for file in ("other.egads", "other.brep"):
+            for subdomains in ([], ["--subdomains", 4]):
+                done = self.weft("adapt", "carrier.meshb", "--geometry", file, "--metric-fn", "uniform:0.3", *subdomains, "-o", "out.meshb",
+                                 expect=(0, 1))
+                result = (self.folder / "out.meshb").read_bytes()
+                self.assertEqual(other in result, file == "other.egads", "its records are of it")
+                self.assertNotIn(model, result)
+                self.assertEqual("the model that the mesh carries is left out" in done.stdout + done.stderr, file == "other.brep")
 
     def test_ranks_give_the_same_bytes(self):
         self.start()

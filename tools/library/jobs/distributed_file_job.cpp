@@ -119,7 +119,7 @@ class DistributedFileJob {
     const auto model = run_.read_model(carrier, files_.input);
     SliceInput input = on_threads([&] { return read_slice(run_.peers(), files_, options_, model); });
     account_.warnings = input.warnings;
-    if (std::string other = leave_out_other_model(options_.geometry, carried_); !other.empty())
+    if (std::string other = carry_model(options_.geometry, carried_); !other.empty())
       account_.warnings.push_back(std::move(other));
     account_.surface_limit = input.surface_limit;
     account_.mends = input.mends;

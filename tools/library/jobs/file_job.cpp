@@ -82,8 +82,7 @@ class FileJob {
                            fields_,
                            &model_};
     result_ = adapt_one(input, options_, monitor_);
-    if (std::string other = leave_out_other_model(options_.geometry, result_.mesh.association);
-        !other.empty())
+    if (std::string other = carry_model(options_.geometry, result_.mesh.association); !other.empty())
       result_.warnings.push_back(std::move(other));
     result_.times.read = read_seconds_;
     result_.mends = std::move(mends_);

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include "meshing/cad/load_model.h"
 
@@ -22,21 +24,27 @@ std::shared_ptr<const meshing::Model> model_of(const GeometryOptions& options, c
 namespace {
 
 /// But for what fills up words at the end.
-bool is_content_of(const std::string& file, const std::vector<std::uint8_t>& bytes) {
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<char> content((std::istreambuf_iterator<char>(in)), {});
+bool is_carried(const std::vector<std::uint8_t>& content, const std::vector<std::uint8_t>& carried) {
   constexpr std::size_t kWord = 4;
-  return bytes.size() >= content.size() && bytes.size() - content.size() < kWord &&
-         std::equal(content.begin(), content.end(), bytes.begin(),
-                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+  return carried.size() >= content.size() && carried.size() - content.size() < kWord &&
+         std::equal(content.begin(), content.end(), carried.begin());
+}
+
+std::vector<std::uint8_t> content_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
 
-std::string leave_out_other_model(const GeometryOptions& options, meshing::Association& carried) {
+std::string carry_model(const GeometryOptions& options, meshing::Association& carried) {
   if (options.model.empty() || options.model == "carried" || carried.model.empty()) return {};
-  if (is_content_of(options.model, carried.model)) return {};
-  carried.model.clear();
+  std::vector<std::uint8_t> content = content_of(options.model);
+  if (is_carried(content, carried.model)) return {};
+  const bool can_be_carried = std::filesystem::path(options.model).extension() == ".egads";
+  if (!can_be_carried) content.clear();
+  carried.model = std::move(content);
+  if (can_be_carried) return {};
   return "the model that the mesh carries is left out of the result, whose records are of " + options.model;
 }
 
