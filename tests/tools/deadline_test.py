@@ -35,7 +35,8 @@ class Deadline(CommandTest):
         report = json.loads((self.folder / "r/report.json").read_text())
         self.assertIs(report["interrupted"], True)
         self.assertEqual(report["ended_by"], ended_by)
-        self.assertIn("GOAL NOT MET: ", out)
+        if process.args[0] == str(WEFT):  # what ranks print mpirun may lose when it ends them, a second after the first
+            self.assertIn("GOAL NOT MET: ", out)
         self.weft("verify", "out.meshb", "--against", "box.meshb")
         self.assertEqual(self.files(), ["box.meshb", "out.meshb", "out.solb", "r"])
 
