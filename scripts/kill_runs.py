@@ -136,20 +136,20 @@ class Run:
         if len(ranks) > 1:
             victims["two ranks"] = self.random.sample(ranks, 2)
         if self.random.random() < INTERRUPTED:  # it ends with the mesh that it has; who goes on wants the whole one
-            name = "interrupted"
-            self.lines.append(f"# after {after:.3f} s interrupted")
+            what = "interrupted"
             process.send_signal(signal.SIGALRM)
         else:
             name = self.random.choice(sorted(victims))
-            self.lines.append(f"# after {after:.3f} s killed: {name}")
+            what = f"killed: {name}"
             strike(*victims[name])
-        self.kinds[name if name == "interrupted" else f"killed: {name}"] += 1
+        self.lines.append(f"# after {after:.3f} s {what}")
+        self.kinds[what] += 1
         self.end(process, SECONDS)
         deadline = time.monotonic() + SECONDS  # the ranks of a dead mpirun end by themselves, but later
         while any(is_weft(rank) for rank in ranks):
             if time.monotonic() > deadline:
                 strike(*ranks)
-                raise Failure(f"ranks outlive {name} by {SECONDS} s")
+                raise Failure(f"ranks outlive what was {what} by {SECONDS} s")
             time.sleep(0.05)
         if (self.folder / "out.meshb").exists():  # the moment was after the end: what is there is whole
             self.verify()

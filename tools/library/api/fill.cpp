@@ -54,8 +54,7 @@ class Filling {
     if (has_bodies() && grid_.regions != model_->geometry().num_bodies())
       result_.warnings.push_back(
           fmt::format("{} volumes are enclosed where the model has {} bodies: voids within bodies or between "
-                      "them have been "
-                      "filled, each with a reference of its own",
+                      "them have been filled, each with a reference of its own",
                       grid_.regions, model_->geometry().num_bodies()));
     if (grid_.left_on_surface > 0)
       result_.warnings.push_back(

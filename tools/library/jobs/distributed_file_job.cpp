@@ -234,8 +234,6 @@ class DistributedFileJob {
     if (!run_.first() || !keep_.record) return;
     try {
       write_accounts();
-    } catch (const meshing::InputError& error) {
-      report_error_ = error.what();
     } catch (const std::bad_alloc&) {
       report_error_ = "not enough memory to report the result";
     } catch (const std::exception& error) {

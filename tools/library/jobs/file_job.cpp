@@ -126,8 +126,6 @@ class FileJob {
   void once_written(F f) {
     try {
       f();
-    } catch (const InputError& error) {
-      report_error_ = error.what();
     } catch (const std::bad_alloc&) {
       report_error_ = "not enough memory to measure and report the result";
     } catch (const std::exception& error) {

@@ -11,16 +11,6 @@ namespace weft::tools {
 
 namespace fs = std::filesystem;
 
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code missing;
-  return fs::equivalent(a, b, missing) && !missing;
-}
-
-void keep_inputs(const std::string& output, const std::string& name, const std::vector<std::string>& inputs) {
-  for (const std::string& file : inputs)
-    if (same_file(output, file)) throw OptionError("--out", name + " would replace the input " + file);
-}
-
 RunResult begin_run(const Files& files, const Options& options) {
   RunResult run;
   run.arguments = files.arguments;

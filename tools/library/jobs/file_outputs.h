@@ -3,17 +3,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include "tools/common/inputs.h"
 #include "tools/library/jobs/run_result.h"
 #include "weft/weft.h"
 
 namespace weft::tools {
-
-bool same_file(const std::string& a, const std::string& b);
-
-/// Throws OptionError where `output`, called `name`, is one of the inputs.
-void keep_inputs(const std::string& output, const std::string& name, const std::vector<std::string>& inputs);
 
 /// What is known of a run before it starts.
 RunResult begin_run(const Files& files, const Options& options);

@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <string>
-#include <vector>
 
+#include "tools/common/inputs.h"
 #include "tools/common/measures_text.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
@@ -35,14 +34,6 @@ void print_summary(const VolumeRequest& request, const FillResult& result) {
                   seconds_text(result.fill_seconds));
 }
 
-void keep_inputs(const std::string& output, const std::vector<std::string>& inputs) {
-  for (const std::string& file : inputs) {
-    std::error_code missing;
-    if (std::filesystem::equivalent(output, file, missing) && !missing)
-      throw OptionError("--out", output + " would replace an input");
-  }
-}
-
 }  // namespace
 
 void add_volume_output(CLI::App& command, VolumeRequest& request) {
@@ -58,7 +49,7 @@ int make_volume(const std::string& name, const Mesh& surface, const RefNames& na
                 const VolumeRequest& request) {
   const ResultFiles files = result_files(request.output);
   for (const std::string& file : {files.mesh, files.metric})
-    keep_inputs(file, {request.background, request.metric});
+    keep_inputs(file, file, {request.background, request.metric});
   check_writable(files.mesh);
   check_writable(files.metric);
   Progress progress(request.verbosity.style());

@@ -11,16 +11,6 @@
 #include "meshing/cad/load_model.h"
 
 namespace weft::tools {
-
-std::shared_ptr<const meshing::Model> model_of(const GeometryOptions& options, const meshing::MeshData& mesh,
-                                               const std::string& mesh_name) {
-  if (options.model.empty()) return nullptr;
-  return std::make_shared<const meshing::Model>(options.model == "carried"
-                                                    ? meshing::load_carried_model(mesh.association, mesh_name)
-                                                    : meshing::load_model(options.model),
-                                                options.model_scale);
-}
-
 namespace {
 
 /// But for what fills up words at the end.
@@ -37,14 +27,24 @@ std::vector<std::uint8_t> content_of(const std::string& file) {
 
 }  // namespace
 
+std::shared_ptr<const meshing::Model> model_of(const GeometryOptions& options, const meshing::MeshData& mesh,
+                                               const std::string& mesh_name) {
+  if (options.model.empty()) return nullptr;
+  return std::make_shared<const meshing::Model>(options.model == "carried"
+                                                    ? meshing::load_carried_model(mesh.association, mesh_name)
+                                                    : meshing::load_model(options.model),
+                                                options.model_scale);
+}
+
 std::string carry_model(const GeometryOptions& options, meshing::Association& carried) {
   if (options.model.empty() || options.model == "carried" || carried.model.empty()) return {};
   std::vector<std::uint8_t> content = content_of(options.model);
   if (is_carried(content, carried.model)) return {};
-  const bool can_be_carried = std::filesystem::path(options.model).extension() == ".egads";
-  if (!can_be_carried) content.clear();
-  carried.model = std::move(content);
-  if (can_be_carried) return {};
+  if (std::filesystem::path(options.model).extension() == ".egads") {
+    carried.model = std::move(content);
+    return {};
+  }
+  carried.model.clear();
   return "the model that the mesh carries is left out of the result, whose records are of " + options.model;
 }
 
