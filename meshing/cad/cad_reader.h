@@ -37,6 +37,6 @@ class CadReader {
 /// another.
 using CadEntry = const CadReader* (*)(int interface);
 inline constexpr const char* kCadEntryName = "weft_cad_reader";
-inline constexpr int kCadInterface = 4;
+inline constexpr int kCadInterface = 5;
 
 }  // namespace weft::meshing

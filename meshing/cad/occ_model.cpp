@@ -1,8 +1,11 @@
 // From OpenCASCADE's topology to plain faces, edges and nodes.
 #include "meshing/cad/occ_model.h"
 
+#include <BRepBndLib.hxx>
+#include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <GeomAdaptor_Curve.hxx>
 #include <GeomAdaptor_Surface.hxx>
 #include <GeomConvert.hxx>
@@ -12,6 +15,7 @@
 #include <Geom_BezierSurface.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_TrimmedCurve.hxx>
+#include <Precision.hxx>
 #include <Standard_Failure.hxx>
 #include <TColStd_Array1OfReal.hxx>
 #include <TopExp.hxx>
@@ -154,6 +158,24 @@ double into_range(double x, double first, double period) {
   return x - period * std::floor((x - first) / period);
 }
 
+/// Which points lie in a solid. One whose faces look inwards has the infinite within it: what is meant is
+/// what it encloses.
+std::vector<std::size_t> points_in(const TopoDS_Shape& solid, std::span<const Point> points) {
+  Bnd_Box box;
+  BRepBndLib::Add(solid, box);
+  BRepClass3d_SolidClassifier place(solid);
+  place.PerformInfinitePoint(Precision::Confusion());
+  const TopAbs_State within = place.State() == TopAbs_IN ? TopAbs_OUT : TopAbs_IN;
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const gp_Pnt p(points[i].x, points[i].y, points[i].z);
+    if (box.IsOut(p)) continue;
+    place.Perform(p, Precision::Confusion());
+    if (place.State() == within) found.push_back(i);
+  }
+  return found;
+}
+
 }  // namespace
 
 OccModel::OccModel(const TopoDS_Shape& shape, std::string name, std::string unit,
@@ -162,6 +184,7 @@ OccModel::OccModel(const TopoDS_Shape& shape, std::string name, std::string unit
   TopExp::MapShapes(shape, TopAbs_VERTEX, node_map_);
   TopExp::MapShapes(shape, TopAbs_EDGE, edge_map_);
   TopExp::MapShapes(shape, TopAbs_FACE, face_map_);
+  TopExp::MapShapes(shape, TopAbs_SOLID, body_map_);
   add_nodes();
   add_edges();
   add_faces();
@@ -267,12 +290,6 @@ void OccModel::end_loose_lines() {
   }
 }
 
-std::size_t OccModel::num_bodies() const {
-  TopTools_IndexedMapOfShape bodies;
-  TopExp::MapShapes(shape_, TopAbs_SOLID, bodies);
-  return static_cast<std::size_t>(bodies.Extent());
-}
-
 /// OpenCASCADE's exceptions are none of the standard library's.
 template <class Evaluate>
 void OccModel::evaluating(const char* kind, std::uint32_t entity, const Evaluate& evaluate) const {
@@ -282,6 +299,15 @@ void OccModel::evaluating(const char* kind, std::uint32_t entity, const Evaluate
     throw InputError(name_, std::string(kind) + " " + std::to_string(entity + 1),
                      std::string("cannot be evaluated: ") + failure.GetMessageString());
   }
+}
+
+std::vector<std::uint32_t> OccModel::bodies_at(std::span<const Point> points) const {
+  std::vector<std::uint32_t> bodies(points.size(), kNoEntity);
+  for (std::uint32_t b = 0; b < num_bodies(); ++b)
+    evaluating("body", b, [&] {
+      for (const std::size_t i : points_in(body_map_(static_cast<int>(b) + 1), points)) bodies[i] = b;
+    });
+  return bodies;
 }
 
 CurveJet OccModel::curve(std::uint32_t edge, double t) const {

@@ -25,7 +25,8 @@ class OccModel : public GeometryModel {
   CurveJet curve(std::uint32_t edge, double t) const override;
   SurfaceJet surface(std::uint32_t face, const Parameters& at) const override;
   Parameters on_face(std::uint32_t face, const EdgeUse& use, double t) const override;
-  std::size_t num_bodies() const override;
+  std::size_t num_bodies() const override { return static_cast<std::size_t>(body_map_.Extent()); }
+  std::vector<std::uint32_t> bodies_at(std::span<const Point> points) const override;
   const std::string& name() const override { return name_; }
   const std::string& unit() const override { return unit_; }
   std::span<const std::string> warnings() const override { return warnings_; }
@@ -49,7 +50,7 @@ class OccModel : public GeometryModel {
   TopoDS_Shape shape_;
   std::string name_, unit_;
   std::vector<std::string> warnings_;
-  TopTools_IndexedMapOfShape node_map_, edge_map_, face_map_;
+  TopTools_IndexedMapOfShape node_map_, edge_map_, face_map_, body_map_;
   std::vector<ModelNode> nodes_;
   std::vector<ModelEdge> edges_;
   std::vector<ModelFace> faces_;

@@ -70,16 +70,55 @@ Regions find_regions(const Recovery& r, std::uint32_t outside_vertex) {
   return regions;
 }
 
-/// Takes away what is outside and in holes; leaves no way to it.
-void carve(TetGrid& grid, const Regions& regions, const GridOptions& options) {
-  const auto inside = [&](std::uint32_t t) {
-    const int depth = regions.depth[regions.of_tet[t]];
-    return depth > 0 && (options.keep_enclosed || depth % 2 == 1);
-  };
+double inscribed_radius(const TetGrid& grid, const Tet4& v) {
+  const auto at = [&](int i) { return grid.points[v[static_cast<std::size_t>(i)]]; };
+  double area = 0;
+  for (const auto& f : kTetFaces) area += norm(cross(at(f[1]) - at(f[0]), at(f[2]) - at(f[0])));
+  return area > 0 ? std::abs(six_volume(at(0), at(1), at(2), at(3))) / area : 0;
+}
+
+/// The middle of each region's tet with the largest inscribed sphere.
+std::vector<Point> middles(const TetGrid& grid, std::span<const std::uint32_t> region, std::uint32_t count) {
+  std::vector<double> largest(count, -1);
+  std::vector<Point> at(count);
+  for (std::uint32_t t = 0; t < grid.tets.size(); ++t) {
+    if (!grid.alive(t)) continue;
+    const Tet4& v = grid.tets[t].v;
+    const double radius = inscribed_radius(grid, v);
+    if (radius <= largest[region[t]]) continue;
+    largest[region[t]] = radius;
+    at[region[t]] = 0.25 * (grid.points[v[0]] + grid.points[v[1]] + grid.points[v[2]] + grid.points[v[3]]);
+  }
+  return at;
+}
+
+/// Which regions become part of the mesh. Each triangle bounds one of them at least, whatever bodies say.
+std::vector<bool> wanted_regions(const TetGrid& grid, const Regions& regions, const GridOptions& options) {
+  const auto count = static_cast<std::uint32_t>(regions.depth.size());
+  std::vector<bool> wanted(count);
+  std::vector<std::uint32_t> body;
+  if (options.bodies_at) body = options.bodies_at(middles(grid, regions.of_tet, count));
+  for (std::uint32_t r = 0; r < count; ++r)
+    wanted[r] =
+        regions.depth[r] > 0 &&
+        (options.bodies_at ? body[r] != kNothing : options.keep_enclosed || regions.depth[r] % 2 == 1);
+  if (!options.bodies_at) return wanted;
+  for (std::uint32_t t = 0; t < grid.tets.size(); ++t)
+    for (std::size_t f = 0; f < 4 && grid.alive(t); ++f) {
+      const std::uint32_t r = regions.of_tet[t], n = grid.tets[t].n[f];
+      if (grid.tets[t].facet[f] != kNothing && !wanted[r] && !wanted[regions.of_tet[n >> 2]])
+        wanted[r] = regions.depth[r] > 0;
+    }
+  return wanted;
+}
+
+/// Takes away what is outside and in voids; leaves no way to it. How many voids there were.
+std::uint64_t carve(TetGrid& grid, const Regions& regions, const GridOptions& options) {
+  const std::vector<bool> wanted = wanted_regions(grid, regions, options);
   std::fill(grid.vertex_tet.begin(), grid.vertex_tet.end(), kNothing);
   for (std::uint32_t t = 0; t < grid.tets.size(); ++t) {
     if (!grid.alive(t)) continue;
-    if (inside(t)) {
+    if (wanted[regions.of_tet[t]]) {
       for (const std::uint32_t v : grid.tets[t].v) grid.vertex_tet[v] = t;
       continue;
     }
@@ -87,13 +126,16 @@ void carve(TetGrid& grid, const Regions& regions, const GridOptions& options) {
       if (n != kNothing) grid.tets[n >> 2].n[n & 3] = kNothing;
     grid.remove(t);
   }
+  std::uint64_t voids = 0;
+  for (std::size_t r = 0; r < wanted.size(); ++r) voids += !wanted[r] && regions.depth[r] > 0;
+  return voids;
 }
 
 /// The grid as plain arrays.
 class Export {
  public:
-  Export(const Recovery& r, const ClosedSurface& surface, InitialGrid& result)
-      : r_(r), grid_(r.grid), surface_(surface), result_(result) {}
+  Export(const Recovery& r, const ClosedSurface& surface, const GridOptions& options, InitialGrid& result)
+      : r_(r), grid_(r.grid), surface_(surface), options_(options), result_(result) {}
 
   void run() {
     std::uint32_t count = 0;
@@ -121,6 +163,18 @@ class Export {
     ref_.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) ref_[order[i]] = static_cast<std::int32_t>(i + 1);
     result_.regions = count;
+    if (options_.bodies_at) number_bodies(order);
+  }
+
+  /// What lies in no body, and is wanted all the same, comes after them.
+  void number_bodies(const std::vector<std::uint32_t>& order) {
+    const auto count = static_cast<std::uint32_t>(order.size());
+    const std::vector<std::uint32_t> body = options_.bodies_at(middles(grid_, region_, count));
+    std::int32_t last = 0;
+    for (const std::uint32_t b : body)
+      if (b != kNothing) last = std::max(last, static_cast<std::int32_t>(b + 1));
+    for (const std::uint32_t r : order)
+      ref_[r] = body[r] != kNothing ? static_cast<std::int32_t>(body[r] + 1) : ++last;
   }
 
   /// All the surface's points have tets, because all its triangles bound a volume or divide one, unless they
@@ -179,6 +233,7 @@ class Export {
   const Recovery& r_;
   const TetGrid& grid_;
   const ClosedSurface& surface_;
+  const GridOptions& options_;
   InitialGrid& result_;
   std::vector<std::uint32_t> region_, new_index_;
   std::vector<std::int32_t> ref_;
@@ -206,10 +261,10 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   recover_edges(r);
   recover_facets(r);
   const auto outside = static_cast<std::uint32_t>(surface.mesh.points.size());
-  carve(r.grid, find_regions(r, outside), options);
   InitialGrid result;
+  result.voids = carve(r.grid, find_regions(r, outside), options);
   free_surface(r, result);
-  Export(r, surface, result).run();
+  Export(r, surface, options, result).run();
   return result;
 }
 

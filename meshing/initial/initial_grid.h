@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,17 +14,21 @@ namespace weft::meshing {
 
 struct GridOptions {
   bool keep_enclosed = false;  ///< a shell inside a volume bounds a material of its own; else a hole
+  /// In which body each point lies, kNothing: in none. Where given, it tells materials from voids.
+  std::function<std::vector<std::uint32_t>(std::span<const Point>)> bodies_at = {};
   const std::atomic<bool>* interrupt = nullptr;
 };
 
 struct InitialGrid {
   /// The surface's points first, in its order, then those added inside. Triangles are the surface's, turned
-  /// outwards (from the tets of smaller reference at a material interface). Tet references number the volumes
-  /// from 1, in the order of the first triangle on them.
+  /// outwards (from the tets of smaller reference at a material interface). Tet references are the numbers of
+  /// bodies, where GridOptions::bodies_at is given, else of volumes in the order of the first triangle on
+  /// them; both from 1.
   MeshData mesh;
   std::uint64_t steiner_points = 0;   ///< added inside, to make room for the surface's triangles
   std::uint64_t left_on_surface = 0;  ///< added on the surface, and impossible to move off it
   std::uint64_t regions = 0;
+  std::uint64_t voids = 0;   ///< enclosed volumes that are no part of the mesh
   std::uint64_t turned = 0;  ///< triangles of the surface that looked inwards
 };
 

@@ -1,5 +1,5 @@
 // What a CAD model is to weft: faces, edges and nodes, what bounds what, and evaluation. Pure data and
-// virtual functions without code, so that an implementation can be loaded at run time.
+// virtual functions, so that an implementation can be loaded at run time.
 #pragma once
 
 #include <array>
@@ -88,6 +88,10 @@ class GeometryModel {
 
   /// Solid ones.
   virtual std::size_t num_bodies() const { return 0; }
+  /// In which body each point lies, kNoEntity: in none. Points on a border are in none, too.
+  virtual std::vector<std::uint32_t> bodies_at(std::span<const Point> points) const {
+    return std::vector<std::uint32_t>(points.size(), kNoEntity);
+  }
 
   virtual const std::string& name() const = 0;
   virtual const std::string& unit() const = 0;  ///< of length, such as "millimetre"; empty: not known

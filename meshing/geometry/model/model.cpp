@@ -217,6 +217,13 @@ void Model::find_details() {
 
 // ---- evaluation
 
+std::vector<std::uint32_t> Model::bodies_at(std::span<const Point> points) const {
+  std::vector<Point> own(points.begin(), points.end());
+  if (scale_ != 1)
+    for (Point& p : own) p = (1 / scale_) * p;
+  return geometry_->bodies_at(own);
+}
+
 CurveJet Model::curve(std::uint32_t e, double t) const {
   const ModelEdge& m = edge(e);
   CurveJet jet;

@@ -60,6 +60,9 @@ class Model {
   std::span<const std::uint32_t> faces_at_edge(std::uint32_t e) const { return edge_faces_[e]; }
   std::span<const std::uint32_t> edges_at_node(std::uint32_t n) const { return node_edges_[n]; }
 
+  /// See GeometryModel::bodies_at.
+  std::vector<std::uint32_t> bodies_at(std::span<const Point> points) const;
+
   const Box& box() const { return box_; }
   /// The diagonal of the box.
   double size() const { return size_; }

@@ -39,12 +39,16 @@
 #include <gp_Lin.hxx>
 #include <gp_Pln.hxx>
 #include <map>
+#include <numbers>
 
 #include "meshing/base/error.h"
 #include "meshing/cad/check_model.h"
 #include "meshing/cad/load_model.h"
 #include "meshing/geometry/model/model.h"
+#include "meshing/initial/closed_surface.h"
+#include "meshing/initial/initial_grid.h"
 #include "meshing/io/gmf/gmf.h"
+#include "meshing/mesh/check_mesh.h"
 
 namespace weft::meshing::occ_model_test {
 namespace {
@@ -577,6 +581,54 @@ TEST_F(OccModels, OfBodiesThatTouchHaveCommonFaces) {
     at_three += count == 3;
   }
   EXPECT_GT(at_three, 20) << "round the common face and the half discs";
+}
+
+/// A cube in two halves with a cubic void within, in which a ball floats, looking inwards.
+TopoDS_Shape halves_round_a_ball() {
+  const TopoDS_Shape cube = BRepPrimAPI_MakeBox(gp_Pnt(-1, -1, -1), gp_Pnt(1, 1, 1)).Shape();
+  const TopoDS_Shape hole = BRepPrimAPI_MakeBox(gp_Pnt(-.5, -.5, -.5), gp_Pnt(.5, .5, .5)).Shape();
+  const TopoDS_Shape lower = BRepPrimAPI_MakeBox(gp_Pnt(-2, -2, -2), gp_Pnt(2, 2, 0)).Shape();
+  const TopoDS_Shape hollow = BRepAlgoAPI_Cut(cube, hole).Shape();
+  BRep_Builder builder;
+  TopoDS_Compound bodies;
+  builder.MakeCompound(bodies);
+  builder.Add(bodies, BRepAlgoAPI_Common(hollow, lower).Shape());
+  builder.Add(bodies, BRepAlgoAPI_Cut(hollow, lower).Shape());
+  builder.Add(bodies, BRepPrimAPI_MakeSphere(0.3).Shape().Reversed());
+  return bodies;
+}
+
+TEST_F(OccModels, TellWhichBodyAPointIsIn) {
+  const auto geometry = load_model(brep(halves_round_a_ball()));
+  ASSERT_EQ(geometry->num_bodies(), 3u);
+  const Model model(geometry, 10);
+  EXPECT_EQ(model.bodies_at(std::vector<Point>{{0, 0, -7}, {0, 0, 7}, {1, 0, 0}, {4, 4, 4}, {20, 0, 0}}),
+            (std::vector<std::uint32_t>{0, 1, 2, kNoEntity, kNoEntity}));
+}
+
+TEST_F(OccModels, OfSeveralBodiesKeepTheVoidsBetweenThem) {
+  const std::string path = step(halves_round_a_ball(), "MM");
+  const auto geometry = load_model(path);
+  const Model model(geometry);
+  const ClosedSurface surface = close_surface(tessellate_model(path, *geometry, with_details(model)), {1e-9});
+  GridOptions options;
+  const InitialGrid without = make_initial_grid(surface, options);
+  EXPECT_EQ(without.voids, 1u) << "the ball counts as a hole, or the void as a material";
+  options.bodies_at = [&](auto points) { return model.bodies_at(points); };
+  const InitialGrid grid = make_initial_grid(surface, options);
+  EXPECT_EQ(grid.regions, 3u);
+  EXPECT_EQ(grid.voids, 1u);
+  std::map<std::int32_t, double> volumes;
+  for (std::size_t t = 0; t < grid.mesh.tets.size(); ++t) {
+    const auto& v = grid.mesh.tets[t];
+    const auto& p = grid.mesh.points;
+    volumes[grid.mesh.tet_refs[t]] += six_volume(p[v[0]], p[v[1]], p[v[2]], p[v[3]]) / 6;
+  }
+  ASSERT_EQ(volumes.size(), 3u);
+  EXPECT_NEAR(volumes[1], 3.5, 1e-9);
+  EXPECT_NEAR(volumes[2], 3.5, 1e-9);
+  EXPECT_NEAR(volumes[3], 4.0 / 3 * std::numbers::pi * 0.027, 0.01);
+  EXPECT_TRUE(check_mesh(grid.mesh).ok());
 }
 
 TEST_F(OccModels, WithAFaceBesideTheirBodiesAreRefusedNamingIt) {

@@ -48,14 +48,18 @@ class Filling {
     if (options_.remesh_surface) model_ = tools::model_of(options_.geometry, surface_, "surface");
     for (std::string& warning : tools::model_warnings(model_.get()))
       result_.warnings.push_back(std::move(warning));
-    grid_ = meshing::make_initial_grid(closed, {options_.materials || has_bodies(), &monitor_.flag()});
+    meshing::GridOptions options{options_.materials, {}, &monitor_.flag()};
+    if (has_bodies() && !options_.materials)
+      options.bodies_at = [this](auto points) { return model_->bodies_at(points); };
+    grid_ = meshing::make_initial_grid(closed, options);
     result_.regions = grid_.regions;
     result_.grid_seconds = watch_.lap();
     if (has_bodies() && grid_.regions != model_->geometry().num_bodies())
+      result_.warnings.push_back(fmt::format("{} volumes have been filled where the model has {} bodies",
+                                             grid_.regions, model_->geometry().num_bodies()));
+    if (has_bodies() && grid_.voids > 0)
       result_.warnings.push_back(
-          fmt::format("{} volumes are enclosed where the model has {} bodies: voids within bodies or between "
-                      "them have been filled, each with a reference of its own",
-                      grid_.regions, model_->geometry().num_bodies()));
+          fmt::format("enclosed volumes that belong to no body of the model, left empty: {}", grid_.voids));
     if (grid_.left_on_surface > 0)
       result_.warnings.push_back(
           fmt::format("{} points had to be added on the surface", grid_.left_on_surface));
@@ -63,7 +67,7 @@ class Filling {
       result_.warnings.push_back(fmt::format("{} triangles that looked inwards turned", grid_.turned));
   }
 
-  /// What several bodies of a model enclose is another's place, not a hole.
+  /// What several bodies of a model enclose may be another's place, not a hole.
   bool has_bodies() const { return model_ && model_->geometry().num_bodies() > 1; }
 
   meshing::ClosedSurface close_mended() {

@@ -27,7 +27,8 @@ constexpr const char* kMeshFooter = R"(Examples:
 
 SURFACE is any mesh file with triangles, or a CAD model (.step, .iges, .brep, .egads), which is meshed
 within --hausd of it, every vertex on it. They must enclose one or several volumes; shared faces separate
-materials, which get the tet references 1, 2 ... (all of a CAD model's bodies, also one within another).
+materials, which get the tet references 1, 2 ... Of several bodies in a CAD model each is filled, with its
+number as reference, and what lies between them is left empty (with --materials: filled).
 The triangles are kept, and sizes grow from theirs into the volume, faster than --growth where the
 triangles' sizes do. Repaired with a note: coincident points,
 degenerate and duplicate triangles, orientations. Refused: open and self-intersecting surfaces. --repair

@@ -376,8 +376,9 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
     """Fills the volumes that closed triangles bound with tets, as `weft mesh` does.
 
     growth: of neighbouring edges away from the surface. size: the largest; 0: no limit. merge: points nearer than this
-    share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole. remesh_surface:
-    the surface may be adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
+    share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole (of a CAD model with
+    several bodies each is filled, and voids between them only with materials). remesh_surface: the surface may be
+    adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
     Of the options threads, hausd, ridge_angle, repair and, with remesh_surface, geometry and geometry_scale have a
     meaning.
     """

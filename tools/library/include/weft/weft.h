@@ -674,8 +674,8 @@ WEFT_API std::string volume_extensions();
 struct FillOptions {
   double growth = 1.3;               ///< of neighbouring edges away from the surface
   double size = 0;                   ///< largest size; 0: no limit
-  bool materials = false;            ///< a shell within a volume bounds a material; else a hole, but in
-                                     ///< CAD models of several bodies
+  bool materials = false;            ///< a shell within a volume bounds a material; else a hole, unless a
+                                     ///< body of the CAD model fills it
   double merge = 1e-9;               ///< points nearer than this share of the diagonal are one
   bool remesh_surface = false;       ///< let the surface be adapted; else its triangles stay
   const Mesh* background = nullptr;  ///< with `metric` at its vertices: sizes to use instead of the surface's

@@ -380,11 +380,11 @@ WEFT_C_API weft_status weft_draw_histograms(const char* path, const weft_mesh* m
 /* ---------------------------------------------------------------------------------------- Initial meshes */
 
 typedef struct weft_fill_settings {
-  size_t size;            /* sizeof(weft_fill_settings) */
-  double growth;          /* of neighbouring edges away from the surface */
-  double max_size;        /* 0: no limit */
-  double merge;           /* points nearer than this share of the diagonal are one */
-  int32_t materials;      /* 1: a shell within a volume bounds a material, not a hole */
+  size_t size;       /* sizeof(weft_fill_settings) */
+  double growth;     /* of neighbouring edges away from the surface */
+  double max_size;   /* 0: no limit */
+  double merge;      /* points nearer than this share of the diagonal are one */
+  int32_t materials; /* 1: a shell within a volume bounds a material, not a hole; so do voids of a model */
   int32_t remesh_surface; /* 1: the surface may be adapted */
 } weft_fill_settings;
 WEFT_C_API weft_status weft_fill_settings_default(weft_fill_settings* settings);
