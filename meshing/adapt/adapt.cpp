@@ -83,7 +83,8 @@ std::vector<std::uint32_t> origins_of(const TetMesh& mesh, const MeshData& input
 
 /// The mesh of a state takes the place of the input; boundary and background are the input's.
 void go_on_with(TetMeshArrays arrays, ImportedMesh& imported) {
-  const std::size_t vertices = imported.mesh->vertex_capacity(), tets = imported.mesh->tet_capacity();
+  const std::size_t vertices = std::max(imported.mesh->vertex_capacity(), arrays.points.size());
+  const std::size_t tets = std::max(imported.mesh->tet_capacity(), arrays.tets.size());
   imported.mesh.reset();
   imported.mesh = from_arrays(arrays, vertices, tets, Pages::huge);
 }
@@ -131,6 +132,9 @@ AdaptResult adapt(const MeshData& input, const BackgroundData& given, const Adap
       if (options.model) {
         ModelAccount account = account_on_model(*imported.mesh, *imported.surface);
         account.input = imported.on_model;
+        std::uint32_t count;
+        const std::vector<std::uint32_t> places = places_of_vertices(*imported.mesh, count);
+        for (std::uint32_t& v : account.listed) v = places[v];
         result.report.model = std::make_shared<const ModelAccount>(std::move(account));
       }
     }

@@ -172,13 +172,14 @@ Verdict take_back(Worker& w, VertexId v, VertexId a, VertexId b) {
 
 /// Splits an edge of curved boundary where the surface lies behind what lies upon the edge: on the chord,
 /// from where the new vertex rises while its neighbours make room. Where it does not arrive all is taken
-/// back. Claims nothing in the end.
+/// back. Counts no split, and claims nothing in the end.
 Verdict split_below(Worker& w, TetId t, VertexId a, VertexId b) {
   constexpr int kTries = 8;
   const SplitBounds bounds{
       .shortest = w.kernel.limits.finest_split_shortest, .keep_share = 0.1, .on_chord = true};
   VertexId made;
-  Verdict r = done(w, Operator::split, split_edge(w, t, a, b, bounds, &made));
+  Verdict r = split_edge(w, t, a, b, bounds, &made);
+  w.claims.release();
   if (r != Verdict::accepted) return r;
   const auto again = [](Verdict x) { return x == Verdict::inverts || x == Verdict::conflict; };
   r = Verdict::inverts;
@@ -192,18 +193,18 @@ Verdict split_below(Worker& w, TetId t, VertexId a, VertexId b) {
   return Verdict::inverts;
 }
 
-/// A tet at both vertices; invalid where there is none, or others hold them. Claims nothing in the end.
-TetId tet_at(Worker& w, VertexId a, VertexId b) {
-  TetId found;
+/// A tet at both vertices, claimed with the ball of `a`; invalid, and nothing claimed, where there is none,
+/// or others hold them.
+TetId claim_tet_at(Worker& w, VertexId a, VertexId b) {
   if (gather_ball(w.mesh, w.claims, a, w.ball) == Verdict::accepted)
     for (const auto& [t, local] : w.ball.tets)
-      if (w.mesh.local_index(t, b) >= 0) found = t;
+      if (w.mesh.local_index(t, b) >= 0) return t;
   w.claims.release();
-  return found;
+  return {};
 }
 
-/// Gives up one of the vertices inside around an edge, the one nearest to its middle that can go. False where
-/// none can. Claims nothing in the end.
+/// Gives up one of the vertices inside around an edge of the claimed tet, the one nearest to its middle that
+/// can go. False where none can. Claims nothing in the end.
 bool clear_ring(Worker& w, TetId t, VertexId a, VertexId b) {
   std::vector<std::pair<double, VertexId>> inside;
   const Verdict r = gather_shell(w.mesh, w.claims, t, a, b, w.shell);
@@ -220,22 +221,22 @@ bool clear_ring(Worker& w, TetId t, VertexId a, VertexId b) {
 }
 
 /// Splits an edge of boundary on a model where vertices that cannot move stand between it and the surface:
-/// they are given up one by one, until it can be split or a vertex can rise from it. Claims nothing in the
-/// end.
+/// they are given up one by one, until it can be split or a vertex can rise from it. Counts the splits that
+/// are refused, and claims nothing in the end.
 Verdict split_after_clearing(Worker& w, VertexId a, VertexId b) {
   constexpr int kMost = 12;
   for (int i = 0; i < kMost; ++i) {
-    TetId t = tet_at(w, a, b);
+    TetId t = claim_tet_at(w, a, b);
     if (!t.valid() || !clear_ring(w, t, a, b)) break;
-    t = tet_at(w, a, b);
-    if (!t.valid()) break;
-    const Verdict r =
-        done(w, Operator::split, split_edge(w, t, a, b, {w.kernel.limits.finest_split_shortest, 0.1}));
-    if (r == Verdict::accepted || r == Verdict::conflict) return r;
-    t = tet_at(w, a, b);
-    if (!t.valid() || w.claims.claim_tet(t) != Verdict::accepted) break;
-    const Verdict below = split_below(w, t, a, b);
-    if (below == Verdict::accepted || below == Verdict::conflict) return below;
+    for (const bool below : {false, true}) {
+      t = claim_tet_at(w, a, b);
+      if (!t.valid()) return Verdict::inverts;
+      const Verdict r = below ? split_below(w, t, a, b)
+                              : split_edge(w, t, a, b, {w.kernel.limits.finest_split_shortest, 0.1});
+      w.claims.release();
+      if (r == Verdict::accepted || r == Verdict::conflict) return r;
+      w.counts.add(Operator::split, r);
+    }
   }
   return Verdict::inverts;
 }
@@ -264,6 +265,7 @@ Verdict split_curved(Worker& w, TetId t, const TetVertices& v) {
       r = split_after_clearing(w, behind[i][0], behind[i][1]);
     if (r == Verdict::accepted || r == Verdict::conflict || !w.mesh.alive(t)) return r;
     if (w.claims.claim_tet(t) != Verdict::accepted || w.mesh.vertices(t) != v) return r;
+    w.counts.add(Operator::split, r);
   }
   return w.mesh.all_on_curved_boundary(v) ? split_lying(w, t, v) : Verdict::not_needed;
 }
@@ -412,7 +414,7 @@ std::uint64_t snap_pass(WorkerPool& pool) {
       r = snap_vertex(w, v);
       w.claims.release();
     }
-    if (r == Verdict::inverts) ++off;
+    if (r == Verdict::inverts || r == Verdict::conflict) ++off;
     return r;
   });
   return off;
@@ -433,7 +435,13 @@ std::uint64_t resolve_curved_pass(WorkerPool& pool) {
 
 std::uint64_t split_pass(WorkerPool& pool) {
   if (!pool.allowed().insert) return 0;
-  return pool.sweep_tets(kCheckLong, split_longest);
+  return pool.sweep_tets(kCheckLong, [](Worker& w, TetId t) {
+    const Verdict r = split_longest(w, t);
+    // The pass is made once more where a mesh that is full can grow.
+    if (r != Verdict::accepted && r != Verdict::not_needed && w.mesh.is_full() && w.mesh.alive(t))
+      w.mesh.mark(t, kCheckLong);
+    return r;
+  });
 }
 
 std::uint64_t collapse_pass(WorkerPool& pool) {

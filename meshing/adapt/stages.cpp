@@ -134,12 +134,13 @@ class Adaptation {
       return static_cast<double>(f());
   }
 
-  /// A pass that lacked room is made once more with more of it. An allocation that fails ends the adaptation,
-  /// but loses nothing: operators take what they need before they change anything.
+  /// A pass that lacked room is made once more with more of it; measures take none. An allocation that fails
+  /// ends the adaptation, but loses nothing: operators take what they need before they change anything.
   template <class F>
   double make(F f) try {
+    const bool was_full = mesh_.is_full() && !mesh_.grow();
     double value = value_of(f);
-    while (mesh_.is_full() && mesh_.grow()) value += value_of(f);
+    while (!was_full && mesh_.is_full() && mesh_.grow()) value += value_of(f);
     return value;
   } catch (const std::bad_alloc&) {
     if (!options_.out_of_memory || !links_hold(mesh_)) throw;

@@ -275,15 +275,6 @@ void read_metric(TetMesh& mesh, const Background& background, bool background_is
 
 namespace {
 
-/// The place of each live vertex among all that are; holes have none.
-std::vector<std::uint32_t> places_of_vertices(const TetMesh& mesh, std::uint32_t& count) {
-  std::vector<std::uint32_t> places(mesh.vertex_slots());
-  count = 0;
-  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
-    if (mesh.alive(VertexId(i))) places[i] = count++;
-  return places;
-}
-
 void export_vertices(const TetMesh& mesh, MeshData& d, LogMetricField& log_metrics) {
   for (std::uint32_t i = 0, place = 0; i < mesh.vertex_slots(); ++i) {
     const VertexId v(i);
@@ -312,6 +303,14 @@ void export_triangles(const TetMesh& mesh, TetId t, const std::array<std::uint32
 
 }  // namespace
 
+std::vector<std::uint32_t> places_of_vertices(const TetMesh& mesh, std::uint32_t& count) {
+  std::vector<std::uint32_t> places(mesh.vertex_slots());
+  count = 0;
+  for (std::uint32_t i = 0; i < mesh.vertex_slots(); ++i)
+    if (mesh.alive(VertexId(i))) places[i] = count++;
+  return places;
+}
+
 void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
                  MeshData& d, LogMetricField& log_metrics) {
   std::uint32_t nv = 0;
@@ -330,7 +329,7 @@ void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<
     d.tet_refs.push_back(mesh.ref(t));
     export_triangles(mesh, t, d.tets.back(), surface, patch_required, d);
   }
-  d.association = associate(mesh, surface);
+  d.association = associate(mesh, surface, places);
   for (const TetMesh::FeatureEdge& e : mesh.feature_edges()) {
     const auto index = static_cast<std::uint32_t>(d.edges.size());
     const Curve& curve = surface.curves()[e.curve.value];

@@ -41,7 +41,10 @@ ImportedMesh import_mesh(const MeshData& input, double ridge_angle_degrees, std:
 /// Vertex ids must still be those of the input.
 void read_metric(TetMesh& mesh, const Background& background, bool background_is_input);
 
-/// Plain arrays and metrics, in the order of slots without the holes. With a model there must be none.
+/// The place of each live vertex among all that are, by slot; holes have none.
+std::vector<std::uint32_t> places_of_vertices(const TetMesh& mesh, std::uint32_t& count);
+
+/// Plain arrays and metrics, in the order of slots without the holes.
 void export_mesh(const TetMesh& mesh, const Surface& surface, const std::vector<bool>& patch_required,
                  MeshData& data, LogMetricField& log_metrics);
 

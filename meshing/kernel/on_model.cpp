@@ -302,15 +302,16 @@ ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface, std::
   return account_of(*surface.model(), sum_on_model(mesh, surface, {}, deviations));
 }
 
-Association associate(const TetMesh& mesh, const Surface& surface) {
+Association associate(const TetMesh& mesh, const Surface& surface, std::span<const std::uint32_t> places) {
   Association result;
   if (!surface.model()) return result;
   const auto id = [](const Place& p) { return static_cast<std::int32_t>(p.entity + 1); };
-  for (const Place& p : places_on_nodes(mesh, surface)) result.nodes.push_back({p.vertex.value, id(p)});
+  const auto vertex = [&](const Place& p) { return places[p.vertex.value]; };
+  for (const Place& p : places_on_nodes(mesh, surface)) result.nodes.push_back({vertex(p), id(p)});
   for (const Place& p : places_on_edges(mesh, surface))
-    result.edges.push_back({p.vertex.value, id(p), p.at[0], static_cast<double>(id(p))});
+    result.edges.push_back({vertex(p), id(p), p.at[0], static_cast<double>(id(p))});
   for (const Place& p : places_on_faces(mesh, surface, boundary_faces(mesh)))
-    result.faces.push_back({p.vertex.value, id(p), p.at[0], p.at[1], static_cast<double>(id(p))});
+    result.faces.push_back({vertex(p), id(p), p.at[0], p.at[1], static_cast<double>(id(p))});
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,8 +60,8 @@ ModelAccount account_of(const Model& model, ModelSums sums);
 ModelAccount account_on_model(const TetMesh& mesh, const Surface& surface,
                               std::vector<double>* deviations = nullptr);
 
-/// The records for files, of the mesh as export_mesh() numbers it: every vertex with the node, the edges and
-/// the faces that it lies on.
-Association associate(const TetMesh& mesh, const Surface& surface);
+/// The records for files: every vertex, numbered by `places` of its slot, with the node, the edges and the
+/// faces that it lies on.
+Association associate(const TetMesh& mesh, const Surface& surface, std::span<const std::uint32_t> places);
 
 }  // namespace weft::meshing

@@ -34,6 +34,7 @@ std::vector<Triangle> triangulate_loop(std::span<const Point> points, std::span<
     for (std::size_t i = 0; i + width < n; ++i) {
       const std::size_t j = i + width;
       least[i * n + j] = std::numeric_limits<double>::max();
+      choice[i * n + j] = static_cast<std::uint32_t>(i + 1);  // areas may be too large for doubles
       for (std::size_t k = i + 1; k < j; ++k) {
         const double sum = least[i * n + k] + least[k * n + j] + area(i, k, j);
         if (sum < least[i * n + j]) least[i * n + j] = sum, choice[i * n + j] = static_cast<std::uint32_t>(k);

@@ -88,7 +88,7 @@ Verdict smooth_gathered(Worker& w) {
     if (!move_to(w, v, space, old + damping * step, moved)) return Verdict::leaves_surface;
     const double worst = w.faces.qualities(moved.x, moved.tensor(w.mean()), w.qualities);
     verdict = worst < 0 ? Verdict::inverts : Verdict::worsens_quality;
-    if (worst >= std::min(old_worst, 0.6) && sum_of_inverses(w.qualities) < 0.999 * old_sum) {
+    if (worst >= 0 && worst >= std::min(old_worst, 0.6) && sum_of_inverses(w.qualities) < 0.999 * old_sum) {
       commit_move(w, w.ball, moved, w.qualities);
       return Verdict::accepted;
     }

@@ -1,6 +1,7 @@
 // The place on the model, and as much of the way there as keeps all tets positive.
 #include "meshing/operators/snap_vertex.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "meshing/operators/placement.h"
@@ -11,13 +12,24 @@ namespace {
 // Of the model's size: what is nearer is on it, but for rounding.
 constexpr double kRounding = 1e-14;
 
+/// Whether an edge at the centre of the gathered ball must stay as it is; those of required triangles must.
+bool has_required_edge(const Worker& w, VertexId v) {
+  const auto is_required = [&](VertexId u) {
+    const CurveId c = u == v ? CurveId() : w.mesh.curve(v, u);
+    return c.valid() && w.kernel.surface.curves()[c.value].required;
+  };
+  return std::ranges::any_of(w.ball.tets, [&](const Ball::Entry& e) {
+    return std::ranges::any_of(w.mesh.vertices(e.tet), is_required);
+  });
+}
+
 /// Empty where nothing of the model is known to be there.
 std::optional<Point> place_on_model(const Worker& w, VertexId v) {
   const TetMesh& mesh = w.mesh;
   const Surface& s = w.kernel.surface;
   if (mesh.kind(v) == VertexKind::corner) {
     const std::uint32_t node = s.node(mesh.surface_hint(v));
-    if (node == kNoEntity) return std::nullopt;
+    if (node == kNoEntity || has_required_edge(w, v)) return std::nullopt;
     return s.model()->node(node);
   }
   MoveSpace space;

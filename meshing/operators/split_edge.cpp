@@ -219,7 +219,7 @@ VertexId split_edge_at(Worker& w, VertexId a, VertexId b, std::span<const TetId>
 
 double metric_middle(double la, double lb) {
   const double ratio = lb / la;
-  if (std::abs(ratio - 1) < 1e-3) return 0.5;
+  if (!(std::abs(ratio - 1) >= 1e-3 && ratio > 0 && std::isfinite(ratio))) return 0.5;
   return std::clamp(std::log(0.5 * (1 + ratio)) / std::log(ratio), 0.2, 0.8);
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -91,6 +92,24 @@ TEST(AdaptOnModel, BringsAMeshThatIsOffItOntoIt) {
     if (norm(mesh.points[i]) > 0.99)
       mesh.points[i] = (1 + 0.004 * std::sin(7.0 * static_cast<double>(i))) * mesh.points[i];
   expect_good(adapted(mesh, ball(), 0.3));
+}
+
+/// The node of a closed edge is a corner; snapping takes it to the model.
+TEST(AdaptOnModel, LeavesCornersOfRequiredTrianglesWhereTheyAre) {
+  const auto model = cylinder();
+  for (const bool required : {false, true}) {
+    MeshData mesh = coarse_cylinder();
+    const Point node = model->node(0);
+    const auto corner = static_cast<std::uint32_t>(
+        std::ranges::min_element(mesh.points, {}, [&](const Point& p) { return norm2(p - node); }) -
+        mesh.points.begin());
+    ASSERT_LT(norm(mesh.points[corner] - node), 1e-12);
+    mesh.points[corner].z += 1e-6;
+    for (std::uint32_t t = 0; required && t < mesh.triangles.size(); ++t)
+      if (std::ranges::count(mesh.triangles[t], corner) > 0) mesh.required_triangles.push_back(t);
+    const AdaptResult result = adapted(mesh, model, 0.4);
+    EXPECT_EQ(std::ranges::count(result.mesh.points, mesh.points[corner]), required ? 1 : 0);
+  }
 }
 
 TEST(AdaptOnModel, IsRefusedWhereTheModelIsAnotherBodys) {

@@ -368,6 +368,34 @@ TEST(Adapt, AMeshThatBecomesFullGrows) {
   }
 }
 
+/// How many tets passes of splits make of `input`, in a mesh that has room for `tets` at first.
+std::size_t tets_of_split(const MeshData& input, std::size_t vertices, std::size_t tets) {
+  const LogMetricField metric = uniform_metric(input, 0.06);
+  ImportedMesh imported = import_mesh(input, 45, vertices, tets);
+  const Background background(input, metric, build_adjacency(input.tets, input.points.size()));
+  read_metric(*imported.mesh, background, true);
+  TetMesh& mesh = *imported.mesh;
+  for (std::uint32_t i = 0; i < mesh.tet_slots(); ++i) {
+    mesh.set_quality(TetId(i),
+                     static_cast<float>(judge_quality(Policy().mean, mesh, mesh.vertices(TetId(i)))));
+    mesh.mark(TetId(i), kCheckLong);
+  }
+  Kernel kernel{mesh, background, *imported.surface, {}};
+  WorkerPool pool(kernel, 1, nullptr);
+  while (split_pass(pool) > 0 || (mesh.is_full() && mesh.grow())) continue;
+  return pool.live_tets();
+}
+
+/// What a pass came to after the mesh had become full is split as well.
+TEST(Adapt, PassesThatLackedRoomForgetNothing) {
+  const MeshData input = unit_cube(8);
+  const std::size_t points = input.points.size(), tets = input.tets.size();
+  const std::size_t ample = tets_of_split(input, 100 * points, 100 * tets);
+  ASSERT_GT(ample, 3 * tets);
+  EXPECT_NEAR(static_cast<double>(tets_of_split(input, 100 * points, tets + tets / 4)),
+              static_cast<double>(ample), 0.05 * static_cast<double>(ample));
+}
+
 TEST(Adapt, CountsWhatIsDeadFromBefore) {
   KernelRig rig(unit_cube(4));
   ASSERT_EQ(gather_ball(rig.mesh, rig.worker.claims, rig.vertex_at({0.5, 0.5, 0.5}), rig.worker.ball),
