@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/part_writer.h"
@@ -43,8 +44,7 @@ void write_cgns(const std::filesystem::path& path, const MeshView& contents,
 // not always the same: HDF5 notes the time.)
 PartPlaces begin_cgns_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                             const WholeMesh& whole);
-std::unique_ptr<PartWriter> open_cgns_part(const std::filesystem::path& file,
-                                           const std::filesystem::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_cgns_part(PartTarget target, const WholeMesh& whole,
                                            const PartPlaces& places);
 
 }  // namespace weft::meshing

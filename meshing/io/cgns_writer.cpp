@@ -196,9 +196,8 @@ PartPlaces places_of(const std::filesystem::path& file, const std::string& name,
 /// Puts rows where the layout has their places.
 class CgnsPartWriter final : public PartWriter {
  public:
-  CgnsPartWriter(const std::filesystem::path& file, const std::filesystem::path& name, const WholeMesh& whole,
-                 const PartPlaces& places)
-      : file_(file, name.string()), whole_(whole), places_(places) {}
+  CgnsPartWriter(PartTarget target, const WholeMesh& whole, const PartPlaces& places)
+      : file_(std::move(target)), whole_(whole), places_(places) {}
 
   void write(const MeshPart& part) override {
     for (int c = 0; c < 3; ++c)
@@ -320,10 +319,9 @@ PartPlaces begin_cgns_parts(const std::filesystem::path& file, const std::filesy
   return places_of(file, name.string(), array_nodes(whole));
 }
 
-std::unique_ptr<PartWriter> open_cgns_part(const std::filesystem::path& file,
-                                           const std::filesystem::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_cgns_part(PartTarget target, const WholeMesh& whole,
                                            const PartPlaces& places) {
-  return std::make_unique<CgnsPartWriter>(file, name, whole, places);
+  return std::make_unique<CgnsPartWriter>(std::move(target), whole, places);
 }
 
 void write_cgns(const std::filesystem::path& path, const MeshView& contents, const WriteOptions&) {
@@ -331,7 +329,7 @@ void write_cgns(const std::filesystem::path& path, const MeshView& contents, con
   AtomicFile file(path);
   const WholeMesh whole = describe(contents);
   const PartPlaces places = begin_cgns_parts(file.temporary(), path, whole);
-  write_as_parts(contents, *open_cgns_part(file.temporary(), path, whole, places));
+  write_as_parts(contents, *open_cgns_part({file.temporary(), path.string()}, whole, places));
   file.commit();
 }
 

@@ -65,8 +65,7 @@ struct Format {
   // Where many can write one file: whether they can write this one, what one of them does first, and all do.
   bool (*in_parts)(const fs::path&) = nullptr;
   PartPlaces (*begin_parts)(const fs::path&, const fs::path&, const WholeMesh&) = nullptr;
-  std::unique_ptr<PartWriter> (*open_part)(const fs::path&, const fs::path&, const WholeMesh&,
-                                           const PartPlaces&) = nullptr;
+  std::unique_ptr<PartWriter> (*open_part)(PartTarget, const WholeMesh&, const PartPlaces&) = nullptr;
   // Where many can write one file of text: whether this one, what stands before the rows of its sections, and
   // the rows.
   bool (*as_text)(const fs::path&) = nullptr;
@@ -349,9 +348,9 @@ PartPlaces begin_parts(const fs::path& file, const fs::path& name, const WholeMe
   return format_of(name).begin_parts(file, name, whole);
 }
 
-std::unique_ptr<PartWriter> open_part(const fs::path& file, const fs::path& name, const WholeMesh& whole,
-                                      const PartPlaces& places) {
-  return format_of(name).open_part(file, name, whole, places);
+std::unique_ptr<PartWriter> open_part(PartTarget target, const WholeMesh& whole, const PartPlaces& places) {
+  const Format& format = format_of(target.name);
+  return format.open_part(std::move(target), whole, places);
 }
 
 bool can_be_written_as_text(const fs::path& path) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
@@ -91,9 +92,8 @@ bool can_be_written_in_parts(const std::filesystem::path& path);
 /// and becomes `name` when all have written: the bytes are those of write_mesh_contents().
 PartPlaces begin_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                        const WholeMesh& whole);
-/// By every writer; `places` is what the first has got of begin_parts().
-std::unique_ptr<PartWriter> open_part(const std::filesystem::path& file, const std::filesystem::path& name,
-                                      const WholeMesh& whole, const PartPlaces& places);
+/// By every writer, the target's name that of the file; `places` is what the first has got of begin_parts().
+std::unique_ptr<PartWriter> open_part(PartTarget target, const WholeMesh& whole, const PartPlaces& places);
 
 /// The same of text, whose rows have no places until their length is known: whether several writers can write
 /// the file, section by section.

@@ -472,9 +472,9 @@ bool has_tet_refs(const WholeMesh& whole) {
 /// Rows of one part, at their places.
 class UgridPartWriter final : public PartWriter {
  public:
-  UgridPartWriter(const fs::path& file, const fs::path& name, const WholeMesh& whole)
-      : file_(file, name.string()),
-        encoding_(encoding_of(name)),
+  UgridPartWriter(PartTarget target, const WholeMesh& whole)
+      : encoding_(encoding_of(target.name)),
+        file_(std::move(target)),
         rows_(file_, encoding_),
         has_tet_refs_(has_tet_refs(whole)) {
     const std::uint64_t integer = encoding_.integer_size;
@@ -515,8 +515,8 @@ class UgridPartWriter final : public PartWriter {
     rows_.refs(refs);
   }
 
-  FilePart file_;
   Encoding encoding_;
+  FilePart file_;
   UgridRows<FilePart> rows_;
   bool has_tet_refs_;
   // Where these begin; volume IDs follow the number of tets in boundary layers.
@@ -528,15 +528,14 @@ class UgridPartWriter final : public PartWriter {
 PartPlaces begin_ugrid_parts(const fs::path& file, const fs::path& name, const WholeMesh& whole) {
   check_integers(name.string(), encoding_of(name),
                  std::max({whole.points, whole.num_triangles(), whole.num_tets()}));
-  UgridPartWriter writer(file, name, whole);
+  UgridPartWriter writer({file, name.string()}, whole);
   writer.write_frame(whole);
   writer.finish();
   return {};
 }
 
-std::unique_ptr<PartWriter> open_ugrid_part(const fs::path& file, const fs::path& name,
-                                            const WholeMesh& whole, const PartPlaces&) {
-  return std::make_unique<UgridPartWriter>(file, name, whole);
+std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& whole, const PartPlaces&) {
+  return std::make_unique<UgridPartWriter>(std::move(target), whole);
 }
 
 std::vector<std::string> ugrid_heads(const WholeMesh& whole) {

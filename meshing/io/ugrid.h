@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/mesh_stream.h"
 #include "meshing/io/files/part_writer.h"
@@ -43,8 +44,7 @@ bool is_ugrid_for_parts(const std::filesystem::path& path);
 // The bytes are those of write_ugrid().
 PartPlaces begin_ugrid_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                              const WholeMesh& whole);
-std::unique_ptr<PartWriter> open_ugrid_part(const std::filesystem::path& file,
-                                            const std::filesystem::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_ugrid_part(PartTarget target, const WholeMesh& whole,
                                             const PartPlaces& places);
 
 // An ASCII file, by several writers: what stands before the rows of each section, and the rows of a part,

@@ -17,6 +17,8 @@ using Bytes = std::vector<std::byte>;
 /// the same order.
 class Peers {
  public:
+  static constexpr int kMostWriters = 64;
+
   virtual ~Peers() = default;
   virtual int rank() const = 0;
   virtual int ranks() const = 0;
@@ -27,6 +29,11 @@ class Peers {
     return all_to_all(std::vector<Bytes>(static_cast<std::size_t>(ranks()), mine));
   }
 
+  /// At most so many ranks write to one file; the others hand them what they have of it.
+  int most_writers() const { return most_writers_; }
+  /// The same on all ranks, at least 1.
+  void set_most_writers(int most) { most_writers_ = most; }
+
   /// Puts the second into the first: associative and commutative to the bit.
   using Combine = std::function<void(Bytes& sum, const Bytes& more)>;
   /// What all ranks give, combined, on all ranks.
@@ -35,6 +42,9 @@ class Peers {
     for (std::size_t r = 1; r < all.size(); ++r) combine(all[0], all[r]);
     return std::move(all[0]);
   }
+
+ private:
+  int most_writers_ = kMostWriters;
 };
 
 /// One rank.

@@ -12,6 +12,7 @@
 #include "meshing/base/place_in.h"
 #include "meshing/io/gmf/gmf_slice_writer.h"
 #include "meshing/io/mesh_file.h"
+#include "partition/communication/agreement.h"
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
@@ -81,6 +82,7 @@ GmfPlan gmf_plan(const MeshSlice& slice, const MarkRanges& marks, const std::fil
 template <class Output, class Write>
 void write_together(Peers& peers, Output& common, const Write& write) {
   agree_on(peers, write);
+  common.deliver(peers);
   agree_on(peers, [&] {
     if (peers.rank() == 0) common.commit();
   });
@@ -203,7 +205,7 @@ void write_in_parts(Peers& peers, const MeshSlice& slice, const meshing::Solutio
   });
   places = allgather(peers, places)[0];
   write_together(peers, common, [&] {
-    const auto out = meshing::open_part(common.temporary(), common.name(), whole, places);
+    const auto out = meshing::open_part(common.target(), whole, places);
     with_part(slice, fields, first, [&](const meshing::MeshPart& part) { out->write(part); });
     out->finish();
   });

@@ -6,31 +6,34 @@
 #include <utility>
 
 #include "meshing/io/files/atomic_file.h"
-#include "partition/communication/agreement.h"
+#include "meshing/io/files/file_part.h"
 #include "partition/communication/peers.h"
 
 namespace weft::partition {
 
-/// One file that all ranks write: rank 0 creates it and makes it appear.
+/// One file that all ranks write: rank 0 creates it and makes it appear. Of very many ranks some write for
+/// others too (Peers::most_writers): a file system serves few writers better, and each the rows of
+/// neighbours.
 class CommonFile {
  public:
   explicit CommonFile(std::filesystem::path name) : name_(std::move(name)) {}
 
   /// All ranks.
-  void create(Peers& peers) {
-    agree_on(peers, [&] {
-      if (peers.rank() == 0) file_ = std::make_unique<meshing::AtomicFile>(name_);
-    });
-    temporary_ = text_of_first(peers, file_ ? file_->temporary().string() : "");
-  }
+  void create(Peers& peers);
   const std::filesystem::path& name() const { return name_; }
   const std::filesystem::path& temporary() const { return temporary_; }
-  /// On rank 0, when all have written.
+  /// Where this rank's part goes.
+  meshing::PartTarget target() { return {temporary_, name_.string(), writes_ ? nullptr : &kept_}; }
+  /// All ranks, when all have written to their targets. Throws what agree_on() throws.
+  void deliver(Peers& peers);
+  /// On rank 0, when all has been delivered.
   void commit() { file_->commit(); }
 
  private:
   std::filesystem::path name_, temporary_;
   std::unique_ptr<meshing::AtomicFile> file_;  ///< on rank 0
+  bool writes_ = true;
+  meshing::PlacedBytes kept_;  ///< of a rank for which another one writes
 };
 
 }  // namespace weft::partition

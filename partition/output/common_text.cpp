@@ -26,7 +26,7 @@ void CommonText::create(Peers& peers) {
 }
 
 void CommonText::write() {
-  meshing::FilePart out(file_.temporary(), file_.name().string());
+  meshing::FilePart out(file_.target());
   for (std::size_t section = 0; section < heads_.size(); ++section) {
     out.seek(places_.heads[section]);
     out.write(heads_[section]);

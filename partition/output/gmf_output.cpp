@@ -24,7 +24,7 @@ void GmfOutput::create(Peers& peers) {
 }
 
 void GmfOutput::write() {
-  GmfSliceWriter out(file_.temporary(), plan_);
+  GmfSliceWriter out(file_.target(), plan_);
   if (first_) out.frame(places_.heads);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (plan_.is_text()) out.set_text_places(places_.rows[p]);

@@ -30,7 +30,9 @@ class GmfOutput {
   void create(Peers& peers);
   /// This rank's parts. Throws meshing::InputError.
   void write();
-  /// On rank 0, when all have written.
+  /// All ranks, when all have written.
+  void deliver(Peers& peers) { file_.deliver(peers); }
+  /// On rank 0, when all has been delivered.
   void commit() { file_.commit(); }
 
  private:

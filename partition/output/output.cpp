@@ -151,12 +151,14 @@ class CommonMesh {
     places_ = allgather(peers, places_)[0];
   }
   void write() {
-    const auto out = meshing::open_part(file_.temporary(), file_.name(), mesh_.whole, places_);
+    const auto out = meshing::open_part(file_.target(), mesh_.whole, places_);
     for_parts(share_, mesh_.pieces, !mesh_.whole.fields.fields.empty(),
               [&](std::size_t, const meshing::MeshPart& part) { out->write(part); });
     out->finish();
   }
-  /// On rank 0, when all have written.
+  /// All ranks, when all have written.
+  void deliver(Peers& peers) { file_.deliver(peers); }
+  /// On rank 0, when all has been delivered.
   void commit() { file_.commit(); }
 
  private:
@@ -213,6 +215,9 @@ void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesyst
     if (metrics) metrics->write();
     if (fields) fields->write();
   });
+  mesh.deliver(peers);
+  if (metrics) metrics->deliver(peers);
+  if (fields) fields->deliver(peers);
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     const meshing::FormerFile mesh_before(name), fields_before(share.fields.file);

@@ -18,11 +18,11 @@ bool can_write_pieces(const std::filesystem::path& mesh);
 /// can_be_written_as_text), with metrics and fields inside where its format holds fields, and beside it one
 /// .solb or .sol of the metrics unless `solution` is empty, and one of the fields. The bytes are those that
 /// write_mesh_contents and write_gmf_solution would write for merge_pieces() of all pieces, whatever rank has
-/// which. Each rank writes its part into a temporary file beside the target, which all ranks must see; rank 0
-/// renames it when all have succeeded. When any rank fails all throw the same meshing::InputError and nothing
-/// is left. Each rank makes its rows of text twice, for their length and to write them. `carried`, of rank 0:
-/// the CAD model to be in the file, as bytes. `version`: of GMF, 0 chooses (write_gmf_mesh). `names`, of rank
-/// 0: those of references.
+/// which. Each rank writes its part into a temporary file beside the target, which all ranks must see, or
+/// hands it to one that does (Peers::most_writers); rank 0 renames it when all have succeeded. When any rank
+/// fails all throw the same meshing::InputError and nothing is left. Each rank makes its rows of text twice,
+/// for their length and to write them. `carried`, of rank 0: the CAD model to be in the file, as bytes.
+/// `version`: of GMF, 0 chooses (write_gmf_mesh). `names`, of rank 0: those of references.
 void write_pieces(Peers& peers, std::span<const MeshPiece> mine, const std::filesystem::path& mesh,
                   const std::filesystem::path& solution = {}, const meshing::Association& carried = {},
                   int version = 0, const meshing::RefNames& names = {}, const PieceFields& fields = {});

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -13,10 +14,11 @@
 
 namespace weft::meshing {
 
-FilePart::FilePart(const std::filesystem::path& file, std::string name)
-    : name_(std::move(name)), buffer_(std::make_unique_for_overwrite<std::byte[]>(kBufferSize)) {
+FilePart::FilePart(PartTarget target)
+    : target_(std::move(target)), buffer_(std::make_unique_for_overwrite<std::byte[]>(kBufferSize)) {
+  if (target_.kept) return;
   do {
-    descriptor_ = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+    descriptor_ = ::open(target_.file.c_str(), O_WRONLY | O_CLOEXEC);
   } while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ < 0) fail(errno);
 }
@@ -25,7 +27,26 @@ FilePart::~FilePart() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
+void FilePart::keep_buffer() {
+  const std::array<std::uint64_t, 2> place{flushed_, used_};
+  const auto* head = reinterpret_cast<const std::byte*>(place.data());
+  target_.kept->insert(target_.kept->end(), head, head + sizeof place);
+  target_.kept->insert(target_.kept->end(), buffer_.get(), buffer_.get() + used_);
+  flushed_ += std::exchange(used_, 0);
+}
+
+void FilePart::write_kept(const PlacedBytes& kept) {
+  for (std::size_t i = 0; i < kept.size();) {
+    std::array<std::uint64_t, 2> place;
+    std::memcpy(place.data(), &kept[i], sizeof place);
+    seek(place[0]);
+    write(&kept[i += sizeof place], place[1]);
+    i += place[1];
+  }
+}
+
 void FilePart::flush() {
+  if (target_.kept && used_ > 0) return keep_buffer();
   const std::byte* data = buffer_.get();
   while (used_ > 0) {
     const ssize_t written = ::pwrite(descriptor_, data, used_, static_cast<off_t>(flushed_));
@@ -53,6 +74,7 @@ void FilePart::write(const void* data, std::size_t size) {
 
 void FilePart::finish() {
   flush();
+  if (target_.kept) return;
   // On a network file system only this brings what this machine wrote to the one that renames the file.
   if (::fsync(descriptor_) != 0) fail(errno);
   // The descriptor is gone whatever close() returns: it must not be closed twice.
@@ -61,7 +83,7 @@ void FilePart::finish() {
 }
 
 void FilePart::fail(int error) const {
-  throw InputError(name_, "", "cannot write: " + std::generic_category().message(error));
+  throw InputError(target_.name, "", "cannot write: " + std::generic_category().message(error));
 }
 
 }  // namespace weft::meshing

@@ -8,15 +8,25 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace weft::meshing {
+
+/// What one writer has of a file: a position, a length and so many bytes, again and again.
+using PlacedBytes = std::vector<std::byte>;
+
+/// Where a part of a file goes.
+struct PartTarget {
+  std::filesystem::path file;
+  std::string name;             ///< what messages call the file, which may be a temporary one
+  PlacedBytes* kept = nullptr;  ///< where not null the bytes go there, and the file is left alone
+};
 
 /// Buffered output to one part of a file after another. Every failure throws InputError(name, "",
 /// "cannot write: ...").
 class FilePart {
  public:
-  /// `name` is what messages call the file, which may be a temporary one.
-  FilePart(const std::filesystem::path& file, std::string name);
+  explicit FilePart(PartTarget target);
   ~FilePart();
   FilePart(const FilePart&) = delete;
   FilePart& operator=(const FilePart&) = delete;
@@ -38,6 +48,9 @@ class FilePart {
     used_ += sizeof value;
   }
 
+  /// What another writer has kept.
+  void write_kept(const PlacedBytes& kept);
+
   /// Everything to the disk. Nothing may be written afterwards.
   void finish();
 
@@ -45,9 +58,10 @@ class FilePart {
   static constexpr std::size_t kBufferSize = std::size_t{1} << 20;
 
   void flush();
+  void keep_buffer();
   [[noreturn]] void fail(int error) const;
 
-  std::string name_;
+  PartTarget target_;
   int descriptor_ = -1;
   std::unique_ptr<std::byte[]> buffer_;
   std::size_t used_ = 0;

@@ -54,8 +54,8 @@ std::vector<std::string> GmfPlan::text_heads() const {
   return heads;
 }
 
-GmfSliceWriter::GmfSliceWriter(const std::filesystem::path& file, const GmfPlan& plan)
-    : plan_(plan), file_(std::make_unique<FilePart>(file, plan.name())) {
+GmfSliceWriter::GmfSliceWriter(PartTarget target, const GmfPlan& plan)
+    : plan_(plan), file_(std::make_unique<FilePart>(std::move(target))) {
   if (!plan.is_text()) binary_.emplace(plan.name(), *file_, plan.version());
 }
 

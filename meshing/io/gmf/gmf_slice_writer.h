@@ -68,8 +68,8 @@ class GmfPlan {
 /// a writer without a file, for their lengths, and to one that is told the places that follow.
 class GmfSliceWriter {
  public:
-  /// `file` exists, and becomes the one that the plan names when all have written.
-  GmfSliceWriter(const std::filesystem::path& file, const GmfPlan& plan);
+  /// The target's file exists, and becomes the one that the plan names when all have written.
+  GmfSliceWriter(PartTarget target, const GmfPlan& plan);
   /// Of a text file: measures rows only.
   explicit GmfSliceWriter(const GmfPlan& plan);
 

@@ -475,8 +475,8 @@ class Places {
 
 class GmshPartWriter final : public PartWriter {
  public:
-  GmshPartWriter(const fs::path& file, const fs::path& name, const WholeMesh& whole)
-      : places_(whole, name.string()), file_(file, name.string()), out_(file_, 4, true) {}
+  GmshPartWriter(PartTarget target, const WholeMesh& whole)
+      : places_(whole, target.name), file_(std::move(target)), out_(file_, 4, true) {}
 
   /// Only who lays out the file has the names, which stand in front of all rows.
   void set_places(const PartPlaces& places) { places_.shift(places.at(0) - places_.first()); }
@@ -540,15 +540,15 @@ void write_gmsh(const fs::path& path, const MeshView& contents, const WriteOptio
 }
 
 PartPlaces begin_gmsh_parts(const fs::path& file, const fs::path& name, const WholeMesh& whole) {
-  GmshPartWriter writer(file, name, whole);
+  GmshPartWriter writer({file, name.string()}, whole);
   PartPlaces places = writer.write_frame();
   writer.finish();
   return places;
 }
 
-std::unique_ptr<PartWriter> open_gmsh_part(const fs::path& file, const fs::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_gmsh_part(PartTarget target, const WholeMesh& whole,
                                            const PartPlaces& places) {
-  auto writer = std::make_unique<GmshPartWriter>(file, name, whole);
+  auto writer = std::make_unique<GmshPartWriter>(std::move(target), whole);
   writer->set_places(places);
   return writer;
 }

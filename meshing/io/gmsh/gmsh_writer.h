@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/part_writer.h"
 
@@ -18,8 +19,7 @@ void write_gmsh(const std::filesystem::path& path, const MeshView& contents,
 /// The same file (MSH 4.1, binary) by many; see begin_parts() in mesh_file.h.
 PartPlaces begin_gmsh_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                             const WholeMesh& whole);
-std::unique_ptr<PartWriter> open_gmsh_part(const std::filesystem::path& file,
-                                           const std::filesystem::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_gmsh_part(PartTarget target, const WholeMesh& whole,
                                            const PartPlaces& places);
 
 }  // namespace weft::meshing

@@ -531,8 +531,8 @@ class PiecePlan {
 /// Rows of one part, at their places.
 class VtuPartWriter final : public PartWriter {
  public:
-  VtuPartWriter(const std::filesystem::path& file, const std::filesystem::path& name, const WholeMesh& whole)
-      : file_(file, name.string()), shape_(shape_of(whole)), plan_(shape_) {}
+  VtuPartWriter(PartTarget target, const WholeMesh& whole)
+      : file_(std::move(target)), shape_(shape_of(whole)), plan_(shape_) {}
 
   void write(const MeshPart& part) override {
     write_at(PieceArray::points, 0, part.first_point * sizeof(Point), part.points);
@@ -719,16 +719,14 @@ void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents
 
 PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                            const WholeMesh& whole) {
-  FilePart out(file, name.string());
+  FilePart out({file, name.string()});
   write_frame(out, whole);
   out.finish();
   return {};
 }
 
-std::unique_ptr<PartWriter> open_vtu_part(const std::filesystem::path& file,
-                                          const std::filesystem::path& name, const WholeMesh& whole,
-                                          const PartPlaces&) {
-  return std::make_unique<VtuPartWriter>(file, name, whole);
+std::unique_ptr<PartWriter> open_vtu_part(PartTarget target, const WholeMesh& whole, const PartPlaces&) {
+  return std::make_unique<VtuPartWriter>(std::move(target), whole);
 }
 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {

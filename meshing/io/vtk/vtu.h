@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/io/files/file_part.h"
 #include "meshing/io/files/merge_pieces.h"
 #include "meshing/io/files/mesh_contents.h"
 #include "meshing/io/files/part_writer.h"
@@ -39,8 +40,7 @@ std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& pat
 // all that is no row, then each writes its rows.
 PartPlaces begin_vtu_parts(const std::filesystem::path& file, const std::filesystem::path& name,
                            const WholeMesh& whole);
-std::unique_ptr<PartWriter> open_vtu_part(const std::filesystem::path& file,
-                                          const std::filesystem::path& name, const WholeMesh& whole,
+std::unique_ptr<PartWriter> open_vtu_part(PartTarget target, const WholeMesh& whole,
                                           const PartPlaces& places);
 
 /// A number for every cell: tets, triangles, edges and corners, in this order.

@@ -107,7 +107,8 @@ TEST_P(GmfSliceWriting, PartsOfAMeshGiveTheBytesOfTheWhole) {
     for (int trial = 0; trial < 5; ++trial) {
       const GmfPlan plan = GmfPlan::of_mesh("m.meshb", gmf::counts_of(mesh), GetParam());
       put_bytes(directory / "parts", "");
-      GmfSliceWriter first(directory / "parts", plan), second(directory / "parts", plan);
+      GmfSliceWriter first({directory / "parts", plan.name()}, plan),
+          second({directory / "parts", plan.name()}, plan);
       for (const Task& task : tasks_of(mesh, random)) task(random() % 2 ? first : second);
       first.finish();
       second.finish();
@@ -123,7 +124,7 @@ TEST_P(GmfSliceWriting, PartsOfASolutionGiveTheBytesOfTheWhole) {
   write_gmf_solution(directory / "whole.solb", whole, GetParam());
   const GmfPlan plan = GmfPlan::of_solution("s.solb", 5, gmf::kinds_of(whole), GetParam());
   put_bytes(directory / "parts", "");
-  GmfSliceWriter out(directory / "parts", plan);
+  GmfSliceWriter out({directory / "parts", plan.name()}, plan);
   for (const std::size_t begin : {2, 0}) {
     const std::size_t end = begin == 0 ? 2 : 5;
     SolutionData slice{end - begin, whole.fields};
@@ -147,7 +148,7 @@ TEST(GmfPlans, ChooseTheVersionBySizeAndPlaceRowsBeyondFourGibibytes) {
     const GmfPlan plan = GmfPlan::of_mesh("m.meshb", {.points = points, .tets = 1});
     EXPECT_EQ(plan.version(), version);
     put_bytes(directory / "m.meshb", "");
-    GmfSliceWriter out(directory / "m.meshb", plan);
+    GmfSliceWriter out({directory / "m.meshb", plan.name()}, plan);
     const std::vector<Point> last = {{0.5, -1, 2}};
     const std::vector<std::int32_t> ref = {7};
     out.vertices(points - 1, last, ref);
@@ -167,10 +168,12 @@ TEST(GmfPlans, RefuseWhatCannotBe) {
   expect_contains(message_of([] { GmfPlan::of_mesh("m.meshb", {.points = 100000000}, 2); }),
                   "m.meshb: too large for GMF version 2");
   const GmfPlan plan = GmfPlan::of_mesh("m.meshb", {.points = 3});
-  expect_contains(message_of([&] { GmfSliceWriter(directory / "none", plan); }),
+  expect_contains(message_of([&] {
+                    GmfSliceWriter({directory / "none", plan.name()}, plan);
+                  }),
                   "m.meshb: cannot write: No such file or directory");
   put_bytes(directory / "parts", "");
-  GmfSliceWriter out(directory / "parts", plan);
+  GmfSliceWriter out({directory / "parts", plan.name()}, plan);
   EXPECT_THROW(out.vertices(2, std::vector<Point>(2), std::vector<std::int32_t>(2)), std::out_of_range);
   EXPECT_THROW(out.indices(gmf::kCorners, 0, {1}), std::out_of_range);
   EXPECT_NO_THROW(out.indices(gmf::kCorners, 0, {}));
