@@ -632,10 +632,10 @@ WEFT_API void write_mesh(const std::string& path, const Mesh& mesh, const Fields
                          const RefNames& names = {});
 /// Writes what an adaptation gives: OUT.meshb, its metric OUT.solb and, where there are any, OUT-fields.solb
 /// (.sol beside a .mesh); a format that holds fields gets all of them too. The others appear only once the
-/// mesh has.
+/// mesh has. OUT.pvtu has nothing beside it but its pieces.
 WEFT_API void write_result(const std::string& path, const Mesh& mesh, const Metric& metric,
                            const Fields& fields = {}, const RefNames& names = {});
-/// The names of these files.
+/// The names of these files; all of them OUT.pvtu where the pieces hold everything.
 struct ResultFiles {
   std::string mesh, metric, fields;
 };
