@@ -5,7 +5,7 @@ import re
 import shutil
 import unittest
 
-from command import DATA
+from command import DATA, ONE_TET_FACES, ONE_TET_POINTS, mesh_text
 from on_ranks import LONG, Subdomains, some_of
 
 
@@ -22,6 +22,18 @@ class OtherCommands(Subdomains):
         whole = json.loads(self.command_on(0, "stat", *words, "--json").stdout)
         parts = json.loads(self.command_on(3, "stat", *words, "--json").stdout)
         self.assert_near(parts, whole)
+
+    def test_tets_that_are_none_are_measured_as_by_one_process(self):
+        """Inverted, flat, or lacking: a metric that is taken as it is asks nothing of them."""
+        for turn, (name, tets) in enumerate((("inverted", [(2, 1, 3, 4)]), ("flat", [(1, 2, 3, 4), (1, 2, 3, 5)]), ("none", []))):
+            mesh = self.write(name + ".mesh", mesh_text([*ONE_TET_POINTS, (1, 1, 0)], tets, ONE_TET_FACES))
+            told = self.command_on(0, "metric", mesh, "--metric-fn", "uniform:1", "-o", "m.sol").stdout
+            expected = self.bytes_of("m.sol")
+            stat = ("stat", mesh, "--metric", "m.sol")
+            self.assertEqual(self.command_on(2, *stat).stdout, self.command_on(0, *stat).stdout)
+            if LONG or turn == 0:
+                self.assertEqual(self.command_on(2, "metric", mesh, "--metric-fn", "uniform:1", "-o", "m.sol").stdout, told)
+                self.assertEqual(self.bytes_of("m.sol"), expected)
 
     def assert_near(self, a, b):
         """Counts and words alike, numbers but for rounding."""
