@@ -229,6 +229,12 @@ class Failures(LoopTest):
         self.fails("solution.sol", "no scalar field", solver=copy.format("vector.sol"))
         self.assertFalse((self.folder / "run/000/done.json").exists())
 
+    def test_of_a_limit(self):
+        for adapt in ({"threads": 1}, {"launcher": OnRanks.LAUNCHER + " -n 2", "force": True}):
+            told = self.loop(expect=2, adapt={**adapt, "max_memory": 1e6}).stderr
+            self.assertIn("run.json: adapt: cycle 1: ended early: memory limit", told)
+        self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
+
     def test_of_a_configuration(self):
         for changes, says in [
             ({"mesh": None}, "mesh: must be a string"),

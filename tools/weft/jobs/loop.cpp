@@ -186,13 +186,13 @@ class Loop {
     options.metric.complexity = config_.complexities[cycle - 1];
     marker["target_complexity"] = options.metric.complexity;
     keep_checkpoints(cycle, options);
-    const bool done = config_.launcher.empty() ? adapt_here(files, options, marker)
+    const bool done = config_.launcher.empty() ? adapt_here(cycle, files, options, marker)
                                                : adapt_on_ranks(cycle, files, options, marker);
     if (done) remove_checkpoints(cycle);
     return done;
   }
 
-  bool adapt_here(const Files& files, Options& options, Json& marker) const {
+  bool adapt_here(std::size_t cycle, const Files& files, Options& options, Json& marker) const {
     const InterruptGuard interrupt;
     options.run.cancel = interrupt.flag();
     Progress progress(verbosity_.style());
@@ -201,6 +201,7 @@ class Loop {
       return true;
     };
     const FilesResult run = adapt_files(files, options);
+    check_end(cycle, run.ended_by);
     if (run.cancelled) return false;
     marker["goal_met"] = run.goal_met();
     marker["complexity"] = run.after->complexity;
@@ -226,7 +227,13 @@ class Loop {
                                    ended_well ? "wrote no mesh" : fmt::format("ended with {}", result.status),
                                    issue_in(log), log.string()));
     for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
-    return read_report(json, marker);
+    return read_report(cycle, json, marker);
+  }
+
+  /// Whoever interrupts a run goes on later; a limit would end it again.
+  void check_end(std::size_t cycle, const std::string& ended_by) const {
+    if (!ended_by.empty() && ended_by != "interrupted")
+      throw InputError(config_.file, "adapt", fmt::format("cycle {}: ended early: {}", cycle, ended_by));
   }
 
   /// With the options that are not as they are by themselves.
@@ -259,9 +266,10 @@ class Loop {
   }
 
   /// False where the adaptation was interrupted.
-  static bool read_report(const fs::path& path, Json& marker) {
+  bool read_report(std::size_t cycle, const fs::path& path, Json& marker) const {
     std::ifstream in(path);
     const Json report = Json::parse(in);
+    check_end(cycle, report.at("ended_by").get<std::string>());
     if (report.at("interrupted") == true) return false;
     const Json &after = report.at("after"), &subdomains = report.at("subdomains");
     marker["goal_met"] = report.at("goal_met");
