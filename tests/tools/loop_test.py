@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
@@ -170,6 +171,15 @@ class Resumption(LoopTest):
         text = self.loop().stdout
         self.assertIn("cycle 1 of 2", text)
         self.assertIn("cycle 2 of 2", text)
+
+    def test_a_removed_folder_takes_the_later_cycles_with_it(self):
+        """Also where the loop does not come to them: its next run must not take them for those of the new one."""
+        self.loop(solver="if [ {cycle} = 1 ] && [ -e broken ]; then exit 3; fi; " + POISSON)
+        shutil.rmtree(self.folder / "run/001")
+        (self.folder / "run/002/checkpoints").mkdir()
+        self.write("broken", "")
+        self.assertIn("cycle 1: ended with 3", self.loop(expect=2).stderr)
+        self.assertFalse({"done.json", "checkpoints"} & set(self.kept(2)), self.kept(2))
 
     def test_changed_settings_are_refused(self):
         self.loop()

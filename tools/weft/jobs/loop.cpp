@@ -7,11 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 #include "engine/json/json.h"
@@ -121,9 +123,14 @@ class Loop {
                         cycle, files(cycle).folder.string()));
   }
 
-  /// What came after a cycle that is to be done again was made from it.
+  /// What came after a cycle that is to be done again was made from it, though the folder of that may be
+  /// gone.
   void forget_from(std::size_t first) const {
-    for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(config_.folder)) {
+      const std::string name = entry.path().filename().string();
+      std::size_t cycle = 0;
+      if (std::from_chars(name.data(), name.data() + name.size(), cycle).ec != std::errc()) continue;
+      if (cycle < first || files(cycle).folder.filename() != name) continue;
       fs::remove(files(cycle).marker);
       if (cycle > first) remove_checkpoints(cycle);
     }
