@@ -208,6 +208,17 @@ class AnyOption(LoopTest):
         self.assertNotIn("checkpoints", self.kept(2))
         self.assertNotIn("checkpoints.json", self.kept(2))
 
+    def test_checkpoints_of_one_mesh_are_none_of_a_run_on_ranks(self):
+        checkpoint = self.folder / "run/001/checkpoints/left"
+        here = {"threads": 1, "max_memory": 1e6, "checkpoint_every": 60}
+        self.loop(expect=2, adapt=here)
+        checkpoint.parent.mkdir(exist_ok=True)
+        checkpoint.touch()
+        self.loop(expect=2, adapt=here)
+        self.assertTrue(checkpoint.exists())
+        self.loop(expect=2, adapt={**here, "launcher": "exit 3 #"})
+        self.assertFalse(checkpoint.exists())
+
     def test_an_adaptation_that_was_killed_goes_on(self):
         config = self.write_config(complexities=[60000], adapt={"threads": 1, "checkpoint_every": 0.05})
         running = subprocess.Popen([WEFT, "loop", config, "--quiet"], cwd=self.folder)

@@ -54,7 +54,7 @@ class FolderLock {
 /// The files of one cycle.
 struct CycleFiles {
   fs::path folder, mesh, solution, restart, log, marker;
-  fs::path checkpoints, checkpoints_of;  ///< of the adaptation, and the settings that they belong to
+  fs::path checkpoints, checkpoints_of;  ///< of the adaptation, and the run that they belong to
 };
 
 class Loop {
@@ -141,12 +141,14 @@ class Loop {
     fs::remove(files(cycle).checkpoints_of);
   }
 
-  /// Where they are asked for: an adaptation that was killed goes on from those of the same settings.
+  /// Where they are asked for: an adaptation that was killed goes on from those of the same settings. A run
+  /// of one mesh and one in subdomains refuse each other's.
   void keep_checkpoints(std::size_t cycle, Options& options) const {
     constexpr const char* kEvery = "checkpoint-every";
     if (get_option(options, kEvery) == get_option({}, kEvery)) return;
     const CycleFiles f = files(cycle);
-    const Json wanted = config_.settings(cycle);
+    const Json wanted = {{"settings", config_.settings(cycle)},
+                         {"in_subdomains", !config_.launcher.empty() || in_subdomains(options)}};
     std::ifstream in(f.checkpoints_of);
     if (Json::parse(in, nullptr, false) != wanted) {
       remove_checkpoints(cycle);
