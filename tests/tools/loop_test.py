@@ -76,6 +76,15 @@ class Cycles(LoopTest):
         self.assertTrue((self.folder / "other name/002/solution.sol").exists())
 
 
+    def test_of_pieces_the_mesh_is_the_restart(self):
+        solver = "if [ {cycle} != 0 ]; then cp {restart} restart || exit 3; fi; " + POISSON
+        for name, adapt in (("one", {"threads": 1}), ("several", {"threads": 1, "subdomains": 2})):
+            self.loop(solver=solver, complexities=[300], mesh_extension=".pvtu", adapt=adapt, folder=name)
+            restart = (self.folder / "restart").read_bytes()
+            self.assertEqual(restart, (self.folder / name / "001/mesh.pvtu").read_bytes())
+            self.assertIn(b'Name="solution', restart)
+
+
 class OnRanks(LoopTest):
     LAUNCHER = " ".join(os.environ["WEFT_MPIRUN"].split(";"))
 
