@@ -241,15 +241,17 @@ class OtherCommands(Subdomains):
             self.assertEqual(done.stderr.count("rank 0 alone does `weft mesh`"), ranks > 1, done.stderr)
 
     def test_what_is_wrong_is_told_once(self):
-        self.box(2)
+        self.weft("metric", self.box(2), "--metric-fn", "uniform:1", "-o", "f.solb")
+        self.write("none.mesh", mesh_text(ONE_TET_POINTS, [], ONE_TET_FACES))
         for words in (("stat", "none.meshb"), ("metric", "box.meshb", "--metric", "none.solb", "-o", "o.solb"),
                       ("interpolate", "box.meshb", "none.meshb", "--field", "none.solb", "-o", "o.solb"),
-                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb")):
+                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb"),
+                      ("interpolate", "box.meshb", "none.mesh", "--field", "f.solb", "-o", "o.solb")):
             before = self.files()
             done = self.command_on(3, *words, expect=2)
             lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
             self.assertEqual(len(lines), 1, done.stderr)
-            self.assertRegex(lines[0], "none|nowhere")
+            self.assertRegex(lines[0], "^weft: (none|nowhere)")
             self.assertEqual(self.files(), before)
 
 

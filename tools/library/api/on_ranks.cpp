@@ -18,7 +18,6 @@
 #include "partition/fields/slice_pieces.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/verify/verify_slices.h"
-#include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
@@ -123,8 +122,8 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
     const MeshSlice now = partition::without_boundary(read_mesh(peers, to, result).slice);
     warn_of_fields(peers, files, result);
     const Fields fields = tools::read_fields_of_slice(peers, files, old, from);
-    result.transfer =
-        tools::naming(from, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
+    result.transfer = tools::naming_meshes(
+        from, to, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
     result.vertices = now.num_points;
     result.fields = fields.fields.size();
     partition::write_fields_of_slices(peers, now, std::exchange(result.transfer.fields, {}), output);
