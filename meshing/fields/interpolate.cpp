@@ -27,13 +27,6 @@ double six_volume_of(const MeshData& mesh, std::size_t t) {
   return std::max(0.0, six_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]));
 }
 
-void check(const MeshData& from) {
-  if (from.tets.empty()) throw InputError("", "", "has no tetrahedra");
-  const std::size_t bad = find_first(from.tets.size(), [&](std::size_t t) { return !is_positive(from, t); });
-  if (bad < from.tets.size())
-    throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted");
-}
-
 void read(const ValueTable& table, const std::array<std::uint32_t, 4>& tet, const Background::Barycentric& at,
           double* to) {
   for (std::size_t c = 0; c < table.columns; ++c) {
@@ -49,8 +42,15 @@ std::size_t width(const Field& field) { return static_cast<std::size_t>(componen
 
 }  // namespace
 
+void check_volumes(const MeshData& mesh) {
+  const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) { return !is_positive(mesh, t); });
+  if (bad < mesh.tets.size())
+    throw InputError("", "tet " + std::to_string(bad + 1), "has no volume or is inverted");
+}
+
 Background field_background(const MeshData& from) {
-  check(from);
+  if (from.tets.empty()) throw InputError("", "", "has no tetrahedra");
+  check_volumes(from);
   return {from, {}, build_adjacency(from.tets, from.points.size())};
 }
 

@@ -33,6 +33,8 @@ struct ValuesAt {
 Interpolation interpolate(const MeshData& from, const SolutionData& fields, const MeshData& to);
 /// The same for values at the vertices of a background, whose tets all have positive volumes.
 ValuesAt interpolate(const Background& from, const ValueTable& table, std::span<const Point> points);
+/// Throws InputError naming the first tet (1-based) that has no volume or is inverted.
+void check_volumes(const MeshData& mesh);
 /// A background without metrics, to interpolate from. Throws as interpolate() does.
 Background field_background(const MeshData& from);
 

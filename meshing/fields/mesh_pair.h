@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "meshing/base/error.h"
 #include "meshing/base/value_table.h"
 #include "meshing/mesh/mesh_data.h"
 #include "meshing/metric/metric_domain.h"
@@ -29,6 +30,22 @@ class MeshPair {
   /// larger then. Infinity: the source has no tets.
   virtual bool widen(Way way, std::span<const double> distances) = 0;
 };
+
+/// A fault of the new mesh; any other InputError is of the old one.
+class NewMeshError : public InputError {
+ public:
+  explicit NewMeshError(const InputError& fault) : InputError(fault) {}
+};
+
+/// Returns call(), which looks at the new mesh alone.
+template <class Call>
+auto of_new_mesh(const Call& call) {
+  try {
+    return call();
+  } catch (const InputError& fault) {
+    throw NewMeshError(fault);
+  }
+}
 
 /// Two whole meshes.
 class WholePair final : public MeshPair {

@@ -9,12 +9,10 @@
 #include <limits>
 #include <string>
 
-#include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
 #include "meshing/base/small_set.h"
 #include "meshing/fields/tet_overlap.h"
 #include "meshing/mesh/mass_matrix.h"
-#include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
 namespace {
@@ -252,16 +250,6 @@ class BoundedColumn {
   ValueTable& table_;
 };
 
-void check_volumes(const MeshData& mesh) {
-  const std::size_t bad = find_first(mesh.tets.size(), [&](std::size_t t) {
-    const auto x = corners_of(mesh, t);
-    return orientation(x[0], x[1], x[2], x[3]) <= 0;
-  });
-  if (bad < mesh.tets.size())
-    throw InputError("", "tet " + std::to_string(bad + 1),
-                     "of the mesh that the fields are wanted on has no volume or is inverted");
-}
-
 }  // namespace
 
 std::vector<double> integrals(const MetricDomain& domain, const ValueTable& table) {
@@ -276,7 +264,6 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
                             std::span<const std::uint32_t> places, std::span<const double> wanted,
                             std::span<const TensorColumns> tensors, ValueTable& table) {
-  check_volumes(to.mesh());
   const Demands demands = demands_of(from, old, to.mesh(), places, table);
   const MassMatrix mass(to.mesh());
   const auto refresh = [&](std::vector<double>& values) { to.refresh(table.columns, values); };

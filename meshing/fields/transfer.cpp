@@ -148,8 +148,10 @@ void account_for_outside(const MetricDomain& to, std::span<const double> distanc
 void check_tets(const MeshPair& meshes) {
   const auto has_tets = [](const MetricDomain& domain) { return domain.any(!domain.mesh().tets.empty()); };
   if (!has_tets(meshes.old_mesh())) throw InputError("", "", "has no tetrahedra");
-  if (!has_tets(meshes.new_mesh()))
-    throw InputError("", "", "the mesh that the fields are wanted on has no tetrahedra");
+  of_new_mesh([&] {
+    if (!has_tets(meshes.new_mesh())) throw InputError("", "", "has no tetrahedra");
+    check_volumes(meshes.new_mesh().mesh());
+  });
 }
 
 }  // namespace

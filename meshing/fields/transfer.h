@@ -14,8 +14,8 @@ namespace weft::meshing {
 /// `fields` at the vertices of `from`, at those of `to`. Multithreaded on TBB; does not depend on the number
 /// of threads. Both ways keep positive definite tensors definite; others go component by component. Cost:
 /// linear 2 us a vertex; conservative 20 to 40 us a tet of the finer mesh, and 300 bytes a vertex of `to`.
-/// Throws InputError naming the tet (1-based) of `from` without volume, and for a `to` with such a tet or
-/// without any.
+/// Throws InputError naming the tet (1-based) without volume, or for a mesh without any; NewMeshError where
+/// that is `to`.
 Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
                   TransferMethod method);
 /// The same for a pair of meshes, perhaps in parts: `fields` at the vertices of the part of the old mesh, of

@@ -37,11 +37,7 @@ void set(Field& field, std::size_t i, const LogMetric& log) {
 
 std::vector<MeshMend> repair_metric(const MeshData& mesh, SolutionData& solution) {
   const auto is_metric = [](const Field& f) { return f.kind != Field::Kind::vector; };
-  const auto tensor = std::find_if(solution.fields.begin(), solution.fields.end(),
-                                   [](const Field& f) { return f.kind == Field::Kind::tensor; });
-  const auto found = tensor != solution.fields.end()
-                         ? tensor
-                         : std::find_if(solution.fields.begin(), solution.fields.end(), is_metric);
+  const auto found = std::find_if(solution.fields.begin(), solution.fields.end(), is_metric);
   if (found == solution.fields.end() || solution.num_points != mesh.points.size()) return {};
   Field& field = *found;
   std::vector<std::uint32_t> bad;

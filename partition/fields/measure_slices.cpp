@@ -129,6 +129,12 @@ meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double ta
   return measures;
 }
 
+double complexity_of_slices(Peers& peers, const MeshSlice& slice) {
+  const MeshPiece piece = piece_of(peers, slice, true);
+  const double here = meshing::complexity(piece.mesh, piece.log_metrics);
+  return ordered_sum(peers, {&here, 1});
+}
+
 SlicesGeometry measure_geometry_of_slices(Peers& peers, const MeshSlice& slice) {
   SlicesGeometry geometry;
   meshing::Box mine;

@@ -16,6 +16,10 @@ namespace weft::partition {
 /// `target_complexity` first; 0: as it is.
 meshing::Measures measure_slices(Peers& peers, const MeshSlice& slice, double target_complexity = 0);
 
+/// All ranks: the complexity of the whole mesh in the metric of the slices, but for rounding; the same on all
+/// ranks.
+double complexity_of_slices(Peers& peers, const MeshSlice& slice);
+
 /// What can be said without a metric.
 struct SlicesGeometry {
   meshing::Box box;

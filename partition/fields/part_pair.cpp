@@ -12,7 +12,7 @@ PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to)
 PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares)
     : peers_(peers),
       old_(peers, from, 1, shares),
-      new_(peers, to, 1, shares),
+      new_(meshing::of_new_mesh([&] { return PartDomain(peers, to, 1, shares); })),
       diameter_(norm(shares.box.size())) {
   sides_[false].reach.assign(new_.mesh().points.size(), 0);
   sides_[true].reach.assign(old_.mesh().points.size(), 0);

@@ -20,7 +20,7 @@ namespace weft::partition {
 /// ranks by rounding alone.
 class PartPair final : public meshing::MeshPair {
  public:
-  /// Throws as PartDomain does.
+  /// Throws as PartDomain does, meshing::NewMeshError for a fault of `to`.
   PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to);
 
   const PartDomain& old_mesh() const override { return old_; }

@@ -9,7 +9,8 @@ namespace weft::partition {
 
 /// All ranks: `fields` at the points of the slices of `from`, of the same kinds and names everywhere, at
 /// those of the slices of `to`; the accounts, the same on all ranks, are the whole meshes'. No rank sees more
-/// than its parts and what is near them. Throws InputError, the same on all ranks.
+/// than its parts and what is near them. Throws InputError, the same on all ranks, meshing::NewMeshError for
+/// a fault of `to`.
 meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const meshing::SolutionData& fields,
                                     const MeshSlice& to, meshing::TransferMethod method);
 

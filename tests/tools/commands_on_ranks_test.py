@@ -5,7 +5,7 @@ import re
 import shutil
 import unittest
 
-from command import DATA
+from command import DATA, ONE_TET_FACES, ONE_TET_POINTS, mesh_text
 from on_ranks import LONG, Subdomains, some_of
 
 
@@ -22,6 +22,18 @@ class OtherCommands(Subdomains):
         whole = json.loads(self.command_on(0, "stat", *words, "--json").stdout)
         parts = json.loads(self.command_on(3, "stat", *words, "--json").stdout)
         self.assert_near(parts, whole)
+
+    def test_tets_that_are_none_are_measured_as_by_one_process(self):
+        """Inverted, flat, or lacking: a metric that is taken as it is asks nothing of them."""
+        for turn, (name, tets) in enumerate((("inverted", [(2, 1, 3, 4)]), ("flat", [(1, 2, 3, 4), (1, 2, 3, 5)]), ("none", []))):
+            mesh = self.write(name + ".mesh", mesh_text([*ONE_TET_POINTS, (1, 1, 0)], tets, ONE_TET_FACES))
+            told = self.command_on(0, "metric", mesh, "--metric-fn", "uniform:1", "-o", "m.sol").stdout
+            expected = self.bytes_of("m.sol")
+            stat = ("stat", mesh, "--metric", "m.sol")
+            self.assertEqual(self.command_on(2, *stat).stdout, self.command_on(0, *stat).stdout)
+            if LONG or turn == 0:
+                self.assertEqual(self.command_on(2, "metric", mesh, "--metric-fn", "uniform:1", "-o", "m.sol").stdout, told)
+                self.assertEqual(self.bytes_of("m.sol"), expected)
 
     def assert_near(self, a, b):
         """Counts and words alike, numbers but for rounding."""
@@ -229,15 +241,17 @@ class OtherCommands(Subdomains):
             self.assertEqual(done.stderr.count("rank 0 alone does `weft mesh`"), ranks > 1, done.stderr)
 
     def test_what_is_wrong_is_told_once(self):
-        self.box(2)
+        self.weft("metric", self.box(2), "--metric-fn", "uniform:1", "-o", "f.solb")
+        self.write("none.mesh", mesh_text(ONE_TET_POINTS, [], ONE_TET_FACES))
         for words in (("stat", "none.meshb"), ("metric", "box.meshb", "--metric", "none.solb", "-o", "o.solb"),
                       ("interpolate", "box.meshb", "none.meshb", "--field", "none.solb", "-o", "o.solb"),
-                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb")):
+                      ("metric", "box.meshb", "--implied", "-o", "nowhere/o.solb"),
+                      ("interpolate", "box.meshb", "none.mesh", "--field", "f.solb", "-o", "o.solb")):
             before = self.files()
             done = self.command_on(3, *words, expect=2)
             lines = [line for line in done.stderr.splitlines() if line.startswith("weft")]
             self.assertEqual(len(lines), 1, done.stderr)
-            self.assertRegex(lines[0], "none|nowhere")
+            self.assertRegex(lines[0], "^weft: (none|nowhere)")
             self.assertEqual(self.files(), before)
 
 

@@ -192,6 +192,17 @@ class Convert(CommandTest):
         self.weft("adapt", "d.pvtu", "--metric", "d.pvtu", "-o", "e.pvtu", expect=(0, 1))
         self.assertIn("e_1.vtu", self.files())
 
+    def test_nothing_beside_a_pvtu_is_replaced(self):
+        self.box()
+        beside = ("fine.solb", "fine-fields.solb")
+        for name in beside:
+            self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", name)
+        before = [(self.folder / name).read_bytes() for name in beside]
+        told = self.weft("adapt", "box.meshb", "--metric", beside[0], "--field", beside[1], "-o", "fine.pvtu", expect=(0, 1)).stdout
+        self.assertEqual([(self.folder / name).read_bytes() for name in beside], before)
+        self.assertIn("fields  fine.pvtu", told)
+        self.weft("stat", "fine.pvtu", "--metric", "fine.pvtu")
+
     def test_cgns_there_and_back(self):
         self.box()
         self.weft("metric", "box.meshb", "--metric-fn", "uniform:0.3", "-o", "box.solb")

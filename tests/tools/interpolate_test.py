@@ -4,7 +4,7 @@ import json
 import math
 import unittest
 
-from command import ONE_TET, CommandTest, solution_text
+from command import ONE_TET, ONE_TET_FACES, ONE_TET_POINTS, CommandTest, mesh_text, solution_text
 
 
 class Fields(CommandTest):
@@ -72,6 +72,15 @@ class Interpolate(Fields):
         self.assert_fails(*words, "--field", "s.sol", "--transfer", "magic", says="magic", code=64)
         self.write("s.sol", solution_text([(1,), (1,), ("nan",), (1,)], kind=1))
         self.assert_fails(*words, "--field", "s.sol", says=["s.sol: field 1: vertex 3", "not a finite number"])
+
+    def test_the_mesh_that_cannot_be_used_is_named(self):
+        self.write("good.mesh", ONE_TET)
+        self.write("s.sol", solution_text([(1,)] * 4, kind=1))
+        for bad, tets, says in (("none.mesh", [], "has no tetrahedra"), ("inverted.mesh", [(2, 1, 3, 4)], "tet 1: has no volume")):
+            self.write(bad, mesh_text(ONE_TET_POINTS, tets, ONE_TET_FACES))
+            for method in ("linear", "conservative"):
+                for meshes in ((bad, "good.mesh"), ("good.mesh", bad)):
+                    self.assert_fails("interpolate", *meshes, "--field", "s.sol", "--transfer", method, "-o", "t.sol", says=f"{bad}: {says}")
 
 
 class AdaptWithFields(Fields):

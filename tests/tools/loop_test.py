@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
@@ -73,6 +74,15 @@ class Cycles(LoopTest):
         self.assertTrue(said.startswith("cycle 2 from "), said)
         self.assertIn("it's a folder/other name/002/mesh-fields.sol with", said)
         self.assertTrue((self.folder / "other name/002/solution.sol").exists())
+
+
+    def test_of_pieces_the_mesh_is_the_restart(self):
+        solver = "if [ {cycle} != 0 ]; then cp {restart} restart || exit 3; fi; " + POISSON
+        for name, adapt in (("one", {"threads": 1}), ("several", {"threads": 1, "subdomains": 2})):
+            self.loop(solver=solver, complexities=[300], mesh_extension=".pvtu", adapt=adapt, folder=name)
+            restart = (self.folder / "restart").read_bytes()
+            self.assertEqual(restart, (self.folder / name / "001/mesh.pvtu").read_bytes())
+            self.assertIn(b'Name="solution', restart)
 
 
 class OnRanks(LoopTest):
@@ -171,6 +181,15 @@ class Resumption(LoopTest):
         self.assertIn("cycle 1 of 2", text)
         self.assertIn("cycle 2 of 2", text)
 
+    def test_a_removed_folder_takes_the_later_cycles_with_it(self):
+        """Also where the loop does not come to them: its next run must not take them for those of the new one."""
+        self.loop(solver="if [ {cycle} = 1 ] && [ -e broken ]; then exit 3; fi; " + POISSON)
+        shutil.rmtree(self.folder / "run/001")
+        (self.folder / "run/002/checkpoints").mkdir()
+        self.write("broken", "")
+        self.assertIn("cycle 1: ended with 3", self.loop(expect=2).stderr)
+        self.assertFalse({"done.json", "checkpoints"} & set(self.kept(2)), self.kept(2))
+
     def test_changed_settings_are_refused(self):
         self.loop()
         self.fails("run.json: complexity: has changed since cycle 1", "001", complexities=[301, 600])
@@ -197,6 +216,17 @@ class AnyOption(LoopTest):
         self.loop(adapt={"threads": 1, "checkpoint_every": 0.01})
         self.assertNotIn("checkpoints", self.kept(2))
         self.assertNotIn("checkpoints.json", self.kept(2))
+
+    def test_checkpoints_of_one_mesh_are_none_of_a_run_on_ranks(self):
+        checkpoint = self.folder / "run/001/checkpoints/left"
+        here = {"threads": 1, "max_memory": 1e6, "checkpoint_every": 60}
+        self.loop(expect=2, adapt=here)
+        checkpoint.parent.mkdir(exist_ok=True)
+        checkpoint.touch()
+        self.loop(expect=2, adapt=here)
+        self.assertTrue(checkpoint.exists())
+        self.loop(expect=2, adapt={**here, "launcher": "exit 3 #"})
+        self.assertFalse(checkpoint.exists())
 
     def test_an_adaptation_that_was_killed_goes_on(self):
         config = self.write_config(complexities=[60000], adapt={"threads": 1, "checkpoint_every": 0.05})
@@ -228,6 +258,12 @@ class Failures(LoopTest):
         self.write("vector.sol", solution_text([(1, 2, 3)] * n, kind=2))
         self.fails("solution.sol", "no scalar field", solver=copy.format("vector.sol"))
         self.assertFalse((self.folder / "run/000/done.json").exists())
+
+    def test_of_a_limit(self):
+        for adapt in ({"threads": 1}, {"launcher": OnRanks.LAUNCHER + " -n 2", "force": True}):
+            told = self.loop(expect=2, adapt={**adapt, "max_memory": 1e6}).stderr
+            self.assertIn("run.json: adapt: cycle 1: ended early: memory limit", told)
+        self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
 
     def test_of_a_configuration(self):
         for changes, says in [

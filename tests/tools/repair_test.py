@@ -248,6 +248,14 @@ class Repair(CommandTest):
         self.assert_mended("metrics that are not finite or not positive definite replaced by their neighbours' mean",
                            "--metric", "m.sol")
 
+    def test_the_field_that_is_read_as_the_metric_is_mended(self):
+        count = len(self.mesh["Vertices"])
+        rows = ["0.5 4 0 4 0 0 4"] * count
+        rows[7] = "-1 4 0 4 0 0 4"
+        self.write("m.sol", f"MeshVersionFormatted 2\nDimension 3\nSolAtVertices\n{count}\n2 1 3\n" + "\n".join(rows) + "\nEnd\n")
+        self.assert_mended("metrics that are not finite or not positive definite replaced by their neighbours' mean",
+                           "--metric", "m.sol")
+
     def test_metrics_of_a_background(self):
         self.weft("mesh", "box", "-o", "back.mesh", "--cells", 3, 3, 3)
         metric = [(4, 0, 4, 0, 0, 4) for _ in range(64)]

@@ -225,8 +225,8 @@ TEST(Transfer, RefusesMeshesWithoutVolume) {
   const MeshData good = unit_cube(1);
   for (const TransferMethod method : kBoth) {
     EXPECT_THROW(transfer(flat, linear_fields(flat), good, method), InputError);
-    EXPECT_THROW(transfer(good, linear_fields(good), flat, method), InputError);
-    EXPECT_THROW(transfer(good, linear_fields(good), {}, method), InputError);
+    EXPECT_THROW(transfer(good, linear_fields(good), flat, method), NewMeshError);
+    EXPECT_THROW(transfer(good, linear_fields(good), {}, method), NewMeshError);
   }
 }
 

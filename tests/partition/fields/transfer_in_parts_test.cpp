@@ -200,6 +200,7 @@ TEST_P(TransferInParts, RefusesMeshesWithoutTets) {
   points.tet_refs.clear();
   const MeshData good = support::unit_cube(2);
   EXPECT_THROW(on_ranks(GetParam(), 0, points, good, TransferMethod::linear), meshing::InputError);
+  EXPECT_THROW(on_ranks(GetParam(), 0, good, points, TransferMethod::linear), meshing::NewMeshError);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, TransferInParts, testing::ValuesIn(support::kNumbersOfRanks));

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "meshing/base/error.h"
+#include "meshing/io/mesh_file.h"
 #include "meshing/mesh/structured_box.h"
 
 namespace weft::tools::outputs_test {
@@ -37,6 +38,7 @@ TEST_F(Outputs, TheSolutionLiesBesideTheMesh) {
   EXPECT_EQ(output_paths("a/b.meshb").solution, "a/b.solb");
   EXPECT_EQ(output_paths("b.mesh").solution, "b.sol");
   EXPECT_EQ(output_paths("b.vtu").solution, "b.solb");
+  EXPECT_EQ(output_paths("b.pvtu").solution, "b.pvtu");
 }
 
 TEST_F(Outputs, ThePairIsWritten) {
@@ -44,6 +46,14 @@ TEST_F(Outputs, ThePairIsWritten) {
   EXPECT_TRUE(fs::exists(path("a.meshb")));
   EXPECT_TRUE(fs::exists(path("a.solb")));
   EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(Outputs, ThePiecesOfAPvtuHoldEverything) {
+  write_mesh_with_solution(output_paths(path("a.pvtu")), mesh_, solution_, solution_);
+  EXPECT_TRUE(fs::exists(path("a_0.vtu")));
+  EXPECT_FALSE(fs::exists(path("a.solb")));
+  EXPECT_FALSE(fs::exists(path("a-fields.solb")));
+  EXPECT_EQ(meshing::read_solution(path("a.pvtu")).fields.size(), 2u);
 }
 
 TEST_F(Outputs, NothingIsLeftWhenOneOfThePairFails) {

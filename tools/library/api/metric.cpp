@@ -10,6 +10,7 @@
 #include "meshing/metric/metric_field.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/resources/threads.h"
+#include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/jobs/sources/model_source.h"
 #include "weft/weft.h"
@@ -128,11 +129,13 @@ CheckReport verify(const Mesh& mesh, int max_problems) {
 }
 
 Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh& to, TransferMethod method,
-                     int threads) {
+                     int threads, const std::string& from_name, const std::string& to_name) {
   const WholeMesh whole_from(from), whole_to(to);
   check_length(from, fields.num_points, "field");
-  return tools::with_threads(tools::number_of_threads(threads),
-                             [&] { return meshing::transfer(*whole_from, fields, *whole_to, method); });
+  return tools::with_threads(tools::number_of_threads(threads), [&] {
+    return tools::naming_meshes(from_name, to_name,
+                                [&] { return meshing::transfer(*whole_from, fields, *whole_to, method); });
+  });
 }
 
 }  // namespace weft

@@ -17,9 +17,7 @@
 #include "partition/fields/slice_files.h"
 #include "partition/fields/slice_pieces.h"
 #include "partition/fields/transfer_in_parts.h"
-#include "partition/metric/part_domain.h"
 #include "partition/verify/verify_slices.h"
-#include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
@@ -61,10 +59,15 @@ std::shared_ptr<const meshing::Model> read_model(Peers& peers, const GeometryOpt
   return model;
 }
 
-/// The metric that the options ask for at the points of the slice, scaled and limited.
+/// The metric that the options ask for at the points of the slice, scaled and limited. One that is taken as
+/// it is asks nothing of the mesh.
 void add_metric(Peers& peers, const MetricOptions& options, const std::string& mesh,
                 const std::shared_ptr<const meshing::Model>& model, MeshSlice& slice, DoneOnRanks& done) {
   warn_of_fields(peers, tools::files_of(options), done);
+  if (tools::only_scaled(options) && options.complexity <= 0) {
+    slice.log_metrics = tools::metric_of_share(peers, options, slice);
+    return;
+  }
   tools::LogMetricMade made = tools::make_metric_in_parts(peers, options, slice, mesh, model);
   slice.log_metrics = std::move(made.field);
   done.warnings.insert(done.warnings.end(), made.warnings.begin(), made.warnings.end());
@@ -102,8 +105,7 @@ MetricOnRanks write_metric_on_ranks(const std::string& mesh, const MetricOptions
     MeshSlice slice = read_mesh(peers, mesh, result).slice;
     add_metric(peers, options, mesh, read_model(peers, geometry, mesh), slice, result);
     result.vertices = slice.num_points;
-    const partition::PartDomain domain(peers, slice, 1);
-    result.complexity = domain.complexity(domain.from_slices(slice.log_metrics));
+    result.complexity = partition::complexity_of_slices(peers, slice);
     partition::write_fields_of_slices(peers, slice, meshing::solution_from_metric(slice.log_metrics), output);
   };
   result.first = tools::on_peers_of_world(make, threads);
@@ -120,8 +122,8 @@ TransferOnRanks interpolate_on_ranks(const std::string& from, const std::vector<
     const MeshSlice now = partition::without_boundary(read_mesh(peers, to, result).slice);
     warn_of_fields(peers, files, result);
     const Fields fields = tools::read_fields_of_slice(peers, files, old, from);
-    result.transfer =
-        tools::naming(from, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
+    result.transfer = tools::naming_meshes(
+        from, to, [&] { return partition::transfer_in_parts(peers, old, fields, now, method); });
     result.vertices = now.num_points;
     result.fields = fields.fields.size();
     partition::write_fields_of_slices(peers, now, std::exchange(result.transfer.fields, {}), output);

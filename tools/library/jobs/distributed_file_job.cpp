@@ -179,10 +179,7 @@ class DistributedFileJob {
     account_.field_accounts = std::move(result.accounts);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);
-    if (fs::path(account_.outputs.mesh).extension() == ".pvtu")
-      account_.outputs.fields = account_.outputs.mesh;
-    else
-      piece_fields_.file = account_.outputs.fields;
+    piece_fields_.file = account_.outputs.fields;
     account_.times.fields = watch_.lap();
   }
 
@@ -193,7 +190,6 @@ class DistributedFileJob {
       write_by_first();
     } else if (mesh.extension() == ".pvtu") {
       partition::write_pieces_as_vtu(run_.peers(), run_.pieces(), mesh, piece_fields_);
-      account_.outputs.solution = account_.outputs.mesh;
     } else {
       partition::write_pieces(run_.peers(), run_.pieces(), mesh, account_.outputs.solution, carried_, 0,
                               names_, piece_fields_);

@@ -23,18 +23,17 @@ RunResult begin_run(const Files& files, const Options& options) {
 }
 
 void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs) {
-  const bool pieces = fs::path(outputs.mesh).extension() == ".pvtu";
   if (!same_file(files.output, files.input)) {
     std::vector<std::string> inputs = files_of(options.metric);
     inputs.insert(inputs.end(), files.fields.begin(), files.fields.end());
     if (!files.background.empty()) inputs.push_back(files.background);
     keep_inputs(outputs.mesh, "it", inputs);
-    if (!pieces) keep_inputs(outputs.solution, "its metric " + outputs.solution, inputs);
-    if (!pieces && !files.fields.empty()) keep_inputs(outputs.fields, "its fields " + outputs.fields, inputs);
+    keep_inputs(outputs.solution, "its metric " + outputs.solution, inputs);
+    if (!files.fields.empty()) keep_inputs(outputs.fields, "its fields " + outputs.fields, inputs);
   }
   check_writable(outputs.mesh);
-  if (!pieces) check_writable(outputs.solution);
-  if (!files.fields.empty() && !pieces) check_writable(outputs.fields);
+  check_writable(outputs.solution);
+  if (!files.fields.empty()) check_writable(outputs.fields);
   for (const std::string& path : {files.graph, files.trace})
     if (!path.empty()) check_writable(path);
   if (!files.graph.empty()) check_writable(planned_path(files.graph));

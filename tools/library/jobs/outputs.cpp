@@ -63,6 +63,7 @@ class TemporaryFile {
 }  // namespace
 
 OutputPaths output_paths(const std::string& mesh) {
+  if (fs::path(mesh).extension() == ".pvtu") return {mesh, mesh, mesh};
   const fs::path solution = meshing::solution_beside(mesh);
   const std::string fields = solution.stem().string() + "-fields" + solution.extension().string();
   return {mesh, solution.string(), (solution.parent_path() / fields).string()};
@@ -80,13 +81,15 @@ void make_folder(const std::string& path) {
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
                               const meshing::SolutionData& solution, const meshing::SolutionData& fields,
                               const meshing::RefNames& names) {
-  const TemporaryFile solution_file(paths.solution);
-  solution_file.fill([&](const std::string& path) { meshing::write_solution(path, solution); });
-  std::optional<TemporaryFile> fields_file;
-  if (!fields.fields.empty()) {
-    fields_file.emplace(paths.fields);
-    fields_file->fill([&](const std::string& path) { meshing::write_solution(path, fields); });
-  }
+  std::optional<TemporaryFile> solution_file, fields_file;
+  const auto fill = [&](std::optional<TemporaryFile>& file, const std::string& path,
+                        const meshing::SolutionData& values) {
+    if (path == paths.mesh) return;
+    file.emplace(path);
+    file->fill([&](const std::string& temporary) { meshing::write_solution(temporary, values); });
+  };
+  fill(solution_file, paths.solution, solution);
+  if (!fields.fields.empty()) fill(fields_file, paths.fields, fields);
   meshing::SolutionData inside;
   if (meshing::holds_fields(paths.mesh)) {
     inside = solution;
@@ -97,7 +100,7 @@ void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData&
   // in it.
   meshing::write_mesh_contents(paths.mesh, {mesh, inside, names});
   if (fields_file) fields_file->commit();
-  solution_file.commit();
+  if (solution_file) solution_file->commit();
 }
 
 void write_mesh_and_fields(const std::string& path, const meshing::MeshData& mesh,

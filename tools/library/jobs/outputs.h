@@ -10,7 +10,8 @@
 namespace weft::tools {
 
 /// A mesh file and the files beside it: OUT.mesh has OUT.sol and OUT-fields.sol, any other OUT.solb and
-/// OUT-fields.solb.
+/// OUT-fields.solb;
+/// a .pvtu has none, its pieces hold all.
 struct OutputPaths {
   std::string mesh;
   std::string solution;     ///< the metric
@@ -23,8 +24,8 @@ void check_writable(const std::string& path);
 /// Creates the folder and its parents; throws InputError when that fails.
 void make_folder(const std::string& path);
 
-/// Writes the mesh, the solution and, where there are any, the fields; these appear only once the mesh has. A
-/// format that holds fields gets all of them into the mesh file too.
+/// Writes the mesh and, beside it, the solution and, where there are any, the fields; these appear only once
+/// the mesh has. A format that holds fields gets all of them into the mesh file too.
 void write_mesh_with_solution(const OutputPaths& paths, const meshing::MeshData& mesh,
                               const meshing::SolutionData& solution, const meshing::SolutionData& fields = {},
                               const meshing::RefNames& names = {});

@@ -28,7 +28,7 @@ constexpr const char* kAdaptFooter = R"(Examples:
   weft adapt cube.meshb --metric-fn polar-2 -o layer.meshb --threads 2 --report report
 
 Writes the mesh and, beside it, the metric at its vertices (fine.solb) and the transferred fields
-(fine-fields.solb). A file is written completely or not at all.
+(fine-fields.solb); a .pvtu has all of it in its pieces. A file is written completely or not at all.
 --metric: a symmetric tensor (m11 m12 m22 m13 m23 m33) or a size at every vertex of the input, or of
 --background. --sol: a solution whose interpolation error is minimised. The metric is scaled so that it has
 the --complexity after limiting (--hmin, --hmax, --aspect) and gradation (--hgrad); expect about 2 vertices

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tools/common/field_text.h"
-#include "tools/common/naming.h"
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/field_options.h"
@@ -63,8 +62,8 @@ int run_interpolate(const InterpolateCommand& command) {
   const Mesh from = read_mesh(command.from), to = read_mesh(command.to);
   const Fields fields = read_fields(command.fields.files, from.points.size(), command.from);
   progress.phase("fields");
-  const Transfer result = naming(
-      command.from, [&] { return interpolate(from, fields, to, command.fields.method, command.threads); });
+  const Transfer result =
+      interpolate(from, fields, to, command.fields.method, command.threads, command.from, command.to);
   progress.phase("writing");
   write_fields(command.output, result.fields);
   progress.finish();

@@ -7,11 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <vector>
 
 #include "engine/json/json.h"
@@ -52,7 +54,7 @@ class FolderLock {
 /// The files of one cycle.
 struct CycleFiles {
   fs::path folder, mesh, solution, restart, log, marker;
-  fs::path checkpoints, checkpoints_of;  ///< of the adaptation, and the settings that they belong to
+  fs::path checkpoints, checkpoints_of;  ///< of the adaptation, and the run that they belong to
 };
 
 class Loop {
@@ -121,9 +123,14 @@ class Loop {
                         cycle, files(cycle).folder.string()));
   }
 
-  /// What came after a cycle that is to be done again was made from it.
+  /// What came after a cycle that is to be done again was made from it, though the folder of that may be
+  /// gone.
   void forget_from(std::size_t first) const {
-    for (std::size_t cycle = first; fs::exists(files(cycle).folder); ++cycle) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(config_.folder)) {
+      const std::string name = entry.path().filename().string();
+      std::size_t cycle = 0;
+      if (std::from_chars(name.data(), name.data() + name.size(), cycle).ec != std::errc()) continue;
+      if (cycle < first || files(cycle).folder.filename() != name) continue;
       fs::remove(files(cycle).marker);
       if (cycle > first) remove_checkpoints(cycle);
     }
@@ -134,12 +141,14 @@ class Loop {
     fs::remove(files(cycle).checkpoints_of);
   }
 
-  /// Where they are asked for: an adaptation that was killed goes on from those of the same settings.
+  /// Where they are asked for: an adaptation that was killed goes on from those of the same settings. A run
+  /// of one mesh and one in subdomains refuse each other's.
   void keep_checkpoints(std::size_t cycle, Options& options) const {
     constexpr const char* kEvery = "checkpoint-every";
     if (get_option(options, kEvery) == get_option({}, kEvery)) return;
     const CycleFiles f = files(cycle);
-    const Json wanted = config_.settings(cycle);
+    const Json wanted = {{"settings", config_.settings(cycle)},
+                         {"in_subdomains", !config_.launcher.empty() || in_subdomains(options)}};
     std::ifstream in(f.checkpoints_of);
     if (Json::parse(in, nullptr, false) != wanted) {
       remove_checkpoints(cycle);
@@ -186,13 +195,13 @@ class Loop {
     options.metric.complexity = config_.complexities[cycle - 1];
     marker["target_complexity"] = options.metric.complexity;
     keep_checkpoints(cycle, options);
-    const bool done = config_.launcher.empty() ? adapt_here(files, options, marker)
+    const bool done = config_.launcher.empty() ? adapt_here(cycle, files, options, marker)
                                                : adapt_on_ranks(cycle, files, options, marker);
     if (done) remove_checkpoints(cycle);
     return done;
   }
 
-  bool adapt_here(const Files& files, Options& options, Json& marker) const {
+  bool adapt_here(std::size_t cycle, const Files& files, Options& options, Json& marker) const {
     const InterruptGuard interrupt;
     options.run.cancel = interrupt.flag();
     Progress progress(verbosity_.style());
@@ -201,6 +210,7 @@ class Loop {
       return true;
     };
     const FilesResult run = adapt_files(files, options);
+    check_end(cycle, run.ended_by);
     if (run.cancelled) return false;
     marker["goal_met"] = run.goal_met();
     marker["complexity"] = run.after->complexity;
@@ -226,7 +236,13 @@ class Loop {
                                    ended_well ? "wrote no mesh" : fmt::format("ended with {}", result.status),
                                    issue_in(log), log.string()));
     for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
-    return read_report(json, marker);
+    return read_report(cycle, json, marker);
+  }
+
+  /// Whoever interrupts a run goes on later; a limit would end it again.
+  void check_end(std::size_t cycle, const std::string& ended_by) const {
+    if (!ended_by.empty() && ended_by != "interrupted")
+      throw InputError(config_.file, "adapt", fmt::format("cycle {}: ended early: {}", cycle, ended_by));
   }
 
   /// With the options that are not as they are by themselves.
@@ -259,9 +275,10 @@ class Loop {
   }
 
   /// False where the adaptation was interrupted.
-  static bool read_report(const fs::path& path, Json& marker) {
+  bool read_report(std::size_t cycle, const fs::path& path, Json& marker) const {
     std::ifstream in(path);
     const Json report = Json::parse(in);
+    check_end(cycle, report.at("ended_by").get<std::string>());
     if (report.at("interrupted") == true) return false;
     const Json &after = report.at("after"), &subdomains = report.at("subdomains");
     marker["goal_met"] = report.at("goal_met");

@@ -10,7 +10,8 @@ namespace weft::tools {
 /// carries the solution's fields over and solves again. Each has a numbered folder:
 ///
 ///     001/mesh.meshb, mesh.solb       the adapted mesh and its metric (not in 000)
-///     001/mesh-fields.solb            the last solution carried over: {restart} (not in 000)
+///     001/mesh-fields.solb            the last solution carried over: {restart} (not in 000; in mesh.pvtu
+///                                     where that is the mesh)
 ///     001/report.json                 of the adaptation (not in 000)
 ///     001/adapt.log                   what it said, where a launcher starts it (not in 000)
 ///     001/solution.solb, solver.log   what the solver wrote: {solution}, and what it said

@@ -581,9 +581,12 @@ WEFT_API CheckReport verify(const Mesh& mesh, int max_problems = 20);
 /// In what two meshes of the same domain differ, a sentence each: volumes and areas by reference by more than
 /// 1e-9 of them, and where the bodies touch themselves. Empty where they agree.
 WEFT_API std::vector<std::string> differences(const CheckReport& mesh, const CheckReport& other);
-/// Fields at the vertices of `from`, at those of `to`.
+/// Fields at the vertices of `from`, at those of `to`. Throws InputError, which calls the meshes by these
+/// names, where one has no tets or one without volume.
 WEFT_API Transfer interpolate(const Mesh& from, const Fields& fields, const Mesh& to,
-                              TransferMethod method = TransferMethod::linear, int threads = 0);
+                              TransferMethod method = TransferMethod::linear, int threads = 0,
+                              const std::string& from_name = {},
+                              const std::string& to_name = "the mesh that the fields are wanted on");
 
 /// Mends what can be mended of a mesh that adapt() would refuse, and says what it did: duplicate and unused
 /// vertices, coordinates that are no numbers, tets with repeated vertices, of no volume, twice in the mesh or
@@ -632,10 +635,10 @@ WEFT_API void write_mesh(const std::string& path, const Mesh& mesh, const Fields
                          const RefNames& names = {});
 /// Writes what an adaptation gives: OUT.meshb, its metric OUT.solb and, where there are any, OUT-fields.solb
 /// (.sol beside a .mesh); a format that holds fields gets all of them too. The others appear only once the
-/// mesh has.
+/// mesh has. OUT.pvtu has nothing beside it but its pieces.
 WEFT_API void write_result(const std::string& path, const Mesh& mesh, const Metric& metric,
                            const Fields& fields = {}, const RefNames& names = {});
-/// The names of these files.
+/// The names of these files; all of them OUT.pvtu where the pieces hold everything.
 struct ResultFiles {
   std::string mesh, metric, fields;
 };

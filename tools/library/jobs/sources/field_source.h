@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "meshing/fields/mesh_pair.h"
 #include "partition/communication/peers.h"
 #include "partition/slice/mesh_slice.h"
 #include "weft/weft.h"
@@ -20,5 +21,18 @@ Fields read_all_fields(const std::vector<std::string>& files, std::size_t num_po
 /// All ranks: the same at this rank's slice of points. Throws alike on all ranks.
 Fields read_fields_of_slice(partition::Peers& peers, const std::vector<std::string>& files,
                             const partition::MeshSlice& slice, const std::string& mesh_file);
+
+/// Returns call(), a transfer of fields; an InputError from it is thrown again with the mesh whose fault it
+/// is.
+template <class Call>
+auto naming_meshes(const std::string& from, const std::string& to, const Call& call) {
+  try {
+    return call();
+  } catch (const meshing::NewMeshError& fault) {
+    throw InputError(to, "", fault.what());
+  } catch (const InputError& fault) {
+    throw InputError(from, "", fault.what());
+  }
+}
 
 }  // namespace weft::tools

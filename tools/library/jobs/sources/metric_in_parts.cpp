@@ -52,9 +52,14 @@ Fields read_fields(Peers& peers, const MeshSlice& slice, const PartDomain& domai
   return of_part(domain, of_slice);
 }
 
-meshing::LogMetricField read_metric(Peers& peers, const MeshSlice& slice, const PartDomain& domain,
-                                    const std::string& file) {
-  return domain.from_slices(metric_of_slice(peers, file, slice));
+/// The metric of a file at the points of the slice.
+meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, const MeshSlice& slice) {
+  const Fields fields = read_share_of(peers, file, slice, "metric");
+  meshing::LogMetricField metric;
+  partition::agree_on(peers, [&] {
+    metric = meshing::metric_from_solution(fields, slice.points.size(), file, slice.first_point);
+  });
+  return metric;
 }
 
 /// All ranks: the walls, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
@@ -107,13 +112,15 @@ std::optional<meshing::LogMetricField> demand_in_part(Peers& peers, const Metric
 
 }  // namespace
 
-meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, const MeshSlice& slice) {
-  const Fields fields = read_share_of(peers, file, slice, "metric");
-  meshing::LogMetricField metric;
-  partition::agree_on(peers, [&] {
-    metric = meshing::metric_from_solution(fields, slice.points.size(), file, slice.first_point);
-  });
-  return metric;
+bool only_scaled(const MetricOptions& options) {
+  return scaled_alone(options) && options.file.empty() != options.function.empty();
+}
+
+meshing::LogMetricField metric_of_share(Peers& peers, const MetricOptions& options, const MeshSlice& slice) {
+  if (options.function.empty()) return metric_of_slice(peers, options.file, slice);
+  meshing::MeshData points;
+  points.points = slice.points;
+  return meshing::sample(meshing::AnalyticMetric(options.function), points);
 }
 
 std::optional<SurfaceBound> surface_bound_in_parts(Peers& peers, const GeometryOptions& options,
@@ -139,7 +146,7 @@ LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, c
   LogMetricMade made = make_log_metric(
       here,
       {domain, [&](const std::string& file) { return read_fields(peers, slice, domain, file); },
-       [&](const std::string& file) { return read_metric(peers, slice, domain, file); },
+       [&](const std::string& file) { return domain.from_slices(metric_of_slice(peers, file, slice)); },
        [&] { return demand_in_part(peers, options, slice, domain, model); },
        [&]() -> std::optional<meshing::LogMetricField> {
          if (!bound) return std::nullopt;

@@ -12,8 +12,12 @@
 
 namespace weft::tools {
 
-/// All ranks: the metric of a file at the points of the slice. Throws alike on all ranks.
-meshing::LogMetricField metric_of_slice(partition::Peers& peers, const std::string& file,
+/// Whether nothing asks how the metric, a file's or a function's, is elsewhere: every rank can do with its
+/// share of the points.
+bool only_scaled(const MetricOptions& options);
+/// All ranks: that metric at the points of the slice, not scaled. The mesh may have no tets, or inverted
+/// ones. Throws alike on all ranks.
+meshing::LogMetricField metric_of_share(partition::Peers& peers, const MetricOptions& options,
                                         const partition::MeshSlice& slice);
 
 /// All ranks: make_log_metric() of the mesh of all slices, at the points of this rank's slice; the same bits

@@ -30,16 +30,6 @@ bool has_background(const Files& files) {
   return !files.background.empty() && !same_file(files.background, files.input);
 }
 
-/// Whether nothing asks how the metric is elsewhere: every rank can do with its share of the points.
-bool only_scaled(const MetricOptions& m) { return scaled_alone(m) && m.file.empty() != m.function.empty(); }
-
-meshing::LogMetricField metric_of_share(Peers& peers, const MetricOptions& request, const MeshSlice& slice) {
-  if (request.function.empty()) return metric_of_slice(peers, request.file, slice);
-  MeshData points;
-  points.points = slice.points;
-  return meshing::sample(meshing::AnalyticMetric(request.function), points);
-}
-
 /// A metric that is only scaled is scaled where all ranks know it.
 void add_metric(Peers& peers, const Files& files, const Options& options,
                 const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
