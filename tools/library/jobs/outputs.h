@@ -10,8 +10,7 @@
 namespace weft::tools {
 
 /// A mesh file and the files beside it: OUT.mesh has OUT.sol and OUT-fields.sol, any other OUT.solb and
-/// OUT-fields.solb;
-/// a .pvtu has none, its pieces hold all.
+/// OUT-fields.solb; a .pvtu has none, its pieces hold all.
 struct OutputPaths {
   std::string mesh;
   std::string solution;     ///< the metric
