@@ -22,18 +22,19 @@ struct Regions {
   std::vector<int> depth;
 };
 
-/// Connected pieces of the surface (through vertices), numbered by facet.
-std::vector<std::uint32_t> shells(const std::vector<Face3>& facets, std::size_t num_points) {
-  std::vector<std::uint32_t> parent(num_points);
+/// Connected pieces of the surface, numbered by facet: through edges, because where two meet in a vertex
+/// alone one may be a void, or a body in a void, of what the other bounds.
+std::vector<std::uint32_t> shells(const Recovery& r) {
+  std::vector<std::uint32_t> parent(r.edges.size());
   std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
+  const auto root = [&](std::uint32_t e) {
+    while (parent[e] != e) e = parent[e] = parent[parent[e]];
+    return e;
   };
-  for (const Face3& f : facets)
-    for (const std::uint32_t v : f) parent[root(v)] = root(f[0]);
-  std::vector<std::uint32_t> shell(facets.size());
-  for (std::size_t i = 0; i < facets.size(); ++i) shell[i] = root(facets[i][0]);
+  for (const auto& edges : r.facet_edges)
+    for (const std::uint32_t e : edges) parent[root(e)] = root(edges[0]);
+  std::vector<std::uint32_t> shell(r.facets.size());
+  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = root(r.facet_edges[i][0]);
   return shell;
 }
 
@@ -47,7 +48,7 @@ Regions find_regions(const Recovery& r, std::uint32_t outside_vertex) {
   regions.depth.assign(count, -1);
   std::map<std::uint32_t, std::vector<std::uint32_t>> of_shell;   // shell -> regions at it
   std::map<std::uint32_t, std::vector<std::uint32_t>> at_region;  // region -> shells at it
-  const std::vector<std::uint32_t> shell = shells(r.facets, grid.points.size());
+  const std::vector<std::uint32_t> shell = shells(r);
   for (std::uint32_t t = 0; t < grid.tets.size(); ++t) {
     if (!grid.alive(t)) continue;
     for (const std::uint32_t facet : grid.tets[t].facet) {

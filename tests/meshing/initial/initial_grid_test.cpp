@@ -139,6 +139,34 @@ TEST(InitialGrid, FillsABodyInAHole) {
   EXPECT_NEAR(volume(grid_of(surface)), expected, 1e-9);
 }
 
+/// A tetrahedron, its apex first.
+MeshData tetrahedron(const Point& a, const Point& b, const Point& c, const Point& d) {
+  MeshData m;
+  m.points = {a, b, c, d};
+  m.point_refs.assign(4, 0);
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  m.triangle_refs.assign(4, 9);
+  return m;
+}
+
+TEST(InitialGrid, LeavesAVoidThatTouchesTheOutsideAtAVertex) {
+  const MeshData hollow = together(box_surface({}, {1, 1, 1}, 1),
+                                   tetrahedron({0, 0, 0}, {0.6, 0.2, 0.2}, {0.2, 0.6, 0.2}, {0.2, 0.2, 0.6}));
+  const InitialGrid grid = grid_of(hollow);
+  EXPECT_EQ(grid.regions, 1u);
+  EXPECT_EQ(grid.voids, 1u);
+  EXPECT_NEAR(volume(grid), 1 - 0.16 / 6, 1e-12);
+}
+
+TEST(InitialGrid, FillsABodyThatTouchesItsHoleAtAVertex) {
+  const MeshData body = tetrahedron({1, 0, 0}, {0, 0.5, 0}, {0, -0.5, 0.5}, {0, -0.5, -0.5});
+  const MeshData surface = together(box_surface({-2, -2, -2}, {2, 2, 2}, 2),
+                                    together(box_surface({-1, -1, -1}, {1, 1, 1}, 2), body));
+  const InitialGrid grid = grid_of(surface);
+  EXPECT_EQ(grid.regions, 2u);
+  EXPECT_NEAR(volume(grid), 64 - 8 + 1.0 / 6, 1e-12);
+}
+
 TEST(InitialGrid, DividesMaterialsAtACommonFace) {
   const InitialGrid grid =
       grid_of(together(box_surface({0, 0, 0}, {1, 1, 1}, 3), box_surface({1, 0, 0}, {2, 1, 1}, 3)));
