@@ -167,6 +167,33 @@ TEST(InitialGrid, FillsABodyThatTouchesItsHoleAtAVertex) {
   EXPECT_NEAR(volume(grid), 64 - 8 + 1.0 / 6, 1e-12);
 }
 
+std::uint32_t point_at(const MeshData& m, const Point& p) {
+  return static_cast<std::uint32_t>(std::find(m.points.begin(), m.points.end(), p) - m.points.begin());
+}
+
+TEST(InitialGrid, HasNothingThatLiesBetweenTwoVoids) {
+  const MeshData voids =
+      together(box_surface({-1, -1, -1}, {0, 1, 1}, 2), box_surface({0, -1, -1}, {1, 1, 1}, 2));
+  MeshData surface = together(box_surface({-2, -2, -2}, {3, 2, 2}, 3), voids);
+  const std::uint32_t middle = point_at(surface, {0, 0, 0}), rim = point_at(surface, {0, 0, 1}),
+                      next = point_at(surface, {0, 1, 1});
+  surface.edges = {{middle, rim}, {rim, next}};
+  surface.edge_refs = {5, 6};
+  surface.ridges = {0, 1};
+  surface.corners = {middle, rim};
+  const ClosedSurface closed = close_surface(surface, {});
+  ASSERT_EQ(closed.mesh.edges.size(), 2u);
+  const MeshData grid = make_initial_grid(closed, {}).mesh;
+  const CheckReport report = check_mesh(grid);
+  EXPECT_TRUE(report.ok()) << report.problems.front();
+  EXPECT_EQ(report.unreferenced_points, 0u);
+  EXPECT_NEAR(report.volume, 80 - 8, 1e-9);
+  EXPECT_EQ(grid.edge_refs, std::vector<std::int32_t>{6});
+  EXPECT_EQ(grid.ridges, std::vector<std::uint32_t>{0});
+  ASSERT_EQ(grid.corners.size(), 1u);
+  EXPECT_EQ(grid.points[grid.corners[0]], (Point{0, 0, 1}));
+}
+
 TEST(InitialGrid, DividesMaterialsAtACommonFace) {
   const InitialGrid grid =
       grid_of(together(box_surface({0, 0, 0}, {1, 1, 1}, 3), box_surface({1, 0, 0}, {2, 1, 1}, 3)));
