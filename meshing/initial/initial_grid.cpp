@@ -148,6 +148,7 @@ class Export {
     add_triangles();
     add_edges();
     copy_list(surface_.mesh.corners, new_index_, result_.mesh.corners);
+    copy_list(surface_.mesh.required_points, new_index_, result_.mesh.required_points);
   }
 
  private:
@@ -204,6 +205,8 @@ class Export {
   void add_triangles() {
     MeshData& m = result_.mesh;
     exported_.resize(r_.facets.size());
+    std::vector<bool> required(r_.facets.size());
+    for (const std::uint32_t facet : surface_.mesh.required_triangles) required[facet] = true;
     for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) {
       if (!grid_.alive(t)) continue;
       for (std::uint32_t f = 0; f < 4; ++f) {
@@ -212,6 +215,7 @@ class Export {
         const Face3 w = grid_.face(t, static_cast<int>(f));
         const Face3 out = {w[0], w[2], w[1]};
         result_.turned += n == kNothing && turns_against(out, facet);
+        if (required[facet]) m.required_triangles.push_back(static_cast<std::uint32_t>(m.triangles.size()));
         m.triangles.push_back({new_index_[out[0]], new_index_[out[1]], new_index_[out[2]]});
         m.triangle_refs.push_back(surface_.mesh.triangle_refs[facet]);
         exported_[facet] = true;
@@ -236,6 +240,7 @@ class Export {
       m.edge_refs.push_back(from.edge_refs[i]);
     }
     copy_list(from.ridges, number, m.ridges);
+    copy_list(from.required_edges, number, m.required_edges);
   }
 
   /// Of what is listed, that which is still there, by its new numbers.

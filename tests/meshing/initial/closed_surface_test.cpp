@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "meshing/base/error.h"
 #include "meshing/initial/self_intersections.h"
 #include "tests/meshing/initial/initial_support.h"
@@ -47,6 +49,54 @@ TEST(ClosedSurface, GivesDegenerateTrianglesToTheirNeighbours) {
   const ClosedSurface closed = close_surface(box, {});
   EXPECT_EQ(closed.mesh.triangles.size(), 14u);
   EXPECT_EQ(closed.mesh.points.size(), 9u);
+}
+
+/// A box with a triangle without area on an edge that it lists: both sides know the edge, one its middle too.
+MeshData box_with_a_degenerate_triangle() {
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);
+  const auto [a, b, c] = box.triangles[0];
+  const auto v = static_cast<std::uint32_t>(box.points.size());
+  box.points.push_back(midpoint(box.points[a], box.points[b]));
+  box.point_refs.push_back(0);
+  box.triangles[0] = {a, v, c};
+  box.triangles.push_back({v, b, c});
+  box.triangles.push_back({a, b, v});
+  box.triangle_refs.insert(box.triangle_refs.end(), 2, 1);
+  box.edges = {{b, c}, {a, b}};
+  box.edge_refs = {4, 5};
+  return box;
+}
+
+TEST(ClosedSurface, ListsThePiecesOfAListedEdge) {
+  MeshData box = box_with_a_degenerate_triangle();
+  box.ridges = {1};
+  box.required_edges = {1};
+  const MeshData closed = close_surface(box, {}).mesh;
+  ASSERT_THAT(closed.edge_refs, testing::ElementsAre(4, 5, 5));
+  EXPECT_THAT(closed.ridges, testing::ElementsAre(1, 2));
+  EXPECT_THAT(closed.required_edges, testing::ElementsAre(1, 2));
+  const auto place = [&](std::size_t e, std::size_t end) { return closed.points[closed.edges[e][end]]; };
+  EXPECT_EQ(place(1, 0), box.points[box.edges[1][0]]);
+  EXPECT_EQ(place(1, 1), box.points.back());
+  EXPECT_EQ(place(2, 0), box.points.back());
+  EXPECT_EQ(place(2, 1), box.points[box.edges[1][1]]);
+}
+
+TEST(ClosedSurface, KeepsWhatIsRequired) {
+  MeshData box = box_with_a_degenerate_triangle();
+  const auto [a, b] = box.edges[1];
+  std::uint32_t beyond = 1;  // the triangle that is split where the degenerate one gives way
+  const auto has = [&](std::uint32_t t, const Point& p) {
+    return std::ranges::any_of(box.triangles[t], [&](std::uint32_t v) { return box.points[v] == p; });
+  };
+  while (!has(beyond, box.points[a]) || !has(beyond, box.points[b])) ++beyond;
+  box.required_triangles = {beyond};
+  box.required_points = {b};
+  const ClosedSurface closed = close_surface(box, {});
+  ASSERT_EQ(closed.mesh.required_triangles.size(), 2u);
+  for (const std::uint32_t t : closed.mesh.required_triangles) EXPECT_EQ(closed.source[t], beyond);
+  ASSERT_EQ(closed.mesh.required_points.size(), 1u);
+  EXPECT_EQ(closed.mesh.points[closed.mesh.required_points[0]], box.points[b]);
 }
 
 TEST(ClosedSurface, GivesAFanOfDegenerateTrianglesToItsNeighbour) {
