@@ -30,6 +30,11 @@ constexpr std::size_t kMostSides = 100;
 
 Edge undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
+Triangle ascending(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
 class SurfaceRepair {
  public:
   explicit SurfaceRepair(MeshData& surface) : m_(surface) {
@@ -97,8 +102,7 @@ class SurfaceRepair {
       Triangle t = m_.triangles[i];
       for (std::uint32_t& v : t)
         if (v < now.size()) v = now[v];
-      Triangle key = t;
-      std::sort(key.begin(), key.end());
+      const Triangle key = ascending(t);
       const bool collapsed = key[0] == key[1] || key[1] == key[2];
       if (collapsed || !there.insert(key).second) {
         mend(collapsed ? "triangles without area removed" : "repeated triangles removed", "triangle")
@@ -231,6 +235,9 @@ class SurfaceRepair {
 
   void fill_holes() {
     const auto free = free_edges();
+    std::set<Triangle> there;
+    if (!free.empty())
+      for (const Triangle& t : m_.triangles) there.insert(ascending(t));
     std::map<std::uint32_t, std::vector<std::uint32_t>> next;
     for (const auto& [edge, triangle] : free) {
       next[edge.first].push_back(edge.second);
@@ -240,7 +247,7 @@ class SurfaceRepair {
     for (const auto& [first, ends] : next) {
       if (visited.contains(first)) continue;
       const std::vector<std::uint32_t> loop = loop_from(first, next, visited);
-      if (loop.size() >= 3 && is_small(loop)) fill(loop, free);
+      if (loop.size() >= 3 && is_small(loop)) fill(loop, free, there);
     }
   }
 
@@ -275,9 +282,13 @@ class SurfaceRepair {
     return loop.size() <= kMostSides && size_of(loop) <= kLargestHole * diagonal_;
   }
 
-  void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free) {
+  /// Not where that would repeat a triangle: the loop is no hole then, but the border of a loose triangle.
+  void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free,
+            const std::set<Triangle>& there) {
     const std::uint32_t beside = free.at(undirected(loop.front(), loop.back()));
-    for (const Triangle& t : triangulate_loop(m_.points, loop)) {
+    const std::vector<Triangle> lid = triangulate_loop(m_.points, loop);
+    if (std::ranges::any_of(lid, [&](const Triangle& t) { return there.contains(ascending(t)); })) return;
+    for (const Triangle& t : lid) {
       m_.triangles.push_back(t);
       m_.triangle_refs.push_back(m_.triangle_refs[beside]);
       source_.push_back(source_[beside]);

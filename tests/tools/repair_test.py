@@ -351,6 +351,17 @@ class Surfaces(CommandTest):
         self.triangles = [tuple(t[:3]) for t in mesh["Triangles"]][1:]
         self.assert_filled("holes filled")
 
+    def test_a_loose_triangle(self):
+        """Small, outside or inside: it is no volume, and no void."""
+        n = len(self.points)
+        for z in (2, 0.2):
+            points = self.points + [(0.1, 0.1, z), (0.11, 0.1, z), (0.1, 0.11, z)]
+            self.write("bad.mesh", mesh_text(points, [], [*self.triangles, (n + 1, n + 3, n + 2)]))
+            self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--quiet", expect=2)
+            out = self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--repair").stdout
+            self.assertIn(f"{len(self.triangles)} triangles, 1 region", out)
+            self.assertNotIn("holes filled", out)
+
     def test_a_junction(self):
         """An edge is split on one side only."""
         a, b, c = self.triangles[0]

@@ -203,8 +203,9 @@ class Resolution {
     for (std::uint32_t t = 0; t < loose_.size(); ++t) {
       const double middle = mean[patch[t]], half = 0.5 * loose_.sheets[t];
       const double back = middle + half, front = middle - half;
-      // A patch with a free edge at a volume's border has about 1/2, one that hangs in it 1, one outside 0.
-      const bool hangs = open[patch[t]] && std::abs(middle - 0.5) > 0.25 && std::abs(half) < 1;
+      // A patch of one sheet with a free edge at a volume's border has about 1/2, one that hangs in it 1, one
+      // outside 0; where several sheets lie upon each other they have as many times that.
+      const bool hangs = open[patch[t]] && std::abs(middle - std::abs(half)) > 0.5 * std::abs(half);
       drop[t] = hangs || (back > 0.5) == (front > 0.5);
       if (!drop[t] && front > 0.5) std::swap(loose_.corners[t][1], loose_.corners[t][2]);
       if (drop[t] && middle > 0.5)

@@ -120,6 +120,36 @@ TEST(ResolveSurface, TheVoidBetweenShellsIsNoVolume) {
   expect_volume(frame, 6 + 2 * 1 * 1 * 0.8);
 }
 
+/// A box and a small triangle with a corner there, listed so that it turns against its corners' numbers.
+MeshData with_loose_triangle(const Point& corner) {
+  MeshData m = kBox;
+  const auto n = static_cast<std::uint32_t>(m.points.size());
+  m.points.insert(m.points.end(), {corner, corner - Point{0.01, 0, 0}, corner - Point{0, 0.01, 0}});
+  m.point_refs.resize(n + 3);
+  m.triangles.push_back({n, n + 2, n + 1});
+  m.triangle_refs.push_back(7);
+  return m;
+}
+
+TEST(RepairSurface, ALooseTriangleBoundsNothing) {
+  for (const Point& corner : {Point{0.3, 0.4, 2}, Point{0.3, 0.4, 0.5}, Point{0, 0, 0}}) {
+    MeshData m = with_loose_triangle(corner);
+    expect_volume(m, 1);
+    repair_surface(m);
+    EXPECT_EQ(m.triangles.size(), kBox.triangles.size());
+  }
+}
+
+TEST(ResolveSurface, ALooseTriangleThatIsListedTwiceBoundsNothing) {
+  MeshData m = with_loose_triangle({0.3, 0.4, 2});
+  m.triangles.push_back(m.triangles.back());
+  m.triangle_refs.push_back(7);
+  std::vector<std::uint32_t> source(m.triangles.size());
+  std::vector<MeshMend> mends;
+  EXPECT_EQ(resolve_surface(m, source, mends), "");
+  EXPECT_EQ(m.triangles.size(), kBox.triangles.size());
+}
+
 double total_area(const std::vector<Point>& p, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   double sum = 0;
   for (const auto& [a, b, c] : triangles) sum += 0.5 * norm(cross(p[b] - p[a], p[c] - p[a]));
