@@ -46,6 +46,9 @@ class SurfaceRepair {
     diagonal_ = norm(box.size());
     source_.resize(m_.triangles.size());
     std::iota(source_.begin(), source_.end(), 0u);
+    required_.resize(m_.triangles.size());
+    for (const std::uint32_t t : m_.required_triangles)
+      if (t < required_.size()) required_[t] = true;
   }
 
   std::vector<MeshMend> run(std::string* left, const std::atomic<bool>* interrupt) {
@@ -57,6 +60,7 @@ class SurfaceRepair {
     }
     fill_holes();
     std::string why = resolve_surface(m_, source_, mends_, interrupt);
+    list_required();
     if (left) *left = std::move(why);
     return std::move(mends_);
   }
@@ -94,9 +98,9 @@ class SurfaceRepair {
     return reach;
   }
 
-  /// Renumbers, and drops what has collapsed or is there twice.
+  /// Renumbers, and drops what has collapsed or is there twice: what stays is required if one of them was.
   void renumber(const std::vector<std::uint32_t>& now) {
-    std::set<Triangle> there;
+    std::map<Triangle, std::uint32_t> there;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
       Triangle t = m_.triangles[i];
@@ -104,7 +108,9 @@ class SurfaceRepair {
         if (v < now.size()) v = now[v];
       const Triangle key = ascending(t);
       const bool collapsed = key[0] == key[1] || key[1] == key[2];
-      if (collapsed || !there.insert(key).second) {
+      const auto [first, is_new] = there.try_emplace(key, source_[i]);
+      if (collapsed || !is_new) {
+        if (!collapsed && required_[source_[i]]) required_[first->second] = true;
         mend(collapsed ? "triangles without area removed" : "repeated triangles removed", "triangle")
             .add(source_[i]);
         continue;
@@ -117,8 +123,17 @@ class SurfaceRepair {
     for (auto& e : m_.edges)
       for (std::uint32_t& v : e)
         if (v < now.size()) v = now[v];
-    for (std::uint32_t& v : m_.corners)
-      if (v < now.size()) v = now[v];
+    for (auto* list : {&m_.corners, &m_.required_points})
+      for (std::uint32_t& v : *list)
+        if (v < now.size()) v = now[v];
+  }
+
+  /// Pieces of required triangles, by their new numbers; and what closes an opening beside one, as it has
+  /// that one's reference.
+  void list_required() {
+    m_.required_triangles.clear();
+    for (std::uint32_t t = 0; t < source_.size(); ++t)
+      if (required_[source_[t]]) m_.required_triangles.push_back(t);
   }
 
   std::vector<std::uint32_t> by_x(std::vector<std::uint32_t> vertices) const {
@@ -299,6 +314,7 @@ class SurfaceRepair {
   MeshData& m_;
   double diagonal_ = 0;
   std::vector<std::uint32_t> source_;  ///< of each triangle: its number in the input
+  std::vector<bool> required_;         ///< of each triangle of the input
   std::vector<MeshMend> mends_;
 };
 

@@ -390,6 +390,15 @@ class Surfaces(CommandTest):
         self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
         self.assert_fails("mesh", "bad.mesh", "-o", "out.meshb", "--repair", "--quiet", says="closing its openings would take")
 
+    def test_required_triangles_behind_what_is_removed(self):
+        self.triangles.append(self.triangles[0])
+        text = mesh_text(self.points, [], self.triangles)
+        n = len(self.triangles)
+        self.write("bad.mesh", text.replace("End\n", f"RequiredTriangles\n2\n{n - 1}\n{n}\nEnd\n"))
+        self.weft("mesh", "bad.mesh", "-o", "out.mesh", "--repair")
+        required = (self.folder / "out.mesh").read_text().split("RequiredTriangles")[1].split()
+        self.assertEqual(required[0], "2")
+
     def test_doubled_and_turned(self):
         self.triangles += [(a, c, b) for a, b, c in self.triangles[::2]]
         self.assert_filled("repeated triangles removed", refused=False)

@@ -140,6 +140,26 @@ TEST(RepairSurface, ALooseTriangleBoundsNothing) {
   }
 }
 
+TEST(RepairSurface, ListsRequiredTrianglesByTheirNewNumbers) {
+  MeshData m = kBox;
+  m.triangles.insert(m.triangles.begin(), {m.triangles[5], m.triangles[7]});  // 7 and 9 repeat these
+  m.triangle_refs.insert(m.triangle_refs.begin(), 2, 1);
+  m.required_triangles = {7, 20};
+  const Triangle was = m.triangles[20];
+  std::array<Point, 3> places;
+  for (std::size_t k = 0; k < 3; ++k) places[k] = m.points[was[k]];
+  repair_surface(m);
+  ASSERT_EQ(m.required_triangles, (std::vector<std::uint32_t>{0, 18}));
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(m.points[m.triangles[18][k]], places[k]);
+}
+
+TEST(RepairSurface, PiecesOfARequiredTriangleAreRequired) {
+  MeshData crossing = together(kBox, box_surface({.5, .3, .2}, {1.6, 1.4, 1.3}, 2));
+  for (std::uint32_t t = 0; t < crossing.triangles.size(); ++t) crossing.required_triangles.push_back(t);
+  repair_surface(crossing);
+  EXPECT_EQ(crossing.required_triangles.size(), crossing.triangles.size());
+}
+
 TEST(ResolveSurface, ALooseTriangleThatIsListedTwiceBoundsNothing) {
   MeshData m = with_loose_triangle({0.3, 0.4, 2});
   m.triangles.push_back(m.triangles.back());
