@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <unordered_map>
 #include <unordered_set>
@@ -26,7 +27,10 @@ class Cleaning {
     Box box;
     for (const Triangle& t : input.triangles)
       for (const std::uint32_t v : t) box.include(input.points[v]);
-    tolerance_ = checks.merge_tolerance * norm(box.size());
+    const double diagonal = norm(box.size());
+    if (!std::isfinite(diagonal))
+      throw InputError("", "Vertices", "the surface is too large: the square of its size is no double");
+    tolerance_ = checks.merge_tolerance * diagonal;
     loose_.corners = input.triangles;
     loose_.refs = input.triangle_refs;
     loose_.sheets.assign(loose_.size(), 1);

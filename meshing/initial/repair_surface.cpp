@@ -52,6 +52,7 @@ class SurfaceRepair {
   }
 
   std::vector<MeshMend> run(std::string* left, const std::atomic<bool>* interrupt) {
+    if (!std::isfinite(diagonal_)) return {};  // too large: close_surface() refuses it
     merge_same();
     constexpr int kMostRounds = 4;
     for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "meshing/base/error.h"
+#include "meshing/initial/repair_surface.h"
 #include "meshing/initial/self_intersections.h"
 #include "tests/meshing/initial/initial_support.h"
 
@@ -141,6 +142,13 @@ TEST(ClosedSurface, RefusesSelfIntersectionsNamingTriangles) {
       together(box_surface({0, 0, 0}, {1, 1, 1}, 1), box_surface({0.5, 0.4, 0.3}, {2, 2, 2}, 1));
   EXPECT_THAT(refusal(crossing), testing::AllOf(HasSubstr("intersects itself"), HasSubstr("triangles ")));
   EXPECT_THAT(refusal({}), HasSubstr("none"));
+}
+
+TEST(ClosedSurface, RefusesOneTooLargeForItsDiagonal) {
+  MeshData box = box_surface({0, 0, 0}, {1e160, 1e160, 1e160}, 1);
+  EXPECT_THAT(refusal(box), HasSubstr("too large"));
+  EXPECT_TRUE(repair_surface(box).empty());
+  EXPECT_THAT(refusal(box), HasSubstr("too large"));
 }
 
 TEST(SelfIntersections, SeesOverlapsOfEverySort) {
