@@ -87,7 +87,9 @@ class Resolution {
         if (cleaning.merged()[v] != TriangleCleaning::kUnused) v = cleaning.merged()[v];
   }
 
-  std::vector<Pair> crossings() const { return self_intersections(points_, loose_.corners, kMostPairs + 1); }
+  std::vector<Pair> crossings() const {
+    return self_intersections(points_, loose_.corners, kMostPairs + 1, interrupt_);
+  }
 
   void turn(const std::vector<Pair>& pairs) {
     const std::vector<bool> turned = orient_triangles(points_, loose_, pairs, interrupt_);

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 
 #include "meshing/base/error.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/repair_surface.h"
 #include "meshing/initial/self_intersections.h"
 #include "tests/meshing/initial/initial_support.h"
@@ -163,6 +166,32 @@ TEST(SelfIntersections, SeesOverlapsOfEverySort) {
   EXPECT_FALSE(meet({0, 1, 2}, {0, 1, 9}));  // a shared edge, beside each other
   EXPECT_FALSE(meet({0, 1, 2}, {0, 8, 9}));  // a shared vertex
   EXPECT_FALSE(meet({0, 1, 2}, {0, 1, 4}));  // a shared edge, at an angle
+}
+
+TEST(SelfIntersections, GivesTheFirstPairsOfManyAndEndsWhereItIsInterrupted) {
+  // A fan of triangles that all hold the same segment.
+  constexpr std::uint32_t kCount = 1100;
+  std::vector<Point> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double x = std::cos(0.002 * i), y = std::sin(0.002 * i);
+    points.insert(points.end(), {{-x, -y, -1}, {x, y, -1}, {0, 0, 1}});
+    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto pairs = self_intersections(points, triangles, 2 * kCount);
+  ASSERT_EQ(pairs.size(), 2 * kCount);
+  for (std::uint32_t k = 0, s = 0, t = 1; k < pairs.size(); ++k) {
+    EXPECT_EQ(pairs[k], (std::array{s, t}));
+    if (++t == kCount) ++s, t = s + 1;
+  }
+  for (std::uint32_t i = 0; i + 3 < kCount; ++i)
+    for (std::uint32_t k = 3 * i; k < 3 * i + 3; ++k) points[k] = points[k] + Point{0, 0, 10.0 * (i + 1)};
+  const auto last = self_intersections(points, triangles, 9);
+  EXPECT_THAT(last,
+              testing::ElementsAre(std::array{kCount - 3, kCount - 2}, std::array{kCount - 3, kCount - 1},
+                                   std::array{kCount - 2, kCount - 1}));
+  const std::atomic<bool> interrupt{true};
+  EXPECT_THROW(self_intersections(points, triangles, 9, &interrupt), Interrupted);
 }
 
 }  // namespace
