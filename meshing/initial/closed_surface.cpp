@@ -34,8 +34,12 @@ class Cleaning {
     loose_.corners = input.triangles;
     loose_.refs = input.triangle_refs;
     loose_.sheets.assign(loose_.size(), 1);
-    loose_.source.resize(loose_.size());
-    std::iota(loose_.source.begin(), loose_.source.end(), 0u);
+    loose_.source = checks.source;
+    if (checks.source.empty()) {
+      loose_.source.resize(loose_.size());
+      std::iota(loose_.source.begin(), loose_.source.end(), 0u);
+    }
+    for (const std::uint32_t t : input.required_triangles) required_.insert(loose_.source[t]);
   }
 
   ClosedSurface run() {
@@ -155,10 +159,8 @@ class Cleaning {
   }
 
   void mark_required() {
-    std::vector<bool> required(input_.triangles.size());
-    for (const std::uint32_t t : input_.required_triangles) required[t] = true;
     for (std::uint32_t t = 0; t < result_.source.size(); ++t)
-      if (required[result_.source[t]]) result_.mesh.required_triangles.push_back(t);
+      if (required_.contains(result_.source[t])) result_.mesh.required_triangles.push_back(t);
   }
 
   const MeshData& input_;
@@ -166,6 +168,7 @@ class Cleaning {
   LooseTriangles loose_;
   std::vector<Triangle>& triangles_ = loose_.corners;
   std::vector<std::uint32_t>& source_ = loose_.source;
+  std::unordered_set<std::uint32_t> required_;  ///< numbers of triangles, as in source_
   std::vector<std::uint32_t> merged_, new_index_;
   std::unordered_map<std::uint64_t, std::uint32_t> splits_;
   std::unordered_set<std::uint64_t> edges_;  ///< of the result's triangles

@@ -12,6 +12,8 @@ namespace weft::meshing {
 
 struct SurfaceChecks {
   double merge_tolerance = 1e-9;  ///< of the bounding box diagonal: points nearer than this are one
+  /// Of each triangle of a mended surface: its number before, for messages and for ClosedSurface; else empty.
+  std::vector<std::uint32_t> source = {};
 };
 
 /// Triangles without free edges, duplicates, degenerate ones and self-intersections. More than two triangles
@@ -19,7 +21,7 @@ struct SurfaceChecks {
 struct ClosedSurface {
   /// Points, triangles with references, and what edges, corners and required entities were listed; no tets.
   MeshData mesh;
-  std::vector<std::uint32_t> source;  ///< of each triangle: its number in the input
+  std::vector<std::uint32_t> source;  ///< of each triangle: its number in the input, or SurfaceChecks::source
   std::vector<std::string> warnings;  ///< what was mended
 };
 

@@ -288,6 +288,7 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   Recovery r;
   r.grid = delaunay_in_box(surface.mesh.points, options.interrupt);
   r.facets = surface.mesh.triangles;
+  r.source = surface.source;
   remove_slivers(r);
   list_input_edges(r);
   recover_edges(r);

@@ -66,6 +66,8 @@ class SurfaceRepair {
     return std::move(mends_);
   }
 
+  const std::vector<std::uint32_t>& source() const { return source_; }
+
  private:
   MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
     for (MeshMend& known : mends_)
@@ -321,9 +323,12 @@ class SurfaceRepair {
 
 }  // namespace
 
-std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left,
-                                     const std::atomic<bool>* interrupt) {
-  return SurfaceRepair(surface).run(left, interrupt);
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left, const std::atomic<bool>* interrupt,
+                                     std::vector<std::uint32_t>* source) {
+  SurfaceRepair repair(surface);
+  std::vector<MeshMend> mends = repair.run(left, interrupt);
+  if (source) *source = repair.source();
+  return mends;
 }
 
 }  // namespace weft::meshing

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import unittest
 
 from command import CommandTest, mesh_text, solution_text
@@ -398,6 +399,15 @@ class Surfaces(CommandTest):
         self.weft("mesh", "bad.mesh", "-o", "out.mesh", "--repair")
         required = (self.folder / "out.mesh").read_text().split("RequiredTriangles")[1].split()
         self.assertEqual(required[0], "2")
+
+    def test_what_is_left_is_named_by_the_input(self):
+        """Half a ball, which stays open, behind two triangles that are repeated."""
+        half = [t for t in self.triangles if min(self.points[v - 1][2] for v in t) < 0]
+        self.triangles = [half[0], half[0], *half]
+        self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
+        error = self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--repair", "--quiet", expect=2).stderr
+        triangle, a, b = map(int, re.search(r"triangle (\d+): .* has its edge \((\d+), (\d+)\)", error).groups())
+        self.assertTrue({a, b} <= set(self.triangles[triangle - 1]), error)
 
     def test_doubled_and_turned(self):
         self.triangles += [(a, c, b) for a, b, c in self.triangles[::2]]

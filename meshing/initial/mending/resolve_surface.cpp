@@ -258,7 +258,7 @@ class Resolution {
   bool close() {
     ClosedOpenings closed;
     try {
-      closed = close_openings(points_, loose_, interrupt_);
+      closed = close_openings(points_, loose_, input_numbers(), interrupt_);
     } catch (const InputError& error) {
       left_ = fmt::format("no tets between the borders of its openings: {}", error.what());
       return false;
@@ -300,9 +300,7 @@ class Resolution {
     MeshMend lost{"triangles that bound no volume removed", "triangle", 0, {}, 0, "distance"};
     for (std::size_t i = 0; i < lost_.size(); ++i) lost.add(lost_source_[i], distance.from(lost_[i]));
     note(std::move(lost));
-    std::vector<std::uint32_t> source;
-    for (const std::uint32_t s : loose_.source) source.push_back(source_[s]);
-    source_ = std::move(source);
+    source_ = input_numbers();
     surface_.points = std::move(points_);
     surface_.point_refs.resize(surface_.points.size(), 0);
     surface_.triangles = std::move(loose_.corners);
@@ -312,6 +310,13 @@ class Resolution {
   }
 
   // --- Helpers
+
+  /// Of each triangle: its number in the input.
+  std::vector<std::uint32_t> input_numbers() const {
+    std::vector<std::uint32_t> numbers;
+    for (const std::uint32_t s : loose_.source) numbers.push_back(source_[s]);
+    return numbers;
+  }
 
   void note(MeshMend mend) {
     if (mend.count > 0) fresh_mends_.push_back(std::move(mend));

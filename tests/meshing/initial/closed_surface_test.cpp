@@ -154,6 +154,25 @@ TEST(ClosedSurface, RefusesOneTooLargeForItsDiagonal) {
   EXPECT_THAT(refusal(box), HasSubstr("too large"));
 }
 
+TEST(ClosedSurface, NamesTrianglesByTheNumbersGiven) {
+  MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);
+  box.required_triangles = {3};
+  SurfaceChecks checks;
+  for (std::uint32_t t = 0; t < box.triangles.size(); ++t) checks.source.push_back(100 + t);
+  const ClosedSurface closed = close_surface(box, checks);
+  EXPECT_EQ(closed.source, checks.source);
+  EXPECT_THAT(closed.mesh.required_triangles, testing::ElementsAre(3));
+  box.triangles.pop_back();
+  box.triangle_refs.pop_back();
+  checks.source.pop_back();
+  try {
+    close_surface(box, checks);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::ContainsRegex("^triangle 1[0-9][0-9]: "));
+  }
+}
+
 TEST(SelfIntersections, SeesOverlapsOfEverySort) {
   const std::vector<Point> p = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0},   {0.5, 0.5, -1}, {0.5, 0.5, 1},
                                 {3, 3, 1}, {1, 1, 0}, {0.5, 1, 0}, {-1, -1, 0},    {2, -2, 0}};

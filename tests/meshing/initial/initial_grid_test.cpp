@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <random>
 #include <set>
 
+#include "meshing/base/error.h"
+#include "meshing/initial/recovery/recover_edges.h"
+#include "meshing/initial/recovery/recovery.h"
 #include "meshing/initial/shapes.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/check_mesh.h"
@@ -209,6 +213,29 @@ TEST(InitialGrid, TurnsTrianglesOutwards) {
   const InitialGrid grid = grid_of(surface);
   EXPECT_NEAR(enclosed_volume(grid.mesh), volume(grid), 1e-9);
   EXPECT_GT(grid.turned, surface.triangles.size() / 4);
+}
+
+std::string refusal(const std::function<void()>& refuse) {
+  try {
+    refuse();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Recovery, RefusesByTheNumbersOfTheInput) {
+  Recovery r;
+  for (const Point& p : {Point{0, 0, 0}, {2, 0, 0}, {0, 4, 0}, {2, 4, 0}}) r.grid.add_point(p);
+  r.facets = {{0, 1, 2}, {1, 3, 2}};
+  const std::vector<std::uint32_t> source = {7, 9};
+  r.source = source;
+  list_input_edges(r);
+  EXPECT_EQ(refusal([&] { r.refuse_facet(1); }), std::string("triangle 10: ") + Recovery::kTooThin);
+  EXPECT_EQ(refusal([&] { r.refuse_edge(r.facet_edges[0][1], "is wrong"); }),
+            "triangle 8: its edge near (1, 2, 0) is wrong");
+  EXPECT_EQ(refusal([&] { r.refuse_edge(r.facet_edges[1][0], "is wrong"); }),
+            "triangle 10: its edge near (2, 2, 0) is wrong");
 }
 
 TEST(InitialGrid, RepeatsItself) {

@@ -148,8 +148,12 @@ TEST(RepairSurface, ListsRequiredTrianglesByTheirNewNumbers) {
   const Triangle was = m.triangles[20];
   std::array<Point, 3> places;
   for (std::size_t k = 0; k < 3; ++k) places[k] = m.points[was[k]];
-  repair_surface(m);
+  std::vector<std::uint32_t> source;
+  repair_surface(m, nullptr, nullptr, &source);
   ASSERT_EQ(m.required_triangles, (std::vector<std::uint32_t>{0, 18}));
+  ASSERT_EQ(source.size(), m.triangles.size());
+  EXPECT_EQ(source[7], 8u);
+  EXPECT_EQ(source[18], 20u);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(m.points[m.triangles[18][k]], places[k]);
 }
 
