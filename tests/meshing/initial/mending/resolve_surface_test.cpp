@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "meshing/base/error.h"
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/grid/interrupted.h"
+#include "meshing/initial/mending/orient_triangles.h"
 #include "meshing/initial/mending/split_crossings.h"
 #include "meshing/initial/mending/winding_number.h"
 #include "meshing/initial/repair_surface.h"
@@ -215,6 +217,24 @@ TEST(SplitCrossings, LeavesNoneInRandomHeaps) {
     }
     EXPECT_TRUE(pairs.empty()) << "trial " << trial;
   }
+}
+
+TEST(OrientTriangles, HolesOfAGroupStayHoles) {
+  MeshData m = kBox;
+  std::vector<std::array<std::uint32_t, 2>> crossings;  // they make it one group
+  std::uint32_t last = 0;
+  const auto add = [&](const Point& at, double size) {
+    last = static_cast<std::uint32_t>(m.triangles.size());
+    m = together(std::move(m), turned(box_surface(at, at + Point{size, size, size}, 1)));
+    crossings.push_back({0, last});
+  };
+  for (int i = 0; i < 8; ++i) add({i & 1 ? .6 : .2, i & 2 ? .6 : .2, i & 4 ? .6 : .2}, 0.2);
+  add({2, 0, 0}, 1);
+  LooseTriangles loose{m.triangles, m.triangle_refs, {}, {}};
+  loose.source.resize(loose.size()), loose.sheets.assign(loose.size(), 1);
+  TriangleCleaning(m.points, loose, 1e-9).merge_points();
+  const std::vector<bool> turned = orient_triangles(m.points, loose, crossings);
+  for (std::uint32_t t = 0; t < turned.size(); ++t) EXPECT_EQ(turned[t], t >= last) << t;
 }
 
 TEST(RepairSurface, EndsWhereItIsInterrupted) {
