@@ -219,6 +219,24 @@ TEST(SplitCrossings, LeavesNoneInRandomHeaps) {
   }
 }
 
+TEST(SplitCrossings, CutsOneTriangleAlongManyOthers) {
+  std::vector<Point> points = {{0, 0, 0}, {40, 0, 0}, {0, 40, 0}};
+  std::vector<Triangle> triangles = {{0, 1, 2}};
+  for (int i = 0; i < 19; ++i)
+    for (int j = 0; j < 19; ++j) {
+      const double x = i + 0.2, y = j + 0.3;
+      const auto n = static_cast<std::uint32_t>(points.size());
+      points.insert(points.end(), {{x, y, -1}, {x + 0.4, y + 0.1, -1}, {x + 0.2, y, 1}});
+      triangles.push_back({n, n + 1, n + 2});
+    }
+  const auto pairs = self_intersections(points, triangles, 1000);
+  ASSERT_EQ(pairs.size(), 361u);
+  const SplitTriangles pieces = split_crossings(points, triangles, pairs);
+  const double before = total_area(points, triangles);
+  EXPECT_NEAR(total_area(pieces.points, pieces.triangles), before, 1e-12 * before);
+  EXPECT_EQ(std::ranges::count(pieces.parent, 0u), 1 + 2 * 2 * 361);  // two more for each point inside
+}
+
 TEST(OrientTriangles, HolesOfAGroupStayHoles) {
   MeshData m = kBox;
   std::vector<std::array<std::uint32_t, 2>> crossings;  // they make it one group
