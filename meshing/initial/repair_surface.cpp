@@ -27,6 +27,7 @@ constexpr double kSamePlace = 1e-9, kWidestSeam = 2e-3, kLargestHole = 0.1;
 // Of the shortest free edge at a vertex: farther it does not move.
 constexpr double kShareOfEdge = 0.3;
 constexpr std::size_t kMostSides = 100;
+constexpr double kMargin = 2;  // boxes are searched that are larger than they must be, for their rounding
 
 Edge undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
@@ -37,7 +38,7 @@ Triangle ascending(Triangle t) {
 
 class SurfaceRepair {
  public:
-  explicit SurfaceRepair(MeshData& surface) : m_(surface) {
+  SurfaceRepair(MeshData& surface, const std::atomic<bool>* interrupt) : m_(surface), interrupt_(interrupt) {
     if (m_.triangle_refs.empty()) m_.triangle_refs.assign(m_.triangles.size(), 0);
     Box box;
     for (const Triangle& t : m_.triangles)
@@ -51,16 +52,16 @@ class SurfaceRepair {
       if (t < required_.size()) required_[t] = true;
   }
 
-  std::vector<MeshMend> run(std::string* left, const std::atomic<bool>* interrupt) {
+  std::vector<MeshMend> run(std::string* left) {
     if (!std::isfinite(diagonal_)) return {};  // too large: close_surface() refuses it
     merge_same();
     constexpr int kMostRounds = 4;
     for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round) {
-      check_interrupt(interrupt);
+      check_interrupt(interrupt_);
       if (merge_across_seams() + split_at_junctions() == 0) break;
     }
     fill_holes();
-    std::string why = resolve_surface(m_, source_, mends_, interrupt);
+    std::string why = resolve_surface(m_, source_, mends_, interrupt_);
     list_required();
     if (left) *left = std::move(why);
     return std::move(mends_);
@@ -170,22 +171,31 @@ class SurfaceRepair {
     renumber(now);
   }
 
+  PointTree tree_of(const std::map<std::uint32_t, double>& reach) const {
+    std::vector<std::uint32_t> vertices;
+    for (const auto& [v, r] : reach) vertices.push_back(v);
+    return {m_.points, std::move(vertices)};
+  }
+
   /// The nearest pairs first, each vertex once a round; not the two ends of an edge.
   std::size_t merge_across_seams() {
     const auto free = free_edges();
     const auto reach = reaches(free);
-    std::vector<std::uint32_t> vertices;
-    for (const auto& [v, r] : reach) vertices.push_back(v);
-    vertices = by_x(std::move(vertices));
+    const PointTree tree = tree_of(reach);
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      for (std::size_t j = i + 1; j < vertices.size(); ++j) {
-        const std::uint32_t a = vertices[i], b = vertices[j];
-        if (m_.points[b].x - m_.points[a].x > reach.at(a)) break;
+    for (const auto& at : reach) {
+      check_interrupt(interrupt_);
+      const std::uint32_t a = at.first;
+      const double r = at.second;
+      Box box;
+      box.include(m_.points[a]);
+      tree.visit_in(box.grown(kMargin * r), [&](std::uint32_t b) {
+        if (b <= a) return;
         const double distance = norm(m_.points[a] - m_.points[b]);
-        if (distance <= std::min(reach.at(a), reach.at(b)) && !free.contains(undirected(a, b)))
-          pairs.emplace_back(distance, std::min(a, b), std::max(a, b));
-      }
+        if (distance <= std::min(r, reach.at(b)) && !free.contains({a, b}))
+          pairs.emplace_back(distance, a, b);
+      });
+    }
     std::sort(pairs.begin(), pairs.end());
     std::vector<std::uint32_t> now(m_.points.size());
     std::iota(now.begin(), now.end(), 0u);
@@ -215,17 +225,27 @@ class SurfaceRepair {
   std::size_t split_at_junctions() {
     const auto free = free_edges();
     const auto reach = reaches(free);
+    const PointTree tree = tree_of(reach);
+    double farthest = 0;
+    for (const auto& [v, r] : reach) farthest = std::max(farthest, r);
     std::set<std::uint32_t> split;
     std::size_t count = 0;
-    for (const auto& [edge, triangle] : free) {
+    for (const auto& at : free) {
+      check_interrupt(interrupt_);
+      const Edge edge = at.first;
+      const std::uint32_t triangle = at.second;
       if (split.contains(triangle)) continue;
       double nearest = std::numeric_limits<double>::max();
       std::uint32_t vertex = 0;
-      for (const auto& [v, r] : reach) {
-        if (v == edge.first || v == edge.second) continue;
+      Box box;
+      box.include(m_.points[edge.first]);
+      box.include(m_.points[edge.second]);
+      tree.visit_in(box.grown(kMargin * farthest), [&](std::uint32_t v) {
+        if (v == edge.first || v == edge.second) return;
         const auto distance = distance_from(edge, m_.points[v]);
-        if (distance && *distance <= r && *distance < nearest) nearest = *distance, vertex = v;
-      }
+        if (distance && *distance <= reach.at(v) && std::pair(*distance, v) < std::pair(nearest, vertex))
+          nearest = *distance, vertex = v;
+      });
       if (nearest == std::numeric_limits<double>::max() || !split_triangle(triangle, edge, vertex)) continue;
       split.insert(triangle);
       mend("triangles split at vertices beside their free edges", "triangle", "distance")
@@ -315,6 +335,7 @@ class SurfaceRepair {
   }
 
   MeshData& m_;
+  const std::atomic<bool>* interrupt_;
   double diagonal_ = 0;
   std::vector<std::uint32_t> source_;  ///< of each triangle: its number in the input
   std::vector<bool> required_;         ///< of each triangle of the input
@@ -325,8 +346,8 @@ class SurfaceRepair {
 
 std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left, const std::atomic<bool>* interrupt,
                                      std::vector<std::uint32_t>* source) {
-  SurfaceRepair repair(surface);
-  std::vector<MeshMend> mends = repair.run(left, interrupt);
+  SurfaceRepair repair(surface, interrupt);
+  std::vector<MeshMend> mends = repair.run(left);
   if (source) *source = repair.source();
   return mends;
 }

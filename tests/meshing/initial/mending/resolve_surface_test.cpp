@@ -255,6 +255,30 @@ TEST(OrientTriangles, HolesOfAGroupStayHoles) {
   for (std::uint32_t t = 0; t < turned.size(); ++t) EXPECT_EQ(turned[t], t >= last) << t;
 }
 
+/// Two halves of a box whose middle they divide differently, apart by a little: the seam is joined where
+/// vertices are near each other, triangles split where they are not.
+TEST(RepairSurface, JoinsASeamAndItsJunctions) {
+  const auto without = [](MeshData m, std::int32_t ref) {
+    MeshData kept = m;
+    kept.triangles.clear(), kept.triangle_refs.clear();
+    for (std::size_t t = 0; t < m.triangles.size(); ++t)
+      if (m.triangle_refs[t] != ref) {
+        kept.triangles.push_back(m.triangles[t]);
+        kept.triangle_refs.push_back(m.triangle_refs[t]);
+      }
+    return kept;
+  };
+  const MeshData left = without(box_surface({0, 0, 0}, {1, 1, 1}, 4), 2),
+                 right = without(box_surface({1.0001, 0, 0}, {2, 1, 1}, 12), 1);
+  MeshData m = together(left, right);
+  std::vector<std::string> what;
+  for (const MeshMend& mend : repair_surface(m)) what.push_back(mend.what);
+  EXPECT_NE(std::ranges::find(what, "vertices joined across seams"), what.end());
+  EXPECT_NE(std::ranges::find(what, "triangles split at vertices beside their free edges"), what.end());
+  ASSERT_NO_THROW(close_surface(m, {}));
+  EXPECT_NEAR(enclosed_volume(m), 2, 1e-3);
+}
+
 TEST(RepairSurface, EndsWhereItIsInterrupted) {
   MeshData crossing = together(kBox, box_surface({.5, .5, .5}, {2, 2, 2}, 4));
   const std::atomic<bool> interrupt{true};
