@@ -145,6 +145,7 @@ std::size_t TriangleCleaning::mend_round() {
   for (std::size_t i = 0; i < triangles_.size(); ++i)
     while (!drop[i] && split_at(i, splits, drop)) continue;
   triangles_.erase(drop);
+  splits_.insert(splits.begin(), splits.end());
   return splits.size();
 }
 

@@ -41,6 +41,8 @@ class TriangleCleaning {
   /// beyond may itself give way (a fan from a cone's tip along a straight line): then who is beyond that is
   /// split at the vertices of both.
   std::size_t mend_degenerate();
+  /// Edges, as keys, that mend_degenerate() has split, and the vertex on each.
+  const std::unordered_map<std::uint64_t, std::uint32_t>& splits() const { return splits_; }
   std::size_t merge_repeated();
 
  private:
@@ -54,6 +56,7 @@ class TriangleCleaning {
   LooseTriangles& triangles_;
   double tolerance_;
   std::vector<std::uint32_t> merged_;
+  std::unordered_map<std::uint64_t, std::uint32_t> splits_;
 };
 
 /// An edge without direction, as a key.

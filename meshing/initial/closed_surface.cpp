@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "meshing/base/box.h"
 #include "meshing/base/error.h"
@@ -25,12 +27,19 @@ class Cleaning {
     Box box;
     for (const Triangle& t : input.triangles)
       for (const std::uint32_t v : t) box.include(input.points[v]);
-    tolerance_ = checks.merge_tolerance * norm(box.size());
+    const double diagonal = norm(box.size());
+    if (!std::isfinite(diagonal))
+      throw InputError("", "Vertices", "the surface is too large: the square of its size is no double");
+    tolerance_ = checks.merge_tolerance * diagonal;
     loose_.corners = input.triangles;
     loose_.refs = input.triangle_refs;
     loose_.sheets.assign(loose_.size(), 1);
-    loose_.source.resize(loose_.size());
-    std::iota(loose_.source.begin(), loose_.source.end(), 0u);
+    loose_.source = checks.source;
+    if (checks.source.empty()) {
+      loose_.source.resize(loose_.size());
+      std::iota(loose_.source.begin(), loose_.source.end(), 0u);
+    }
+    for (const std::uint32_t t : input.required_triangles) required_.insert(loose_.source[t]);
   }
 
   ClosedSurface run() {
@@ -40,6 +49,7 @@ class Cleaning {
     warn(cleaning.mend_degenerate(), "degenerate triangles given to their neighbours");
     warn(cleaning.merge_repeated(), "repeated triangles merged (common faces of touching solids)");
     merged_ = cleaning.merged();
+    splits_ = cleaning.splits();
     if (triangles_.empty()) throw InputError("", "Triangles", "the surface has none");
     check_free_edges();
     check_intersections();
@@ -93,43 +103,64 @@ class Cleaning {
 
   void fill_result() {
     MeshData& m = result_.mesh;
-    std::vector<std::uint32_t> new_index(input_.points.size(), kDropped);
+    new_index_.assign(input_.points.size(), kDropped);
     for (Triangle& t : triangles_)
       for (std::uint32_t& v : t) {
-        if (new_index[v] == kDropped) {
-          new_index[v] = static_cast<std::uint32_t>(m.points.size());
+        if (new_index_[v] == kDropped) {
+          new_index_[v] = static_cast<std::uint32_t>(m.points.size());
           m.points.push_back(input_.points[v]);
           m.point_refs.push_back(input_.point_refs[v]);
         }
-        v = new_index[v];
+        v = new_index_[v];
       }
     m.triangles = std::move(triangles_);
     m.triangle_refs = std::move(loose_.refs);
     result_.source = std::move(source_);
-    const auto renumbered = [&](std::uint32_t v) {
-      return merged_[v] == kDropped ? kDropped : new_index[merged_[v]];
-    };
-    copy_edges(renumbered);
-    for (const std::uint32_t v : input_.corners)
-      if (renumbered(v) != kDropped) m.corners.push_back(renumbered(v));
+    copy_edges();
+    copy_points(input_.corners, m.corners);
+    copy_points(input_.required_points, m.required_points);
+    mark_required();
   }
 
-  /// Listed edges that still are edges of triangles, and which of them are ridges.
-  template <class Renumbered>
-  void copy_edges(const Renumbered& renumbered) {
+  void copy_points(const std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& to) const {
+    for (const std::uint32_t v : list)
+      if (merged_[v] != kDropped && new_index_[merged_[v]] != kDropped) to.push_back(new_index_[merged_[v]]);
+  }
+
+  /// Listed edges that still are edges of triangles, or whose pieces are, and what they are marked as.
+  void copy_edges() {
     MeshData& m = result_.mesh;
-    std::unordered_map<std::uint64_t, bool> there;
     for (const Triangle& t : m.triangles)
-      for (std::size_t k = 0; k < 3; ++k) there[edge_key(t[k], t[(k + 1) % 3])] = true;
-    std::vector<bool> ridge(input_.edges.size());
-    for (const std::uint32_t r : input_.ridges) ridge[r] = true;
+      for (std::size_t k = 0; k < 3; ++k) edges_.insert(edge_key(t[k], t[(k + 1) % 3]));
+    std::vector<bool> ridge(input_.edges.size()), required(input_.edges.size());
+    for (const std::uint32_t e : input_.ridges) ridge[e] = true;
+    for (const std::uint32_t e : input_.required_edges) required[e] = true;
     for (std::size_t i = 0; i < input_.edges.size(); ++i) {
-      const std::uint32_t a = renumbered(input_.edges[i][0]), b = renumbered(input_.edges[i][1]);
-      if (a == kDropped || b == kDropped || !there.contains(edge_key(a, b))) continue;
-      if (ridge[i]) m.ridges.push_back(static_cast<std::uint32_t>(m.edges.size()));
-      m.edges.push_back({a, b});
-      m.edge_refs.push_back(input_.edge_refs[i]);
+      const std::uint32_t a = merged_[input_.edges[i][0]], b = merged_[input_.edges[i][1]];
+      if (a == kDropped || b == kDropped) continue;
+      auto e = static_cast<std::uint32_t>(m.edges.size());
+      add_pieces(a, b);
+      m.edge_refs.resize(m.edges.size(), input_.edge_refs[i]);
+      for (; e < m.edges.size(); ++e) {
+        if (ridge[i]) m.ridges.push_back(e);
+        if (required[i]) m.required_edges.push_back(e);
+      }
     }
+  }
+
+  /// The edge itself, if triangles have it, else what it was split into. Ends, because pieces are shorter.
+  void add_pieces(std::uint32_t a, std::uint32_t b) {
+    if (edges_.contains(edge_key(new_index_[a], new_index_[b]))) {
+      result_.mesh.edges.push_back({new_index_[a], new_index_[b]});
+    } else if (const auto at = splits_.find(edge_key(a, b)); at != splits_.end()) {
+      add_pieces(a, at->second);
+      add_pieces(at->second, b);
+    }
+  }
+
+  void mark_required() {
+    for (std::uint32_t t = 0; t < result_.source.size(); ++t)
+      if (required_.contains(result_.source[t])) result_.mesh.required_triangles.push_back(t);
   }
 
   const MeshData& input_;
@@ -137,7 +168,10 @@ class Cleaning {
   LooseTriangles loose_;
   std::vector<Triangle>& triangles_ = loose_.corners;
   std::vector<std::uint32_t>& source_ = loose_.source;
-  std::vector<std::uint32_t> merged_;
+  std::unordered_set<std::uint32_t> required_;  ///< numbers of triangles, as in source_
+  std::vector<std::uint32_t> merged_, new_index_;
+  std::unordered_map<std::uint64_t, std::uint32_t> splits_;
+  std::unordered_set<std::uint64_t> edges_;  ///< of the result's triangles
   ClosedSurface result_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "meshing/initial/grid/grid_of_mesh.h"
@@ -32,16 +33,24 @@ void restore_lists(const MeshData& grid, MeshData& mesh) {
   PointMerger merger(points);
   merger.reserve(mesh.points.size());
   for (const Point& p : mesh.points) merger.index(p);
-  mesh.required_triangles.clear();
-  mesh.required_edges.clear();
-  mesh.required_points.clear();
-  mesh.corners.clear();
+  const auto now = [&](std::uint32_t v) { return merger.index(grid.points[v]); };
   mesh.edges.clear();
+  for (const auto& [a, b] : grid.edges) mesh.edges.push_back({now(a), now(b)});
   mesh.edge_refs = grid.edge_refs;
   mesh.ridges = grid.ridges;
-  for (const auto& [a, b] : grid.edges)
-    mesh.edges.push_back({merger.index(grid.points[a]), merger.index(grid.points[b])});
-  for (const std::uint32_t v : grid.corners) mesh.corners.push_back(merger.index(grid.points[v]));
+  mesh.required_edges = grid.required_edges;
+  mesh.corners.resize(grid.corners.size());
+  std::ranges::transform(grid.corners, mesh.corners.begin(), now);
+  mesh.required_points.resize(grid.required_points.size());
+  std::ranges::transform(grid.required_points, mesh.required_points.begin(), now);
+  std::set<Triangle> required;
+  for (const std::uint32_t t : grid.required_triangles) {
+    const auto& [a, b, c] = grid.triangles[t];
+    required.insert(face_key({now(a), now(b), now(c)}));
+  }
+  mesh.required_triangles.clear();
+  for (std::uint32_t t = 0; t < mesh.triangles.size() && !required.empty(); ++t)
+    if (required.contains(face_key(mesh.triangles[t]))) mesh.required_triangles.push_back(t);
 }
 
 /// Its worst tets have been made better.

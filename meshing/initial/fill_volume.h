@@ -15,7 +15,7 @@ struct FillOptions {
 };
 
 /// Fills the grid with points of the wanted density and improves the tets. With the surface kept, the result
-/// has the grid's triangles, edges, ridges and corners.
+/// has the grid's triangles, edges, ridges, corners and required entities.
 AdaptResult fill_volume(const MeshData& grid, const FillOptions& options);
 
 }  // namespace weft::meshing

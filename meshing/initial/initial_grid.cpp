@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <unordered_set>
 
 #include "meshing/initial/grid/delaunay.h"
 #include "meshing/initial/recovery/improve_tets.h"
@@ -22,18 +23,19 @@ struct Regions {
   std::vector<int> depth;
 };
 
-/// Connected pieces of the surface (through vertices), numbered by facet.
-std::vector<std::uint32_t> shells(const std::vector<Face3>& facets, std::size_t num_points) {
-  std::vector<std::uint32_t> parent(num_points);
+/// Connected pieces of the surface, numbered by facet: through edges, because where two meet in a vertex
+/// alone one may be a void, or a body in a void, of what the other bounds.
+std::vector<std::uint32_t> shells(const Recovery& r) {
+  std::vector<std::uint32_t> parent(r.edges.size());
   std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
+  const auto root = [&](std::uint32_t e) {
+    while (parent[e] != e) e = parent[e] = parent[parent[e]];
+    return e;
   };
-  for (const Face3& f : facets)
-    for (const std::uint32_t v : f) parent[root(v)] = root(f[0]);
-  std::vector<std::uint32_t> shell(facets.size());
-  for (std::size_t i = 0; i < facets.size(); ++i) shell[i] = root(facets[i][0]);
+  for (const auto& edges : r.facet_edges)
+    for (const std::uint32_t e : edges) parent[root(e)] = root(edges[0]);
+  std::vector<std::uint32_t> shell(r.facets.size());
+  for (std::size_t i = 0; i < shell.size(); ++i) shell[i] = root(r.facet_edges[i][0]);
   return shell;
 }
 
@@ -47,7 +49,7 @@ Regions find_regions(const Recovery& r, std::uint32_t outside_vertex) {
   regions.depth.assign(count, -1);
   std::map<std::uint32_t, std::vector<std::uint32_t>> of_shell;   // shell -> regions at it
   std::map<std::uint32_t, std::vector<std::uint32_t>> at_region;  // region -> shells at it
-  const std::vector<std::uint32_t> shell = shells(r.facets, grid.points.size());
+  const std::vector<std::uint32_t> shell = shells(r);
   for (std::uint32_t t = 0; t < grid.tets.size(); ++t) {
     if (!grid.alive(t)) continue;
     for (const std::uint32_t facet : grid.tets[t].facet) {
@@ -144,11 +146,9 @@ class Export {
     add_points();
     add_tets();
     add_triangles();
-    MeshData& m = result_.mesh;
-    m.edges = surface_.mesh.edges;
-    m.edge_refs = surface_.mesh.edge_refs;
-    m.ridges = surface_.mesh.ridges;
-    m.corners = surface_.mesh.corners;
+    add_edges();
+    copy_list(surface_.mesh.corners, new_index_, result_.mesh.corners);
+    copy_list(surface_.mesh.required_points, new_index_, result_.mesh.required_points);
   }
 
  private:
@@ -177,19 +177,18 @@ class Export {
       ref_[r] = body[r] != kNothing ? static_cast<std::int32_t>(body[r] + 1) : ++last;
   }
 
-  /// All the surface's points have tets, because all its triangles bound a volume or divide one, unless they
-  /// lie in a hole: such points go.
+  /// Points without tets go: added ones outside, and the surface's that have triangles between voids only.
   void add_points() {
     MeshData& m = result_.mesh;
     new_index_.assign(grid_.points.size(), kNothing);
     const std::size_t from_surface = surface_.mesh.points.size();
     for (std::uint32_t v = 0; v < grid_.points.size(); ++v) {
-      if (v >= from_surface && grid_.vertex_tet[v] == kNothing) continue;
+      if (grid_.vertex_tet[v] == kNothing) continue;
       new_index_[v] = static_cast<std::uint32_t>(m.points.size());
       m.points.push_back(grid_.points[v]);
       m.point_refs.push_back(v < from_surface ? surface_.mesh.point_refs[v] : 0);
+      result_.steiner_points += v >= from_surface;
     }
-    result_.steiner_points = m.points.size() - from_surface;
   }
 
   void add_tets() {
@@ -205,6 +204,9 @@ class Export {
   /// Every face that is a piece of a facet once: seen from the tet of smaller reference, from outside.
   void add_triangles() {
     MeshData& m = result_.mesh;
+    exported_.resize(r_.facets.size());
+    std::vector<bool> required(r_.facets.size());
+    for (const std::uint32_t facet : surface_.mesh.required_triangles) required[facet] = true;
     for (std::uint32_t t = 0; t < grid_.tets.size(); ++t) {
       if (!grid_.alive(t)) continue;
       for (std::uint32_t f = 0; f < 4; ++f) {
@@ -213,10 +215,39 @@ class Export {
         const Face3 w = grid_.face(t, static_cast<int>(f));
         const Face3 out = {w[0], w[2], w[1]};
         result_.turned += n == kNothing && turns_against(out, facet);
+        if (required[facet]) m.required_triangles.push_back(static_cast<std::uint32_t>(m.triangles.size()));
         m.triangles.push_back({new_index_[out[0]], new_index_[out[1]], new_index_[out[2]]});
         m.triangle_refs.push_back(surface_.mesh.triangle_refs[facet]);
+        exported_[facet] = true;
       }
     }
+  }
+
+  /// Listed edges of the triangles that are part of the mesh: those between two voids are not.
+  void add_edges() {
+    const MeshData& from = surface_.mesh;
+    std::unordered_set<std::uint64_t> there;
+    for (std::size_t i = 0; i < exported_.size() && !from.edges.empty(); ++i)
+      for (std::size_t k = 0; k < 3 && exported_[i]; ++k)
+        there.insert(Recovery::key(r_.facets[i][k], r_.facets[i][(k + 1) % 3]));
+    MeshData& m = result_.mesh;
+    std::vector<std::uint32_t> number(from.edges.size(), kNothing);
+    for (std::size_t i = 0; i < from.edges.size(); ++i) {
+      const auto& [a, b] = from.edges[i];
+      if (!there.contains(Recovery::key(a, b))) continue;
+      number[i] = static_cast<std::uint32_t>(m.edges.size());
+      m.edges.push_back({new_index_[a], new_index_[b]});
+      m.edge_refs.push_back(from.edge_refs[i]);
+    }
+    copy_list(from.ridges, number, m.ridges);
+    copy_list(from.required_edges, number, m.required_edges);
+  }
+
+  /// Of what is listed, that which is still there, by its new numbers.
+  static void copy_list(const std::vector<std::uint32_t>& list, const std::vector<std::uint32_t>& now,
+                        std::vector<std::uint32_t>& to) {
+    for (const std::uint32_t i : list)
+      if (now[i] != kNothing) to.push_back(now[i]);
   }
 
   bool first_side(std::uint32_t t, std::uint32_t n) const {
@@ -237,6 +268,7 @@ class Export {
   InitialGrid& result_;
   std::vector<std::uint32_t> region_, new_index_;
   std::vector<std::int32_t> ref_;
+  std::vector<bool> exported_;  ///< of each facet: whether a triangle of the mesh is a piece of it
 };
 
 /// Steiner points that found no way off the surface may find one when the tets beside them are better.
@@ -256,6 +288,7 @@ InitialGrid make_initial_grid(const ClosedSurface& surface, const GridOptions& o
   Recovery r;
   r.grid = delaunay_in_box(surface.mesh.points, options.interrupt);
   r.facets = surface.mesh.triangles;
+  r.source = surface.source;
   remove_slivers(r);
   list_input_edges(r);
   recover_edges(r);

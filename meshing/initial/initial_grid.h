@@ -21,7 +21,8 @@ struct GridOptions {
 
 struct InitialGrid {
   /// The surface's points first, in its order, then those added inside. Triangles are the surface's, turned
-  /// outwards (from the tets of smaller reference at a material interface). Tet references are the numbers of
+  /// outwards (from the tets of smaller reference at a material interface). What of the surface lies between
+  /// two voids is left out. Tet references are the numbers of
   /// bodies, where GridOptions::bodies_at is given, else of volumes in the order of the first triangle on
   /// them; both from 1.
   MeshData mesh;

@@ -27,12 +27,18 @@ constexpr double kSamePlace = 1e-9, kWidestSeam = 2e-3, kLargestHole = 0.1;
 // Of the shortest free edge at a vertex: farther it does not move.
 constexpr double kShareOfEdge = 0.3;
 constexpr std::size_t kMostSides = 100;
+constexpr double kMargin = 2;  // boxes are searched that are larger than they must be, for their rounding
 
 Edge undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
+Triangle ascending(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
 class SurfaceRepair {
  public:
-  explicit SurfaceRepair(MeshData& surface) : m_(surface) {
+  SurfaceRepair(MeshData& surface, const std::atomic<bool>* interrupt) : m_(surface), interrupt_(interrupt) {
     if (m_.triangle_refs.empty()) m_.triangle_refs.assign(m_.triangles.size(), 0);
     Box box;
     for (const Triangle& t : m_.triangles)
@@ -41,20 +47,27 @@ class SurfaceRepair {
     diagonal_ = norm(box.size());
     source_.resize(m_.triangles.size());
     std::iota(source_.begin(), source_.end(), 0u);
+    required_.resize(m_.triangles.size());
+    for (const std::uint32_t t : m_.required_triangles)
+      if (t < required_.size()) required_[t] = true;
   }
 
-  std::vector<MeshMend> run(std::string* left, const std::atomic<bool>* interrupt) {
+  std::vector<MeshMend> run(std::string* left) {
+    if (!std::isfinite(diagonal_)) return {};  // too large: close_surface() refuses it
     merge_same();
     constexpr int kMostRounds = 4;
     for (int round = 0; round < kMostRounds && !free_edges().empty(); ++round) {
-      check_interrupt(interrupt);
+      check_interrupt(interrupt_);
       if (merge_across_seams() + split_at_junctions() == 0) break;
     }
     fill_holes();
-    std::string why = resolve_surface(m_, source_, mends_, interrupt);
+    std::string why = resolve_surface(m_, source_, mends_, interrupt_);
+    list_required();
     if (left) *left = std::move(why);
     return std::move(mends_);
   }
+
+  const std::vector<std::uint32_t>& source() const { return source_; }
 
  private:
   MeshMend& mend(const char* what, const char* entity, const char* unit = "") {
@@ -89,18 +102,19 @@ class SurfaceRepair {
     return reach;
   }
 
-  /// Renumbers, and drops what has collapsed or is there twice.
+  /// Renumbers, and drops what has collapsed or is there twice: what stays is required if one of them was.
   void renumber(const std::vector<std::uint32_t>& now) {
-    std::set<Triangle> there;
+    std::map<Triangle, std::uint32_t> there;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
       Triangle t = m_.triangles[i];
       for (std::uint32_t& v : t)
         if (v < now.size()) v = now[v];
-      Triangle key = t;
-      std::sort(key.begin(), key.end());
+      const Triangle key = ascending(t);
       const bool collapsed = key[0] == key[1] || key[1] == key[2];
-      if (collapsed || !there.insert(key).second) {
+      const auto [first, is_new] = there.try_emplace(key, source_[i]);
+      if (collapsed || !is_new) {
+        if (!collapsed && required_[source_[i]]) required_[first->second] = true;
         mend(collapsed ? "triangles without area removed" : "repeated triangles removed", "triangle")
             .add(source_[i]);
         continue;
@@ -113,8 +127,17 @@ class SurfaceRepair {
     for (auto& e : m_.edges)
       for (std::uint32_t& v : e)
         if (v < now.size()) v = now[v];
-    for (std::uint32_t& v : m_.corners)
-      if (v < now.size()) v = now[v];
+    for (auto* list : {&m_.corners, &m_.required_points})
+      for (std::uint32_t& v : *list)
+        if (v < now.size()) v = now[v];
+  }
+
+  /// Pieces of required triangles, by their new numbers; and what closes an opening beside one, as it has
+  /// that one's reference.
+  void list_required() {
+    m_.required_triangles.clear();
+    for (std::uint32_t t = 0; t < source_.size(); ++t)
+      if (required_[source_[t]]) m_.required_triangles.push_back(t);
   }
 
   std::vector<std::uint32_t> by_x(std::vector<std::uint32_t> vertices) const {
@@ -148,22 +171,31 @@ class SurfaceRepair {
     renumber(now);
   }
 
+  PointTree tree_of(const std::map<std::uint32_t, double>& reach) const {
+    std::vector<std::uint32_t> vertices;
+    for (const auto& [v, r] : reach) vertices.push_back(v);
+    return {m_.points, std::move(vertices)};
+  }
+
   /// The nearest pairs first, each vertex once a round; not the two ends of an edge.
   std::size_t merge_across_seams() {
     const auto free = free_edges();
     const auto reach = reaches(free);
-    std::vector<std::uint32_t> vertices;
-    for (const auto& [v, r] : reach) vertices.push_back(v);
-    vertices = by_x(std::move(vertices));
+    const PointTree tree = tree_of(reach);
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      for (std::size_t j = i + 1; j < vertices.size(); ++j) {
-        const std::uint32_t a = vertices[i], b = vertices[j];
-        if (m_.points[b].x - m_.points[a].x > reach.at(a)) break;
+    for (const auto& at : reach) {
+      check_interrupt(interrupt_);
+      const std::uint32_t a = at.first;
+      const double r = at.second;
+      Box box;
+      box.include(m_.points[a]);
+      tree.visit_in(box.grown(kMargin * r), [&](std::uint32_t b) {
+        if (b <= a) return;
         const double distance = norm(m_.points[a] - m_.points[b]);
-        if (distance <= std::min(reach.at(a), reach.at(b)) && !free.contains(undirected(a, b)))
-          pairs.emplace_back(distance, std::min(a, b), std::max(a, b));
-      }
+        if (distance <= std::min(r, reach.at(b)) && !free.contains({a, b}))
+          pairs.emplace_back(distance, a, b);
+      });
+    }
     std::sort(pairs.begin(), pairs.end());
     std::vector<std::uint32_t> now(m_.points.size());
     std::iota(now.begin(), now.end(), 0u);
@@ -193,17 +225,27 @@ class SurfaceRepair {
   std::size_t split_at_junctions() {
     const auto free = free_edges();
     const auto reach = reaches(free);
+    const PointTree tree = tree_of(reach);
+    double farthest = 0;
+    for (const auto& [v, r] : reach) farthest = std::max(farthest, r);
     std::set<std::uint32_t> split;
     std::size_t count = 0;
-    for (const auto& [edge, triangle] : free) {
+    for (const auto& at : free) {
+      check_interrupt(interrupt_);
+      const Edge edge = at.first;
+      const std::uint32_t triangle = at.second;
       if (split.contains(triangle)) continue;
       double nearest = std::numeric_limits<double>::max();
       std::uint32_t vertex = 0;
-      for (const auto& [v, r] : reach) {
-        if (v == edge.first || v == edge.second) continue;
+      Box box;
+      box.include(m_.points[edge.first]);
+      box.include(m_.points[edge.second]);
+      tree.visit_in(box.grown(kMargin * farthest), [&](std::uint32_t v) {
+        if (v == edge.first || v == edge.second) return;
         const auto distance = distance_from(edge, m_.points[v]);
-        if (distance && *distance <= r && *distance < nearest) nearest = *distance, vertex = v;
-      }
+        if (distance && *distance <= reach.at(v) && std::pair(*distance, v) < std::pair(nearest, vertex))
+          nearest = *distance, vertex = v;
+      });
       if (nearest == std::numeric_limits<double>::max() || !split_triangle(triangle, edge, vertex)) continue;
       split.insert(triangle);
       mend("triangles split at vertices beside their free edges", "triangle", "distance")
@@ -231,6 +273,9 @@ class SurfaceRepair {
 
   void fill_holes() {
     const auto free = free_edges();
+    std::set<Triangle> there;
+    if (!free.empty())
+      for (const Triangle& t : m_.triangles) there.insert(ascending(t));
     std::map<std::uint32_t, std::vector<std::uint32_t>> next;
     for (const auto& [edge, triangle] : free) {
       next[edge.first].push_back(edge.second);
@@ -240,7 +285,7 @@ class SurfaceRepair {
     for (const auto& [first, ends] : next) {
       if (visited.contains(first)) continue;
       const std::vector<std::uint32_t> loop = loop_from(first, next, visited);
-      if (loop.size() >= 3 && is_small(loop)) fill(loop, free);
+      if (loop.size() >= 3 && is_small(loop)) fill(loop, free, there);
     }
   }
 
@@ -275,9 +320,13 @@ class SurfaceRepair {
     return loop.size() <= kMostSides && size_of(loop) <= kLargestHole * diagonal_;
   }
 
-  void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free) {
+  /// Not where that would repeat a triangle: the loop is no hole then, but the border of a loose triangle.
+  void fill(const std::vector<std::uint32_t>& loop, const std::map<Edge, std::uint32_t>& free,
+            const std::set<Triangle>& there) {
     const std::uint32_t beside = free.at(undirected(loop.front(), loop.back()));
-    for (const Triangle& t : triangulate_loop(m_.points, loop)) {
+    const std::vector<Triangle> lid = triangulate_loop(m_.points, loop);
+    if (std::ranges::any_of(lid, [&](const Triangle& t) { return there.contains(ascending(t)); })) return;
+    for (const Triangle& t : lid) {
       m_.triangles.push_back(t);
       m_.triangle_refs.push_back(m_.triangle_refs[beside]);
       source_.push_back(source_[beside]);
@@ -286,16 +335,21 @@ class SurfaceRepair {
   }
 
   MeshData& m_;
+  const std::atomic<bool>* interrupt_;
   double diagonal_ = 0;
   std::vector<std::uint32_t> source_;  ///< of each triangle: its number in the input
+  std::vector<bool> required_;         ///< of each triangle of the input
   std::vector<MeshMend> mends_;
 };
 
 }  // namespace
 
-std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left,
-                                     const std::atomic<bool>* interrupt) {
-  return SurfaceRepair(surface).run(left, interrupt);
+std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left, const std::atomic<bool>* interrupt,
+                                     std::vector<std::uint32_t>* source) {
+  SurfaceRepair repair(surface, interrupt);
+  std::vector<MeshMend> mends = repair.run(left);
+  if (source) *source = repair.source();
+  return mends;
 }
 
 }  // namespace weft::meshing

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,10 @@ namespace weft::meshing {
 /// against the surface, are filled with triangles of the least area. Triangles that are repeated or collapsed
 /// are removed. What then is still open, or crosses itself, is resolved by winding numbers
 /// (resolve_surface()), if it bounds volumes at all; else it stays so.
-/// `left` says why, then. Throws Interrupted once the flag, if any, is set; the surface may be half mended.
+/// `left` says why, then; `source` is the number that each triangle had. Points keep their numbers, new ones
+/// come behind them. Throws Interrupted once the flag, if any, is set; the surface may be half mended.
 std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left = nullptr,
-                                     const std::atomic<bool>* interrupt = nullptr);
+                                     const std::atomic<bool>* interrupt = nullptr,
+                                     std::vector<std::uint32_t>* source = nullptr);
 
 }  // namespace weft::meshing

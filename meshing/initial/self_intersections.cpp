@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/grid/interrupted.h"
 #include "meshing/mesh/predicates.h"
 
 namespace weft::meshing {
@@ -116,20 +117,29 @@ class PairJudge {
 
 std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Point> points,
                                                              std::span<const Triangle> triangles,
-                                                             std::size_t most) {
+                                                             std::size_t most,
+                                                             const std::atomic<bool>* interrupt) {
   const PairJudge judge(points, triangles);
   std::vector<Box> boxes(triangles.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (const Point& p : judge.corners(t)) boxes[t].include(p);
   const BoxTree tree(boxes);
-  tbb::concurrent_vector<std::array<std::uint32_t, 2>> found;
-  tbb::parallel_for(0u, static_cast<std::uint32_t>(triangles.size()), [&](std::uint32_t s) {
-    tree.visit_overlapping(boxes[s], [&](std::uint32_t t) {
-      if (s < t && judge.meet(s, t)) found.push_back({s, t});
-    });
-  });
-  std::vector<std::array<std::uint32_t, 2>> pairs(found.begin(), found.end());
-  std::sort(pairs.begin(), pairs.end());
+  // In chunks of first triangles: later ones have no lower pairs, for any number of threads.
+  constexpr std::size_t kChunk = 512;
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (std::size_t begin = 0; begin < triangles.size() && pairs.size() < most; begin += kChunk) {
+    tbb::concurrent_vector<std::array<std::uint32_t, 2>> found;
+    tbb::parallel_for(static_cast<std::uint32_t>(begin),
+                      static_cast<std::uint32_t>(std::min(begin + kChunk, triangles.size())),
+                      [&](std::uint32_t s) {
+                        check_interrupt(interrupt);
+                        tree.visit_overlapping(boxes[s], [&](std::uint32_t t) {
+                          if (s < t && judge.meet(s, t)) found.push_back({s, t});
+                        });
+                      });
+    pairs.insert(pairs.end(), found.begin(), found.end());
+    std::sort(pairs.end() - static_cast<std::ptrdiff_t>(found.size()), pairs.end());
+  }
   if (pairs.size() > most) pairs.resize(most);
   return pairs;
 }

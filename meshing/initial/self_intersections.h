@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,11 +11,12 @@
 
 namespace weft::meshing {
 
-/// Pairs of triangles (first < second, ascending) that have more in common than shared vertices and edges: at
-/// most `most` of them. Exact, of triangles that are not degenerate; O(n log n) for surfaces, multithreaded
-/// on TBB.
+/// Pairs of triangles (first < second, ascending) that have more in common than shared vertices and edges:
+/// the first `most` of them; few more are looked for. Exact, of triangles that are not degenerate; O(n log n)
+/// for surfaces, multithreaded on TBB. Throws Interrupted once the flag, if any, is set.
 std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Point> points,
                                                              std::span<const Triangle> triangles,
-                                                             std::size_t most);
+                                                             std::size_t most,
+                                                             const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "meshing/base/point.h"
 
@@ -30,7 +31,8 @@ inline int orientation(const Point& a, const Point& b, const Point& c, const Poi
   const double permanent = std::abs(u.x) * (std::abs(yz) + std::abs(zy)) +
                            std::abs(u.y) * (std::abs(zx) + std::abs(xz)) +
                            std::abs(u.z) * (std::abs(xy) + std::abs(yx));
-  const double bound = 1e-15 * permanent;
+  // The least normal number where products are smaller than that.
+  const double bound = 1e-15 * permanent + std::numeric_limits<double>::min();
   if (det > bound) return 1;
   if (det < -bound) return -1;
   return orientation_exact(a, b, c, d);

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import unittest
 
 from command import CommandTest, mesh_text, solution_text
@@ -359,6 +360,17 @@ class Surfaces(CommandTest):
         self.triangles = [tuple(t[:3]) for t in mesh["Triangles"]][1:]
         self.assert_filled("holes filled")
 
+    def test_a_loose_triangle(self):
+        """Small, outside or inside: it is no volume, and no void."""
+        n = len(self.points)
+        for z in (2, 0.2):
+            points = self.points + [(0.1, 0.1, z), (0.11, 0.1, z), (0.1, 0.11, z)]
+            self.write("bad.mesh", mesh_text(points, [], [*self.triangles, (n + 1, n + 3, n + 2)]))
+            self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--quiet", expect=2)
+            out = self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--repair").stdout
+            self.assertIn(f"{len(self.triangles)} triangles, 1 region", out)
+            self.assertNotIn("holes filled", out)
+
     def test_a_junction(self):
         """An edge is split on one side only."""
         a, b, c = self.triangles[0]
@@ -386,6 +398,24 @@ class Surfaces(CommandTest):
         self.triangles = [t for t in self.triangles if min(self.points[v - 1][2] for v in t) < 0]
         self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
         self.assert_fails("mesh", "bad.mesh", "-o", "out.meshb", "--repair", "--quiet", says="closing its openings would take")
+
+    def test_required_triangles_behind_what_is_removed(self):
+        self.triangles.append(self.triangles[0])
+        text = mesh_text(self.points, [], self.triangles)
+        n = len(self.triangles)
+        self.write("bad.mesh", text.replace("End\n", f"RequiredTriangles\n2\n{n - 1}\n{n}\nEnd\n"))
+        self.weft("mesh", "bad.mesh", "-o", "out.mesh", "--repair")
+        required = (self.folder / "out.mesh").read_text().split("RequiredTriangles")[1].split()
+        self.assertEqual(required[0], "2")
+
+    def test_what_is_left_is_named_by_the_input(self):
+        """Half a ball, which stays open, behind two triangles that are repeated."""
+        half = [t for t in self.triangles if min(self.points[v - 1][2] for v in t) < 0]
+        self.triangles = [half[0], half[0], *half]
+        self.write("bad.mesh", mesh_text(self.points, [], self.triangles))
+        error = self.weft("mesh", "bad.mesh", "-o", "out.meshb", "--repair", "--quiet", expect=2).stderr
+        triangle, a, b = map(int, re.search(r"triangle (\d+): .* has its edge \((\d+), (\d+)\)", error).groups())
+        self.assertTrue({a, b} <= set(self.triangles[triangle - 1]), error)
 
     def test_doubled_and_turned(self):
         self.triangles += [(a, c, b) for a, b, c in self.triangles[::2]]

@@ -18,8 +18,10 @@ namespace {
 class Closing {
  public:
   Closing(const std::vector<Point>& points, const LooseTriangles& triangles,
-          const std::atomic<bool>* interrupt)
-      : points_(points), triangles_(triangles), interrupt_(interrupt) {}
+          std::span<const std::uint32_t> numbers, const std::atomic<bool>* interrupt)
+      : points_(points), triangles_(triangles), interrupt_(interrupt) {
+    r_.source = numbers;
+  }
 
   ClosedOpenings run() {
     make_grid();
@@ -235,8 +237,8 @@ class Closing {
 }  // namespace
 
 ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles,
-                              const std::atomic<bool>* interrupt) {
-  return Closing(points, triangles, interrupt).run();
+                              std::span<const std::uint32_t> numbers, const std::atomic<bool>* interrupt) {
+  return Closing(points, triangles, numbers, interrupt).run();
 }
 
 }  // namespace weft::meshing

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "meshing/initial/clean_triangles.h"
@@ -18,8 +20,9 @@ struct ClosedOpenings {
 /// `triangles` must not cross, and look outwards. Tets are made of all their points, with the triangles as
 /// faces; those behind a triangle are inside, those in front of it outside, and the winding number decides on
 /// the others. Faces between inside and outside are the result. Throws InputError where tets cannot be made,
-/// Interrupted once the flag, if any, is set.
+/// with the triangle's number of `numbers`; Interrupted once the flag, if any, is set.
 ClosedOpenings close_openings(const std::vector<Point>& points, const LooseTriangles& triangles,
+                              std::span<const std::uint32_t> numbers,
                               const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::meshing

@@ -25,6 +25,7 @@ void PlaneTriangulation::set_face(std::size_t i, const Face& f) {
   faces_[i] = f;
   for (std::size_t k = 0; k < 3; ++k) {
     face_at_[directed(f[k], f[(k + 1) % 3])] = i;
+    face_of_[f[k]] = i;
     suspects_.push_back(undirected(f[k], f[(k + 1) % 3]));
   }
 }
@@ -45,39 +46,65 @@ std::uint32_t PlaneTriangulation::apex(std::uint32_t a, std::uint32_t b) const {
 void PlaneTriangulation::insert(std::uint32_t vertex, const Point2& place) {
   if (!place_.emplace(vertex, place).second) return;
   rounded_[vertex] = {CGAL::to_double(place.x()), CGAL::to_double(place.y())};
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
-    const Face f = faces_[i];
-    if (is_far(f, vertex)) continue;
-    std::array<int, 3> o{};
-    std::size_t k = 0;
-    while (k < 3 && (o[k] = orient(f[k], f[(k + 1) % 3], vertex)) >= 0) ++k;
-    if (k < 3) continue;
-    const auto on = std::find(o.begin(), o.end(), 0);
-    if (on != o.end()) {
-      const auto e = static_cast<std::size_t>(on - o.begin());
-      split_edge(f[e], f[(e + 1) % 3], vertex);
-    } else {
-      set_face(i, {f[0], f[1], vertex});
-      add_face({f[1], f[2], vertex});
-      add_face({f[2], f[0], vertex});
-    }
+  const std::size_t i = locate(vertex);
+  if (i == faces_.size()) return;
+  last_ = i;
+  const Face f = faces_[i];
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (orient(f[k], f[(k + 1) % 3], vertex) != 0) continue;
+    split_edge(f[k], f[(k + 1) % 3], vertex);
     improve();
     return;
   }
+  set_face(i, {f[0], f[1], vertex});
+  add_face({f[1], f[2], vertex});
+  add_face({f[2], f[0], vertex});
+  improve();
 }
 
-/// By rounded places, and only where there can be no doubt: whether the vertex is outside the face.
-bool PlaneTriangulation::is_far(const Face& f, std::uint32_t vertex) const {
+/// Whether the vertex is right of ab: by rounded places where there can be no doubt.
+bool PlaneTriangulation::is_beyond(std::uint32_t a, std::uint32_t b, std::uint32_t vertex) const {
   constexpr double kDoubt = 1e-12;
-  const auto& v = rounded_.at(vertex);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto &a = rounded_.at(f[k]), &b = rounded_.at(f[(k + 1) % 3]);
-    const double det = (b[0] - a[0]) * (v[1] - a[1]) - (b[1] - a[1]) * (v[0] - a[0]);
-    if (det < -kDoubt * size_ * size_) return true;
-  }
-  return false;
+  const auto &v = rounded_.at(vertex), &p = rounded_.at(a), &q = rounded_.at(b);
+  const double det = (q[0] - p[0]) * (v[1] - p[1]) - (q[1] - p[1]) * (v[0] - p[0]);
+  return det < -kDoubt * size_ * size_ || orient(a, b, vertex) < 0;
 }
 
+bool PlaneTriangulation::holds(const Face& f, std::uint32_t vertex) const {
+  return !is_beyond(f[0], f[1], vertex) && !is_beyond(f[1], f[2], vertex) && !is_beyond(f[2], f[0], vertex);
+}
+
+/// The face that holds the vertex, the first of two, or the number of faces.
+std::size_t PlaneTriangulation::locate(std::uint32_t vertex) const {
+  std::size_t at = walk_to(vertex);
+  if (at == faces_.size()) {
+    for (at = 0; at < faces_.size() && !holds(faces_[at], vertex);) ++at;
+    return at;
+  }
+  const Face& f = faces_[at];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto other = face_at_.find(directed(f[(k + 1) % 3], f[k]));
+    if (other != face_at_.end() && orient(f[k], f[(k + 1) % 3], vertex) == 0)
+      return std::min(at, other->second);
+  }
+  return at;
+}
+
+/// From face to face towards the vertex. The number of faces if that does not end: where faces are not
+/// Delaunay it can go in circles.
+std::size_t PlaneTriangulation::walk_to(std::uint32_t vertex) const {
+  std::size_t at = last_;
+  for (std::size_t step = 0; step < faces_.size(); ++step) {
+    const Face& f = faces_[at];
+    std::size_t k = 0;
+    while (k < 3 && !is_beyond(f[k], f[(k + 1) % 3], vertex)) ++k;
+    if (k == 3) return at;
+    const auto next = face_at_.find(directed(f[(k + 1) % 3], f[k]));
+    if (next == face_at_.end()) break;
+    at = next->second;
+  }
+  return faces_.size();
+}
 /// Both faces beside it, if it has two; what was fixed stays so.
 void PlaneTriangulation::split_edge(std::uint32_t a, std::uint32_t b, std::uint32_t vertex) {
   const std::uint32_t left = apex(a, b), right = apex(b, a);
@@ -134,19 +161,36 @@ void PlaneTriangulation::improve() {
   suspects_.clear();
 }
 
+/// What a -> b meets of the face, at whose corner a it begins.
+std::array<std::uint32_t, 2> PlaneTriangulation::meets_in(std::size_t face, std::uint32_t a,
+                                                          std::uint32_t b) const {
+  const Face& f = faces_[face];
+  const std::size_t k = f[0] == a ? 0 : f[1] == a ? 1 : 2;
+  const std::uint32_t v = f[(k + 1) % 3], w = f[(k + 2) % 3];
+  const int to_v = orient(a, v, b), to_w = orient(a, w, b);
+  const auto ahead = [&](std::uint32_t x) {
+    return CGAL::angle(place_.at(x), place_.at(a), place_.at(b)) == CGAL::ACUTE;
+  };
+  if (to_v == 0 && ahead(v)) return {v, kNone};
+  if (to_w == 0 && ahead(w)) return {w, kNone};
+  if (to_v > 0 && to_w < 0) return {v, w};
+  return {kNone, kNone};
+}
+
+/// Around a, to the left until the circle is closed or the border is met, then to the right.
 std::array<std::uint32_t, 2> PlaneTriangulation::first_beyond(std::uint32_t a, std::uint32_t b) const {
-  for (const Face& f : faces_)
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (f[k] != a) continue;
-      const std::uint32_t v = f[(k + 1) % 3], w = f[(k + 2) % 3];
-      const int to_v = orient(a, v, b), to_w = orient(a, w, b);
-      const auto ahead = [&](std::uint32_t x) {
-        return CGAL::angle(place_.at(x), place_.at(a), place_.at(b)) == CGAL::ACUTE;
-      };
-      if (to_v == 0 && ahead(v)) return {v, kNone};
-      if (to_w == 0 && ahead(w)) return {w, kNone};
-      if (to_v > 0 && to_w < 0) return {v, w};
+  const auto start = face_of_.find(a);
+  for (const bool left : {true, false}) {
+    std::size_t i = start == face_of_.end() ? faces_.size() : start->second;
+    while (i < faces_.size()) {
+      if (const auto met = meets_in(i, a, b); met[0] != kNone) return met;
+      const Face& f = faces_[i];
+      const std::size_t k = f[0] == a ? 0 : f[1] == a ? 1 : 2;
+      const auto next = face_at_.find(left ? directed(a, f[(k + 2) % 3]) : directed(f[(k + 1) % 3], a));
+      if (next == face_at_.end() || next->second == start->second) break;
+      i = next->second;
     }
+  }
   return {kNone, kNone};
 }
 

@@ -35,7 +35,10 @@ class PlaneTriangulation {
   static std::uint64_t undirected(std::uint32_t a, std::uint32_t b) {
     return a < b ? directed(a, b) : directed(b, a);
   }
-  bool is_far(const Face& f, std::uint32_t vertex) const;
+  bool is_beyond(std::uint32_t a, std::uint32_t b, std::uint32_t vertex) const;
+  bool holds(const Face& f, std::uint32_t vertex) const;
+  std::size_t locate(std::uint32_t vertex) const;
+  std::size_t walk_to(std::uint32_t vertex) const;
   int orient(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
   void set_face(std::size_t i, const Face& f);
   void add_face(const Face& f);
@@ -50,10 +53,13 @@ class PlaneTriangulation {
   bool force(std::uint32_t a, std::uint32_t b, const NameCrossing& name);
   /// What a -> b meets first beyond a: a vertex on it (second = kNone), or an edge.
   std::array<std::uint32_t, 2> first_beyond(std::uint32_t a, std::uint32_t b) const;
+  std::array<std::uint32_t, 2> meets_in(std::size_t face, std::uint32_t a, std::uint32_t b) const;
 
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
   std::vector<Face> faces_;
   std::unordered_map<std::uint64_t, std::size_t> face_at_;  ///< directed edge -> the face that it bounds
+  std::unordered_map<std::uint32_t, std::size_t> face_of_;  ///< of each vertex: one that holds it
+  std::size_t last_ = 0;                                    ///< where the last vertex was inserted
   std::unordered_map<std::uint32_t, Point2> place_;
   std::unordered_map<std::uint32_t, std::array<double, 2>> rounded_;
   std::unordered_map<std::uint64_t, bool> fixed_;

@@ -171,32 +171,37 @@ class Orienting {
   }
 
   void turn_shells(const Group& group) {
-    std::vector<std::uint32_t> inwards;
-    for (const std::uint32_t s : group.sheets)
-      if (sheets_[s].closed && sheets_[s].inwards) {
-        turn_sheet(s);
-        inwards.push_back(s);
-      }
-    if (inwards.empty() || group.sheets.size() == 1) return;
-    std::vector<std::uint32_t> holes;
-    for (const std::uint32_t s : inwards)
-      if (is_within_others(s, group)) holes.push_back(s);
+    std::vector<std::uint32_t> closed, holes;
+    bool turned = false;
+    for (const std::uint32_t s : group.sheets) {
+      if (!sheets_[s].closed) continue;
+      closed.push_back(s);
+      if (!sheets_[s].inwards) continue;
+      turn_sheet(s);
+      turned = true;
+    }
+    if (!turned || closed.size() == 1) return;
+    const Part part = part_of(closed);
+    const WindingNumber winding(points_, part.triangles, part.counts);
+    std::uint32_t first = 0;
+    for (const std::uint32_t s : closed) {
+      if (sheets_[s].inwards && is_within_others(s, winding, first)) holes.push_back(s);
+      first += static_cast<std::uint32_t>(sheets_[s].triangles.size());
+    }
     for (const std::uint32_t s : holes) turn_sheet(s);
   }
 
-  bool is_within_others(std::uint32_t s, const Group& group) const {
+  /// What the others go around is what all do (the sheet's triangles from `first` on there), less the sheet.
+  bool is_within_others(std::uint32_t s, const WindingNumber& all, std::uint32_t first) const {
     check_interrupt(interrupt_);
-    std::vector<std::uint32_t> others;
-    for (const std::uint32_t o : group.sheets)
-      if (o != s && sheets_[o].closed) others.push_back(o);
-    if (others.empty()) return false;
-    const Part part = part_of(others);
-    const WindingNumber winding(points_, part.triangles, part.counts);
+    const Part part = part_of({s});
+    const WindingNumber own(points_, part.triangles, part.counts);
     double area = 0, within = 0;
-    for (const std::uint32_t t : sheets_[s].triangles) {
+    for (std::uint32_t i = 0; i < part.triangles.size(); ++i) {
+      const std::uint32_t t = sheets_[s].triangles[i];
       const double size = norm(area_vector(t));
       area += size;
-      if (winding.at(middle(t)) > 0.5) within += size;
+      if (all.at(middle(t), first + i) - own.at(middle(t), i) > 0.5) within += size;
     }
     return within > kNearlyAll * area;
   }

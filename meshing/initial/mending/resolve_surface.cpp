@@ -87,7 +87,9 @@ class Resolution {
         if (cleaning.merged()[v] != TriangleCleaning::kUnused) v = cleaning.merged()[v];
   }
 
-  std::vector<Pair> crossings() const { return self_intersections(points_, loose_.corners, kMostPairs + 1); }
+  std::vector<Pair> crossings() const {
+    return self_intersections(points_, loose_.corners, kMostPairs + 1, interrupt_);
+  }
 
   void turn(const std::vector<Pair>& pairs) {
     const std::vector<bool> turned = orient_triangles(points_, loose_, pairs, interrupt_);
@@ -203,8 +205,9 @@ class Resolution {
     for (std::uint32_t t = 0; t < loose_.size(); ++t) {
       const double middle = mean[patch[t]], half = 0.5 * loose_.sheets[t];
       const double back = middle + half, front = middle - half;
-      // A patch with a free edge at a volume's border has about 1/2, one that hangs in it 1, one outside 0.
-      const bool hangs = open[patch[t]] && std::abs(middle - 0.5) > 0.25 && std::abs(half) < 1;
+      // A patch of one sheet with a free edge at a volume's border has about 1/2, one that hangs in it 1, one
+      // outside 0; where several sheets lie upon each other they have as many times that.
+      const bool hangs = open[patch[t]] && std::abs(middle - std::abs(half)) > 0.5 * std::abs(half);
       drop[t] = hangs || (back > 0.5) == (front > 0.5);
       if (!drop[t] && front > 0.5) std::swap(loose_.corners[t][1], loose_.corners[t][2]);
       if (drop[t] && middle > 0.5)
@@ -255,7 +258,7 @@ class Resolution {
   bool close() {
     ClosedOpenings closed;
     try {
-      closed = close_openings(points_, loose_, interrupt_);
+      closed = close_openings(points_, loose_, input_numbers(), interrupt_);
     } catch (const InputError& error) {
       left_ = fmt::format("no tets between the borders of its openings: {}", error.what());
       return false;
@@ -297,9 +300,7 @@ class Resolution {
     MeshMend lost{"triangles that bound no volume removed", "triangle", 0, {}, 0, "distance"};
     for (std::size_t i = 0; i < lost_.size(); ++i) lost.add(lost_source_[i], distance.from(lost_[i]));
     note(std::move(lost));
-    std::vector<std::uint32_t> source;
-    for (const std::uint32_t s : loose_.source) source.push_back(source_[s]);
-    source_ = std::move(source);
+    source_ = input_numbers();
     surface_.points = std::move(points_);
     surface_.point_refs.resize(surface_.points.size(), 0);
     surface_.triangles = std::move(loose_.corners);
@@ -309,6 +310,13 @@ class Resolution {
   }
 
   // --- Helpers
+
+  /// Of each triangle: its number in the input.
+  std::vector<std::uint32_t> input_numbers() const {
+    std::vector<std::uint32_t> numbers;
+    for (const std::uint32_t s : loose_.source) numbers.push_back(source_[s]);
+    return numbers;
+  }
 
   void note(MeshMend mend) {
     if (mend.count > 0) fresh_mends_.push_back(std::move(mend));

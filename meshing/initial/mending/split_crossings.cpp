@@ -94,7 +94,7 @@ class Splitting {
     SplitTriangles result;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       check_interrupt(interrupt);
-      add_pieces(t, result);
+      add_pieces(t, interrupt, result);
     }
     result.points = std::move(exact_.rounded);
     return result;
@@ -263,7 +263,7 @@ class Splitting {
 
   // --- Pieces
 
-  void add_pieces(std::uint32_t t, SplitTriangles& result) {
+  void add_pieces(std::uint32_t t, const std::atomic<bool>* interrupt, SplitTriangles& result) {
     const Triangle& corners = triangles_[t];
     std::array<const std::vector<std::uint32_t>*, 3> on{};
     bool whole = !inside_.contains(t) && !segments_.contains(t);
@@ -281,17 +281,22 @@ class Splitting {
     const Projection flat(places(corners));
     PlaneTriangulation plane(corners,
                              {flat(exact_[corners[0]]), flat(exact_[corners[1]]), flat(exact_[corners[2]])});
-    const auto insert = [&](std::uint32_t v) { plane.insert(v, flat(exact_[v])); };
+    const auto insert = [&](std::uint32_t v) {
+      check_interrupt(interrupt);
+      plane.insert(v, flat(exact_[v]));
+    };
     for (const auto* edge : on)
       if (edge)
         for (const std::uint32_t v : *edge) insert(v);
     for (const std::uint32_t v : inside_[t]) insert(v);
-    for (const Segment& s : segments_[t])
+    for (const Segment& s : segments_[t]) {
+      check_interrupt(interrupt);
       plane.insert_segment(s[0], s[1], [&](auto a, auto b, auto c, auto d, Point2& where) {
         const std::uint32_t v = exact_.find_or_add(crossing(a, b, flat(exact_[c]), flat(exact_[d]), flat));
         where = flat(exact_[v]);
         return v;
       });
+    }
     for (const Triangle& piece : plane.faces()) {
       result.triangles.push_back(piece);
       result.parent.push_back(t);

@@ -293,7 +293,7 @@ void round_steiner_points(Recovery& r) {
     r.grid.move(s.vertex, r.grid.points[s.vertex]);
     r.grid.ball(s.vertex, ball);
     for (const std::uint32_t t : ball)
-      if (!r.grid.positive(r.grid.tets[t].v)) throw_too_thin(facet_at(r, ball));
+      if (!r.grid.positive(r.grid.tets[t].v)) r.refuse_facet(facet_at(r, ball));
   }
 }
 

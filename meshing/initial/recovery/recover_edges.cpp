@@ -8,7 +8,6 @@
 #include <cmath>
 #include <optional>
 
-#include "meshing/base/error.h"
 #include "meshing/initial/recovery/insert_steiner.h"
 #include "meshing/initial/recovery/relax_steiner.h"
 #include "meshing/initial/recovery/remove_edge.h"
@@ -48,6 +47,7 @@ class EdgeRecovery {
   static constexpr std::size_t kMostPoints = 10000;  ///< on one edge: beyond, rounding leads in circles
 
   void recover(std::uint32_t e) {
+    edge_ = e;
     std::vector<std::uint32_t> targets = {r_.edges[e].b};
     std::uint32_t at = r_.edges[e].a;
     while (!targets.empty()) {
@@ -254,17 +254,15 @@ class EdgeRecovery {
   }
 
   [[noreturn]] void throw_touching(std::uint32_t v) const {
-    throw InputError("", fmt::format("edge ({}, {})", s_ + 1, t_ + 1),
-                     fmt::format("passes through vertex {}", v + 1));
+    const Point& p = grid_.points[v];
+    r_.refuse_edge(edge_,
+                   fmt::format("passes through another vertex, at ({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z));
   }
-  [[noreturn]] void fail() const {
-    throw InputError("", fmt::format("edge ({}, {})", s_ + 1, t_ + 1),
-                     "cannot be made part of a mesh: the surface is too thin there for double precision");
-  }
+  [[noreturn]] void fail() const { r_.refuse_edge(edge_, Recovery::kTooThin); }
 
   Recovery& r_;
   TetGrid& grid_;
-  std::uint32_t s_ = 0, t_ = 0;
+  std::uint32_t edge_ = 0, s_ = 0, t_ = 0;
   std::vector<Obstacle> obstacles_;
   std::vector<std::uint32_t> ball_;
   TetGrid::EdgeShell shell_;

@@ -163,7 +163,7 @@ class FacetRecovery {
     r_.steiner.push_back({v, kNothing, facet_});
   }
 
-  [[noreturn]] void fail() const { throw_too_thin(facet_); }
+  [[noreturn]] void fail() const { r_.refuse_facet(facet_); }
 
   Recovery& r_;
   TetGrid& grid_;

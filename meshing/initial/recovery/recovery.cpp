@@ -8,9 +8,24 @@
 
 namespace weft::meshing {
 
-void throw_too_thin(std::uint32_t facet) {
-  throw InputError("", fmt::format("triangle {}", facet + 1),
-                   "cannot be made part of a mesh: the surface is too thin there for double precision");
+namespace {
+
+std::string name_of(std::uint32_t facet, std::span<const std::uint32_t> source) {
+  return fmt::format("triangle {}", (facet < source.size() ? source[facet] : facet) + 1);
+}
+
+}  // namespace
+
+void Recovery::refuse_facet(std::uint32_t facet) const {
+  throw InputError("", name_of(facet, source), kTooThin);
+}
+
+void Recovery::refuse_edge(std::uint32_t edge, const std::string& reason) const {
+  const auto facet = std::ranges::find_if(
+      facet_edges, [&](const auto& of_facet) { return std::ranges::find(of_facet, edge) != of_facet.end(); });
+  const Point p = midpoint(grid.points[edges[edge].a], grid.points[edges[edge].b]);
+  throw InputError("", name_of(static_cast<std::uint32_t>(facet - facet_edges.begin()), source),
+                   fmt::format("its edge near ({:.6g}, {:.6g}, {:.6g}) {}", p.x, p.y, p.z, reason));
 }
 
 Point Recovery::above(std::uint32_t facet) const {

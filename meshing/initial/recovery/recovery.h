@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Recovery {
   std::unordered_map<std::uint64_t, std::uint32_t> edge_at;  ///< grid edge -> input edge it is part of
   std::vector<SteinerPoint> steiner;
   std::uint64_t flips = 0;
+  std::span<const std::uint32_t> source = {};  ///< of each facet: its number in messages; empty: its own
 
   /// A point off the facet's plane, on the side from which it turns counter-clockwise.
   Point above(std::uint32_t facet) const;
@@ -39,12 +41,15 @@ struct Recovery {
   int sliver_cost(std::span<const std::uint32_t> tets) const;
   static constexpr int kSliverCost = 10000;
 
+  /// Throw InputError, naming a triangle of the input: what cannot be made part of a mesh.
+  [[noreturn]] void refuse_facet(std::uint32_t facet) const;
+  [[noreturn]] void refuse_edge(std::uint32_t edge, const std::string& reason) const;
+  static constexpr const char* kTooThin =
+      "cannot be made part of a mesh: the surface is too thin there for double precision";
+
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return a < b ? std::uint64_t{a} << 32 | b : std::uint64_t{b} << 32 | a;
   }
 };
-
-/// Throws InputError: the facet cannot be made part of a mesh.
-[[noreturn]] void throw_too_thin(std::uint32_t facet);
 
 }  // namespace weft::meshing

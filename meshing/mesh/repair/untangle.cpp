@@ -105,7 +105,7 @@ class Untangling {
     for (std::size_t i = 0; i < m_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = m_.triangles[i][k], b = m_.triangles[i][(k + 1) % 3];
-        if (along.contains(a) || along.contains(b))
+        if (std::max(a, b) < m_.points.size() && (along.contains(a) || along.contains(b)))
           refs[{std::min(a, b), std::max(a, b)}].insert(m_.triangle_refs[i]);
       }
     for (const auto& [edge, there] : refs)

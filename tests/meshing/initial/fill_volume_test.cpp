@@ -151,6 +151,33 @@ TEST(FillVolume, KeepsListedEdgesAndCorners) {
   EXPECT_TRUE(mesh.required_triangles.empty());
 }
 
+TEST(FillVolume, KeepsWhatIsRequired) {
+  MeshData surface = box_surface({}, {1, 1, 1}, 2);
+  surface.edges = {{0, 1}, {1, 2}};
+  surface.edge_refs = {7, 8};
+  surface.required_edges = {0};
+  surface.required_points = {4};
+  surface.required_triangles = {2};
+  for (const bool remesh : {false, true}) {
+    FillOptions options;
+    options.remesh_surface = remesh;
+    options.size = 0.1;
+    const MeshData mesh = fill_volume(grid_of(surface), options).mesh;
+    std::size_t points = 0, edges = 0, triangles = 0;
+    for (const std::uint32_t v : mesh.required_points) points += mesh.points[v] == surface.points[4];
+    for (const std::uint32_t e : mesh.required_edges) edges += mesh.edge_refs[e] == 7;
+    const auto middle = [](const MeshData& m, std::uint32_t t) {
+      return m.points[m.triangles[t][0]] + m.points[m.triangles[t][1]] + m.points[m.triangles[t][2]];
+    };
+    for (const std::uint32_t t : mesh.required_triangles)
+      triangles += norm(middle(mesh, t) - middle(surface, 2)) < 1e-12;
+    EXPECT_EQ(points, 1u) << remesh;
+    EXPECT_EQ(edges, 1u) << remesh;
+    EXPECT_EQ(triangles, 1u) << remesh;
+    EXPECT_TRUE(remesh || mesh.required_triangles.size() == 1) << mesh.required_triangles.size();
+  }
+}
+
 TEST(PointDistribution, AKeptSurfaceHasItsOwnSizesWhereTheyGrowNotTooFast) {
   const MeshData grid =
       grid_of(together(box_surface({}, {1, 1, 1}, 4), box_surface({1.5, 0, 0}, {1.6, 0.1, 0.1}, 4)));

@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <random>
 #include <set>
 
+#include "meshing/base/error.h"
+#include "meshing/initial/recovery/recover_edges.h"
+#include "meshing/initial/recovery/recovery.h"
 #include "meshing/initial/shapes.h"
 #include "meshing/io/mesh_file.h"
 #include "meshing/mesh/check_mesh.h"
@@ -139,6 +143,61 @@ TEST(InitialGrid, FillsABodyInAHole) {
   EXPECT_NEAR(volume(grid_of(surface)), expected, 1e-9);
 }
 
+/// A tetrahedron, its apex first.
+MeshData tetrahedron(const Point& a, const Point& b, const Point& c, const Point& d) {
+  MeshData m;
+  m.points = {a, b, c, d};
+  m.point_refs.assign(4, 0);
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  m.triangle_refs.assign(4, 9);
+  return m;
+}
+
+TEST(InitialGrid, LeavesAVoidThatTouchesTheOutsideAtAVertex) {
+  const MeshData hollow = together(box_surface({}, {1, 1, 1}, 1),
+                                   tetrahedron({0, 0, 0}, {0.6, 0.2, 0.2}, {0.2, 0.6, 0.2}, {0.2, 0.2, 0.6}));
+  const InitialGrid grid = grid_of(hollow);
+  EXPECT_EQ(grid.regions, 1u);
+  EXPECT_EQ(grid.voids, 1u);
+  EXPECT_NEAR(volume(grid), 1 - 0.16 / 6, 1e-12);
+}
+
+TEST(InitialGrid, FillsABodyThatTouchesItsHoleAtAVertex) {
+  const MeshData body = tetrahedron({1, 0, 0}, {0, 0.5, 0}, {0, -0.5, 0.5}, {0, -0.5, -0.5});
+  const MeshData surface = together(box_surface({-2, -2, -2}, {2, 2, 2}, 2),
+                                    together(box_surface({-1, -1, -1}, {1, 1, 1}, 2), body));
+  const InitialGrid grid = grid_of(surface);
+  EXPECT_EQ(grid.regions, 2u);
+  EXPECT_NEAR(volume(grid), 64 - 8 + 1.0 / 6, 1e-12);
+}
+
+std::uint32_t point_at(const MeshData& m, const Point& p) {
+  return static_cast<std::uint32_t>(std::find(m.points.begin(), m.points.end(), p) - m.points.begin());
+}
+
+TEST(InitialGrid, HasNothingThatLiesBetweenTwoVoids) {
+  const MeshData voids =
+      together(box_surface({-1, -1, -1}, {0, 1, 1}, 2), box_surface({0, -1, -1}, {1, 1, 1}, 2));
+  MeshData surface = together(box_surface({-2, -2, -2}, {3, 2, 2}, 3), voids);
+  const std::uint32_t middle = point_at(surface, {0, 0, 0}), rim = point_at(surface, {0, 0, 1}),
+                      next = point_at(surface, {0, 1, 1});
+  surface.edges = {{middle, rim}, {rim, next}};
+  surface.edge_refs = {5, 6};
+  surface.ridges = {0, 1};
+  surface.corners = {middle, rim};
+  const ClosedSurface closed = close_surface(surface, {});
+  ASSERT_EQ(closed.mesh.edges.size(), 2u);
+  const MeshData grid = make_initial_grid(closed, {}).mesh;
+  const CheckReport report = check_mesh(grid);
+  EXPECT_TRUE(report.ok()) << report.problems.front();
+  EXPECT_EQ(report.unreferenced_points, 0u);
+  EXPECT_NEAR(report.volume, 80 - 8, 1e-9);
+  EXPECT_EQ(grid.edge_refs, std::vector<std::int32_t>{6});
+  EXPECT_EQ(grid.ridges, std::vector<std::uint32_t>{0});
+  ASSERT_EQ(grid.corners.size(), 1u);
+  EXPECT_EQ(grid.points[grid.corners[0]], (Point{0, 0, 1}));
+}
+
 TEST(InitialGrid, DividesMaterialsAtACommonFace) {
   const InitialGrid grid =
       grid_of(together(box_surface({0, 0, 0}, {1, 1, 1}, 3), box_surface({1, 0, 0}, {2, 1, 1}, 3)));
@@ -154,6 +213,29 @@ TEST(InitialGrid, TurnsTrianglesOutwards) {
   const InitialGrid grid = grid_of(surface);
   EXPECT_NEAR(enclosed_volume(grid.mesh), volume(grid), 1e-9);
   EXPECT_GT(grid.turned, surface.triangles.size() / 4);
+}
+
+std::string refusal(const std::function<void()>& refuse) {
+  try {
+    refuse();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Recovery, RefusesByTheNumbersOfTheInput) {
+  Recovery r;
+  for (const Point& p : {Point{0, 0, 0}, {2, 0, 0}, {0, 4, 0}, {2, 4, 0}}) r.grid.add_point(p);
+  r.facets = {{0, 1, 2}, {1, 3, 2}};
+  const std::vector<std::uint32_t> source = {7, 9};
+  r.source = source;
+  list_input_edges(r);
+  EXPECT_EQ(refusal([&] { r.refuse_facet(1); }), std::string("triangle 10: ") + Recovery::kTooThin);
+  EXPECT_EQ(refusal([&] { r.refuse_edge(r.facet_edges[0][1], "is wrong"); }),
+            "triangle 8: its edge near (1, 2, 0) is wrong");
+  EXPECT_EQ(refusal([&] { r.refuse_edge(r.facet_edges[1][0], "is wrong"); }),
+            "triangle 10: its edge near (2, 2, 0) is wrong");
 }
 
 TEST(InitialGrid, RepeatsItself) {

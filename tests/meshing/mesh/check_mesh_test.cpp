@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -323,6 +324,14 @@ TEST(Orientation, IsNoneWhereACoordinateIsNotFinite) {
       EXPECT_EQ(orientation(o, x, y, p), 0);
       EXPECT_EQ(orientation(p, x, y, o), 0);
     }
+}
+
+TEST(Orientation, OfPointsSoNearThatProductsVanish) {
+  const double s = std::ldexp(1.0, -359);
+  const Point o{0, 0, 0}, u{s, 2 * s, -3 * s}, v{5 * s, -s, -4 * s}, w{2 * s, 2 * s, -4 * s};
+  EXPECT_EQ(orientation(o, u, v, w), 0);
+  EXPECT_EQ(orientation(o, u, v, {2 * s, 2 * s, 4 * s}), -orientation(o, v, u, {2 * s, 2 * s, 4 * s}));
+  EXPECT_NE(orientation(o, u, v, {2 * s, 2 * s, 4 * s}), 0);
 }
 
 }  // namespace

@@ -73,11 +73,12 @@ class Filling {
   meshing::ClosedSurface close_mended() {
     Mesh mended = surface_;
     std::string left;
-    result_.mends = tools::mends_of(meshing::repair_surface(mended, &left, &monitor_.flag()));
+    meshing::SurfaceChecks checks{options_.merge};
+    result_.mends = tools::mends_of(meshing::repair_surface(mended, &left, &monitor_.flag(), &checks.source));
     for (const Mend& m : result_.mends)
       if (m.unit == "distance") result_.deviation = std::max(result_.deviation, m.amount);
     try {
-      return meshing::close_surface(mended, {options_.merge});
+      return meshing::close_surface(mended, checks);
     } catch (const InputError& error) {
       if (left.empty()) throw;
       throw InputError("", "", fmt::format("{}; not mended: {}", error.what(), left));

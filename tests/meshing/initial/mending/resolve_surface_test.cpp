@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "meshing/base/error.h"
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/closed_surface.h"
 #include "meshing/initial/grid/interrupted.h"
+#include "meshing/initial/mending/orient_triangles.h"
 #include "meshing/initial/mending/split_crossings.h"
 #include "meshing/initial/mending/winding_number.h"
 #include "meshing/initial/repair_surface.h"
@@ -120,6 +122,60 @@ TEST(ResolveSurface, TheVoidBetweenShellsIsNoVolume) {
   expect_volume(frame, 6 + 2 * 1 * 1 * 0.8);
 }
 
+/// A box and a small triangle with a corner there, listed so that it turns against its corners' numbers.
+MeshData with_loose_triangle(const Point& corner) {
+  MeshData m = kBox;
+  const auto n = static_cast<std::uint32_t>(m.points.size());
+  m.points.insert(m.points.end(), {corner, corner - Point{0.01, 0, 0}, corner - Point{0, 0.01, 0}});
+  m.point_refs.resize(n + 3);
+  m.triangles.push_back({n, n + 2, n + 1});
+  m.triangle_refs.push_back(7);
+  return m;
+}
+
+TEST(RepairSurface, ALooseTriangleBoundsNothing) {
+  for (const Point& corner : {Point{0.3, 0.4, 2}, Point{0.3, 0.4, 0.5}, Point{0, 0, 0}}) {
+    MeshData m = with_loose_triangle(corner);
+    expect_volume(m, 1);
+    repair_surface(m);
+    EXPECT_EQ(m.triangles.size(), kBox.triangles.size());
+  }
+}
+
+TEST(RepairSurface, ListsRequiredTrianglesByTheirNewNumbers) {
+  MeshData m = kBox;
+  m.triangles.insert(m.triangles.begin(), {m.triangles[5], m.triangles[7]});  // 7 and 9 repeat these
+  m.triangle_refs.insert(m.triangle_refs.begin(), 2, 1);
+  m.required_triangles = {7, 20};
+  const Triangle was = m.triangles[20];
+  std::array<Point, 3> places;
+  for (std::size_t k = 0; k < 3; ++k) places[k] = m.points[was[k]];
+  std::vector<std::uint32_t> source;
+  repair_surface(m, nullptr, nullptr, &source);
+  ASSERT_EQ(m.required_triangles, (std::vector<std::uint32_t>{0, 18}));
+  ASSERT_EQ(source.size(), m.triangles.size());
+  EXPECT_EQ(source[7], 8u);
+  EXPECT_EQ(source[18], 20u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(m.points[m.triangles[18][k]], places[k]);
+}
+
+TEST(RepairSurface, PiecesOfARequiredTriangleAreRequired) {
+  MeshData crossing = together(kBox, box_surface({.5, .3, .2}, {1.6, 1.4, 1.3}, 2));
+  for (std::uint32_t t = 0; t < crossing.triangles.size(); ++t) crossing.required_triangles.push_back(t);
+  repair_surface(crossing);
+  EXPECT_EQ(crossing.required_triangles.size(), crossing.triangles.size());
+}
+
+TEST(ResolveSurface, ALooseTriangleThatIsListedTwiceBoundsNothing) {
+  MeshData m = with_loose_triangle({0.3, 0.4, 2});
+  m.triangles.push_back(m.triangles.back());
+  m.triangle_refs.push_back(7);
+  std::vector<std::uint32_t> source(m.triangles.size());
+  std::vector<MeshMend> mends;
+  EXPECT_EQ(resolve_surface(m, source, mends), "");
+  EXPECT_EQ(m.triangles.size(), kBox.triangles.size());
+}
+
 double total_area(const std::vector<Point>& p, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   double sum = 0;
   for (const auto& [a, b, c] : triangles) sum += 0.5 * norm(cross(p[b] - p[a], p[c] - p[a]));
@@ -161,6 +217,66 @@ TEST(SplitCrossings, LeavesNoneInRandomHeaps) {
     }
     EXPECT_TRUE(pairs.empty()) << "trial " << trial;
   }
+}
+
+TEST(SplitCrossings, CutsOneTriangleAlongManyOthers) {
+  std::vector<Point> points = {{0, 0, 0}, {40, 0, 0}, {0, 40, 0}};
+  std::vector<Triangle> triangles = {{0, 1, 2}};
+  for (int i = 0; i < 19; ++i)
+    for (int j = 0; j < 19; ++j) {
+      const double x = i + 0.2, y = j + 0.3;
+      const auto n = static_cast<std::uint32_t>(points.size());
+      points.insert(points.end(), {{x, y, -1}, {x + 0.4, y + 0.1, -1}, {x + 0.2, y, 1}});
+      triangles.push_back({n, n + 1, n + 2});
+    }
+  const auto pairs = self_intersections(points, triangles, 1000);
+  ASSERT_EQ(pairs.size(), 361u);
+  const SplitTriangles pieces = split_crossings(points, triangles, pairs);
+  const double before = total_area(points, triangles);
+  EXPECT_NEAR(total_area(pieces.points, pieces.triangles), before, 1e-12 * before);
+  EXPECT_EQ(std::ranges::count(pieces.parent, 0u), 1 + 2 * 2 * 361);  // two more for each point inside
+}
+
+TEST(OrientTriangles, HolesOfAGroupStayHoles) {
+  MeshData m = kBox;
+  std::vector<std::array<std::uint32_t, 2>> crossings;  // they make it one group
+  std::uint32_t last = 0;
+  const auto add = [&](const Point& at, double size) {
+    last = static_cast<std::uint32_t>(m.triangles.size());
+    m = together(std::move(m), turned(box_surface(at, at + Point{size, size, size}, 1)));
+    crossings.push_back({0, last});
+  };
+  for (int i = 0; i < 8; ++i) add({i & 1 ? .6 : .2, i & 2 ? .6 : .2, i & 4 ? .6 : .2}, 0.2);
+  add({2, 0, 0}, 1);
+  LooseTriangles loose{m.triangles, m.triangle_refs, {}, {}};
+  loose.source.resize(loose.size()), loose.sheets.assign(loose.size(), 1);
+  TriangleCleaning(m.points, loose, 1e-9).merge_points();
+  const std::vector<bool> turned = orient_triangles(m.points, loose, crossings);
+  for (std::uint32_t t = 0; t < turned.size(); ++t) EXPECT_EQ(turned[t], t >= last) << t;
+}
+
+/// Two halves of a box whose middle they divide differently, apart by a little: the seam is joined where
+/// vertices are near each other, triangles split where they are not.
+TEST(RepairSurface, JoinsASeamAndItsJunctions) {
+  const auto without = [](MeshData m, std::int32_t ref) {
+    MeshData kept = m;
+    kept.triangles.clear(), kept.triangle_refs.clear();
+    for (std::size_t t = 0; t < m.triangles.size(); ++t)
+      if (m.triangle_refs[t] != ref) {
+        kept.triangles.push_back(m.triangles[t]);
+        kept.triangle_refs.push_back(m.triangle_refs[t]);
+      }
+    return kept;
+  };
+  const MeshData left = without(box_surface({0, 0, 0}, {1, 1, 1}, 4), 2),
+                 right = without(box_surface({1.0001, 0, 0}, {2, 1, 1}, 12), 1);
+  MeshData m = together(left, right);
+  std::vector<std::string> what;
+  for (const MeshMend& mend : repair_surface(m)) what.push_back(mend.what);
+  EXPECT_NE(std::ranges::find(what, "vertices joined across seams"), what.end());
+  EXPECT_NE(std::ranges::find(what, "triangles split at vertices beside their free edges"), what.end());
+  ASSERT_NO_THROW(close_surface(m, {}));
+  EXPECT_NEAR(enclosed_volume(m), 2, 1e-3);
 }
 
 TEST(RepairSurface, EndsWhereItIsInterrupted) {
