@@ -296,6 +296,19 @@ TEST_F(CInterface, ACallbackCancelsWithAValidMeshAndTheOptionsServeAgain) {
   EXPECT_GT(calls, 0);
 }
 
+TEST_F(CInterface, ALimitEndsItsRunAndNotTheNextOneWithTheSameOptions) {
+  weft_mesh* mesh = box(6);
+  weft_options* asked = options();
+  for (const auto& [limit, size, expected] : {std::tuple("0.01", 0.03, 1), std::tuple("0", 0.3, 0)}) {
+    weft_options_set(asked, "time-limit", limit);
+    weft_result* result = nullptr;
+    ASSERT_EQ(weft_adapt(mesh, sizes(mesh, size), asked, nullptr, &result), WEFT_OK) << weft_last_error();
+    int cancelled = -1;
+    weft_result_verdict(keep(result), nullptr, &cancelled);
+    EXPECT_EQ(cancelled, expected);
+  }
+}
+
 TEST_F(CInterface, MeasuresAreTakenWhenTheyAreAskedFor) {
   weft_mesh* mesh = box(3);
   weft_options* asked = options();

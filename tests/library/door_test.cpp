@@ -236,6 +236,22 @@ TEST(Door, CancelsByAFlagOfAnotherThread) {
   EXPECT_TRUE(verify(result.mesh).ok());
 }
 
+TEST(Door, WhatEndsARunLeavesTheCallersFlagAlone) {
+  const Mesh start = box_of(6);
+  std::atomic<bool> cancel = false;
+  for (const std::uint32_t subdomains : {0u, 4u}) {
+    Options options = one_thread();
+    options.distributed.subdomains = subdomains;
+    options.run.cancel = &cancel;
+    options.run.time_limit = 0.01;
+    EXPECT_EQ(adapt(start, sizes(start, 0.03), options).ended_by, "time limit");
+    options.run.time_limit = 0;
+    options.run.progress = [](const Progress&) { return false; };
+    EXPECT_EQ(adapt(start, sizes(start, 0.03), options).ended_by, "interrupted");
+    EXPECT_FALSE(cancel);
+  }
+}
+
 TEST(Door, FillingThatIsCancelledBeforeThereIsAMeshSaysSo) {
   std::atomic<bool> cancel = true;
   FillOptions options;

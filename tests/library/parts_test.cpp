@@ -539,6 +539,17 @@ TEST(Parts, CancelEndsWithAValidMesh) {
   EXPECT_NEAR(result.after->volume, 1, 1e-12);
 }
 
+TEST(Parts, CancelOfOneRankEndsTheRunAndSetsNoFlagOfAnother) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  std::atomic<bool> cancel = split.rank == 0;
+  Options options = options_of();
+  options.run.cancel = &cancel;
+  EXPECT_TRUE(adapt(split.communicator, part, metric_of(part), options).cancelled);
+  EXPECT_EQ(cancel, split.rank == 0);
+}
+
 }  // namespace
 }  // namespace weft
 

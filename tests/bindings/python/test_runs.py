@@ -77,6 +77,13 @@ def test_another_thread_cancels_with_a_valid_mesh(box):
     assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
 
 
+def test_a_limit_ends_its_run_and_leaves_the_cancel_for_the_next(box):
+    cancel = weft.Cancel()
+    ended = weft.adapt(box, np.full(len(box.points), 0.012), cancel=cancel, time_limit=0.01, threads=1)
+    assert ended.cancelled and not cancel.wanted
+    assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
+
+
 def test_another_thread_asks_for_a_checkpoint_to_go_on_from(box, tmp_path):
     asked = weft.Cancel()
 

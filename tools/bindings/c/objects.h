@@ -36,8 +36,7 @@ struct FieldsObject {
 struct OptionsObject {
   Options options;
   std::atomic<bool> cancel = false;
-  std::atomic<bool> checkpoint = false;          ///< one is wanted now
-  std::atomic<bool> callback_cancelled = false;  ///< `cancel` was set because the caller's function said so
+  std::atomic<bool> checkpoint = false;  ///< one is wanted now
 };
 struct PartObject {
   std::shared_ptr<Part> part;

@@ -162,8 +162,8 @@ struct RunOptions {
   /// Called on the calling thread of rank 0, a few times a second. Returning false cancels: the run ends soon
   /// with the valid mesh that it has.
   std::function<bool(const Progress&)> progress;
-  /// The same from elsewhere: set (on all ranks) by another thread or a signal handler; set here too when the
-  /// function above returns false. Must outlive the call.
+  /// The same from elsewhere: set (on all ranks) by another thread or a signal handler. It is only read, so
+  /// that it serves the next run too. Must outlive the call.
   std::atomic<bool>* cancel = nullptr;
   /// Seconds from the beginning of the call after which the run is to have ended with the best valid mesh
   /// that it has by then, written (goal missed: Report::cancelled); 0: none. The first rank's clock counts.
