@@ -107,6 +107,15 @@ def test_what_a_callback_raises_is_raised(box, sizes):
         weft.adapt(box, sizes, progress=fail)
 
 
+@pytest.mark.parametrize("mine", [KeyError("mine"), KeyboardInterrupt("mine")])
+def test_what_a_callback_raises_is_raised_where_there_is_no_mesh_yet(mine):
+    def fail(stage, done, tets):
+        raise mine
+
+    with pytest.raises(type(mine), match="mine"):
+        weft.fill(weft.ball_surface(size=0.3), progress=fail)
+
+
 INTERRUPTED = """
 import numpy as np, weft
 box = weft.box(4)

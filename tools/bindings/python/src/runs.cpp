@@ -55,22 +55,24 @@ class FreedArraysGoBack {
   }
 };
 
-/// Runs call() without Python's lock, under watch, and wraps what it returns.
+/// Runs call() without Python's lock, under watch, and wraps what it returns. Where there is nothing, what a
+/// callback has raised says more than the error that the end has led to.
 template <class Call>
 py::object watched(Options& options, const py::object& progress, const std::shared_ptr<Cancel>& cancel,
                    const Call& call) {
   const Watch watch(progress, cancel, options);
-  auto result = [&] {
+  std::shared_ptr<decltype(call())> result;
+  try {
     const py::gil_scoped_release released;
     const FreedArraysGoBack thresholds;
-    return std::make_shared<decltype(call())>(call());
-  }();
-  py::object wrapped = py::cast(std::move(result));
-  bool interrupted = false;
-  if (const std::exception_ptr raised = watch.raised(interrupted)) {
-    if (interrupted) raise_interrupted(wrapped);
-    std::rethrow_exception(raised);
+    result = std::make_shared<decltype(call())>(call());
+  } catch (...) {
+    watch.raise();
+    throw;
   }
+  py::object wrapped = py::cast(std::move(result));
+  if (watch.interrupted()) raise_interrupted(wrapped);
+  watch.raise();
   return wrapped;
 }
 
@@ -420,14 +422,18 @@ bool Watch::tell(const Progress& now) {
   }
 }
 
-std::exception_ptr Watch::raised(bool& interrupted) const {
+void Watch::raise() const {
+  if (raised_) std::rethrow_exception(raised_);
+}
+
+bool Watch::interrupted() const {
   try {
-    if (raised_) std::rethrow_exception(raised_);
+    raise();
   } catch (const py::error_already_set& error) {
-    interrupted = error.matches(PyExc_KeyboardInterrupt);
+    return error.matches(PyExc_KeyboardInterrupt);
   } catch (...) {
   }
-  return raised_;
+  return false;
 }
 
 void add_runs(py::module_& module) {
