@@ -245,7 +245,8 @@ WEFT_API void validate(const Options& options);
 /// An option by its name, for languages that have no use for the members above.
 struct NamedOption {
   std::string name;  ///< as the command has it, without dashes: "hgrad-space"
-  std::string type;  ///< number, whole number, yes or no, text, texts, whole numbers, or the words it may be
+  std::string
+      type;  ///< number, whole number, size, yes or no, text, texts, whole numbers, or the words it may be
   std::string text;  ///< what it is
   bool of_command;   ///< `weft adapt` has it too
 };
