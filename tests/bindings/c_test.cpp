@@ -598,6 +598,10 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   for (const std::string& file : {out, graph, trace, report + "/report.json", folder / "out-fields.solb"})
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
   EXPECT_FALSE(std::filesystem::exists(report + "/report.html"));
+  const char *written = nullptr, *error = nullptr;
+  ASSERT_EQ(weft_result_report(result, &written, &error), WEFT_OK) << weft_last_error();
+  EXPECT_EQ(written, report + "/report.json");
+  EXPECT_STREQ(error, "");
   settings = {};
   settings.size = sizeof settings;
   weft_file_settings_default(&settings);
@@ -615,6 +619,31 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   settings.fields = nullptr;
   EXPECT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_MISUSE);
   EXPECT_THAT(weft_last_error(), HasSubstr("fields: is NULL"));
+}
+
+TEST_F(CInterface, AReportThatCouldNotBeWrittenIsTold) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", out = folder / "out.meshb";
+  std::string report = folder / "run";
+  ASSERT_EQ(weft_mesh_write(box(3), start.c_str()), WEFT_OK);
+  weft_options* asked = options();
+  weft_options_set(asked, "metric-fn", "uniform:0.3");
+  const auto remove = [](void* path, const weft_progress*) {
+    std::filesystem::remove_all(*static_cast<std::string*>(path));
+    return 1;
+  };
+  weft_options_set_progress(asked, remove, &report);
+  weft_file_settings settings{};
+  settings.size = sizeof settings;
+  weft_file_settings_default(&settings);
+  settings.report = report.c_str();
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_OK)
+      << weft_last_error();
+  const char *written = nullptr, *error = nullptr;
+  ASSERT_EQ(weft_result_report(keep(result), &written, &error), WEFT_OK) << weft_last_error();
+  EXPECT_STREQ(written, "");
+  EXPECT_THAT(error, HasSubstr("report.json"));
 }
 
 TEST_F(CInterface, FilesAreConverted) {

@@ -106,6 +106,34 @@ TEST(Door, GivesTheSameMeshInSubdomainsFromMemoryAsFromFiles) {
   EXPECT_NE(summary(by_files), "");
 }
 
+TEST(Door, AReportThatCouldNotBeWrittenIsNotToldAsWritten) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "weft-door-report";
+  std::filesystem::create_directories(folder);
+  Files files;
+  files.input = (folder / "start.meshb").string();
+  files.output = (folder / "fine.meshb").string();
+  files.report = (folder / "run").string();
+  write_mesh(files.input, box_of(3));
+  for (const std::uint32_t subdomains : {0u, 2u}) {
+    Options options = one_thread();
+    options.metric.function = "uniform:0.3";
+    options.distributed.subdomains = subdomains;
+    const FilesResult written = adapt_files(files, options);
+    EXPECT_EQ(written.report, (folder / "run" / "report.json").string());
+    EXPECT_EQ(written.report_error, "");
+    options.run.progress = [&](const Progress&) {
+      std::filesystem::remove_all(files.report);
+      return true;
+    };
+    const FilesResult lost = adapt_files(files, options);
+    EXPECT_TRUE(std::filesystem::exists(files.output));
+    EXPECT_EQ(lost.report, "");
+    EXPECT_THAT(lost.report_error, HasSubstr("report.json"));
+    EXPECT_THAT(summary(lost), Not(HasSubstr("\nreport  ")));
+    EXPECT_THAT(summary(lost), HasSubstr("\nerror   " + lost.report_error + "\n"));
+  }
+}
+
 TEST(Door, CarriesFieldsAlong) {
   const Mesh start = box_of(4);
   Field field{Field::Kind::scalar, {}, "linear"};

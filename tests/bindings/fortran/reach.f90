@@ -9,7 +9,7 @@ program reach
   type(weft_measures) :: measures
   type(weft_fill_settings) :: settings
   type(weft_component_account) :: account
-  character(:), allocatable :: text
+  character(:), allocatable :: text, why
   integer(c_int64_t) :: count, before, points, outside
   real(c_double) :: complexity, farthest
   real(c_double), pointer :: x(:, :)
@@ -68,6 +68,8 @@ program reach
                               fields=["h.solb"], report="run", page=.false.))
   call check(weft_result_json(result, text))
   if (index(text, "weft-report-1") == 0) error stop "no report"
+  call check(weft_result_report(result, text, why))
+  if (text /= "run/report.json" .or. why /= "") error stop "the report is not told"
   call check(weft_free(result))
   call must_be_there("fine.meshb")
   call must_be_there("fine-fields.solb")

@@ -5,6 +5,7 @@ import inspect
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -67,6 +68,16 @@ def test_files_to_files_give_the_commands_bytes(tmp_path, start):
                             threads=1)
     assert same(tmp_path, "fine.meshb", "python.meshb", "fine.solb", "python.solb")
     assert told.mesh.endswith("python.meshb") and "python.meshb" in told.summary()
+
+
+def test_a_report_that_could_not_be_written_is_told(tmp_path, start):
+    def lose(stage, done, tets):
+        shutil.rmtree(tmp_path / "run", ignore_errors=True)
+
+    told = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "fine.meshb", metric_fn="uniform:0.3", threads=1,
+                            report=tmp_path / "run", progress=lose)
+    assert told.report == "" and "report.json" in told.report_error and told.report_error in told.summary()
+    assert (tmp_path / "fine.meshb").exists()
 
 
 def test_metrics_give_the_commands_bytes(tmp_path, start):

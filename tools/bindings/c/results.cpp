@@ -151,6 +151,15 @@ weft_status weft_result_json(const weft_result* result, const char** text) {
   });
 }
 
+weft_status weft_result_report(const weft_result* result, const char** report, const char** error) {
+  return guarded([&] {
+    const auto known = result_of(result);
+    require(known->files != nullptr, "result: is not one of files");
+    if (report) *report = known->files->report.c_str();
+    if (error) *error = known->files->report_error.c_str();
+  });
+}
+
 weft_status weft_result_measures(const weft_result* result, weft_measures* measures) {
   return guarded([&] {
     require_place(measures, "measures");

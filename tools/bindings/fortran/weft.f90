@@ -87,6 +87,7 @@ module weft
     weft_adapt_to_background, weft_adapt_parts_to_background, weft_adapt_files, weft_convert, weft_mesh_box, &
     weft_mesh_compare, weft_metric_complexity, weft_fields_read, weft_fields_write, weft_fields_account, &
     weft_fields_outside, weft_options_cancel, weft_options_checkpoint, weft_part_ghosts, weft_result_json, &
+    weft_result_report, &
     weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
     weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface, weft_mesh_repair, &
     weft_fields_repair_metric, weft_surface_repair
@@ -329,6 +330,10 @@ module weft
     end function
     function c_result_json(result, text) bind(c, name="weft_result_json")
       import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: text; integer(c_int) :: c_result_json
+    end function
+    function c_result_report(result, report, error) bind(c, name="weft_result_report")
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: report, error
+      integer(c_int) :: c_result_report
     end function
     function c_measure(mesh, metric, measures) bind(c, name="weft_measure")
       import; type(c_ptr), value :: mesh, metric; type(weft_measures), intent(inout) :: measures
@@ -958,6 +963,19 @@ contains
     status = c_result_json(result, letters)
     text = text_of(letters)
   end function weft_result_json
+
+  !> Of files: report.json, and what could not be written beside the mesh, and why; empty where there is none.
+  function weft_result_report(result, report, error) result(status)
+    type(c_ptr), intent(in) :: result
+    character(:), allocatable, intent(inout) :: report, error
+    integer(c_int) :: status
+    type(c_ptr) :: path, reason
+    path = c_null_ptr
+    reason = c_null_ptr
+    status = c_result_report(result, path, reason)
+    report = text_of(path)
+    error = text_of(reason)
+  end function weft_result_report
 
   function weft_fill_settings_default(settings) result(status)
     type(weft_fill_settings), intent(inout) :: settings

@@ -321,7 +321,9 @@ void add_reports(py::module_& module) {
       .def_readonly("mesh", &FilesResult::mesh)
       .def_readonly("metric", &FilesResult::metric)
       .def_readonly("fields", &FilesResult::fields)
-      .def_readonly("report", &FilesResult::report)
+      .def_readonly("report", &FilesResult::report, "report.json; empty: none.")
+      .def_readonly("report_error", &FilesResult::report_error,
+                    "What could not be written beside the mesh, and why; there is no report then.")
       .def("summary", [](const FilesResult& result) { return summary(result); });
   py::class_<SimulatedFilesResult, FilesResult, std::shared_ptr<SimulatedFilesResult>>(
       module, "SimulatedFilesResult", "What has been written, and times of virtual clocks.")

@@ -493,8 +493,8 @@ struct Files {
 struct FilesResult : Report {
   std::string input, metric_name;    ///< what it was made from
   std::string mesh, metric, fields;  ///< the files that were written
-  std::string report;                ///< report.json; empty: none
-  std::string report_error;          ///< why there is no report though one was asked for
+  std::string report;                ///< report.json; empty: none, or not all of what belongs to it
+  std::string report_error;          ///< what could not be written, or measured, beside the mesh, and why
   bool first = true;                 ///< this is rank 0, which says what there is to say
 };
 

@@ -355,6 +355,9 @@ WEFT_C_API weft_status weft_result_verdict(const weft_result* result, int* goal_
 /* What the command prints; the same for programs, JSON of schema weft-report-1. */
 WEFT_C_API weft_status weft_result_summary(const weft_result* result, const char** text);
 WEFT_C_API weft_status weft_result_json(const weft_result* result, const char** text);
+/* Of files: report.json, and what could not be written beside the mesh, and why (there is no report then);
+   "" where there is none. Either may be NULL. */
+WEFT_C_API weft_status weft_result_report(const weft_result* result, const char** report, const char** error);
 
 /* Quality of tets (mean ratio) and lengths of edges in a metric. */
 typedef struct weft_measures {
