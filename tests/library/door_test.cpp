@@ -338,6 +338,62 @@ TEST(Door, MakesMetricsOfSolutionsInMemory) {
   EXPECT_NEAR(complexity(mesh, made.metric), 400, 4);
 }
 
+/// The same with a vertex before the others that no tet has.
+Mesh with_unused_vertex(Mesh mesh) {
+  mesh.points.insert(mesh.points.begin(), {5, 5, 5});
+  mesh.point_refs.insert(mesh.point_refs.begin(), 0);
+  const auto shift = [](auto& rows) {
+    for (auto& row : rows)
+      for (std::uint32_t& point : row) ++point;
+  };
+  shift(mesh.tets), shift(mesh.triangles), shift(mesh.edges);
+  for (auto* indices : {&mesh.corners, &mesh.required_points})
+    for (std::uint32_t& point : *indices) ++point;
+  return mesh;
+}
+
+Fields wave_at(const Mesh& mesh) {
+  Field field{Field::Kind::scalar, {}, "wave"};
+  for (const Point& p : mesh.points) field.values.push_back(std::tanh(10 * (p.x - 0.5)) + p.y * p.z);
+  return {mesh.points.size(), {field}};
+}
+
+TEST(Door, WhatIsAtTheVerticesOfAMendedMeshFollows) {
+  const Mesh sound = box_of(4), broken = with_unused_vertex(sound);
+  Options options = one_thread();
+  options.metric.complexity = 500;
+  options.metric.solutions = {wave_at(sound)};
+  const Result plain = adapt(sound, options);
+  options.run.repair = true;
+  options.metric.solutions = {wave_at(broken)};
+  const Result of_memory = adapt(broken, options);
+  EXPECT_EQ(of_memory.mends.size(), 1u);
+  EXPECT_TRUE(equal(of_memory.mesh, plain.mesh));
+  const std::string file = (std::filesystem::path(::testing::TempDir()) / "weft-door-wave.solb").string();
+  write_fields(file, wave_at(broken));
+  options.metric.solutions.clear();
+  options.metric.sol = {file};
+  EXPECT_TRUE(equal(adapt(broken, options).mesh, plain.mesh));
+  options.metric = {};
+  options.metric.file = file;
+  write_fields(file, sizes(broken, 0.2).fields());
+  const Mesh by_metric = adapt(broken, options).mesh;
+  write_fields(file, sizes(sound, 0.2).fields());
+  options.run.repair = false;
+  EXPECT_TRUE(equal(by_metric, adapt(sound, options).mesh));
+}
+
+TEST(Door, RefusesSolutionsOfAnotherMeshThanTheOneToBeMended) {
+  const Mesh broken = with_unused_vertex(box_of(2));
+  Options options = one_thread();
+  options.run.repair = true;
+  options.metric.solutions = {wave_at(box_of(3))};
+  EXPECT_THAT(error_of<InputError>([&] { adapt(broken, options); }), HasSubstr("solution of another mesh"));
+  options.metric.solutions = {wave_at(broken)};
+  options.metric.solutions[0].fields[0].values.pop_back();
+  EXPECT_THAT(error_of<InputError>([&] { adapt(broken, options); }), HasSubstr("field 1: has "));
+}
+
 TEST(Door, MetricsOfSolutionsAskForNoEdgesLongerThanTheDomain) {
   const Mesh mesh = box_of(8);
   Field u{Field::Kind::scalar, {}, "u"};
