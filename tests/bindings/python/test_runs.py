@@ -32,6 +32,25 @@ def test_another_thread_runs_while_adapting(box):
     assert result.goal_met and during > 10
 
 
+def test_another_thread_runs_while_fields_are_read(tmp_path):
+    weft.write_fields(tmp_path / "u.sol", {"u": np.random.default_rng(1).random(1_000_000)})
+    done, ticks = threading.Event(), [0]
+
+    def tick():
+        while not done.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    other = threading.Thread(target=tick)
+    other.start()
+    before = ticks[0]
+    weft.read_fields(tmp_path / "u.sol")
+    during = ticks[0] - before
+    done.set()
+    other.join()
+    assert during > 5
+
+
 def test_two_adaptations_at_once_give_what_each_gives_alone(box):
     metrics = [np.full(len(box.points), h) for h in (0.12, 0.15)]
     alone = [weft.adapt(box, metric, threads=1).mesh for metric in metrics]

@@ -3,6 +3,7 @@
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "tools/bindings/python/src/texts.h"
 
 namespace {
 
@@ -10,7 +11,7 @@ namespace py = pybind11;
 
 void raise_as(const char* name, const char* text) {
   const py::object type = py::module_::import("weft._errors").attr(name);
-  PyErr_SetString(type.ptr(), text);
+  PyErr_SetObject(type.ptr(), weft::python::message_text(text).ptr());
 }
 
 void translate(std::exception_ptr error) {

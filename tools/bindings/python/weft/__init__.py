@@ -197,7 +197,7 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
         issue, cause = f"{kind}\n{error}", error
-    rank, text = _weft.first_error(handle, issue)
+    rank, text = _weft.first_error(handle, issue.encode(errors="replace"))  # names of files may be no UTF-8
     if rank >= 0:
         _raise_issue(rank, text, cause)
     return _weft.adapt_prepared(handle, prepared, progress, cancel)
