@@ -1,5 +1,6 @@
 // The module weft._weft: what weft/__init__.py is made of. Errors become the classes of weft/_errors.py.
 #include <new>
+#include <stdexcept>
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
@@ -14,6 +15,8 @@ void raise_as(const char* name, const char* text) {
   PyErr_SetObject(type.ptr(), weft::python::message_text(text).ptr());
 }
 
+/// As the statuses of C (tools/bindings/c/calls.cpp). What pybind11 and callbacks have raised stays what it
+/// is.
 void translate(std::exception_ptr error) {
   try {
     if (error) std::rethrow_exception(error);
@@ -27,6 +30,14 @@ void translate(std::exception_ptr error) {
     raise_as("RunError", e.what());
   } catch (const std::bad_alloc&) {
     raise_as("OutOfMemory", "out of memory");
+  } catch (const std::length_error&) {
+    raise_as("OutOfMemory", "out of memory: larger than any array can be");
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const std::exception& e) {
+    raise_as("InternalError", e.what());
   }
 }
 
