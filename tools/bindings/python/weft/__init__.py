@@ -379,8 +379,8 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
     share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole (of a CAD model with
     several bodies each is filled, and voids between them only with materials). remesh_surface: the surface may be
     adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
-    Of the options threads, hausd, ridge_angle, repair and, with remesh_surface, geometry and geometry_scale have a
-    meaning.
+    Of the options threads, time_limit, max_memory, hausd, ridge_angle, repair, no_verify and, with remesh_surface, geometry
+    and geometry_scale have a meaning.
     """
     _check_watch(progress, cancel)
     return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, _as_background(background),
