@@ -548,7 +548,7 @@ contains
     if (.not. is_of_refs(which)) values = values + 1
   end function weft_mesh_get
 
-  !> weft's own coordinates (3, n), not copied: valid until the mesh is freed.
+  !> weft's own coordinates (3, n), not copied: valid until the mesh is changed or freed.
   function weft_mesh_points(mesh, points) result(status)
     type(c_ptr), intent(in) :: mesh
     real(c_double), pointer, intent(out) :: points(:, :)
@@ -645,7 +645,8 @@ contains
     end if
   end function weft_fields_add
 
-  !> weft's own values (components, n) of a field, from 1: valid until the fields are freed.
+  !> weft's own values (components, n) of a field, from 1: valid until the fields are freed or changed, as by adding one
+  !> or by a repair.
   function weft_fields_get(fields, index, name, values) result(status)
     type(c_ptr), intent(in) :: fields
     integer, intent(in) :: index

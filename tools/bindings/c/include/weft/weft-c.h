@@ -19,7 +19,7 @@
    - Objects are opaque handles, which weft_free() frees. A handle that has been freed, or is of another kind,
      is refused with WEFT_MISUSE. A function that fails leaves its outputs as they are.
    - Arrays of the caller are read during the call and never kept. Pointers that functions give out belong to
-     the object and are valid until it is freed (until it is changed or freed, for a mesh).
+     the object and are valid until it is freed (until it is changed or freed, for a mesh and for fields).
    - Indices and counts are 64-bit, indices count from 0. Errors name arrays by argument and index; what they
      call a vertex, tet or triangle with a number counts from 1, as in files.
    - Tensors have six numbers in a row; which comes where has to be said (weft_tensor_order).
@@ -201,7 +201,8 @@ WEFT_C_API weft_status weft_fields_create(int64_t num_points, weft_fields** fiel
 WEFT_C_API weft_status weft_fields_add(weft_fields* fields, const char* name, int components,
                                        const double* values);
 WEFT_C_API weft_status weft_fields_count(const weft_fields* fields, int64_t* num_fields, int64_t* num_points);
-/* Any of the outputs may be NULL. */
+/* Any of the outputs may be NULL. The pointers are valid until the fields are freed or changed, as by adding
+   one or by a repair. */
 WEFT_C_API weft_status weft_fields_get(const weft_fields* fields, int64_t index, const char** name,
                                        int* components, const double** values);
 WEFT_C_API weft_status weft_fields_read(const char* path, weft_fields** fields);
