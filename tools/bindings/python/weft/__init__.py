@@ -214,6 +214,8 @@ def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), ba
     report: folder for report.json and (page) report.html and profile.json; case: published figures to show there.
     graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
     this thread simulates, on a network and with processors slower by a factor; the result is a SimulatedFilesResult.
+    Under mpirun it is a call of all ranks, which starts and ends MPI: only one can be made, unless mpi4py.MPI has been
+    imported before.
     """
     _check_watch(progress, cancel)
     texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)

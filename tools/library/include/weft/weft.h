@@ -499,9 +499,10 @@ struct FilesResult : Report {
 };
 
 /// Reads, adapts, measures, writes; files appear whole or not at all. Under mpirun it works on all ranks of
-/// the world (and starts and ends MPI, unless the caller has started it): every rank reads its share where
-/// formats and metric allow. Where it has started MPI itself and a rank dies or MPI fails, it ends all ranks
-/// by MPI_Abort with status 2, the only way out of MPI then.
+/// the world (and starts and ends MPI, unless the caller has started it, without whom there is one such call
+/// in the life of a process): every rank reads its share where formats and metric allow. Where it has started
+/// MPI itself and a rank dies or MPI fails, it ends all ranks by MPI_Abort with status 2, the only way out of
+/// MPI then.
 WEFT_API FilesResult adapt_files(const Files& files, const Options& options = {});
 /// Whether adapt_files works in subdomains: asked to, or under mpirun.
 WEFT_API bool in_subdomains(const Options& options);

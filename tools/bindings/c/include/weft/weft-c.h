@@ -287,7 +287,9 @@ WEFT_C_API weft_status weft_adapt(const weft_mesh* mesh, const weft_metric* metr
 WEFT_C_API weft_status weft_adapt_to_background(const weft_mesh* mesh, const weft_mesh* background,
                                                 const weft_metric* metric, const weft_options* options,
                                                 const weft_fields* fields, weft_result** result);
-/* From file to file, as `weft adapt IN -o OUT` does. */
+/* From file to file, as `weft adapt IN -o OUT` does. Under mpirun it is a call of all ranks, which starts and
+   ends MPI: only one such call can be made. A program that makes several calls MPI_Init before the first and
+   MPI_Finalize after the last. */
 WEFT_C_API weft_status weft_adapt_files(const char* input, const char* output, const weft_options* options,
                                         weft_result** result);
 
