@@ -42,11 +42,12 @@ std::string text_of(EndReason reason) {
   return {};
 }
 
-Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin)
+Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin, bool first)
     : options_(options),
       sharers_(std::max(1, sharers)),
       sharers_here_(ranks_on_this_machine(sharers_)),
       begin_(begin),
+      first_(first),
       memory_(options.max_memory) {
   memory_at_begin_ = resident_bytes();
   hear_caller();
@@ -65,7 +66,7 @@ Monitor::~Monitor() {
 
 void Monitor::tell(const Progress& progress) {
   if (progress.tets > tets_) tets_ = progress.tets;
-  if (options_.progress && !options_.progress(progress)) cancel(EndReason::interrupted);
+  if (first_ && options_.progress && !options_.progress(progress)) cancel(EndReason::interrupted);
   hear_caller();
 }
 

@@ -31,8 +31,10 @@ constexpr double seconds_to_carry(TransferMethod method) {
 class Monitor {
  public:
   using Clock = std::chrono::steady_clock;
-  /// `sharers`: ranks that write the result together. Limits of time count from `begin`.
-  explicit Monitor(const RunOptions& options, int sharers = 1, Clock::time_point begin = Clock::now());
+  /// `sharers`: ranks that write the result together. Limits of time count from `begin`. `first`: this is
+  /// rank 0, which alone tells the caller's function.
+  explicit Monitor(const RunOptions& options, int sharers = 1, Clock::time_point begin = Clock::now(),
+                   bool first = true);
   ~Monitor();
   Monitor(const Monitor&) = delete;
   Monitor& operator=(const Monitor&) = delete;
@@ -49,7 +51,7 @@ class Monitor {
   /// Before the mesh is written, what takes so long for each of its tets has to be done on the ranks
   /// together.
   void expect(double seconds_of_tet) { seconds_of_tet_ = seconds_of_tet; }
-  /// Whether progress has to be told.
+  /// Whether progress has to be told, as this rank wishes: that of rank 0 counts.
   bool wanted() const { return options_.progress || options_.time_limit > 0; }
 
  private:
@@ -74,6 +76,7 @@ class Monitor {
   const int sharers_;
   const int sharers_here_;  ///< found at first: the environment may change while other threads run
   const Clock::time_point begin_;
+  const bool first_;
   std::atomic<bool> flag_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
   std::atomic<std::uint64_t> tets_ = 0;     ///< the most that have been told of
