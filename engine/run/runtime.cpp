@@ -98,6 +98,7 @@ class Runtime::Implementation final : private BalanceActions {
     stop_reason_ = reason;
     transport_.wake();
   }
+  void set_bulletins(Bulletins bulletins) { options_.bulletins = std::move(bulletins); }
   Scheduler& scheduler() { return scheduler_; }
   void request_state() noexcept {
     state_requested_ = true;
@@ -172,7 +173,7 @@ class Runtime::Implementation final : private BalanceActions {
   void tell_clock(Rank to, ClockReading reading);
   void progress_until(const std::function<bool()>& done);
 
-  const RuntimeOptions options_;
+  RuntimeOptions options_;
   Transport& transport_;
   const Registry& registry_;
   Exchange exchange_;
@@ -658,6 +659,7 @@ Runtime::~Runtime() = default;
 Rank Runtime::rank() const { return implementation_->rank(); }
 int Runtime::ranks() const { return implementation_->ranks(); }
 void Runtime::run(std::function<void(Context&)> root) { implementation_->run(std::move(root)); }
+void Runtime::set_bulletins(Bulletins bulletins) { implementation_->set_bulletins(std::move(bulletins)); }
 void Runtime::request_stop(const char* reason) noexcept { implementation_->request_stop(reason); }
 void Runtime::request_state() noexcept { implementation_->request_state(); }
 void Runtime::restore_location(ObjectId id, Rank at) {

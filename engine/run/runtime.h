@@ -126,6 +126,10 @@ class Runtime {
   /// thread or signal handler.
   void request_state() noexcept;
 
+  /// Takes the place of RuntimeOptions::bulletins from the next run on, where the ranks first have to agree
+  /// on whether there are any. On all ranks, between runs.
+  void set_bulletins(Bulletins bulletins);
+
   /// Visits the objects of type T that are here now, in the order of their ids; not during run().
   template <class T>
   void visit(const std::function<void(MobilePtr<T>, T&)>& function) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
@@ -21,12 +20,14 @@ struct Unit {
 };
 
 double number_with_unit(std::string_view word, std::initializer_list<Unit> units) {
-  const std::string copy(word);
-  char* end = nullptr;
-  const double number = std::strtod(copy.c_str(), &end);
-  const std::string_view rest(end);
+  std::string_view rest = word;
+  rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+  if (rest.starts_with('+')) rest.remove_prefix(1);
+  double number = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
   for (const Unit& unit : units)
-    if (rest == unit.name && end != copy.c_str() && number > 0 && std::isfinite(number))
+    if (rest == unit.name && error == std::errc() && number > 0 && std::isfinite(number))
       return number * unit.value;
   throw std::invalid_argument(text("'", word, "' is not a positive number with one of the units ",
                                    std::data(units)[1].name, " to ",

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <locale>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -141,6 +142,7 @@ std::string CheckpointManifest::text() const {
 
 std::optional<CheckpointManifest> CheckpointManifest::parse(const std::string& text) {
   std::istringstream in(text);
+  in.imbue(std::locale::classic());
   const auto word_is = [&](const char* expected) {
     std::string word;
     return (in >> word) && word == expected;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "meshing/base/box.h"
@@ -28,8 +28,8 @@ bool is_near(const Point& p) { return is_near(p.x) && is_near(p.y) && is_near(p.
 
 std::string number(double x) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", x);
-  return text.data();
+  constexpr auto kShortest = std::chars_format::general;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x, kShortest, 3).ptr};
 }
 
 std::string name(const char* kind, std::size_t index) {

@@ -3,13 +3,24 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <string_view>
+#include <system_error>
 
 #include "meshing/base/error.h"
 
 namespace weft::meshing {
 namespace {
+
+/// The number that a text is, whatever the locale; 0: it is none.
+double size_named(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? value : 0;
+}
 
 Eigen::Matrix3d to_eigen(const SymTensor& a) {
   Eigen::Matrix3d m;
@@ -219,13 +230,7 @@ AnalyticMetric::AnalyticMetric(const std::string& name) {
     kind_ = Kind::linear;
   } else if (name.starts_with(kUniform)) {
     kind_ = Kind::uniform;
-    try {
-      std::size_t used = 0;
-      h_ = std::stod(name.substr(kUniform.size()), &used);
-      if (used + kUniform.size() != name.size()) h_ = 0;
-    } catch (const std::exception&) {
-      h_ = 0;
-    }
+    h_ = size_named(std::string_view(name).substr(kUniform.size()));
     if (!(h_ > 0) || !std::isfinite(h_))
       throw InputError("", "metric " + name, "the size H must be a positive number");
   } else {

@@ -296,6 +296,19 @@ TEST_F(CInterface, ACallbackCancelsWithAValidMeshAndTheOptionsServeAgain) {
   EXPECT_GT(calls, 0);
 }
 
+TEST_F(CInterface, ALimitEndsItsRunAndNotTheNextOneWithTheSameOptions) {
+  weft_mesh* mesh = box(6);
+  weft_options* asked = options();
+  for (const auto& [limit, size, expected] : {std::tuple("0.01", 0.03, 1), std::tuple("0", 0.3, 0)}) {
+    weft_options_set(asked, "time-limit", limit);
+    weft_result* result = nullptr;
+    ASSERT_EQ(weft_adapt(mesh, sizes(mesh, size), asked, nullptr, &result), WEFT_OK) << weft_last_error();
+    int cancelled = -1;
+    weft_result_verdict(keep(result), nullptr, &cancelled);
+    EXPECT_EQ(cancelled, expected);
+  }
+}
+
 TEST_F(CInterface, MeasuresAreTakenWhenTheyAreAskedFor) {
   weft_mesh* mesh = box(3);
   weft_options* asked = options();
@@ -585,6 +598,10 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   for (const std::string& file : {out, graph, trace, report + "/report.json", folder / "out-fields.solb"})
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
   EXPECT_FALSE(std::filesystem::exists(report + "/report.html"));
+  const char *written = nullptr, *error = nullptr;
+  ASSERT_EQ(weft_result_report(result, &written, &error), WEFT_OK) << weft_last_error();
+  EXPECT_EQ(written, report + "/report.json");
+  EXPECT_STREQ(error, "");
   settings = {};
   settings.size = sizeof settings;
   weft_file_settings_default(&settings);
@@ -602,6 +619,31 @@ TEST_F(CInterface, FilesAreAdaptedWithAllThatTheCommandIsTold) {
   settings.fields = nullptr;
   EXPECT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_MISUSE);
   EXPECT_THAT(weft_last_error(), HasSubstr("fields: is NULL"));
+}
+
+TEST_F(CInterface, AReportThatCouldNotBeWrittenIsTold) {
+  const Folder folder;
+  const std::string start = folder / "start.meshb", out = folder / "out.meshb";
+  std::string report = folder / "run";
+  ASSERT_EQ(weft_mesh_write(box(3), start.c_str()), WEFT_OK);
+  weft_options* asked = options();
+  weft_options_set(asked, "metric-fn", "uniform:0.3");
+  const auto remove = [](void* path, const weft_progress*) {
+    std::filesystem::remove_all(*static_cast<std::string*>(path));
+    return 1;
+  };
+  weft_options_set_progress(asked, remove, &report);
+  weft_file_settings settings{};
+  settings.size = sizeof settings;
+  weft_file_settings_default(&settings);
+  settings.report = report.c_str();
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_adapt_files_with(start.c_str(), out.c_str(), &settings, asked, &result), WEFT_OK)
+      << weft_last_error();
+  const char *written = nullptr, *error = nullptr;
+  ASSERT_EQ(weft_result_report(keep(result), &written, &error), WEFT_OK) << weft_last_error();
+  EXPECT_STREQ(written, "");
+  EXPECT_THAT(error, HasSubstr("report.json"));
 }
 
 TEST_F(CInterface, FilesAreConverted) {
@@ -669,6 +711,74 @@ TEST_F(CInterface, SurfacesOfBodiesAreFilledToo) {
   EXPECT_THAT(weft_last_error(), StartsWith("radius: -1"));
   EXPECT_EQ(weft_tessellate(options(), 20, &ball), WEFT_OPTION_ERROR);
   EXPECT_THAT(weft_last_error(), HasSubstr("no CAD model is named"));
+}
+
+TEST_F(CInterface, AFillingTellsWhatItHasDoneAndHowItEnded) {
+  const double origin[] = {0, 0, 0};
+  weft_mesh* ball = nullptr;
+  ASSERT_EQ(weft_ball_surface(1, origin, 0.3, &ball), WEFT_OK);
+  keep(ball);
+  weft_options* asked = options();
+  const auto told = [&](const weft_result* of, weft_told what) {
+    weft_text* text = nullptr;
+    EXPECT_EQ(weft_result_told(of, what, &text), WEFT_OK) << weft_last_error();
+    const char* letters = nullptr;
+    weft_text_get(keep(text), &letters);
+    return std::string(letters);
+  };
+  weft_result* result = nullptr;
+  ASSERT_EQ(weft_fill_to_result(ball, nullptr, nullptr, nullptr, asked, &result), WEFT_OK)
+      << weft_last_error();
+  weft_fill_account account{};
+  account.size = sizeof account;
+  ASSERT_EQ(weft_result_fill(keep(result), &account), WEFT_OK) << weft_last_error();
+  EXPECT_EQ(account.regions, 1);
+  int goal_met = -1, cancelled = -1;
+  weft_result_verdict(result, &goal_met, &cancelled);
+  EXPECT_EQ(goal_met, 1);
+  EXPECT_EQ(cancelled, 0);
+  EXPECT_EQ(told(result, WEFT_MENDS) + told(result, WEFT_MISSED) + told(result, WEFT_ENDED_BY), "");
+  weft_measures measures{};
+  measures.size = sizeof measures;
+  ASSERT_EQ(weft_result_measures(result, &measures), WEFT_OK) << weft_last_error();
+  EXPECT_GT(measures.tets, 100);
+  const char* text = nullptr;
+  EXPECT_EQ(weft_result_json(result, &text), WEFT_MISUSE);
+  EXPECT_EQ(weft_result_summary(result, &text), WEFT_MISUSE);
+
+  int64_t count = 0;
+  weft_mesh_count(ball, WEFT_TRIANGLES, &count);
+  std::vector<int64_t> triangles(static_cast<std::size_t>(3 * count));
+  weft_mesh_get(ball, WEFT_TRIANGLES, 3 * count, triangles.data());
+  triangles.insert(triangles.end(), triangles.begin(), triangles.begin() + 3);  // one twice
+  weft_mesh_set(ball, WEFT_TRIANGLE_REFS, 0, nullptr);
+  weft_mesh_set(ball, WEFT_TRIANGLES, count + 1, triangles.data());
+  weft_options_set(asked, "repair", "yes");
+  const auto stop_at_tets = [](void*, const weft_progress* now) { return now->tets > 0 ? 0 : 1; };
+  weft_options_set_progress(asked, stop_at_tets, nullptr);
+  ASSERT_EQ(weft_fill_to_result(ball, nullptr, nullptr, nullptr, asked, &result), WEFT_OK)
+      << weft_last_error();
+  weft_result_verdict(keep(result), &goal_met, &cancelled);
+  EXPECT_EQ(goal_met, 0);
+  EXPECT_EQ(cancelled, 1);
+  EXPECT_EQ(told(result, WEFT_ENDED_BY), "interrupted");
+  EXPECT_THAT(told(result, WEFT_MENDS), HasSubstr("1 "));
+  EXPECT_EQ(weft_result_told(result, static_cast<weft_told>(9), nullptr), WEFT_MISUSE);
+}
+
+TEST_F(CInterface, MetricsComeWithTheirWarnings) {
+  weft_mesh* mesh = box(3);
+  weft_options* asked = options();
+  weft_options_set(asked, "complexity", "5000");
+  weft_options_set(asked, "hmin", "0.5");
+  weft_metric* metric = nullptr;
+  weft_text* warnings = nullptr;
+  ASSERT_EQ(weft_metric_make_with(mesh, sizes(mesh, 0.3), asked, &metric, &warnings), WEFT_OK)
+      << weft_last_error();
+  keep(metric);
+  const char* text = nullptr;
+  weft_text_get(keep(warnings), &text);
+  EXPECT_THAT(text, HasSubstr("instead of 5,000\n"));
 }
 
 TEST_F(CInterface, TransfersAreAccountedFor) {

@@ -393,6 +393,17 @@ TEST(Launch, AStatusOfOneRankAloneFailsTheRunsOfTheOthers) {
 }  // namespace
 }  // namespace weft::engine
 
+/// After the end of MPI; 0 where it is said that there is only one.
+static int start_again() {
+  try {
+    weft::engine::MpiTransport again(nullptr, nullptr);
+  } catch (const weft::engine::TransportError& error) {
+    if (std::string_view(error.what()).starts_with("MPI has been ended")) return 0;
+    std::fprintf(stderr, "guest_test: %s\n", error.what());
+  }
+  return 1;
+}
+
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   MPI_Init(&argc, &argv);  // at the lowest thread level, as old programs do
@@ -402,5 +413,5 @@ int main(int argc, char** argv) {
     return 1;
   }
   MPI_Finalize();
-  return result;
+  return result != 0 ? result : start_again();
 }

@@ -100,6 +100,21 @@ TEST(Bulletins, WhatIsEmptyIsNotSentButRankZeroReadsItsOwn) {
   });
 }
 
+TEST(Bulletins, BeginWithTheNextRunWhereTheyAreSetLater) {
+  on_ranks(2, [&](Transport& transport) {
+    std::set<Rank> heard;
+    const Registry registry = sleepers();
+    Runtime runtime(transport, registry);
+    const auto work = [](Context& context) {
+      context.invoke<&Sleeper::sleep>(context.create<Sleeper>(), 50);
+    };
+    runtime.run(work);
+    runtime.set_bulletins({2ms, [] { return packed(1); }, [&](Rank from, Payload) { heard.insert(from); }});
+    runtime.run(work);
+    EXPECT_EQ(heard.size(), transport.rank() == Rank(0) ? 2u : 0u);
+  });
+}
+
 /// Waits for a signal that is given when both ranks have shown their states.
 struct Waiter {
   bool met = false;

@@ -106,6 +106,34 @@ TEST(Door, GivesTheSameMeshInSubdomainsFromMemoryAsFromFiles) {
   EXPECT_NE(summary(by_files), "");
 }
 
+TEST(Door, AReportThatCouldNotBeWrittenIsNotToldAsWritten) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "weft-door-report";
+  std::filesystem::create_directories(folder);
+  Files files;
+  files.input = (folder / "start.meshb").string();
+  files.output = (folder / "fine.meshb").string();
+  files.report = (folder / "run").string();
+  write_mesh(files.input, box_of(3));
+  for (const std::uint32_t subdomains : {0u, 2u}) {
+    Options options = one_thread();
+    options.metric.function = "uniform:0.3";
+    options.distributed.subdomains = subdomains;
+    const FilesResult written = adapt_files(files, options);
+    EXPECT_EQ(written.report, (folder / "run" / "report.json").string());
+    EXPECT_EQ(written.report_error, "");
+    options.run.progress = [&](const Progress&) {
+      std::filesystem::remove_all(files.report);
+      return true;
+    };
+    const FilesResult lost = adapt_files(files, options);
+    EXPECT_TRUE(std::filesystem::exists(files.output));
+    EXPECT_EQ(lost.report, "");
+    EXPECT_THAT(lost.report_error, HasSubstr("report.json"));
+    EXPECT_THAT(summary(lost), Not(HasSubstr("\nreport  ")));
+    EXPECT_THAT(summary(lost), HasSubstr("\nerror   " + lost.report_error + "\n"));
+  }
+}
+
 TEST(Door, CarriesFieldsAlong) {
   const Mesh start = box_of(4);
   Field field{Field::Kind::scalar, {}, "linear"};
@@ -236,6 +264,22 @@ TEST(Door, CancelsByAFlagOfAnotherThread) {
   EXPECT_TRUE(verify(result.mesh).ok());
 }
 
+TEST(Door, WhatEndsARunLeavesTheCallersFlagAlone) {
+  const Mesh start = box_of(6);
+  std::atomic<bool> cancel = false;
+  for (const std::uint32_t subdomains : {0u, 4u}) {
+    Options options = one_thread();
+    options.distributed.subdomains = subdomains;
+    options.run.cancel = &cancel;
+    options.run.time_limit = 0.01;
+    EXPECT_EQ(adapt(start, sizes(start, 0.03), options).ended_by, "time limit");
+    options.run.time_limit = 0;
+    options.run.progress = [](const Progress&) { return false; };
+    EXPECT_EQ(adapt(start, sizes(start, 0.03), options).ended_by, "interrupted");
+    EXPECT_FALSE(cancel);
+  }
+}
+
 TEST(Door, FillingThatIsCancelledBeforeThereIsAMeshSaysSo) {
   std::atomic<bool> cancel = true;
   FillOptions options;
@@ -292,6 +336,62 @@ TEST(Door, MakesMetricsOfSolutionsInMemory) {
   options.hgrad = 1.5;
   const MadeMetric made = make_metric(mesh, options);
   EXPECT_NEAR(complexity(mesh, made.metric), 400, 4);
+}
+
+/// The same with a vertex before the others that no tet has.
+Mesh with_unused_vertex(Mesh mesh) {
+  mesh.points.insert(mesh.points.begin(), {5, 5, 5});
+  mesh.point_refs.insert(mesh.point_refs.begin(), 0);
+  const auto shift = [](auto& rows) {
+    for (auto& row : rows)
+      for (std::uint32_t& point : row) ++point;
+  };
+  shift(mesh.tets), shift(mesh.triangles), shift(mesh.edges);
+  for (auto* indices : {&mesh.corners, &mesh.required_points})
+    for (std::uint32_t& point : *indices) ++point;
+  return mesh;
+}
+
+Fields wave_at(const Mesh& mesh) {
+  Field field{Field::Kind::scalar, {}, "wave"};
+  for (const Point& p : mesh.points) field.values.push_back(std::tanh(10 * (p.x - 0.5)) + p.y * p.z);
+  return {mesh.points.size(), {field}};
+}
+
+TEST(Door, WhatIsAtTheVerticesOfAMendedMeshFollows) {
+  const Mesh sound = box_of(4), broken = with_unused_vertex(sound);
+  Options options = one_thread();
+  options.metric.complexity = 500;
+  options.metric.solutions = {wave_at(sound)};
+  const Result plain = adapt(sound, options);
+  options.run.repair = true;
+  options.metric.solutions = {wave_at(broken)};
+  const Result of_memory = adapt(broken, options);
+  EXPECT_EQ(of_memory.mends.size(), 1u);
+  EXPECT_TRUE(equal(of_memory.mesh, plain.mesh));
+  const std::string file = (std::filesystem::path(::testing::TempDir()) / "weft-door-wave.solb").string();
+  write_fields(file, wave_at(broken));
+  options.metric.solutions.clear();
+  options.metric.sol = {file};
+  EXPECT_TRUE(equal(adapt(broken, options).mesh, plain.mesh));
+  options.metric = {};
+  options.metric.file = file;
+  write_fields(file, sizes(broken, 0.2).fields());
+  const Mesh by_metric = adapt(broken, options).mesh;
+  write_fields(file, sizes(sound, 0.2).fields());
+  options.run.repair = false;
+  EXPECT_TRUE(equal(by_metric, adapt(sound, options).mesh));
+}
+
+TEST(Door, RefusesSolutionsOfAnotherMeshThanTheOneToBeMended) {
+  const Mesh broken = with_unused_vertex(box_of(2));
+  Options options = one_thread();
+  options.run.repair = true;
+  options.metric.solutions = {wave_at(box_of(3))};
+  EXPECT_THAT(error_of<InputError>([&] { adapt(broken, options); }), HasSubstr("solution of another mesh"));
+  options.metric.solutions = {wave_at(broken)};
+  options.metric.solutions[0].fields[0].values.pop_back();
+  EXPECT_THAT(error_of<InputError>([&] { adapt(broken, options); }), HasSubstr("field 1: has "));
 }
 
 TEST(Door, MetricsOfSolutionsAskForNoEdgesLongerThanTheDomain) {

@@ -527,6 +527,17 @@ TEST(Parts, WrongSolutionsAreRefusedOnAllRanks) {
   says(text, "some ranks give one");
 }
 
+TEST(Parts, ProgressIsToldOnTheFirstRankAlone) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  int calls = 0;
+  Options options = options_of();
+  options.run.progress = [&](const Progress&) { return ++calls > 0; };
+  adapt(split.communicator, part, metric_of(part), options);
+  EXPECT_EQ(calls > 0, split.rank == 0);
+}
+
 TEST(Parts, CancelEndsWithAValidMesh) {
   const Split split;
   const Mesh whole = whole_box();
@@ -537,6 +548,17 @@ TEST(Parts, CancelEndsWithAValidMesh) {
   const PartResult result = adapt(split.communicator, part, metric_of(part), options);
   EXPECT_TRUE(result.cancelled);
   EXPECT_NEAR(result.after->volume, 1, 1e-12);
+}
+
+TEST(Parts, CancelOfOneRankEndsTheRunAndSetsNoFlagOfAnother) {
+  const Split split;
+  const Mesh whole = whole_box();
+  const Part part = part_of(whole, split.rank, blocks(whole, split.ranks));
+  std::atomic<bool> cancel = split.rank == 0;
+  Options options = options_of();
+  options.run.cancel = &cancel;
+  EXPECT_TRUE(adapt(split.communicator, part, metric_of(part), options).cancelled);
+  EXPECT_EQ(cancel, split.rank == 0);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tools/report/published.h"
 
 #include <array>
+#include <locale>
 #include <sstream>
 #include <utility>
 
@@ -47,6 +48,7 @@ constexpr std::array<std::pair<std::string_view, std::span<const PublishedRun>>,
 
 std::vector<double> numbers(const std::string& text) {
   std::istringstream in(text);
+  in.imbue(std::locale::classic());
   std::vector<double> all;
   for (double x; in >> x;) all.push_back(x);
   return all;

@@ -1,9 +1,9 @@
 // Graphviz's language; names go through quoted(), so they may be anything.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string_view>
 
+#include "engine/base/text.h"
 #include "graph/dataflow/dump/graph_files.h"
 
 namespace weft::graph::dataflow {
@@ -33,12 +33,6 @@ std::string label_of(const std::vector<std::string>& lines) {
   return quoted(text);
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 /// How a drawing is laid out. Graphviz's layers suit what has a direction. A network of many subdomains has
 /// none, and layers of it take hours: there springs pull neighbours together. They know no clusters, so
 /// colours tell these. Where there are many edges their labels, which would cover each other, become
@@ -65,7 +59,7 @@ std::string vertex_line(const Drawing& drawing, const DrawnVertex& vertex, const
   std::string line = quoted(vertex.id) + " [label=" + label_of(label);
   if (vertex.node) line += fill(*vertex.node);
   if (by_cluster) line += fill(*vertex.cluster);
-  if (!vertex.node) line += ", shape=ellipse, margin=" + number(0.02 + 0.12 * vertex.weight);
+  if (!vertex.node) line += ", shape=ellipse, margin=" + engine::significant(0.02 + 0.12 * vertex.weight, 3);
   if (vertex.critical) line += std::string(", color=\"") + kCritical + "\", penwidth=2.5";
   return line + "];\n";
 }

@@ -2,10 +2,11 @@
 #include "graph/dataflow/dump/graph_drawing.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <tuple>
+
+#include "engine/base/text.h"
 
 namespace weft::graph::dataflow {
 namespace {
@@ -15,27 +16,17 @@ using engine::TimePoint;
 double seconds(TimePoint nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
 std::string seconds_text(TimePoint nanoseconds) {
-  char text[32];
   const double s = seconds(nanoseconds);
-  if (s >= 0.0995)
-    std::snprintf(text, sizeof text, "%.3g s", s);
-  else if (s >= 99.5e-6)
-    std::snprintf(text, sizeof text, "%.3g ms", 1e3 * s);
-  else
-    std::snprintf(text, sizeof text, "%.3g us", 1e6 * s);
-  return text;
+  if (s >= 0.0995) return engine::significant(s, 3) + " s";
+  if (s >= 99.5e-6) return engine::significant(1e3 * s, 3) + " ms";
+  return engine::significant(1e6 * s, 3) + " us";
 }
 
 std::string bytes_text(std::uint64_t bytes) {
-  char text[32];
   const auto b = static_cast<double>(bytes);
-  if (bytes < 1000)
-    std::snprintf(text, sizeof text, "%.0f B", b);
-  else if (b < 1e6)
-    std::snprintf(text, sizeof text, "%.3g kB", 1e-3 * b);
-  else
-    std::snprintf(text, sizeof text, "%.4g MB", 1e-6 * b);
-  return text;
+  if (bytes < 1000) return std::to_string(bytes) + " B";
+  if (b < 1e6) return engine::significant(1e-3 * b, 3) + " kB";
+  return engine::significant(1e-6 * b, 4) + " MB";
 }
 
 std::int64_t integer(std::uint64_t value) { return static_cast<std::int64_t>(value); }

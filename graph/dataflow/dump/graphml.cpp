@@ -21,7 +21,7 @@ void set_text(pugi::xml_node data, const Value& value) {
   if (const auto* n = std::get_if<std::int64_t>(&value))
     data.text().set(static_cast<long long>(*n));
   else if (const auto* x = std::get_if<double>(&value))
-    data.text().set(*x, 17);
+    data.text().set(engine::significant(*x, 17).c_str());  // pugixml would write it as the locale has it
   else
     data.text().set(std::get<std::string>(value).c_str());
 }

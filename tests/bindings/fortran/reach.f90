@@ -5,11 +5,12 @@ program reach
   implicit none
   type(c_ptr) :: mesh = c_null_ptr, other = c_null_ptr, metric = c_null_ptr, options = c_null_ptr, &
     result = c_null_ptr, ball = c_null_ptr, broken = c_null_ptr, filled = c_null_ptr, sizes = c_null_ptr, fields = c_null_ptr, &
-    there = c_null_ptr, part = c_null_ptr
+    there = c_null_ptr, part = c_null_ptr, made = c_null_ptr
   type(weft_measures) :: measures
   type(weft_fill_settings) :: settings
+  type(weft_fill_account) :: filling
   type(weft_component_account) :: account
-  character(:), allocatable :: text
+  character(:), allocatable :: text, why
   integer(c_int64_t) :: count, before, points, outside
   real(c_double) :: complexity, farthest
   real(c_double), pointer :: x(:, :)
@@ -68,6 +69,8 @@ program reach
                               fields=["h.solb"], report="run", page=.false.))
   call check(weft_result_json(result, text))
   if (index(text, "weft-report-1") == 0) error stop "no report"
+  call check(weft_result_report(result, text, why))
+  if (text /= "run/report.json" .or. why /= "") error stop "the report is not told"
   call check(weft_free(result))
   call must_be_there("fine.meshb")
   call must_be_there("fine-fields.solb")
@@ -89,6 +92,19 @@ program reach
   call check(weft_fill_to_background(ball, filled, sizes, options, other, metric))
   call check(weft_mesh_count(other, weft_tets, count))
   if (count < 2 * before) error stop "the sizes of the background are not used"
+  call check(weft_fill_to_result(ball, c_null_ptr, c_null_ptr, options, result))
+  call check(weft_result_fill(result, filling))
+  if (filling%regions /= 1) error stop "the ball is one region"
+  call check(weft_result_told(result, weft_ended_by, text))
+  if (text /= "") error stop "nothing has ended it"
+  call check(weft_free(result))
+  call check(weft_options_set(options, "complexity", 5000))
+  call check(weft_options_set(options, "hmin", 0.5d0))
+  call check(weft_metric_make_with(mesh, c_null_ptr, options, made, text))
+  if (index(text, "instead of 5,000") == 0) error stop "a warning is lost"
+  call check(weft_options_set(options, "complexity", 0))
+  call check(weft_options_set(options, "hmin", 0d0))
+  call check(weft_free(made))
   if (weft_tessellate(options, 0d0, other) /= weft_option_error) error stop "a model that is not named"
 
   ! Fields.

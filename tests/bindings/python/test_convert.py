@@ -49,6 +49,15 @@ def test_grids_like_pyvistas_are_understood(box):
     assert np.array_equal(weft.as_mesh(surface).triangles, box.triangles)
 
 
+def test_references_of_surfaces_like_pyvistas_are_read(box):
+    refs = np.arange(len(box.triangles)) % 7
+    surface = types.SimpleNamespace(points=box.points, regular_faces=box.triangles, cell_data={"ref": refs}, n_verts=0, n_lines=0)
+    assert np.array_equal(weft.as_mesh(surface).triangle_refs, refs)
+    surface.n_verts, surface.n_lines = 2, 1  # vertices, lines, polygons, strips
+    surface.cell_data = {"ref": np.concatenate([[-1, -1, -2], refs, [-3]])}
+    assert np.array_equal(weft.as_mesh(surface).triangle_refs, refs)
+
+
 def test_tets_that_are_all_inverted_are_turned(box):
     grid = grid_of(box)
     grid.cells_dict[10] = np.array(box.tets)[:, [0, 2, 1, 3]]

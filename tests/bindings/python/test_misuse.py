@@ -77,3 +77,11 @@ def test_strange_arguments_are_refused_by_name_or_mean_something(name, tmp_path,
                 assert len(str(error)) > 10, (argument, value)
             except Exception as error:
                 raise AssertionError(f"{name}({argument}={value!r:.100}): {type(error).__name__}: {error}") from error
+
+
+def test_a_fault_of_weft_is_an_error_of_weft(tmp_path):
+    """Past the checks of the module: what the library throws then is none of its errors for users."""
+    with pytest.raises(weft.InternalError, match="there is no field to write"):
+        weft._weft.write_fields(str(tmp_path / "none.solb"), {}, None)
+    with pytest.raises(KeyError):
+        weft._weft.adapt_files({}, [], True, {}, 0, "", 1, None, None)

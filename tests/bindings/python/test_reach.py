@@ -5,6 +5,7 @@ import inspect
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -67,6 +68,37 @@ def test_files_to_files_give_the_commands_bytes(tmp_path, start):
                             threads=1)
     assert same(tmp_path, "fine.meshb", "python.meshb", "fine.solb", "python.solb")
     assert told.mesh.endswith("python.meshb") and "python.meshb" in told.summary()
+
+
+NO_UTF_8 = "fl\udcfcgel"  # as os.fsdecode() makes it of Latin-1
+
+
+def test_names_that_are_no_utf_8_go_in_and_come_out(tmp_path, start):
+    fine = weft.adapt(start, np.full(len(start.points), 0.3), fields={NO_UTF_8: start.points[:, 0]}, threads=1)
+    assert list(fine.fields) == [NO_UTF_8]
+    carried = weft.interpolate(start, {NO_UTF_8: start.points[:, 0]}, fine.mesh)
+    assert list(carried.fields) == [NO_UTF_8] and carried.accounts[0]["name"] == NO_UTF_8
+    path = tmp_path / f"{NO_UTF_8}.meshb"
+    weft.write(path, start)
+    told = weft.adapt_files(path, path, metric_fn="uniform:0.3", threads=1)
+    assert told.mesh == str(path) and weft.read(told.mesh) and "fl\ufffdgel.meshb" in told.summary()
+    weft.write_metric(tmp_path / f"{NO_UTF_8}.solb", np.full(len(fine.mesh.points), 0.3))
+    with pytest.raises(weft.InputError, match="fl.gel.solb"):
+        weft.adapt(start, metric_fn="linear", sol=[tmp_path / f"{NO_UTF_8}.solb"])
+    with pytest.raises(weft.InputError, match="none-fl.gel.meshb: cannot read"):
+        weft.read(tmp_path / f"none-{NO_UTF_8}.meshb")
+    with pytest.raises(weft.UsageError, match="fields: has a name that is no text"):
+        weft.adapt(start, np.full(len(start.points), 0.3), fields={"\ud800": start.points[:, 0]})
+
+
+def test_a_report_that_could_not_be_written_is_told(tmp_path, start):
+    def lose(stage, done, tets):
+        shutil.rmtree(tmp_path / "run", ignore_errors=True)
+
+    told = weft.adapt_files(tmp_path / "start.meshb", tmp_path / "fine.meshb", metric_fn="uniform:0.3", threads=1,
+                            report=tmp_path / "run", progress=lose)
+    assert told.report == "" and "report.json" in told.report_error and told.report_error in told.summary()
+    assert (tmp_path / "fine.meshb").exists()
 
 
 def test_metrics_give_the_commands_bytes(tmp_path, start):

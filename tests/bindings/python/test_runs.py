@@ -32,6 +32,25 @@ def test_another_thread_runs_while_adapting(box):
     assert result.goal_met and during > 10
 
 
+def test_another_thread_runs_while_fields_are_read(tmp_path):
+    weft.write_fields(tmp_path / "u.sol", {"u": np.random.default_rng(1).random(1_000_000)})
+    done, ticks = threading.Event(), [0]
+
+    def tick():
+        while not done.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    other = threading.Thread(target=tick)
+    other.start()
+    before = ticks[0]
+    weft.read_fields(tmp_path / "u.sol")
+    during = ticks[0] - before
+    done.set()
+    other.join()
+    assert during > 5
+
+
 def test_two_adaptations_at_once_give_what_each_gives_alone(box):
     metrics = [np.full(len(box.points), h) for h in (0.12, 0.15)]
     alone = [weft.adapt(box, metric, threads=1).mesh for metric in metrics]
@@ -77,6 +96,13 @@ def test_another_thread_cancels_with_a_valid_mesh(box):
     assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
 
 
+def test_a_limit_ends_its_run_and_leaves_the_cancel_for_the_next(box):
+    cancel = weft.Cancel()
+    ended = weft.adapt(box, np.full(len(box.points), 0.012), cancel=cancel, time_limit=0.01, threads=1)
+    assert ended.cancelled and not cancel.wanted
+    assert not weft.adapt(box, np.full(len(box.points), 0.3), cancel=cancel).cancelled
+
+
 def test_another_thread_asks_for_a_checkpoint_to_go_on_from(box, tmp_path):
     asked = weft.Cancel()
 
@@ -98,6 +124,15 @@ def test_what_a_callback_raises_is_raised(box, sizes):
 
     with pytest.raises(KeyError, match="mine"):
         weft.adapt(box, sizes, progress=fail)
+
+
+@pytest.mark.parametrize("mine", [KeyError("mine"), KeyboardInterrupt("mine")])
+def test_what_a_callback_raises_is_raised_where_there_is_no_mesh_yet(mine):
+    def fail(stage, done, tets):
+        raise mine
+
+    with pytest.raises(type(mine), match="mine"):
+        weft.fill(weft.ball_surface(size=0.3), progress=fail)
 
 
 INTERRUPTED = """

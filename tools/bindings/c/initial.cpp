@@ -34,10 +34,8 @@ weft_fill_settings default_fill() {
 }
 
 /// `background` and `sizes`: NULL, or the sizes of another mesh.
-void fill_volume(const weft_mesh* surface, const Mesh* background, const Metric* sizes,
-                 const weft_fill_settings* settings, const weft_options* options, weft_mesh** mesh,
-                 weft_metric** metric) {
-  require_place(mesh, "mesh");
+FillResult filled_volume(const weft_mesh* surface, const Mesh* background, const Metric* sizes,
+                         const weft_fill_settings* settings, const weft_options* options) {
   const auto input = mesh_of(surface, "surface");
   weft_fill_settings known = default_fill();
   if (settings) copy_sized(&known, sizeof known, settings, settings->size, "settings");
@@ -45,7 +43,14 @@ void fill_volume(const weft_mesh* surface, const Mesh* background, const Metric*
   FillOptions how = fill_options(known, *asked);
   how.background = background;
   how.metric = sizes;
-  FillResult filled = fill(*input, how);
+  return fill(*input, how);
+}
+
+void fill_volume(const weft_mesh* surface, const Mesh* background, const Metric* sizes,
+                 const weft_fill_settings* settings, const weft_options* options, weft_mesh** mesh,
+                 weft_metric** metric) {
+  require_place(mesh, "mesh");
+  FillResult filled = filled_volume(surface, background, sizes, settings, options);
   if (metric) give_metric(metric, std::make_shared<const Metric>(std::move(filled.metric)));
   give_mesh(mesh, std::make_shared<Mesh>(std::move(filled.mesh)));
 }
@@ -85,6 +90,21 @@ weft_status weft_fill_to_background(const weft_mesh* surface, const weft_mesh* b
     const auto other = mesh_of(background, "background");
     const auto known = object_of<MetricObject>(sizes, "sizes")->metric;
     fill_volume(surface, other.get(), known.get(), settings, options, mesh, metric);
+  });
+}
+
+weft_status weft_fill_to_result(const weft_mesh* surface, const weft_mesh* background,
+                                const weft_metric* sizes, const weft_fill_settings* settings,
+                                const weft_options* options, weft_result** result) {
+  return guarded([&] {
+    require_place(result, "result");
+    const auto other = object_or_none<MeshObject>(background, "background");
+    const auto known = object_or_none<MetricObject>(sizes, "sizes");
+    auto object = std::make_shared<ResultObject>();
+    object->filled = std::make_shared<weft::FillResult>(
+        filled_volume(surface, other ? other->mesh.get() : nullptr, known ? known->metric.get() : nullptr,
+                      settings, options));
+    give(result, std::move(object));
   });
 }
 

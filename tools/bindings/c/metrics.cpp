@@ -63,6 +63,15 @@ weft_component_account account_of(const ComponentAccount& a) {
           a.beyond_bounds};
 }
 
+/// `source` may be null.
+MadeMetric made_metric(const Mesh& mesh, const Metric* source, const Options& options) {
+  const int threads = options.run.threads;
+  if (source) return make_metric(mesh, *source, options.metric, options.geometry, {}, threads);
+  if (!options.metric.given())
+    throw OptionError("--metric", "no metric: neither a source nor an option makes one");
+  return make_metric(mesh, options.metric, options.geometry, {}, threads);
+}
+
 void give_new(weft_metric** place, Metric&& metric) {
   give_metric(place, std::make_shared<const Metric>(std::move(metric)));
 }
@@ -123,19 +132,19 @@ weft_status weft_metric_write(const weft_metric* metric, const char* path) {
 
 weft_status weft_metric_make(const weft_mesh* mesh, const weft_metric* source, const weft_options* options,
                              weft_metric** metric) {
+  return weft_metric_make_with(mesh, source, options, metric, nullptr);
+}
+
+weft_status weft_metric_make_with(const weft_mesh* mesh, const weft_metric* source,
+                                  const weft_options* options, weft_metric** metric, weft_text** warnings) {
   return guarded([&] {
     require_place(metric, "metric");
     const auto known = mesh_of(mesh);
     const auto asked = object_of<OptionsObject>(options, "options");
     const auto given = object_or_none<MetricObject>(source, "source");
-    const weft::MetricOptions& how = asked->options.metric;
-    const weft::GeometryOptions& geometry = asked->options.geometry;
-    const int threads = asked->options.run.threads;
-    if (given)
-      return give_new(metric, weft::make_metric(*known, *given->metric, how, geometry, {}, threads).metric);
-    if (!how.given())
-      throw weft::OptionError("--metric", "no metric: neither a source nor an option makes one");
-    give_new(metric, weft::make_metric(*known, how, geometry, {}, threads).metric);
+    weft::MadeMetric made = made_metric(*known, given ? given->metric.get() : nullptr, asked->options);
+    if (warnings) give_lines(warnings, made.warnings);
+    give_new(metric, std::move(made.metric));
   });
 }
 

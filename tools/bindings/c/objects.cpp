@@ -95,7 +95,8 @@ Fields& FieldsObject::own() {
 const Report& ResultObject::report() const {
   if (whole) return *whole;
   if (part) return *part;
-  return *files;
+  if (files) return *files;
+  throw Misuse("result: is one of weft_fill_to_result(), of which there is no report");
 }
 
 void give_mesh(weft_mesh** place, std::shared_ptr<Mesh> mesh) {
@@ -114,6 +115,12 @@ void give_text(weft_text** place, std::string text) {
   auto object = std::make_shared<TextObject>();
   object->text = std::move(text);
   give(place, std::move(object));
+}
+
+void give_lines(weft_text** place, const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  give_text(place, std::move(text));
 }
 
 void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "weft/weft-c.h"
 #include "weft/weft.h"
@@ -36,17 +37,17 @@ struct FieldsObject {
 struct OptionsObject {
   Options options;
   std::atomic<bool> cancel = false;
-  std::atomic<bool> checkpoint = false;          ///< one is wanted now
-  std::atomic<bool> callback_cancelled = false;  ///< `cancel` was set because the caller's function said so
+  std::atomic<bool> checkpoint = false;  ///< one is wanted now
 };
 struct PartObject {
   std::shared_ptr<Part> part;
 };
-/// One of the three results; `report` is its base.
+/// One of the four results; `report` is the base of those of adaptations, and a filling has none.
 struct ResultObject {
   std::shared_ptr<Result> whole;
   std::shared_ptr<PartResult> part;
   std::shared_ptr<FilesResult> files;
+  std::shared_ptr<FillResult> filled;
   std::mutex mutex;  ///< of the two texts, the measures and what was missed
   std::string summary, json;
 
@@ -108,5 +109,7 @@ void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric);
 void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,
                  std::shared_ptr<const Transfer> transfer = nullptr);
 void give_text(weft_text** place, std::string text);
+/// A line each.
+void give_lines(weft_text** place, const std::vector<std::string>& lines);
 
 }  // namespace weft::c

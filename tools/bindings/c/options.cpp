@@ -49,15 +49,11 @@ void apply(const weft_settings& s, Options& options) {
   options.run.force = s.force != 0;
 }
 
-/// A cancel by the caller's function is remembered as such, so that the end of the run takes it back.
-std::function<bool(const Progress&)> progress_of(OptionsObject& object, weft_progress_function function,
-                                                 void* user) {
+std::function<bool(const Progress&)> progress_of(weft_progress_function function, void* user) {
   if (!function) return nullptr;
-  return [&object, function, user](const Progress& now) {
+  return [function, user](const Progress& now) {
     const weft_progress told = {sizeof told, now.stage.c_str(), now.done, now.tets};
-    const bool go_on = function(user, &told) != 0;
-    if (!go_on && !object.cancel.load()) object.callback_cancelled = true;
-    return go_on;
+    return function(user, &told) != 0;
   };
 }
 
@@ -137,7 +133,7 @@ weft_status weft_options_add_solution(weft_options* options, const weft_fields* 
 weft_status weft_options_set_progress(weft_options* options, weft_progress_function function, void* user) {
   return guarded([&] {
     const auto object = object_of<OptionsObject>(options, "options");
-    object->options.run.progress = progress_of(*object, function, user);
+    object->options.run.progress = progress_of(function, user);
   });
 }
 

@@ -25,23 +25,23 @@ std::shared_ptr<Member> member(const std::shared_ptr<Owner>& owner, Member& of) 
 
 std::shared_ptr<Mesh> mesh_in(const ResultObject& result) {
   require_in_memory(result);
+  if (result.filled) return member(result.filled, result.filled->mesh);
   return result.whole ? member(result.whole, result.whole->mesh)
                       : member(result.part, result.part->part.mesh);
 }
 std::shared_ptr<const Metric> metric_in(const ResultObject& result) {
   require_in_memory(result);
+  if (result.filled) return member(result.filled, result.filled->metric);
   return result.whole ? member(result.whole, result.whole->metric) : member(result.part, result.part->metric);
 }
 std::shared_ptr<Fields> fields_in(const ResultObject& result) {
   require_in_memory(result);
-  std::shared_ptr<Fields> fields = result.whole ? member(result.whole, result.whole->fields)
-                                                : member(result.part, result.part->part.fields);
-  if (fields->fields
-          .empty()) {  // nothing was carried along: the number of points is that of the mesh all the same
-    fields = std::make_shared<Fields>();
-    fields->num_points = mesh_in(result)->points.size();
-  }
-  return fields;
+  if (result.whole && !result.whole->fields.fields.empty()) return member(result.whole, result.whole->fields);
+  if (result.part && !result.part->part.fields.fields.empty())
+    return member(result.part, result.part->part.fields);
+  auto none = std::make_shared<Fields>();  // the number of points is that of the mesh all the same
+  none->num_points = mesh_in(result)->points.size();
+  return none;
 }
 
 /// The report of a result, whose mutex the caller holds. A whole mesh that its run has not measured, because
@@ -49,6 +49,37 @@ std::shared_ptr<Fields> fields_in(const ResultObject& result) {
 const Report& measured(const ResultObject& result) {
   if (result.whole) weft::measures(*result.whole);
   return result.report();
+}
+
+bool was_cancelled(const ResultObject& result) {
+  return result.filled ? result.filled->cancelled : result.report().cancelled;
+}
+
+bool is_met(const ResultObject& result) {
+  return result.filled ? result.filled->missed.empty() : measured(result).goal_met();
+}
+
+Measures final_measures(const ResultObject& result) {
+  if (result.filled) return weft::measure(result.filled->mesh, result.filled->metric);
+  const weft::Report& report = measured(result);
+  require(report.after.has_value(), "result: has no measures: the option measure was no");
+  return *report.after;
+}
+
+/// Writes what a result or a filling, which have members of the same names, has to tell.
+template <class Told>
+void give_told(const Told& told, weft_told what, weft_text** place) {
+  switch (what) {
+    case WEFT_WARNINGS:
+      return give_lines(place, told.warnings);
+    case WEFT_MENDS:
+      return give_text(place, weft::mends_text(told.mends));
+    case WEFT_MISSED:
+      return give_lines(place, told.missed);
+    case WEFT_ENDED_BY:
+      return give_text(place, told.ended_by);
+  }
+  throw Misuse("what: " + std::to_string(static_cast<int>(what)) + " is none of weft_told");
 }
 
 weft_measures measures_of(const Measures& m) {
@@ -124,8 +155,8 @@ weft_status weft_result_verdict(const weft_result* result, int* goal_met, int* c
   return guarded([&] {
     const auto known = result_of(result);
     const std::lock_guard lock(known->mutex);
-    const bool ended = known->report().cancelled;  // and so has not met its goal
-    if (goal_met) *goal_met = !ended && measured(*known).goal_met() ? 1 : 0;
+    const bool ended = was_cancelled(*known);  // and so has not met its goal
+    if (goal_met) *goal_met = !ended && is_met(*known) ? 1 : 0;
     if (cancelled) *cancelled = ended ? 1 : 0;
   });
 }
@@ -151,14 +182,44 @@ weft_status weft_result_json(const weft_result* result, const char** text) {
   });
 }
 
+weft_status weft_result_told(const weft_result* result, weft_told what, weft_text** text) {
+  return guarded([&] {
+    require_place(text, "text");
+    const auto known = result_of(result);
+    const std::lock_guard lock(known->mutex);
+    if (known->filled) return give_told(*known->filled, what, text);
+    give_told(what == WEFT_MISSED ? measured(*known) : known->report(), what, text);
+  });
+}
+
+weft_status weft_result_fill(const weft_result* result, weft_fill_account* account) {
+  return guarded([&] {
+    require_place(account, "account");
+    const auto known = result_of(result);
+    require(known->filled != nullptr, "result: is not one of weft_fill_to_result()");
+    const weft::FillResult& filled = *known->filled;
+    fill_sized(*account,
+               {sizeof(weft_fill_account), static_cast<int64_t>(filled.regions), filled.deviation,
+                filled.grid_seconds, filled.fill_seconds},
+               "account");
+  });
+}
+
+weft_status weft_result_report(const weft_result* result, const char** report, const char** error) {
+  return guarded([&] {
+    const auto known = result_of(result);
+    require(known->files != nullptr, "result: is not one of files");
+    if (report) *report = known->files->report.c_str();
+    if (error) *error = known->files->report_error.c_str();
+  });
+}
+
 weft_status weft_result_measures(const weft_result* result, weft_measures* measures) {
   return guarded([&] {
     require_place(measures, "measures");
     const auto known = result_of(result);
     const std::lock_guard lock(known->mutex);
-    const weft::Report& report = measured(*known);
-    require(report.after.has_value(), "result: has no measures: the option measure was no");
-    fill_sized(*measures, measures_of(*report.after), "measures");
+    fill_sized(*measures, measures_of(final_measures(*known)), "measures");
   });
 }
 

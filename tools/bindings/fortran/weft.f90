@@ -16,6 +16,8 @@ module weft
   integer(c_int), parameter, public :: weft_tets = 0, weft_tet_refs = 1, weft_triangles = 2, weft_triangle_refs = 3, &
     weft_edges = 4, weft_edge_refs = 5, weft_point_refs = 6, weft_corners = 7, weft_required_points = 8, &
     weft_ridges = 9, weft_required_edges = 10, weft_required_triangles = 11
+  !> What weft_result_told tells: warnings, what repair has done, why the goal was not met, what has ended the run early.
+  integer(c_int), parameter, public :: weft_warnings = 0, weft_mends = 1, weft_missed = 2, weft_ended_by = 3
 
   !> Quality of tets (mean ratio) and lengths of edges in a metric.
   type, bind(c), public :: weft_measures
@@ -39,6 +41,13 @@ module weft
     real(c_double) :: growth, max_size, merge
     integer(c_int32_t) :: materials, remesh_surface
   end type weft_fill_settings
+
+  !> What weft_fill_to_result has done.
+  type, bind(c), public :: weft_fill_account
+    integer(c_size_t) :: size
+    integer(c_int64_t) :: regions
+    real(c_double) :: deviation, grid_seconds, fill_seconds
+  end type weft_fill_account
 
   type, bind(c) :: file_settings
     integer(c_size_t) :: size
@@ -87,6 +96,7 @@ module weft
     weft_adapt_to_background, weft_adapt_parts_to_background, weft_adapt_files, weft_convert, weft_mesh_box, &
     weft_mesh_compare, weft_metric_complexity, weft_fields_read, weft_fields_write, weft_fields_account, &
     weft_fields_outside, weft_options_cancel, weft_options_checkpoint, weft_part_ghosts, weft_result_json, &
+    weft_result_report, weft_result_told, weft_result_fill, weft_fill_to_result, weft_metric_make_with, &
     weft_measure, weft_stat, weft_draw_histograms, weft_fill_settings_default, weft_fill_to_background, &
     weft_tessellate, weft_ball_surface, weft_cylinder_surface, weft_delta_wing_surface, weft_mesh_repair, &
     weft_fields_repair_metric, weft_surface_repair
@@ -330,6 +340,26 @@ module weft
     function c_result_json(result, text) bind(c, name="weft_result_json")
       import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: text; integer(c_int) :: c_result_json
     end function
+    function c_result_report(result, report, error) bind(c, name="weft_result_report")
+      import; type(c_ptr), value :: result; type(c_ptr), intent(inout) :: report, error
+      integer(c_int) :: c_result_report
+    end function
+    function c_result_told(result, what, text) bind(c, name="weft_result_told")
+      import; type(c_ptr), value :: result; integer(c_int), value :: what; type(c_ptr), intent(inout) :: text
+      integer(c_int) :: c_result_told
+    end function
+    function c_result_fill(result, account) bind(c, name="weft_result_fill")
+      import; type(c_ptr), value :: result; type(weft_fill_account), intent(inout) :: account
+      integer(c_int) :: c_result_fill
+    end function
+    function c_fill_to_result(surface, background, sizes, settings, options, result) bind(c, name="weft_fill_to_result")
+      import; type(c_ptr), value :: surface, background, sizes, settings, options; type(c_ptr), intent(inout) :: result
+      integer(c_int) :: c_fill_to_result
+    end function
+    function c_metric_make_with(mesh, source, options, metric, warnings) bind(c, name="weft_metric_make_with")
+      import; type(c_ptr), value :: mesh, source, options; type(c_ptr), intent(inout) :: metric, warnings
+      integer(c_int) :: c_metric_make_with
+    end function
     function c_measure(mesh, metric, measures) bind(c, name="weft_measure")
       import; type(c_ptr), value :: mesh, metric; type(weft_measures), intent(inout) :: measures
       integer(c_int) :: c_measure
@@ -518,7 +548,7 @@ contains
     if (.not. is_of_refs(which)) values = values + 1
   end function weft_mesh_get
 
-  !> weft's own coordinates (3, n), not copied: valid until the mesh is freed.
+  !> weft's own coordinates (3, n), not copied: valid until the mesh is changed or freed.
   function weft_mesh_points(mesh, points) result(status)
     type(c_ptr), intent(in) :: mesh
     real(c_double), pointer, intent(out) :: points(:, :)
@@ -615,7 +645,8 @@ contains
     end if
   end function weft_fields_add
 
-  !> weft's own values (components, n) of a field, from 1: valid until the fields are freed.
+  !> weft's own values (components, n) of a field, from 1: valid until the fields are freed or changed, as by adding one
+  !> or by a repair.
   function weft_fields_get(fields, index, name, values) result(status)
     type(c_ptr), intent(in) :: fields
     integer, intent(in) :: index
@@ -959,6 +990,52 @@ contains
     text = text_of(letters)
   end function weft_result_json
 
+  !> What else there is to tell of a run, by weft_warnings, weft_mends, weft_missed or weft_ended_by: a line each.
+  function weft_result_told(result, what, text) result(status)
+    type(c_ptr), intent(in) :: result
+    integer(c_int), intent(in) :: what
+    character(:), allocatable, intent(inout) :: text
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_result_told(result, what, told)
+    if (status == weft_ok) text = text_taken(told)
+  end function weft_result_told
+
+  !> Of a result of weft_fill_to_result.
+  function weft_result_fill(result, account) result(status)
+    type(c_ptr), intent(in) :: result
+    type(weft_fill_account), intent(inout) :: account
+    integer(c_int) :: status
+    account%size = c_sizeof(account)
+    status = c_result_fill(result, account)
+  end function weft_result_fill
+
+  !> The metric that options ask for, with what there is to warn of, a line each; `source` may be c_null_ptr.
+  function weft_metric_make_with(mesh, source, options, metric, warnings) result(status)
+    type(c_ptr), intent(in) :: mesh, source, options
+    type(c_ptr), intent(inout) :: metric
+    character(:), allocatable, intent(inout) :: warnings
+    integer(c_int) :: status
+    type(c_ptr) :: told
+    told = c_null_ptr
+    status = c_metric_make_with(mesh, source, options, metric, told)
+    if (status == weft_ok) warnings = text_taken(told)
+  end function weft_metric_make_with
+
+  !> Of files: report.json, and what could not be written beside the mesh, and why; empty where there is none.
+  function weft_result_report(result, report, error) result(status)
+    type(c_ptr), intent(in) :: result
+    character(:), allocatable, intent(inout) :: report, error
+    integer(c_int) :: status
+    type(c_ptr) :: path, reason
+    path = c_null_ptr
+    reason = c_null_ptr
+    status = c_result_report(result, path, reason)
+    report = text_of(path)
+    error = text_of(reason)
+  end function weft_result_report
+
   function weft_fill_settings_default(settings) result(status)
     type(weft_fill_settings), intent(inout) :: settings
     integer(c_int) :: status
@@ -989,4 +1066,16 @@ contains
     if (present(settings)) place = c_loc(settings)
     status = c_fill_to_background(surface, background, sizes, place, options, mesh, metric)
   end function weft_fill_to_background
+
+  !> The same as both, with what there is to say of it: a result; background and sizes may be c_null_ptr.
+  function weft_fill_to_result(surface, background, sizes, options, result, settings) result(status)
+    type(c_ptr), intent(in) :: surface, background, sizes, options
+    type(c_ptr), intent(inout) :: result
+    type(weft_fill_settings), intent(in), optional, target :: settings
+    integer(c_int) :: status
+    type(c_ptr) :: place
+    place = c_null_ptr
+    if (present(settings)) place = c_loc(settings)
+    status = c_fill_to_result(surface, background, sizes, place, options, result)
+  end function weft_fill_to_result
 end module weft

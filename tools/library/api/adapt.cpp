@@ -87,24 +87,30 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
   return result;
 }
 
-/// Of a copy that is mended first; what is at its vertices follows.
+void check_solutions(const Mesh& mesh, const MetricOptions& options) {
+  for (const Fields& solution : options.solutions) {
+    check_length(mesh, solution.num_points, "solution");
+    check_fields(mesh, solution);
+  }
+}
+
+/// Of a copy that is mended first; what is at its vertices follows, in memory and in files.
 Result adapt_mended(const Mesh& mesh, const Metric* metric, Options options, Fields fields) {
   Mesh mended = mesh;
   options.run.repair = false;
   if (metric) check_length(mesh, metric->size(), "metric");
   check_fields(mesh, fields);
-  const meshing::MeshRepair repair = meshing::repair_mesh(mended);
-  if (!fields.fields.empty()) fields = tools::fields_at(fields, repair.points);
-  for (Fields& solution : options.metric.solutions) solution = tools::fields_at(solution, repair.points);
-  Result result;
+  check_solutions(mesh, options.metric);
+  tools::RepairedMetric repaired = tools::repair_input(mended, "", options.metric, fields);
   if (metric) {
     std::vector<Tensor> logarithms;
-    for (const std::uint32_t p : repair.points) logarithms.push_back(metric->logarithms()[p]);
-    result = adapt(mended, Metric::from_logarithms(std::move(logarithms)), options, fields);
-  } else {
-    result = adapt(mended, options, fields);
+    for (const std::uint32_t p : repaired.points) logarithms.push_back(metric->logarithms()[p]);
+    tools::combine(std::move(logarithms), repaired.source);
   }
-  result.mends = tools::mends_of(repair.mends);
+  Result result = repaired.source
+                      ? adapt(mended, Metric::from_logarithms(std::move(*repaired.source)), options, fields)
+                      : adapt(mended, options, fields);
+  result.mends = std::move(repaired.mends);
   return result;
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "tools/common/numbers.h"
 #include "weft/weft.h"
 
 namespace weft {
@@ -28,10 +28,15 @@ struct Row {
 };
 
 double number_of(const std::string& option, const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0') throw OptionError(option, fmt::format("'{}' is not a number", text));
-  return value;
+  const std::optional<double> value = tools::parse_number(text);
+  if (!value) throw OptionError(option, fmt::format("'{}' is not a number", text));
+  return *value;
+}
+
+double size_of(const std::string& option, const std::string& text) {
+  const std::optional<double> bytes = tools::parse_size(text);
+  if (!bytes) throw OptionError(option, fmt::format("'{}' is not a size, such as 8G", text));
+  return *bytes;
 }
 
 template <class Whole>
@@ -259,9 +264,12 @@ void add_run(std::vector<Row>& rows) {
   rows.push_back(number(
       "time-limit", "seconds after which the run has ended with the valid mesh that there is; 0: none",
       [](Options & o) -> auto& { return o.run.time_limit; }));
-  rows.push_back(number(
-      "max-memory", "bytes that this process or rank may take; 0: what is free",
-      [](Options & o) -> auto& { return o.run.max_memory; }));
+  rows.push_back(
+      {{"max-memory", "size", "bytes that this process or rank may take, such as 8G; 0: what is free", true},
+       [](Options& o, const std::string& option, const std::string& text) {
+         o.run.max_memory = size_of(option, text);
+       },
+       [](const Options& o) { return fmt::format("{}", o.run.max_memory); }});
   rows.push_back(word(
       "checkpoint", "folder for states to go on from",
       [](Options & o) -> auto& { return o.checkpoint.folder; }));

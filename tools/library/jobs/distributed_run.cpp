@@ -56,14 +56,13 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
     : options_(options),
       keep_(keep),
       threads_(options.run.threads > 0 ? options.run.threads : 1),
-      monitor_(options.run, transport.size(), begin) {
+      monitor_(options.run, transport.size(), begin, transport.rank().value == 0) {
   graph::adaptation::register_adaptation(registry_);
   engine::RuntimeOptions engine;
   engine.threads = threads_;
   engine.balancer = engine::balancer_by_name(options.distributed.balancer);
   engine.local = &rank_;
   engine.trace.spans = keep.record;
-  if (monitor_.wanted()) engine.bulletins = bulletins();
   engine.notice = &monitor_.flag();
   engine.name_of = [this](engine::ObjectId id) { return name_of(id); };
   if (options.run.on_state) engine.on_state = options.run.on_state;
@@ -86,16 +85,22 @@ DistributedRun::DistributedRun(const Options& options, engine::Transport& transp
   const bool simulated = transport.virtual_time() != nullptr;  // all ranks have this process's memory
   if (keep.record && !simulated) memory_.emplace(transport.rank().value);
   agree_on_options();
+  if (simulated) tells_ = monitor_.wanted();  // no message that a run without progress has not
+  if (tells_) runtime_->set_bulletins(bulletins());
   if (!options.checkpoint.resume.empty()) find_checkpoints();
 }
 
-/// Ranks that were asked for different things would wait for each other, or worse.
+/// Ranks that were asked for different things would wait for each other, or worse. Whether progress is told
+/// is rank 0's wish, which may be the only one that has a function for it.
 void DistributedRun::agree_on_options() {
   constexpr std::string_view kEnd("\0", 1);  // names of files may have any other character
   const std::vector<std::string> mine = options_of_all(options_);
-  const std::string first = partition::text_of_first(*peers_, fmt::format("{}", fmt::join(mine, kEnd)));
+  const std::string first = partition::text_of_first(
+      *peers_, fmt::format("{:d}{}{}", monitor_.wanted(), kEnd, fmt::join(mine, kEnd)));
   std::istringstream lines(first);
   std::string issue, line;
+  std::getline(lines, line, kEnd[0]);
+  tells_ = line == "1";
   for (const std::string& option : mine) {
     std::getline(lines, line, kEnd[0]);
     if (issue.empty() && option != line)
@@ -203,7 +208,7 @@ graph::adaptation::DistributedOptions DistributedRun::method_options(double targ
   if (checkpoints_) method.checkpoints = &*checkpoints_;
   method.resume = resume_;
   method.program = hash_of_program();
-  if (monitor_.wanted()) method.news = &news_;
+  if (tells_) method.news = &news_;
   method.on_start = [this, subdomains = method.decomposition.num_subdomains, shifts = method.most_shifts] {
     before_loop_ = runtime_->summary();
     if (first()) table_.emplace(subdomains, shifts, engine::now());

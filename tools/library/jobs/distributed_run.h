@@ -76,6 +76,7 @@ class DistributedRun {
   Keep keep_;
   int threads_;
   Monitor monitor_;
+  bool tells_ = false;  ///< rank 0 is to hear how far all ranks are
   graph::adaptation::ProgressBoard news_;
   std::optional<graph::adaptation::ProgressTable> table_;  ///< on rank 0, while it adapts
   graph::adaptation::RankData rank_;

@@ -54,7 +54,7 @@ FilesResult files_result(const RunResult& run, const std::string& report_error, 
   result.mesh = run.outputs.mesh;
   result.metric = run.outputs.solution;
   if (!run.field_accounts.empty()) result.fields = run.outputs.fields;
-  result.report = run.report_path;
+  if (report_error.empty()) result.report = run.report_path;
   result.report_error = report_error;
   result.first = first;
   return result;

@@ -14,7 +14,7 @@ namespace {
 
 using Seconds = std::chrono::duration<double>;
 
-constexpr Seconds kPeriod(0.05);  ///< of looks at the clock
+constexpr Seconds kPeriod(0.02);  ///< of looks at the clock and the caller's flag
 /// Some files are read to see what memory is left: seldom while there is plenty.
 constexpr Seconds kLeastPeriodOfMemory(0.005), kMostPeriodOfMemory(0.2);
 /// The kernel goes on for a moment, then the mesh is measured and written.
@@ -42,14 +42,17 @@ std::string text_of(EndReason reason) {
   return {};
 }
 
-Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin)
+Monitor::Monitor(const RunOptions& options, int sharers, Clock::time_point begin, bool first)
     : options_(options),
       sharers_(std::max(1, sharers)),
       sharers_here_(ranks_on_this_machine(sharers_)),
       begin_(begin),
+      first_(first),
       memory_(options.max_memory) {
   memory_at_begin_ = resident_bytes();
-  if (options_.time_limit > 0 || std::isfinite(memory_)) watcher_ = std::thread([this] { watch(); });
+  hear_caller();
+  if (options_.cancel || options_.time_limit > 0 || std::isfinite(memory_))
+    watcher_ = std::thread([this] { watch(); });
 }
 
 Monitor::~Monitor() {
@@ -63,7 +66,13 @@ Monitor::~Monitor() {
 
 void Monitor::tell(const Progress& progress) {
   if (progress.tets > tets_) tets_ = progress.tets;
-  if (options_.progress && !options_.progress(progress)) cancel(EndReason::interrupted);
+  if (first_ && options_.progress && !options_.progress(progress)) cancel(EndReason::interrupted);
+  hear_caller();
+}
+
+bool Monitor::cancelled() {
+  hear_caller();
+  return flag_.load();
 }
 
 EndReason Monitor::reason() {
@@ -74,8 +83,12 @@ EndReason Monitor::reason() {
 
 /// Who comes second has not ended the run.
 void Monitor::cancel(EndReason reason) {
-  if (flag().exchange(true)) return;
+  if (flag_.exchange(true)) return;
   reason_ = reason;
+}
+
+void Monitor::hear_caller() {
+  if (options_.cancel && options_.cancel->load()) cancel(EndReason::interrupted);
 }
 
 /// To leave the kernel, put pieces together, measure and write: about twice what a machine of the present
@@ -106,6 +119,7 @@ void Monitor::watch() {
   Seconds now = look;
   while (!over_.wait_for(lock, std::min(kPeriod, look - now), [this] { return ended_; })) {
     now = Clock::now() - begin_;
+    hear_caller();
     if (options_.time_limit > 0 && now.count() + seconds_to_finish() >= options_.time_limit)
       cancel(EndReason::time_limit);
     if (now >= look) look = now + watch_memory();

@@ -26,30 +26,32 @@ constexpr double seconds_to_carry(TransferMethod method) {
 }
 
 /// Passes progress to the caller's function, on the calling thread; where that returns false the run is
-/// cancelled. With a time limit or a memory limit a thread of its own watches these, and cancels the run
-/// while there is time to measure and write what it has.
+/// cancelled. A thread of its own watches the caller's flag and limits of time and memory, and cancels the
+/// run, at these while there is time to measure and write what it has.
 class Monitor {
  public:
   using Clock = std::chrono::steady_clock;
-  /// `sharers`: ranks that write the result together. Limits of time count from `begin`.
-  explicit Monitor(const RunOptions& options, int sharers = 1, Clock::time_point begin = Clock::now());
+  /// `sharers`: ranks that write the result together. Limits of time count from `begin`. `first`: this is
+  /// rank 0, which alone tells the caller's function.
+  explicit Monitor(const RunOptions& options, int sharers = 1, Clock::time_point begin = Clock::now(),
+                   bool first = true);
   ~Monitor();
   Monitor(const Monitor&) = delete;
   Monitor& operator=(const Monitor&) = delete;
 
   void update(const std::string& stage, double done, std::uint64_t tets) { tell({stage, false, done, tets}); }
   void tell(const Progress& progress);
-  /// Set once the run is to end with the mesh that it has: by the caller, because its function said so, or
-  /// by a limit.
-  std::atomic<bool>& flag() { return options_.cancel ? *options_.cancel : own_; }
-  bool cancelled() { return flag().load(); }
+  /// Set once the run is to end with the mesh that it has: by the caller's flag, because its function said
+  /// so, or by a limit. It is the run's own: who ends one run does not end the next one with these options.
+  std::atomic<bool>& flag() { return flag_; }
+  bool cancelled();
   EndReason reason();
   /// Ends the run: an allocation has failed. From any thread.
   void out_of_memory() { cancel(EndReason::out_of_memory); }
   /// Before the mesh is written, what takes so long for each of its tets has to be done on the ranks
   /// together.
   void expect(double seconds_of_tet) { seconds_of_tet_ = seconds_of_tet; }
-  /// Whether progress has to be told.
+  /// Whether progress has to be told, as this rank wishes: that of rank 0 counts.
   bool wanted() const { return options_.progress || options_.time_limit > 0; }
 
  private:
@@ -66,13 +68,16 @@ class Monitor {
   /// None where the system does not tell.
   std::optional<MemoryToTake> memory_to_take() const;
   void cancel(EndReason reason);
+  /// Passes the caller's flag on, which a signal handler may have set.
+  void hear_caller();
   double seconds_to_finish() const;
 
   const RunOptions& options_;
   const int sharers_;
   const int sharers_here_;  ///< found at first: the environment may change while other threads run
   const Clock::time_point begin_;
-  std::atomic<bool> own_ = false;
+  const bool first_;
+  std::atomic<bool> flag_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
   std::atomic<std::uint64_t> tets_ = 0;     ///< the most that have been told of
   std::atomic<double> seconds_of_tet_ = 0;  ///< expect()

@@ -148,6 +148,7 @@ std::string summary_text(const FilesResult& run) {
   text += fmt::format("mesh    {}\nmetric  {}\n", run.mesh, run.metric);
   if (!run.fields.empty()) text += fmt::format("fields  {}\n", run.fields);
   if (!run.report.empty()) text += fmt::format("report  {}\n", run.report);
+  if (!run.report_error.empty()) text += fmt::format("error   {}\n", run.report_error);
   return text;
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "tools/bindings/python/src/texts.h"
+
 namespace weft::python {
 namespace {
 
@@ -272,9 +274,16 @@ Fields fields_of(const py::object& dictionary, std::size_t num_points,
   if (dictionary.is_none()) return fields;
   if (!py::isinstance<py::dict>(dictionary))
     throw UsageError(argument + ": is no dictionary from names to arrays");
-  for (const auto& [name, array] : py::reinterpret_borrow<py::dict>(dictionary))
-    fields.fields.push_back(field_of(argument, py::str(name), py::reinterpret_borrow<py::object>(array),
-                                     num_points, order, values));
+  for (const auto& [key, array] : py::reinterpret_borrow<py::dict>(dictionary)) {
+    std::string name;
+    try {
+      name = bytes_of_name(py::str(key));
+    } catch (const py::cast_error&) {
+      throw UsageError(argument + ": has a name that is no text");
+    }
+    fields.fields.push_back(
+        field_of(argument, name, py::reinterpret_borrow<py::object>(array), num_points, order, values));
+  }
   return fields;
 }
 
@@ -284,18 +293,19 @@ py::dict dictionary_of(const Fields& fields, const py::object& owner) {
   for (std::size_t f = 0; f < fields.fields.size(); ++f) {
     const Field& field = fields.fields[f];
     std::string name = field.name.empty() ? "field" + std::to_string(f + 1) : field.name;
-    while (all.contains(name)) name += "_";
+    while (all.contains(name_text(name))) name += "_";
+    const py::str key = name_text(name);
     if (field.kind == Field::Kind::scalar) {
-      all[name.c_str()] = view(field.values.data(), {count}, owner);
+      all[key] = view(field.values.data(), {count}, owner);
     } else if (field.kind == Field::Kind::vector) {
-      all[name.c_str()] = view(field.values.data(), {count, 3}, owner);
+      all[key] = view(field.values.data(), {count, 3}, owner);
     } else {
       py::array_t<double> tensors(std::vector<py::ssize_t>{count, 3, 3});
       for (std::size_t v = 0; v < fields.num_points; ++v) {
         const double* m = field.values.data() + 6 * v;
         write_full({m[0], m[1], m[2], m[3], m[4], m[5]}, tensors.mutable_data() + 9 * v);
       }
-      all[name.c_str()] = std::move(tensors);
+      all[key] = std::move(tensors);
     }
   }
   return all;

@@ -3,9 +3,17 @@
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "tools/bindings/python/src/texts.h"
 
 namespace weft::python {
 namespace {
+
+/// (what, how many).
+py::list list_of(const std::vector<Dropped>& dropped) {
+  py::list all;
+  for (const Dropped& what : dropped) all.append(py::make_tuple(message_text(what.what), what.count));
+  return all;
+}
 
 std::shared_ptr<Mesh> run_read(const std::string& path) {
   const py::gil_scoped_release released;
@@ -19,11 +27,10 @@ py::tuple run_read_all(const std::string& path) {
     file = read_mesh_file(path);
   }
   py::dict names;
-  for (const auto& [key, name] : file.names.all()) names[py::make_tuple(key.dimension, key.ref)] = name;
-  py::list dropped;
-  for (const Dropped& what : file.dropped) dropped.append(py::make_tuple(what.what, what.count));
+  for (const auto& [key, name] : file.names.all())
+    names[py::make_tuple(key.dimension, key.ref)] = name_text(name);
   return py::make_tuple(std::make_shared<Mesh>(std::move(file.mesh)), held(std::move(file.fields)), names,
-                        dropped);
+                        list_of(file.dropped));
 }
 
 RefNames names_of(const py::object& dictionary) {
@@ -34,7 +41,8 @@ RefNames names_of(const py::object& dictionary) {
   try {
     for (const auto& [key, name] : py::reinterpret_borrow<py::dict>(dictionary)) {
       const auto [dimension, ref] = key.cast<std::pair<int, std::int32_t>>();
-      names.set(dimension, ref, name.cast<std::string>());
+      if (!py::isinstance<py::str>(name)) throw UsageError(what);
+      names.set(dimension, ref, bytes_of_name(name));
     }
   } catch (const py::cast_error&) {
     throw UsageError(what);
@@ -51,6 +59,15 @@ void run_write(const std::string& path, const Mesh& mesh, const std::shared_ptr<
     write_result(path, mesh, *metric, given, known);
   else
     write_mesh(path, mesh, given, known);
+}
+
+py::dict run_read_fields(const std::string& path) {
+  Fields fields;
+  {
+    const py::gil_scoped_release released;
+    fields = read_fields(path);
+  }
+  return held(std::move(fields));
 }
 
 std::shared_ptr<Metric> run_read_metric(const std::string& path, const Mesh& mesh) {
@@ -169,9 +186,7 @@ py::list run_convert(const std::string& input, const std::string& output, const 
     const py::gil_scoped_release released;
     done = convert(input, output, solution, options);
   }
-  py::list dropped;
-  for (const Dropped& what : done.dropped) dropped.append(py::make_tuple(what.what, what.count));
-  return dropped;
+  return list_of(done.dropped);
 }
 
 void run_draw_histograms(const std::string& path, const Mesh& mesh, const Metric& metric,
@@ -188,7 +203,7 @@ void add_files(py::module_& module) {
   module.def("read_all", &run_read_all);
   module.def("write", &run_write);
   module.def("read_metric", &run_read_metric);
-  module.def("read_fields", [](const std::string& path) { return held(read_fields(path)); });
+  module.def("read_fields", &run_read_fields);
   module.def("write_fields", &run_write_fields);
   module.def("write_metric", &run_write_metric);
   module.def("convert", &run_convert);

@@ -7,6 +7,7 @@
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "tools/bindings/python/src/texts.h"
 
 namespace weft::python {
 namespace {
@@ -29,7 +30,7 @@ py::tuple run_make_metric(const Mesh& mesh, const std::shared_ptr<Metric>& sourc
     made = source ? make_metric(mesh, *source, options.metric, options.geometry, {}, options.run.threads)
                   : make_metric(mesh, options.metric, options.geometry, {}, options.run.threads);
   }
-  return py::make_tuple(shared(std::move(made.metric)), made.warnings);
+  return py::make_tuple(shared(std::move(made.metric)), message_texts(made.warnings));
 }
 
 std::string run_stat(const Mesh& mesh, const std::shared_ptr<Metric>& metric, const py::dict& values) {
@@ -106,7 +107,7 @@ py::tuple run_repair_surface(const Mesh& surface) {
 
 py::dict account(const ComponentAccount& a) {
   py::dict all;
-  all["name"] = a.name;
+  all["name"] = name_text(a.name);
   all["integral_before"] = a.integral_before;
   all["integral_after"] = a.integral_after;
   all["absolute"] = a.absolute;

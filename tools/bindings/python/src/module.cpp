@@ -1,8 +1,10 @@
 // The module weft._weft: what weft/__init__.py is made of. Errors become the classes of weft/_errors.py.
 #include <new>
+#include <stdexcept>
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "tools/bindings/python/src/texts.h"
 
 namespace {
 
@@ -10,9 +12,11 @@ namespace py = pybind11;
 
 void raise_as(const char* name, const char* text) {
   const py::object type = py::module_::import("weft._errors").attr(name);
-  PyErr_SetString(type.ptr(), text);
+  PyErr_SetObject(type.ptr(), weft::python::message_text(text).ptr());
 }
 
+/// As the statuses of C (tools/bindings/c/calls.cpp). What pybind11 and callbacks have raised stays what it
+/// is.
 void translate(std::exception_ptr error) {
   try {
     if (error) std::rethrow_exception(error);
@@ -26,6 +30,14 @@ void translate(std::exception_ptr error) {
     raise_as("RunError", e.what());
   } catch (const std::bad_alloc&) {
     raise_as("OutOfMemory", "out of memory");
+  } catch (const std::length_error&) {
+    raise_as("OutOfMemory", "out of memory: larger than any array can be");
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const std::exception& e) {
+    raise_as("InternalError", e.what());
   }
 }
 

@@ -35,8 +35,12 @@ class Watch {
   Watch(const py::object& progress, const std::shared_ptr<Cancel>& cancel, Options& options);
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
-  /// After the run, with Python's lock: what has been raised meanwhile, else null. `interrupted`: by Ctrl-C.
-  std::exception_ptr raised(bool& interrupted) const;
+  // After the run, with Python's lock.
+
+  /// Raises what has been raised meanwhile, if anything.
+  void raise() const;
+  /// Whether that was Ctrl-C.
+  bool interrupted() const;
 
  private:
   bool tell(const Progress& now);

@@ -10,6 +10,7 @@
 
 #include "tools/bindings/python/src/arrays.h"
 #include "tools/bindings/python/src/parts.h"
+#include "tools/bindings/python/src/texts.h"
 #include "weft/replay.h"
 
 namespace weft::python {
@@ -55,22 +56,24 @@ class FreedArraysGoBack {
   }
 };
 
-/// Runs call() without Python's lock, under watch, and wraps what it returns.
+/// Runs call() without Python's lock, under watch, and wraps what it returns. Where there is nothing, what a
+/// callback has raised says more than the error that the end has led to.
 template <class Call>
 py::object watched(Options& options, const py::object& progress, const std::shared_ptr<Cancel>& cancel,
                    const Call& call) {
   const Watch watch(progress, cancel, options);
-  auto result = [&] {
+  std::shared_ptr<decltype(call())> result;
+  try {
     const py::gil_scoped_release released;
     const FreedArraysGoBack thresholds;
-    return std::make_shared<decltype(call())>(call());
-  }();
-  py::object wrapped = py::cast(std::move(result));
-  bool interrupted = false;
-  if (const std::exception_ptr raised = watch.raised(interrupted)) {
-    if (interrupted) raise_interrupted(wrapped);
-    std::rethrow_exception(raised);
+    result = std::make_shared<decltype(call())>(call());
+  } catch (...) {
+    watch.raise();
+    throw;
   }
+  py::object wrapped = py::cast(std::move(result));
+  if (watch.interrupted()) raise_interrupted(wrapped);
+  watch.raise();
   return wrapped;
 }
 
@@ -169,11 +172,14 @@ py::object run_adapt_prepared(int comm, PreparedPart& prepared, const py::object
   return watched(prepared.options, progress, cancel, [&] { return adapt_part(communicator, prepared); });
 }
 
-std::pair<int, std::string> run_first_error(int comm, const std::string& issue) {
+std::pair<int, py::str> run_first_error(int comm, const std::string& issue) {
   const MPI_Comm communicator = communicator_of(comm);
-  const py::gil_scoped_release released;
-  RankError first = first_error(communicator, issue);
-  return {first.rank, std::move(first.text)};
+  RankError first;
+  {
+    const py::gil_scoped_release released;
+    first = first_error(communicator, issue);
+  }
+  return {first.rank, message_text(first.text)};
 }
 
 /// `texts`: the members of Files that name one file each, by the names of Python.
@@ -239,18 +245,25 @@ const Result& measured(Result& result) {
   return result;
 }
 
+auto path_of(std::string FilesResult::*member) {
+  return [member](const FilesResult& result) { return name_text(result.*member); };
+}
+
 void add_reports(py::module_& module) {
   py::class_<Report, std::shared_ptr<Report>>(module, "Report", "What is known after an adaptation.")
       .def_property_readonly("goal_met", &Report::goal_met,
                              "Whether the mesh is known to be what was asked for.")
-      .def_readonly("missed", &Report::missed, "Why it is not; empty when it is, or was not measured.")
+      .def_property_readonly(
+          "missed", [](const Report& report) { return message_texts(report.missed); },
+          "Why it is not; empty when it is, or was not measured.")
       .def_readonly("cancelled", &Report::cancelled, "Whether the run was ended early.")
-      .def_readonly("warnings", &Report::warnings)
+      .def_property_readonly("warnings", [](const Report& report) { return message_texts(report.warnings); })
       .def_property_readonly(
           "mends", [](const Report& report) { return mends_text(report.mends); },
           "What repair has done to the input, a line each.")
       .def(
-          "summary", [](const Report& report) { return summary(report); }, "What the command prints.")
+          "summary", [](const Report& report) { return message_text(summary(report)); },
+          "What the command prints.")
       .def(
           "json", [](const Report& report) { return to_json(report); }, "JSON of schema weft-report-1.");
   py::class_<Result, Report, std::shared_ptr<Result>>(module, "Result", "A mesh that has been adapted.")
@@ -258,10 +271,10 @@ void add_reports(py::module_& module) {
           "goal_met", [](Result& r) { return !r.cancelled && measured(r).goal_met(); },
           "Whether the mesh is what was asked for. Measures it where that has not been done.")
       .def_property_readonly(
-          "missed", [](Result& r) { return measured(r).missed; },
+          "missed", [](Result& r) { return message_texts(measured(r).missed); },
           "Why it is not; empty when it is. Measures it where that has not been done.")
       .def(
-          "summary", [](Result& r) { return summary(measured(r)); },
+          "summary", [](Result& r) { return message_text(summary(measured(r))); },
           "What the command prints. Measures the mesh where that has not been done.")
       .def(
           "json", [](Result& r) { return to_json(measured(r)); },
@@ -316,30 +329,34 @@ void add_reports(py::module_& module) {
           "Tets from this one on are ghosts.");
   py::class_<FilesResult, Report, std::shared_ptr<FilesResult>>(module, "FilesResult",
                                                                 "What has been written.")
-      .def_readonly("mesh", &FilesResult::mesh)
-      .def_readonly("metric", &FilesResult::metric)
-      .def_readonly("fields", &FilesResult::fields)
-      .def_readonly("report", &FilesResult::report)
-      .def("summary", [](const FilesResult& result) { return summary(result); });
+      .def_property_readonly("mesh", path_of(&FilesResult::mesh))
+      .def_property_readonly("metric", path_of(&FilesResult::metric))
+      .def_property_readonly("fields", path_of(&FilesResult::fields))
+      .def_property_readonly("report", path_of(&FilesResult::report), "report.json; empty: none.")
+      .def_property_readonly(
+          "report_error", [](const FilesResult& result) { return message_text(result.report_error); },
+          "What could not be written beside the mesh, and why; there is no report then.")
+      .def("summary", [](const FilesResult& result) { return message_text(summary(result)); });
   py::class_<SimulatedFilesResult, FilesResult, std::shared_ptr<SimulatedFilesResult>>(
       module, "SimulatedFilesResult", "What has been written, and times of virtual clocks.")
       .def_readonly("seconds", &SimulatedFilesResult::seconds, "Virtual, until the last rank has ended.")
       .def_readonly("simulation_seconds", &SimulatedFilesResult::simulation_seconds, "That it took here.")
-      .def("summary", [](const SimulatedFilesResult& result) { return summary(result); });
+      .def("summary", [](const SimulatedFilesResult& result) { return message_text(summary(result)); });
   py::class_<FillResult, std::shared_ptr<FillResult>>(module, "FillResult", "A mesh that fills a surface.")
       .def_property_readonly("mesh", [](const std::shared_ptr<FillResult>& r) { return member(r, r->mesh); })
       .def_property_readonly(
           "metric", [](const std::shared_ptr<FillResult>& r) { return member(r, r->metric); },
           "The metric that it was made for.")
       .def_readonly("regions", &FillResult::regions)
-      .def_readonly("warnings", &FillResult::warnings)
+      .def_property_readonly("warnings", [](const FillResult& r) { return message_texts(r.warnings); })
       .def_property_readonly(
           "mends", [](const FillResult& r) { return mends_text(r.mends); },
           "What repair has done to the surface, a line each.")
       .def_readonly("deviation", &FillResult::deviation,
                     "Of repair: largest distance of the mended surface from the one given.")
-      .def_readonly("missed", &FillResult::missed,
-                    "Where it lies on the CAD model worse than the surface did; empty: nowhere.")
+      .def_property_readonly(
+          "missed", [](const FillResult& r) { return message_texts(r.missed); },
+          "Where it lies on the CAD model worse than the surface did; empty: nowhere.")
       .def_readonly("cancelled", &FillResult::cancelled)
       .def_readonly("ended_by", &FillResult::ended_by);
 }
@@ -358,7 +375,7 @@ bool is_list(const py::handle& value) {
 
 /// What C would read the start of is no text.
 std::string whole_text(const py::handle& value) {
-  std::string text = value.cast<std::string>();
+  const std::string text = py::isinstance<py::str>(value) ? bytes_of_name(value) : value.cast<std::string>();
   if (text.find('\0') != std::string::npos) throw py::cast_error();
   return text;
 }
@@ -420,14 +437,18 @@ bool Watch::tell(const Progress& now) {
   }
 }
 
-std::exception_ptr Watch::raised(bool& interrupted) const {
+void Watch::raise() const {
+  if (raised_) std::rethrow_exception(raised_);
+}
+
+bool Watch::interrupted() const {
   try {
-    if (raised_) std::rethrow_exception(raised_);
+    raise();
   } catch (const py::error_already_set& error) {
-    interrupted = error.matches(PyExc_KeyboardInterrupt);
+    return error.matches(PyExc_KeyboardInterrupt);
   } catch (...) {
   }
-  return raised_;
+  return false;
 }
 
 void add_runs(py::module_& module) {

@@ -197,7 +197,7 @@ def _adapt_parts(comm: Any, part: Tuple[Any, Any, Any], background: Tuple[Any, A
     except Exception as error:  # whatever it is, the other ranks are waiting to hear of it
         kind = type(error).__name__ if isinstance(error, Error) else "Error"
         issue, cause = f"{kind}\n{error}", error
-    rank, text = _weft.first_error(handle, issue)
+    rank, text = _weft.first_error(handle, issue.encode(errors="replace"))  # names of files may be no UTF-8
     if rank >= 0:
         _raise_issue(rank, text, cause)
     return _weft.adapt_prepared(handle, prepared, progress, cancel)
@@ -214,6 +214,8 @@ def adapt_files(input: _Path, output: _Path, *, fields: Sequence[_Path] = (), ba
     report: folder for report.json and (page) report.html and profile.json; case: published figures to show there.
     graph, trace: files for the task graph and a timeline, of runs in subdomains. simulate_ranks: so many ranks that
     this thread simulates, on a network and with processors slower by a factor; the result is a SimulatedFilesResult.
+    Under mpirun it is a call of all ranks, which starts and ends MPI: only one can be made, unless mpi4py.MPI has been
+    imported before.
     """
     _check_watch(progress, cancel)
     texts = dict(input=input, output=output, background=background, report=report, case=case, graph=graph, trace=trace)
@@ -379,8 +381,8 @@ def fill(surface: MeshLike, *, growth: float = 1.3, size: float = 0, merge: floa
     share of the diagonal are one. materials: a shell within a volume bounds a material, not a hole (of a CAD model with
     several bodies each is filled, and voids between them only with materials). remesh_surface: the surface may be
     adapted too, within hausd. background, metric: sizes of another mesh instead of the surface's.
-    Of the options threads, hausd, ridge_angle, repair and, with remesh_surface, geometry and geometry_scale have a
-    meaning.
+    Of the options threads, time_limit, max_memory, hausd, ridge_angle, repair, no_verify and, with remesh_surface, geometry
+    and geometry_scale have a meaning.
     """
     _check_watch(progress, cancel)
     return _weft.fill(as_mesh(surface), growth, size, merge, materials, remesh_surface, _as_background(background),

@@ -107,6 +107,16 @@ def _pyvista_refs(cell_data: Mapping[str, Any], types: np.ndarray, kind: int) ->
     return _whole_numbers(cell_data[name], f"cell_data[{name!r}]")[types == kind] if name else None
 
 
+def _surface_refs(surface: "pyvista.PolyData", triangles: int) -> Optional[np.ndarray]:
+    """Those of the polygons, which come behind vertices and lines in the data of a PolyData's cells."""
+    cell_data = getattr(surface, "cell_data", {})
+    name = _references(cell_data)
+    if not name:
+        return None
+    first = surface.n_verts + surface.n_lines
+    return _whole_numbers(cell_data[name], f"cell_data[{name!r}]")[first:first + triangles]
+
+
 def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
     """A weft.Mesh of the linear tets, triangles and lines of a pyvista.UnstructuredGrid, or of the triangles of a
     pyvista.PolyData. References are the cell data called ref. Where all tets are inverted, as PyVista's to_tetrahedra() leaves
@@ -116,7 +126,8 @@ def from_pyvista(grid: "pyvista.UnstructuredGrid") -> Mesh:
     if not hasattr(grid, "cells_dict"):
         if not hasattr(grid, "regular_faces"):
             raise UsageError(f"mesh: is a {type(grid).__name__}, not an UnstructuredGrid or PolyData of PyVista")
-        return Mesh(np.asarray(grid.points, np.float64), None, np.asarray(grid.regular_faces))
+        triangles = np.asarray(grid.regular_faces)
+        return Mesh(np.asarray(grid.points, np.float64), None, triangles, triangle_refs=_surface_refs(grid, len(triangles)))
     cells = grid.cells_dict
     types = np.asarray(grid.celltypes)
     strange = sorted(set(cells) - {1, _VTK_LINE, _VTK_TRIANGLE, _VTK_TETRA})

@@ -1,8 +1,8 @@
 // What the command does with files on all ranks of mpirun, beside adaptation: every rank reads its share, and
 // no rank holds the whole mesh where the formats allow that (what was read whole is among the warnings). All
-// ranks call these functions; they start and end MPI, unless the caller has started it. What all ranks throw
-// alike rank 0 throws as InputError, the others as a RunError that is reported already. Without mpirun they
-// work in this process.
+// ranks call these functions; they start and end MPI, unless the caller has started it (without whom it is
+// one call in a process). What all ranks throw alike rank 0 throws as InputError, the others as a RunError
+// that is reported already. Without mpirun they work in this process.
 #pragma once
 
 #include <optional>

@@ -162,8 +162,8 @@ struct RunOptions {
   /// Called on the calling thread of rank 0, a few times a second. Returning false cancels: the run ends soon
   /// with the valid mesh that it has.
   std::function<bool(const Progress&)> progress;
-  /// The same from elsewhere: set (on all ranks) by another thread or a signal handler; set here too when the
-  /// function above returns false. Must outlive the call.
+  /// The same from elsewhere: set (on all ranks) by another thread or a signal handler. It is only read, so
+  /// that it serves the next run too. Must outlive the call.
   std::atomic<bool>* cancel = nullptr;
   /// Seconds from the beginning of the call after which the run is to have ended with the best valid mesh
   /// that it has by then, written (goal missed: Report::cancelled); 0: none. The first rank's clock counts.
@@ -245,7 +245,8 @@ WEFT_API void validate(const Options& options);
 /// An option by its name, for languages that have no use for the members above.
 struct NamedOption {
   std::string name;  ///< as the command has it, without dashes: "hgrad-space"
-  std::string type;  ///< number, whole number, yes or no, text, texts, whole numbers, or the words it may be
+  std::string
+      type;  ///< number, whole number, size, yes or no, text, texts, whole numbers, or the words it may be
   std::string text;  ///< what it is
   bool of_command;   ///< `weft adapt` has it too
 };
@@ -492,15 +493,16 @@ struct Files {
 struct FilesResult : Report {
   std::string input, metric_name;    ///< what it was made from
   std::string mesh, metric, fields;  ///< the files that were written
-  std::string report;                ///< report.json; empty: none
-  std::string report_error;          ///< why there is no report though one was asked for
+  std::string report;                ///< report.json; empty: none, or not all of what belongs to it
+  std::string report_error;          ///< what could not be written, or measured, beside the mesh, and why
   bool first = true;                 ///< this is rank 0, which says what there is to say
 };
 
 /// Reads, adapts, measures, writes; files appear whole or not at all. Under mpirun it works on all ranks of
-/// the world (and starts and ends MPI, unless the caller has started it): every rank reads its share where
-/// formats and metric allow. Where it has started MPI itself and a rank dies or MPI fails, it ends all ranks
-/// by MPI_Abort with status 2, the only way out of MPI then.
+/// the world (and starts and ends MPI, unless the caller has started it, without whom there is one such call
+/// in the life of a process): every rank reads its share where formats and metric allow. Where it has started
+/// MPI itself and a rank dies or MPI fails, it ends all ranks by MPI_Abort with status 2, the only way out of
+/// MPI then.
 WEFT_API FilesResult adapt_files(const Files& files, const Options& options = {});
 /// Whether adapt_files works in subdomains: asked to, or under mpirun.
 WEFT_API bool in_subdomains(const Options& options);

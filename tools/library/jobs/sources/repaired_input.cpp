@@ -2,6 +2,7 @@
 #include "tools/library/jobs/sources/repaired_input.h"
 
 #include <iterator>
+#include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/io/mesh_file.h"
@@ -12,14 +13,18 @@
 namespace weft::tools {
 namespace {
 
-/// Of the mesh as it was read: `points` are of what it has become.
-Fields read_for(const std::string& file, std::size_t points_read, const std::vector<std::uint32_t>& points) {
-  const Fields fields = meshing::read_solution(file);
+/// Of the mesh as it was read: `points` are of what it has become. Errors call the fields `name`.
+Fields mended_fields(const Fields& fields, const std::string& name, std::size_t points_read,
+                     const std::vector<std::uint32_t>& points) {
   if (fields.num_points != points_read)
-    throw InputError(file, "",
+    throw InputError(name, "",
                      "is of another mesh: it has " + std::to_string(fields.num_points) +
                          " vertices, the mesh " + std::to_string(points_read));
   return fields_at(fields, points);
+}
+
+Fields read_for(const std::string& file, std::size_t points_read, const std::vector<std::uint32_t>& points) {
+  return mended_fields(meshing::read_solution(file), file, points_read, points);
 }
 
 void append(std::vector<Mend> more, std::vector<Mend>& mends) {
@@ -52,7 +57,7 @@ RepairedMetric repair_input(meshing::MeshData& mesh, const std::string& file, Me
                             Fields& fields) {
   RepairedMetric result;
   const std::size_t points_read = mesh.points.size();
-  const meshing::MeshRepair repair = naming(file, [&] { return meshing::repair_mesh(mesh); });
+  meshing::MeshRepair repair = naming(file, [&] { return meshing::repair_mesh(mesh); });
   append(mends_of(repair.mends), result.mends);
   if (!fields.fields.empty()) fields = fields_at(fields, repair.points);
   if (!options.file.empty()) {
@@ -62,11 +67,14 @@ RepairedMetric repair_input(meshing::MeshData& mesh, const std::string& file, Me
     result.source = meshing::metric_from_solution(metric, mesh.points.size(), options.file);
     options.file.clear();
   }
+  for (Fields& solution : options.solutions)
+    solution = mended_fields(solution, "solution", points_read, repair.points);
   for (const std::string& solution : options.sol) {
     options.solutions.push_back(read_for(solution, points_read, repair.points));
     meshing::scalar_fields(options.solutions.back(), mesh.points.size(), solution);  // a fault is the file's
   }
   options.sol.clear();
+  result.points = std::move(repair.points);
   return result;
 }
 

@@ -19,7 +19,7 @@
    - Objects are opaque handles, which weft_free() frees. A handle that has been freed, or is of another kind,
      is refused with WEFT_MISUSE. A function that fails leaves its outputs as they are.
    - Arrays of the caller are read during the call and never kept. Pointers that functions give out belong to
-     the object and are valid until it is freed (until it is changed or freed, for a mesh).
+     the object and are valid until it is freed (until it is changed or freed, for a mesh and for fields).
    - Indices and counts are 64-bit, indices count from 0. Errors name arrays by argument and index; what they
      call a vertex, tet or triangle with a number counts from 1, as in files.
    - Tensors have six numbers in a row; which comes where has to be said (weft_tensor_order).
@@ -180,6 +180,11 @@ WEFT_C_API weft_status weft_metric_write(const weft_metric* metric, const char* 
    scaled. */
 WEFT_C_API weft_status weft_metric_make(const weft_mesh* mesh, const weft_metric* source,
                                         const weft_options* options, weft_metric** metric);
+/* The same, with what there is to warn of, a line each, to be freed: a complexity that limits keep out of
+   reach, for instance. `warnings` may be NULL. */
+WEFT_C_API weft_status weft_metric_make_with(const weft_mesh* mesh, const weft_metric* source,
+                                             const weft_options* options, weft_metric** metric,
+                                             weft_text** warnings);
 WEFT_C_API weft_status weft_metric_count(const weft_metric* metric, int64_t* count);
 /* Copies the tensors to where `capacity` numbers have room. */
 WEFT_C_API weft_status weft_metric_get(const weft_metric* metric, weft_tensor_order order, int64_t capacity,
@@ -196,7 +201,8 @@ WEFT_C_API weft_status weft_fields_create(int64_t num_points, weft_fields** fiel
 WEFT_C_API weft_status weft_fields_add(weft_fields* fields, const char* name, int components,
                                        const double* values);
 WEFT_C_API weft_status weft_fields_count(const weft_fields* fields, int64_t* num_fields, int64_t* num_points);
-/* Any of the outputs may be NULL. */
+/* Any of the outputs may be NULL. The pointers are valid until the fields are freed or changed, as by adding
+   one or by a repair. */
 WEFT_C_API weft_status weft_fields_get(const weft_fields* fields, int64_t index, const char** name,
                                        int* components, const double** values);
 WEFT_C_API weft_status weft_fields_read(const char* path, weft_fields** fields);
@@ -281,7 +287,9 @@ WEFT_C_API weft_status weft_adapt(const weft_mesh* mesh, const weft_metric* metr
 WEFT_C_API weft_status weft_adapt_to_background(const weft_mesh* mesh, const weft_mesh* background,
                                                 const weft_metric* metric, const weft_options* options,
                                                 const weft_fields* fields, weft_result** result);
-/* From file to file, as `weft adapt IN -o OUT` does. */
+/* From file to file, as `weft adapt IN -o OUT` does. Under mpirun it is a call of all ranks, which starts and
+   ends MPI: only one such call can be made. A program that makes several calls MPI_Init before the first and
+   MPI_Finalize after the last. */
 WEFT_C_API weft_status weft_adapt_files(const char* input, const char* output, const weft_options* options,
                                         weft_result** result);
 
@@ -355,6 +363,18 @@ WEFT_C_API weft_status weft_result_verdict(const weft_result* result, int* goal_
 /* What the command prints; the same for programs, JSON of schema weft-report-1. */
 WEFT_C_API weft_status weft_result_summary(const weft_result* result, const char** text);
 WEFT_C_API weft_status weft_result_json(const weft_result* result, const char** text);
+/* What else there is to tell of a run. */
+typedef WEFT_C_ENUM(weft_told){
+    WEFT_WARNINGS = 0, /* such as triangles of the boundary that were missing and have been made */
+    WEFT_MENDS = 1,    /* what repair has done to the input */
+    WEFT_MISSED = 2,   /* why the goal was not met; takes the measures as above */
+    WEFT_ENDED_BY = 3  /* of a cancelled run: interrupted, time limit, memory limit, out of memory */
+} weft_told;
+/* A line each, or an empty text; to be freed. */
+WEFT_C_API weft_status weft_result_told(const weft_result* result, weft_told what, weft_text** text);
+/* Of files: report.json, and what could not be written beside the mesh, and why (there is no report then);
+   "" where there is none. Either may be NULL. */
+WEFT_C_API weft_status weft_result_report(const weft_result* result, const char** report, const char** error);
 
 /* Quality of tets (mean ratio) and lengths of edges in a metric. */
 typedef struct weft_measures {
@@ -389,7 +409,9 @@ typedef struct weft_fill_settings {
 } weft_fill_settings;
 WEFT_C_API weft_status weft_fill_settings_default(weft_fill_settings* settings);
 /* Fills the volumes that the closed triangles of a mesh bound with tets. `settings` and `options` may be
-   NULL; of the options threads, progress, hausd and ridge-angle are read. */
+   NULL; of the options threads, time-limit, max-memory, repair, no-verify, ridge-angle and hausd are read,
+   with remesh_surface geometry and geometry-scale too, and progress is told. A run that is ended early gives
+   the valid mesh that it has; weft_fill_to_result() says so, and more. */
 WEFT_C_API weft_status weft_fill(const weft_mesh* surface, const weft_fill_settings* settings,
                                  const weft_options* options, weft_mesh** mesh, weft_metric** metric);
 /* The same with the sizes of another mesh: `sizes` at the vertices of `background`, instead of the surface's.
@@ -398,6 +420,20 @@ WEFT_C_API weft_status weft_fill_to_background(const weft_mesh* surface, const w
                                                const weft_metric* sizes, const weft_fill_settings* settings,
                                                const weft_options* options, weft_mesh** mesh,
                                                weft_metric** metric);
+/* The same as both (`background` and `sizes` may be NULL), with what there is to say of it: a result, of
+   which weft_result_mesh(), _metric(), _write(), _verdict() (missed: it lies on the CAD model worse than the
+   surface did), _measures() and _told() tell. It has no summary and no JSON. */
+WEFT_C_API weft_status weft_fill_to_result(const weft_mesh* surface, const weft_mesh* background,
+                                           const weft_metric* sizes, const weft_fill_settings* settings,
+                                           const weft_options* options, weft_result** result);
+typedef struct weft_fill_account {
+  size_t size;      /* sizeof(weft_fill_account), to be set by the caller */
+  int64_t regions;  /* that have been filled */
+  double deviation; /* of repair: largest distance of the mended surface from the one given */
+  double grid_seconds, fill_seconds;
+} weft_fill_account;
+/* Of a result of weft_fill_to_result(). */
+WEFT_C_API weft_status weft_result_fill(const weft_result* result, weft_fill_account* account);
 /* Triangles on a CAD model, to be filled; options: geometry, geometry-scale, and hausd as the largest
    distance of an edge from the model. `angle`: degrees that the normal turns along an edge; 0: 20. */
 WEFT_C_API weft_status weft_tessellate(const weft_options* options, double angle, weft_mesh** surface);
