@@ -177,8 +177,7 @@ void start_mpi(int* argc, char*** argv) {
     throw TransportError(
         "MPI has been ended, by an earlier call (on files, say) that had started it or by the program, and "
         "starts only once in a process: for several such calls start it before the first (MPI_Init, or "
-        "import "
-        "mpi4py.MPI) and end it after the last");
+        "import mpi4py.MPI) and end it after the last");
   if (initialized) {
     throw TransportError(
         "MPI has been initialised already; then an MpiTransport is made on a communicator of the program");

@@ -105,6 +105,7 @@ std::size_t PlaneTriangulation::walk_to(std::uint32_t vertex) const {
   }
   return faces_.size();
 }
+
 /// Both faces beside it, if it has two; what was fixed stays so.
 void PlaneTriangulation::split_edge(std::uint32_t a, std::uint32_t b, std::uint32_t vertex) {
   const std::uint32_t left = apex(a, b), right = apex(b, a);
