@@ -1,4 +1,4 @@
-// The engine's parts, each alone: directory, events, termination, registry, exchange.
+// The engine's parts, each alone: directory, events, termination, registry, scheduler, exchange.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,9 @@
 #include "engine/objects/registry.h"
 #include "engine/run/awake_clock.h"
 #include "engine/schedule/context.h"
+#include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
+#include "tests/support/failing_new.h"
 
 namespace weft::engine::parts_test {
 namespace {
@@ -324,6 +326,47 @@ TEST(Registry, FingerprintsTellProgramsApartAndNotTheOrderOfRegistration) {
   EXPECT_EQ(one.fingerprint(), other_order.fingerprint());
   EXPECT_NE(one.fingerprint(), immovable.fingerprint());
   EXPECT_NE(one.fingerprint(), fewer.fingerprint());
+}
+
+// --- Scheduler
+
+/// The copy of an object for which three messages wait.
+Payload copy_with_mail(const Registry& registry) {
+  PackedCell cell;
+  cell.id = kA;
+  cell.type = registry.type<Mobile>().id;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    Task& task = cell.mailbox.emplace_back();
+    task.envelope.target = task.envelope.sender = kA;
+    task.envelope.sequence = i;
+    task.envelope.method = registry.method<&Mobile::act>().id;
+  }
+  return packed(std::move(cell));
+}
+
+TEST(Scheduler, AnObjectThatFoundNoMemoryWaitsForNoWorker) {
+  if (!weft::testing::kNewCanFail) GTEST_SKIP() << "the sanitizer has an allocator of its own";
+  Registry registry;
+  registry.type<Mobile>("Mobile").method<&Mobile::act>("act");
+  bool failed = true;
+  for (int number = 0; failed; ++number) {
+    LoopbackNetwork network(1);
+    Exchange exchange(network.transport(Rank(0)), {});
+    Trace trace(Rank(0), 1, 1);
+    Scheduler scheduler({.rank = Rank(0)}, registry, exchange, trace, [] {});
+    Payload copy = copy_with_mail(registry);
+    {
+      const weft::testing::FailingNew memory(number);
+      try {
+        scheduler.restore_object(std::move(copy));
+      } catch (const std::bad_alloc&) {
+      }
+      failed = memory.has_failed();
+    }
+    const bool is_there = scheduler.state().size() > 1;  // a line for the rank, one for each object
+    EXPECT_TRUE(is_there || failed);
+    EXPECT_TRUE(is_there || scheduler.passive_count()) << "allocation " << number;
+  }
 }
 
 // --- The clock of limits on waiting
