@@ -401,7 +401,8 @@ TEST(Dataflow, TellsWhichEventsLackArrivals) {
       start<&Collector::give>(context, nth(2), 0, nth(3));  // nobody has asked for it
     });
     EXPECT_THAT(incomplete<Collector>(runtime),
-                ElementsAre("object 0.1: collect in round 3 waits for 0.4 0.3"));
+                ElementsAre("object 0.1: collect in round 3 waits for 0.4 0.3",
+                            "object 0.3: collect in round 3 is not declared for the values of 0.2"));
   });
 }
 
