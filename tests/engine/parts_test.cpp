@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <deque>
 #include <random>
+#include <thread>
 
 #include "engine/network/exchange.h"
 #include "engine/network/loopback_transport.h"
@@ -330,24 +332,34 @@ TEST(Registry, FingerprintsTellProgramsApartAndNotTheOrderOfRegistration) {
 
 // --- Scheduler
 
-/// The copy of an object for which three messages wait.
+Registry mobiles() {
+  Registry registry;
+  registry.type<Mobile>("Mobile").method<&Mobile::act>("act");
+  return registry;
+}
+
+/// The first message of `sender` to an object.
+Task message_of(ObjectId sender, const Registry& registry) {
+  Task task;
+  task.envelope.target = kA;
+  task.envelope.sender = sender;
+  task.envelope.id = 7;
+  task.envelope.method = registry.method<&Mobile::act>().id;
+  return task;
+}
+
+/// The copy of an object for which a message waits.
 Payload copy_with_mail(const Registry& registry) {
   PackedCell cell;
   cell.id = kA;
   cell.type = registry.type<Mobile>().id;
-  for (std::uint64_t i = 0; i < 3; ++i) {
-    Task& task = cell.mailbox.emplace_back();
-    task.envelope.target = task.envelope.sender = kA;
-    task.envelope.sequence = i;
-    task.envelope.method = registry.method<&Mobile::act>().id;
-  }
+  cell.mailbox.push_back(message_of(kB, registry));
   return packed(std::move(cell));
 }
 
 TEST(Scheduler, AnObjectThatFoundNoMemoryWaitsForNoWorker) {
   if (!weft::testing::kNewCanFail) GTEST_SKIP() << "the sanitizer has an allocator of its own";
-  Registry registry;
-  registry.type<Mobile>("Mobile").method<&Mobile::act>("act");
+  const Registry registry = mobiles();
   bool failed = true;
   for (int number = 0; failed; ++number) {
     LoopbackNetwork network(1);
@@ -367,6 +379,22 @@ TEST(Scheduler, AnObjectThatFoundNoMemoryWaitsForNoWorker) {
     EXPECT_TRUE(is_there || failed);
     EXPECT_TRUE(is_there || scheduler.passive_count()) << "allocation " << number;
   }
+}
+
+/// They would be the arrows' heads of messages of this run.
+TEST(Scheduler, RestoredMessagesHaveNoNumberOfTheRunThatTheyComeFrom) {
+  const Registry registry = mobiles();
+  LoopbackNetwork network(1);
+  Exchange exchange(network.transport(Rank(0)), {});
+  Trace trace(Rank(0), 1, 1, {.spans = true});
+  Scheduler scheduler({.rank = Rank(0)}, registry, exchange, trace, [] {});
+  scheduler.restore_object(copy_with_mail(registry));
+  scheduler.restore_message(packed(message_of(kC, registry)));
+  scheduler.start({});
+  while (!scheduler.passive_count()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_FALSE(scheduler.failure());
+  EXPECT_EQ(trace.worker_lane(0).time(Activity::compute).count, 2u);
+  for (const Span& span : trace.worker_lane(0).spans().copy()) EXPECT_EQ(span.cause, 0u);
 }
 
 // --- The clock of limits on waiting
