@@ -49,6 +49,7 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
   if (options_.virtual_time) {
+    if (options_.snapshots) throw std::logic_error("simulated ranks take no snapshots");
     virtual_runs_ = std::vector<VirtualRun>(static_cast<std::size_t>(options_.threads));
     return;
   }
