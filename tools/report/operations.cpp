@@ -44,7 +44,7 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
     add_seconds(graph.description.nodes[run.node].name, took, beside_seconds(graph, run), seconds);
     in_nodes += took;
   }
-  seconds[kConversion] += summary.times.unpack;
+  seconds[kConversion] += summary.times.unpack + summary.times.copy;
   seconds[kMisc] += std::max(0.0, summary.times.compute - in_nodes);
   seconds[kIdle] += summary.times.idle;
   return seconds;
