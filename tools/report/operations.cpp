@@ -18,8 +18,9 @@ OperationIndex operation_of_node(std::string_view name) {
 
 void add_seconds(std::string_view node, double took, const BesideSeconds& beside, OperationSeconds& seconds) {
   for (std::size_t i = 0; i < beside.size(); ++i) {
-    seconds[kBeside[i].operation] += beside[i];
-    took -= beside[i];
+    const double part = std::min(beside[i], took);
+    seconds[kBeside[i].operation] += part;
+    took -= part;
   }
   seconds[operation_of_node(node)] += took;
 }
