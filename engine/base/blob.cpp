@@ -49,6 +49,9 @@ void* fresh(std::size_t bytes) {
 /// Freed large blocks, the latest last; the oldest go when all together are more than kMostKept.
 class Pool {
  public:
+  /// With room for all that it may ever keep: give() must not fail.
+  Pool() { kept_.reserve(kMostKept / kLarge); }
+
   /// A block of exactly `bytes`, or null.
   void* take(std::size_t bytes) {
     const std::lock_guard lock(mutex_);

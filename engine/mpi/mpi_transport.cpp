@@ -118,13 +118,29 @@ struct Incoming {
 template <class Owner>
 class Requests {
  public:
+  /// A test finishes no more than that: it needs no memory.
+  Requests() {
+    finished_.reserve(kTested);
+    told_.reserve(kTested);
+  }
+
   bool empty() const { return requests_.empty(); }
   std::size_t size() const { return requests_.size(); }
 
-  /// A place for the request of a message of `owner`, which has counted it in `open`.
-  MPI_Request* add(const std::shared_ptr<Owner>& owner) {
-    owners_.push_back(owner);
+  /// A place for the request of a message of `owner`, which has counted it in `open`. All or nothing: what
+  /// throws for want of memory, throws before MPI is given the message.
+  MPI_Request* add(std::shared_ptr<Owner> owner) {
+    make_room();
+    owners_.push_back(std::move(owner));
     return &requests_.emplace_back(MPI_REQUEST_NULL);
+  }
+
+  /// Undoes the last add(), whose message is through.
+  std::shared_ptr<Owner> take_last() {
+    std::shared_ptr<Owner> owner = std::move(owners_.back());
+    owners_.pop_back();
+    requests_.pop_back();
+    return owner;
   }
 
   /// Calls done(owner) for each owner whose last message is through; true when any message is.
@@ -147,11 +163,20 @@ class Requests {
     if (count <= 0) return false;  // 0, or MPI_UNDEFINED
     remove_done(first, tested);
     // Taken out before anything is told: `done` may add requests.
-    for (auto& owner : std::exchange(finished_, {})) done(owner);
+    told_.swap(finished_);
+    for (auto& owner : told_) done(owner);
+    told_.clear();
     return true;
   }
 
  private:
+  void make_room() {
+    if (size() < std::min(requests_.capacity(), owners_.capacity())) return;
+    const std::size_t room = std::max(kTested, 2 * size());
+    requests_.reserve(room);
+    owners_.reserve(room);
+  }
+
   void remove_done(std::size_t first, std::size_t tested) {
     for (std::size_t i = first + tested; i-- > first;) {
       if (requests_[i] != MPI_REQUEST_NULL) continue;
@@ -165,7 +190,7 @@ class Requests {
 
   std::vector<MPI_Request> requests_;
   std::vector<std::shared_ptr<Owner>> owners_;
-  std::vector<std::shared_ptr<Owner>> finished_;
+  std::vector<std::shared_ptr<Owner>> finished_, told_;
   std::size_t next_ = 0;  ///< where the next test begins
 };
 
@@ -394,17 +419,17 @@ class MpiTransport::Impl {
 
   void check_usable() const;
   void depart(int tag, std::uint32_t ended_phase, const std::string& why) noexcept;
+  template <class Step>
+  void or_break(const char* what, Rank peer, const Step& step);
   void send_lone_head(Rank to, int tag, Packet packet);
   void send_all(Rank to, Packet packet);
-  void send_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size, int tag);
+  void queue_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size, int tag);
   void post_queued();
   std::int32_t next_tag(Rank to);
 
   bool receive_heads(const Receive& receive);
   void take_head(Rank from, int tag, std::span<const std::byte> message, const Receive& receive);
   void note_leaving(Rank from, int tag, std::span<const std::byte> message);
-  template <class Step>
-  void receive_segments(Rank from, const Step& step);
   void expect_segments(Rank from, std::span<const std::byte> message);
   void post_segments(const std::shared_ptr<Incoming>& in);
   void receive_bytes(const std::shared_ptr<Incoming>& in, void* data, std::size_t size);
@@ -418,7 +443,7 @@ class MpiTransport::Impl {
   void cancel_heads();
 
   Impl* left_before_ = nullptr;
-  std::string broken_;  ///< why nothing can be received any more
+  std::string broken_;  ///< why nothing can be sent or received any more
   Mpi mpi_;
   MPI_Comm head_comm_;
   MPI_Comm segment_comm_;
@@ -431,11 +456,13 @@ class MpiTransport::Impl {
   std::array<HeadReceive, kHeadReceives> heads_;
   std::size_t head_ = 0;  ///< the one posted longest ago, which completes first
   Requests<Outgoing> sends_;
+  std::shared_ptr<Outgoing> spare_;  ///< of the last lone head that was through at once
   std::deque<Message> queued_;
   Requests<Incoming> receives_;
   std::deque<Arrived> arrived_;
 
-  std::vector<std::uint64_t> sent_, received_;  ///< packets by rank, whole ones; close() compares them
+  /// Packets by rank: those whose head MPI has been given, and whole ones. close() compares them.
+  std::vector<std::uint64_t> sent_, received_;
   std::vector<std::uint64_t>
       expected_;  ///< what others have sent here; MPI may write it after close() has thrown
   std::vector<std::size_t> unsent_;
@@ -503,28 +530,48 @@ void MpiTransport::Impl::send(Rank to, Packet packet) {
     arrived_.push_back({rank_, std::move(packet.head), std::move(packet.segments)});
     return;
   }
-  ++sent_[to.index()];
-  if (packet.segments.empty()) {
-    send_lone_head(to, kLoneHeadTag, std::move(packet));
-  } else {
-    send_all(to, std::move(packet));
-  }
+  or_break("sent to", to, [&] {
+    if (packet.segments.empty()) {
+      send_lone_head(to, kLoneHeadTag, std::move(packet));
+    } else {
+      send_all(to, std::move(packet));
+    }
+  });
   node_.ring(to);
 }
 
-/// Most packets are a short head only, which MPI takes over at once: nothing to remember then.
+/// A step that fails (memory is short) leaves messages on their way that nothing will ever receive or send,
+/// and may leave a packet that must not be taken for whole: that is the end of this network.
+template <class Step>
+void MpiTransport::Impl::or_break(const char* what, Rank peer, const Step& step) {
+  try {
+    step();
+  } catch (const std::exception& error) {
+    broken_ = "out of memory";  // which takes none, as the reason may
+    broken_ = std::string("a packet cannot be ") + what + " rank " + std::to_string(peer.value) + ": " +
+              error.what();
+    throw TransportError(broken_);
+  }
+}
+
+/// All memory is there before MPI reads from any: what it reads from is kept whatever fails. Most packets are
+/// a short head only, which MPI takes over at once: they take none, since the next one uses their Outgoing.
 void MpiTransport::Impl::send_lone_head(Rank to, int tag, Packet packet) {
-  MPI_Request request = MPI_REQUEST_NULL;
-  check(MPI_Isend(packet.head.data(), static_cast<int>(packet.head.size()), MPI_BYTE, to.value, tag,
-                  head_comm_, &request),
-        "MPI_Isend");
-  int sent = 0;
-  if (packet.head.size() <= kShortHead) check(MPI_Test(&request, &sent, MPI_STATUS_IGNORE), "MPI_Test");
-  if (sent) return;
-  const auto out = std::make_shared<Outgoing>(to, std::move(packet));  // the head's bytes stay where they are
-  ++out->open;
-  *sends_.add(out) = request;
+  auto out = spare_ ? std::move(spare_) : std::make_shared<Outgoing>(to, Packet());
+  out->to = to;
+  out->packet = std::move(packet);
+  out->open = 1;
+  const std::vector<std::byte>& head = out->packet.head;
+  MPI_Request* const request = sends_.add(std::move(out));
   ++unsent_[to.index()];
+  check(MPI_Isend(head.data(), static_cast<int>(head.size()), MPI_BYTE, to.value, tag, head_comm_, request),
+        "MPI_Isend");
+  ++sent_[to.index()];
+  int through = 0;
+  if (head.size() <= kShortHead) check(MPI_Test(request, &through, MPI_STATUS_IGNORE), "MPI_Test");
+  if (!through) return;
+  spare_ = sends_.take_last();
+  --unsent_[to.index()];
 }
 
 /// Best effort: a rank that cannot be told finds out in another way, or never.
@@ -536,7 +583,6 @@ void MpiTransport::Impl::depart(int tag, std::uint32_t ended_phase, const std::s
       Packet packet;
       append(packet.head, &ended_phase, 1);
       append(packet.head, why.data(), std::min(why.size(), kShortHead - sizeof ended_phase));
-      ++sent_[static_cast<std::size_t>(r)];
       send_lone_head(Rank(r), tag, std::move(packet));
       node_.ring(Rank(r));
     }
@@ -544,6 +590,7 @@ void MpiTransport::Impl::depart(int tag, std::uint32_t ended_phase, const std::s
   }
 }
 
+/// What follows the head is queued before that goes: a head announces nothing that does not come.
 void MpiTransport::Impl::send_all(Rank to, Packet packet) {
   const Trailer trailer{static_cast<std::uint32_t>(packet.segments.size()), next_tag(to)};
   Sizes sizes;
@@ -553,24 +600,26 @@ void MpiTransport::Impl::send_all(Rank to, Packet packet) {
   const bool fits = sizes.size() <= kInlineSizes;
   if (fits) append(head, sizes.data(), sizes.size());
   append(head, &trailer, 1);
-  ++unsent_[to.index()];
-  ++out->open;
-  check(MPI_Isend(head.data(), static_cast<int>(head.size()), MPI_BYTE, to.value, kHeadTag, head_comm_,
-                  sends_.add(out)),
-        "MPI_Isend");
   if (!fits) {
     out->sizes = std::move(sizes);
-    send_bytes(out, out->sizes.data(), out->sizes.size() * sizeof(Sizes::value_type), trailer.tag);
+    queue_bytes(out, out->sizes.data(), out->sizes.size() * sizeof(Sizes::value_type), trailer.tag);
   }
   for (const Blob& segment : out->packet.segments) {
-    send_bytes(out, segment.data(), segment.size(), trailer.tag);
+    queue_bytes(out, segment.data(), segment.size(), trailer.tag);
   }
+  ++out->open;
+  MPI_Request* const request = sends_.add(out);
+  ++unsent_[to.index()];
+  check(MPI_Isend(head.data(), static_cast<int>(head.size()), MPI_BYTE, to.value, kHeadTag, head_comm_,
+                  request),
+        "MPI_Isend");
+  ++sent_[to.index()];
   post_queued();
 }
 
 /// 0 bytes are no message.
-void MpiTransport::Impl::send_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size,
-                                    int tag) {
+void MpiTransport::Impl::queue_bytes(const std::shared_ptr<Outgoing>& out, const void* data, std::size_t size,
+                                     int tag) {
   for (std::size_t done = 0; done < size; done += chunk_) {
     const auto count = static_cast<int>(std::min(chunk_, size - done));
     queued_.push_back({out, static_cast<const std::byte*>(data) + done, count, tag});
@@ -612,10 +661,11 @@ bool MpiTransport::Impl::poll(const Receive& receive) {
     --unsent_[out->to.index()];
     node_.ring(out->to);  // of a long head it may have slept since its first part came
   });
-  post_queued();
+  if (!queued_.empty()) or_break("sent to", queued_.front().out->to, [&] { post_queued(); });
   any |= receive_heads(receive);
-  any |= receives_.test(
-      [&](const std::shared_ptr<Incoming>& in) { receive_segments(in->from, [&] { take_finished(in); }); });
+  any |= receives_.test([&](const std::shared_ptr<Incoming>& in) {
+    or_break("received from", in->from, [&] { take_finished(in); });
+  });
   any |= deliver(receive);
   if (any) quiet_ = looks_ = 0;
   return any;
@@ -646,7 +696,7 @@ bool MpiTransport::Impl::receive_heads(const Receive& receive) {
 
 void MpiTransport::Impl::take_head(Rank from, int tag, std::span<const std::byte> message,
                                    const Receive& receive) {
-  if (tag == kHeadTag) return receive_segments(from, [&] { expect_segments(from, message); });
+  if (tag == kHeadTag) return or_break("received from", from, [&] { expect_segments(from, message); });
   ++received_[from.index()];
   if (tag != kLoneHeadTag) return note_leaving(from, tag, message);
   receive(from, message, {});
@@ -658,18 +708,6 @@ void MpiTransport::Impl::note_leaving(Rank from, int tag, std::span<const std::b
   const auto why = message.subspan(sizeof notice.ended_phase);
   notice.why.assign(reinterpret_cast<const char*>(why.data()), why.size());
   notices_.push_back(std::move(notice));
-}
-
-/// A step that fails (memory is short) leaves messages on their way that nothing will ever receive, and may
-/// leave a packet that must not be taken for whole: that is the end of this network.
-template <class Step>
-void MpiTransport::Impl::receive_segments(Rank from, const Step& step) {
-  try {
-    step();
-  } catch (const std::exception& error) {
-    broken_ = "a packet from rank " + std::to_string(from.value) + " cannot be received: " + error.what();
-    throw TransportError(broken_);
-  }
 }
 
 void MpiTransport::Impl::expect_segments(Rank from, std::span<const std::byte> message) {

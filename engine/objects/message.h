@@ -27,7 +27,7 @@ struct Envelope {
   std::uint64_t sequence =
       0;  ///< number among the messages of this sender to this target: delivered in this order
   std::uint64_t round = 0;   ///< of the event
-  std::uint64_t id = 0;      ///< unique in the run, for timelines
+  std::uint64_t id = 0;      ///< unique in the run, for timelines; 0: none
   std::uint64_t epoch = 0;   ///< of its sender when it was sent, see snapshot.h
   double expected = 0;       ///< seconds it will take, as the application expects; 0: it did not say
   std::uint32_t method = 0;  ///< hash of the method's name

@@ -73,9 +73,9 @@ struct RuntimeOptions {
   /// or at the beginning of the next. Along a binary tree, by at most three messages of each rank.
   std::atomic<bool>* notice = nullptr;
 
-  /// Takes the copies of snapshots (engine/schedule/snapshot.h); null: there are none. On all ranks or none.
-  /// Objects that can move are made by the roots of runs only, and signal no events of the engine. It must
-  /// outlive the runtime.
+  /// Takes the copies of snapshots (engine/schedule/snapshot.h); null: there are none. On all ranks or none;
+  /// on simulated ones std::logic_error is thrown. Objects that can move are made by the roots of runs only,
+  /// and signal no events of the engine. It must outlive the runtime.
   SnapshotSink* snapshots = nullptr;
 
   /// What users call an object, for request_state(); default "object 3.1".

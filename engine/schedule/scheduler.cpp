@@ -49,6 +49,7 @@ Scheduler::Scheduler(Options options, const Registry& registry, Exchange& exchan
       costs_(registry.methods()) {
   root_.id = ObjectId{options_.rank, 0};
   if (options_.virtual_time) {
+    if (options_.snapshots) throw std::logic_error("simulated ranks take no snapshots");
     virtual_runs_ = std::vector<VirtualRun>(static_cast<std::size_t>(options_.threads));
     return;
   }
@@ -89,10 +90,13 @@ ObjectId Scheduler::add_object(const TypeInfo& type, void* object) {
   return id;
 }
 
-/// Puts an object in its place, and to it the messages that came before it.
-void Scheduler::install(std::unique_ptr<Cell> cell) {
+/// Puts an object in its place, and to it the messages that it brings and those that came before it. Only
+/// what is in its place may be in the queue of those that are ready: memory may be short at any step.
+void Scheduler::install(std::unique_ptr<Cell> cell, std::vector<Task> mailbox) {
   Cell& installed = *cell;
   cells_.emplace(installed.id, std::move(cell));
+  for (Task& task : mailbox) push(installed, std::move(task));
+  note_waits(installed);
   if (auto parked = parked_.extract(installed.id)) {
     for (Task& task : parked.mapped()) accept(installed, std::move(task));
   }
@@ -398,10 +402,8 @@ void Scheduler::place(PackedCell packed) {
   cell->inbound = std::move(packed.inbound);
   cell->outbound = std::move(packed.outbound);
   cell->events = std::move(packed.events);
-  for (Task& task : packed.mailbox) push(*cell, std::move(task));
   for (const auto& [sender, inbound] : cell->inbound) cell->held += inbound.held.size();
-  note_waits(*cell);
-  install(std::move(cell));
+  install(std::move(cell), std::move(packed.mailbox));
 }
 
 void Scheduler::tell_location(Rank to, ObjectId id, Location location) {

@@ -131,7 +131,7 @@ class Scheduler {
   using Lock = std::unique_lock<std::mutex>;
 
   Cell* find(ObjectId id) const;
-  void install(std::unique_ptr<Cell> cell);
+  void install(std::unique_ptr<Cell> cell, std::vector<Task> mailbox = {});
   void accept(Cell& cell, Task task);
   void accept_in_order(Cell& cell, Task task);
   void note_waits(Cell& cell);

@@ -7,6 +7,12 @@
 #include "engine/schedule/scheduler.h"
 
 namespace weft::engine {
+namespace {
+
+/// Epochs and numbers of messages begin anew in each run: a message of another one has none.
+void forget_former_run(Task& task) { task.envelope.epoch = task.envelope.id = 0; }
+
+}  // namespace
 
 /// All that is not the object itself, as it is when the copy begins: what comes later is kept as a message.
 struct Scheduler::CellCopy {
@@ -151,9 +157,9 @@ void Scheduler::restore_object(Payload copy) {
   unpacker.finish();
   packed.age = 0;  // ages and epochs begin anew
   packed.epoch = 0;
-  for (Task& task : packed.mailbox) task.envelope.epoch = 0;
+  for (Task& task : packed.mailbox) forget_former_run(task);
   for (auto& [sender, inbound] : packed.inbound) {
-    for (auto& [sequence, task] : inbound.held) task.envelope.epoch = 0;
+    for (auto& [sequence, task] : inbound.held) forget_former_run(task);
   }
   const Lock lock(mutex_);
   stopping_ = true;  // until the next run starts
@@ -167,7 +173,7 @@ void Scheduler::restore_message(Payload copy) {
   Unpacker unpacker(std::move(copy));
   unpacker(task);
   unpacker.finish();
-  task.envelope.epoch = 0;
+  forget_former_run(task);
   const Lock lock(mutex_);
   Cell* cell = find(task.envelope.target);
   if (cell == nullptr)

@@ -30,6 +30,7 @@ Volume& operator+=(Volume& sum, const Volume& more) {
 TimeSummary& operator+=(TimeSummary& sum, const TimeSummary& more) {
   sum.compute += more.compute;
   sum.unpack += more.unpack;
+  sum.copy += more.copy;
   sum.idle += more.idle;
   sum.pack += more.pack;
   sum.communication += more.communication;
@@ -54,9 +55,10 @@ TimeSummary times_of(const Trace& trace, const RunFacts& facts) {
     const Lane& lane = trace.worker_lane(i);
     times.compute += seconds(lane.time(Activity::compute).total);
     times.unpack += seconds(lane.time(Activity::unpack).total);
+    times.copy += seconds(lane.time(Activity::pack).total);  // what workers pack are copies for snapshots
   }
-  times.idle = std::max(0.0, trace.workers() * facts.wall - times.compute - times.unpack);
-  for (const Lane& lane : trace.lanes()) times.pack += seconds(lane.time(Activity::pack).total);
+  times.idle = std::max(0.0, trace.workers() * facts.wall - times.compute - times.unpack - times.copy);
+  times.pack = seconds(trace.communication_lane().time(Activity::pack).total);
   times.communication = facts.communication;
   return times;
 }
@@ -198,6 +200,7 @@ void put(Json& json, const Volume& volume) {
 void put(Json& json, const TimeSummary& times) {
   json["compute"] = times.compute;
   json["unpack"] = times.unpack;
+  json["copy"] = times.copy;
   json["idle"] = times.idle;
   json["pack"] = times.pack;
   json["communication"] = times.communication;

@@ -8,6 +8,7 @@
 //     {"rank": 0, "workers": 2,
 //      "wall": 1.25,                      of the engine's loop
 //      "compute": 2.0, "unpack": 0.01,    of all workers
+//      "copy": 0.0,                       of all workers: copies of objects for snapshots
 //      "idle": 0.49,                      of all workers: the rest of workers * wall
 //      "pack": 0.02,
 //      "communication": 0.1,              processor time of the communication thread, packing included
@@ -28,7 +29,7 @@
 //     {"schema": "weft-engine-1", "ranks": 4,   how many
 //      "workers": 8,                      of all ranks; so are the times but for "wall"
 //      "wall": 1.3,                       the longest
-//      "compute": 8.0, "unpack": 0.04, "idle": 2.3, "pack": 0.08, "communication": 0.4,
+//      "compute": 8.0, "unpack": 0.04, "copy": 0.0, "idle": 2.3, "pack": 0.08, "communication": 0.4,
 //      "load_imbalance": 1.2,             compute per worker: the most of any rank / mean; 1 is best
 //      "idle_share": 0.22,                idle / (workers * wall)
 //      "balance_saving": 0.23,            1 - (compute / workers) / wall
@@ -80,12 +81,13 @@ struct PeerSummary {
 struct TimeSummary {
   double compute = 0;        ///< workers
   double unpack = 0;         ///< workers
+  double copy = 0;           ///< workers, for snapshots
   double idle = 0;           ///< workers: what is left of workers * wall
   double pack = 0;           ///< communication thread
   double communication = 0;  ///< communication thread, processor time; includes pack
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(compute, unpack, idle, pack, communication);
+    archive(compute, unpack, copy, idle, pack, communication);
   }
 };
 

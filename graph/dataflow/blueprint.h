@@ -69,7 +69,8 @@ struct Event {
 ///
 ///     Out State::body(NodeContext&)             of nodes; Out may be void, or std::optional<T>, which passes
 ///     Out State::body(NodeContext&, In)         a T on or, when empty, nothing; or std::variant<T, U...>,
-///                                               which passes what it holds to the nodes that take it
+///                                               which passes what it holds to the nodes that take it; or
+///                                               an optional of such
 ///     Out State::body(NodeContext&, std::uint64_t round, std::vector<Arrival<Value>>)       of events
 ///
 /// Values of starts and events travel: they are packed (engine/base/serialize.h) and have a default
@@ -216,6 +217,10 @@ Passed passed(std::variant<Alternatives...>&& result) {
         return Passed{std::make_shared<Value>(std::forward<T>(value)), &type_key<Value>};
       },
       std::move(result));
+}
+template <class... Alternatives>
+Passed passed(std::optional<std::variant<Alternatives...>>&& result) {
+  return result ? passed(std::move(*result)) : Passed{};
 }
 template <class T>
 Passed passed(std::optional<T>&& result) {

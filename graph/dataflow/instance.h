@@ -111,9 +111,10 @@ ExecutionLog log_of(engine::Runtime& runtime) {
   return log;
 }
 
-/// The events of the instances that are here now which are declared but lack arrivals, one line each: "object
-/// 3.1: gather in round 4 waits for 0.2 1.1". After a run that should have finished its protocol, any line is
-/// an error of that. Not during a run.
+/// The events of the instances that are here now which are declared but lack arrivals, or have some but are
+/// not declared, one line each: "object 3.1: gather in round 4 waits for 0.2 1.1", "object 3.1: gather in
+/// round 5 is not declared for the values of 0.2". After a run that should have finished its protocol, any
+/// line is an error of that. Not during a run.
 template <class State>
 std::vector<std::string> incomplete(engine::Runtime& runtime) {
   std::vector<std::string> lines;

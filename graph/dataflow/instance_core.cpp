@@ -45,7 +45,13 @@ void InstanceCore::arrive(engine::Context& context, const void* event, engine::O
   const NodeIndex node = structure_.node_of(event);
   const engine::EventKey key{node, round};
   const bool first_undeclared = known_.insert(key).second;
-  auto fired = naming(structure_, node, [&] { return events_.arrive(key, from, std::move(value)); });
+  auto fired = naming(structure_, node, [&] {
+    if (complete_.contains(key)) {
+      throw std::logic_error(
+          engine::text("object ", from, " signals round ", round, " though all its values have come"));
+    }
+    return events_.arrive(key, from, std::move(value));
+  });
   if (fired) return complete(context, node, std::move(*fired));
   const auto& wake = structure_.nodes()[node].wake;
   if (first_undeclared && wake) run(context, *wake, {std::make_shared<std::uint64_t>(round), round});
@@ -157,9 +163,10 @@ std::vector<engine::NamedWait> InstanceCore::waits() const {
 std::vector<std::string> InstanceCore::incomplete() const {
   std::vector<std::string> lines;
   for (const auto& [event, wait] : waits()) {
-    if (!wait.declared) continue;
-    std::string line = engine::text(event, " in round ", wait.key.round, " waits for");
-    for (const engine::ObjectId id : wait.missing) line += engine::text(' ', id);
+    std::string line = engine::text(event, " in round ", wait.key.round,
+                                    wait.declared ? " waits for" : " is not declared for the values of");
+    for (const engine::ObjectId id : wait.declared ? wait.missing : wait.arrived)
+      line += engine::text(' ', id);
     lines.push_back(std::move(line));
   }
   return lines;

@@ -58,7 +58,8 @@ class InstanceCore {
   void forget_log() { log_ = {}; }
   /// The events that wait, or for which values have come before they were declared.
   std::vector<engine::NamedWait> waits() const;
-  /// One line for each event that is declared and lacks arrivals: "gather in round 4 waits for 0.2 1.1".
+  /// One line for each event that lacks arrivals, "gather in round 4 waits for 0.2 1.1", or has some without
+  /// being declared, "gather in round 5 is not declared for the values of 0.2".
   std::vector<std::string> incomplete() const;
 
  private:

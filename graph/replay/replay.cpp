@@ -191,12 +191,17 @@ void put_in_order(GraphDump& graph) {
   });
 }
 
-/// Times count from the first begin; uses happen when their runs do.
+/// Times count from the first begin; uses happen when their runs do, which have counted seconds of their own.
 void tidy(const GraphDump& recorded, GraphDump& graph) {
   if (graph.runs.empty()) return;
   TimePoint first = graph.runs.front().begin;
   for (const auto& run : graph.runs) first = std::min(first, run.begin);
   for (auto& run : graph.runs) run.begin -= first, run.end -= first;
+  const SecondsCounters counters(graph.counter_names);
+  for (dataflow::RunIndex r = 0; r < graph.runs.size(); ++r) {
+    const auto &was = recorded.runs[r], &is = graph.runs[r];
+    counters.scale(graph.runs[r], ratio_of(is.end - is.begin, was.end - was.begin));
+  }
   for (auto& use : graph.uses) {
     const auto &was = recorded.runs[use.from], &is = graph.runs[use.from];
     const double share = was.end > was.begin ? static_cast<double>(use.time - was.begin) /

@@ -139,19 +139,35 @@ ReplayPlan plan_of(const GraphDump& dump, double slowdown) {
   return Planner(dump, slowdown).plan();
 }
 
+SecondsCounters::SecondsCounters(const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i].ends_with(", seconds")) places_.push_back(i);
+}
+
+void SecondsCounters::scale(DumpedRun& run, double factor) const {
+  for (const std::size_t place : places_)
+    if (place < run.counters.size()) run.counters[place] *= factor;
+}
+
+double ratio_of(TimePoint is, TimePoint was) {
+  return was > 0 ? static_cast<double>(is) / static_cast<double>(was) : 1;
+}
+
 void take_processor_times(GraphDump& dump) {
   const auto name =
       std::find(dump.counter_names.begin(), dump.counter_names.end(), dataflow::kProcessorSeconds);
   if (name == dump.counter_names.end())
     throw std::invalid_argument("contains no processor times: it was recorded by an older version");
   const auto place = static_cast<std::size_t>(name - dump.counter_names.begin());
+  SecondsCounters counters(dump.counter_names);
+  counters.leave_out(place);  // it is what the others become parts of
   std::vector<double> factors(dump.runs.size(), 1);
   for (RunIndex r = 0; r < dump.runs.size(); ++r) {
     DumpedRun& run = dump.runs[r];
     const double seconds = place < run.counters.size() ? run.counters[place] : 0;
     const auto took = static_cast<TimePoint>(1e9 * seconds);
-    if (run.end > run.begin)
-      factors[r] = static_cast<double>(took) / static_cast<double>(run.end - run.begin);
+    factors[r] = ratio_of(took, run.end - run.begin);
+    counters.scale(run, factors[r]);
     run.end = run.begin + took;
   }
   for (DumpedUse& use : dump.uses) {
@@ -169,7 +185,12 @@ namespace {
 class Enlarger {
  public:
   Enlarger(const GraphDump& dump, const Enlargement& enlargement)
-      : dump_(dump), enlargement_(enlargement), durations_(dump), random_(enlargement.seed) {}
+      : dump_(dump),
+        enlargement_(enlargement),
+        durations_(dump),
+        counters_(dump.counter_names),
+        surface_(std::pow(growth(), 2.0 / 3)),
+        random_(enlargement.seed) {}
 
   GraphDump enlarge() {
     large_.description = dump_.description;
@@ -197,16 +218,25 @@ class Enlarger {
       sizes.push_back(durations_.sizes()[random_() % instances] * growth());
     }
     for (DumpedRun run : dump_.runs) {
-      if (!is_recording(copy))
-        run.end = run.begin + durations_.draw(run.node, run.round, sizes[run.instance], random_);
+      if (!is_recording(copy)) resize(run, sizes[run.instance]);
       run.instance += copy * instances;
       large_.runs.push_back(std::move(run));
     }
   }
 
+  void resize(DumpedRun& run, double size) {
+    const TimePoint takes = durations_.draw(run.node, run.round, size, random_);
+    counters_.scale(run, ratio_of(takes, run.end - run.begin));
+    run.end = run.begin + takes;
+    run.bytes_received = on_surface(run.bytes_received);
+  }
+
+  std::uint64_t on_surface(std::uint64_t bytes) const {
+    return static_cast<std::uint64_t>(static_cast<double>(bytes) * surface_);
+  }
+
   void add_uses(std::uint32_t copy) {
     const auto runs = static_cast<RunIndex>(dump_.runs.size());
-    const double surface = std::pow(growth(), 2.0 / 3);
     for (std::uint32_t u = 0; u < dump_.uses.size(); ++u) {
       DumpedUse use = dump_.uses[u];
       const bool remote = dump_.description.edges[use.edge].kind == EdgeKind::remote;
@@ -214,7 +244,7 @@ class Enlarger {
       const DumpedRun& was = dump_.runs[use.from];
       use.from += copy * runs;
       use.to += target * runs;
-      use.bytes = static_cast<std::uint64_t>(static_cast<double>(use.bytes) * surface);
+      use.bytes = on_surface(use.bytes);
       // It was sent after the same share of the work.
       const DumpedRun& is = large_.runs[use.from];
       const double share = was.end > was.begin ? static_cast<double>(use.time - was.begin) /
@@ -228,6 +258,8 @@ class Enlarger {
   const GraphDump& dump_;
   Enlargement enlargement_;
   DurationModel durations_;
+  SecondsCounters counters_;
+  double surface_;
   std::mt19937_64 random_;
   GraphDump large_;
 };

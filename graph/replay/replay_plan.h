@@ -2,8 +2,10 @@
 // it works and what it sends when.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/base/rank.h"
@@ -47,6 +49,21 @@ struct ReplayPlan {
 /// `slowdown`: every run takes so many times as long. Throws std::invalid_argument for a graph that was not
 /// executed.
 ReplayPlan plan_of(const dataflow::GraphDump& dump, double slowdown = 1);
+
+/// Of counters like "quality check, seconds", which count a part of their run's time: a run that is given
+/// another duration has counted so many times as much.
+class SecondsCounters {
+ public:
+  explicit SecondsCounters(const std::vector<std::string>& names);
+  void leave_out(std::size_t place) { std::erase(places_, place); }
+  void scale(dataflow::DumpedRun& run, double factor) const;
+
+ private:
+  std::vector<std::size_t> places_;  ///< in GraphDump::counter_names
+};
+
+/// How many times as long; 1 of what took no time.
+double ratio_of(engine::TimePoint is, engine::TimePoint was);
 
 /// Makes the runs as long as the processor time that was counted in each (dataflow::kProcessorSeconds), for
 /// recordings on a machine that others used; sound where a rank had one thread. Throws std::invalid_argument

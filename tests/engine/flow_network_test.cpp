@@ -164,6 +164,36 @@ TEST_F(FlowNetworkTest, Programs_run_on_it_as_on_the_first_model) {
       << "some hops are by a switch above";
 }
 
+struct Sink {
+  std::size_t taken = 0;
+  void take(Context&, const std::vector<double>& values) { taken += values.size(); }
+};
+
+/// Waves that look for the end pass a message of 200 kB at 1 kB/s for minutes.
+TEST_F(FlowNetworkTest, A_packet_that_takes_minutes_is_not_lost) {
+  constexpr std::size_t kNumbers = 25'000;
+  SimulationOptions options;
+  options.ranks = 2;
+  options.measured = false;
+  options.network = {.latency = 1e-3, .bandwidth = 1e3, .topology = Topology::fat_tree, .switch_ranks = 2};
+  std::size_t taken = 0;
+  const SimulationResult result = simulate(options, [&](Transport& transport) {
+    Registry registry;
+    registry.type<Sink>("Sink").method<&Sink::take>("take");
+    Runtime runtime(transport, registry, {.balancer = no_balancing()});
+    runtime.run([](Context& context) {
+      if (context.rank() == Rank(1)) {
+        context.create<Sink>();
+      } else {
+        context.invoke<&Sink::take>(MobilePtr<Sink>{{Rank(1), 1}}, std::vector<double>(kNumbers));
+      }
+    });
+    runtime.visit<Sink>([&](MobilePtr<Sink>, Sink& sink) { taken += sink.taken; });
+  });
+  EXPECT_EQ(taken, kNumbers);
+  EXPECT_GT(result.seconds, 200);
+}
+
 TEST_F(FlowNetworkTest, Every_simulation_takes_the_same_turns) {
   const Rings first = rings("2us,1GB/s,dragonfly:2", 12), second = rings("2us,1GB/s,dragonfly:2", 12);
   EXPECT_EQ(first.result.turns, second.result.turns);

@@ -17,6 +17,7 @@
 #include "engine/run/launch.h"
 #include "engine/run/runtime.h"
 #include "tests/engine/transport_contract.h"
+#include "tests/support/failing_new.h"
 
 namespace weft::engine {
 namespace {
@@ -229,6 +230,64 @@ TEST(Guest, ARankWithoutMemoryForAPacketFailsTheNetworkInsteadOfWaitingForEver) 
   expect_mpi_runs();
 }
 
+/// A head that MPI does not take over at once, and one with more segments than fit behind it.
+Packet head_alone() { return {std::vector<std::byte>(Transport::kMaxHead), {}}; }
+Packet many_segments() {
+  Packet packet;
+  for (int i = 0; i < 70; ++i) packet.segments.push_back(Blob::allocate(100));
+  return packet;
+}
+
+/// Sends to rank 1; whether an allocation has failed, which must be the end of the network.
+bool fails_by_allocation(int number, MpiTransport& transport, Packet packet) {
+  std::string thrown = "nothing";
+  bool failed = false;
+  {
+    const weft::testing::FailingNew memory(number);
+    try {
+      transport.send(Rank(1), std::move(packet));
+    } catch (const TransportError&) {
+      thrown.clear();
+    } catch (const std::exception& error) {
+      thrown = error.what();
+    }
+    failed = memory.has_failed();
+  }
+  if (!failed) return false;
+  EXPECT_EQ(thrown, "") << "allocation " << number;
+  EXPECT_THROW(transport.send(Rank(1), {}), TransportError) << "for good, allocation " << number;
+  return true;
+}
+
+/// On a network of its own.
+bool send_fails_by_allocation(int number, Packet packet) {
+  MpiTransport transport(world_of_caller());
+  contract::Player player(transport);
+  int failed = transport.rank() == Rank(0) && fails_by_allocation(number, transport, std::move(packet));
+  MPI_Bcast(&failed, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  if (!failed) {
+    transport.close();
+  } else if (transport.rank() == Rank(0)) {
+    transport.abandon();
+  } else {
+    player.until([&] { return transport.lost_peer().has_value(); });
+  }
+  MPI_Barrier(MPI_COMM_WORLD);  // who leaves first is another rank lost to the rest
+  return failed != 0;
+}
+
+/// Else the receivers would wait in close() for what never comes, or MPI would read what has been freed.
+TEST(Guest, ARankWithoutMemoryToSendFailsTheNetworkWhicheverAllocationItIs) {
+  if (world_size() == 1) GTEST_SKIP() << "for several ranks";
+  if (!weft::testing::kNewCanFail) GTEST_SKIP() << "the sanitizer has an allocator of its own";
+  for (const auto& packet : {head_alone, many_segments}) {
+    int number = 0;
+    while (send_fails_by_allocation(number, packet())) ++number;
+    EXPECT_GT(number, 0);
+  }
+  expect_mpi_runs();
+}
+
 // --- run_on
 
 struct Counter {
@@ -297,7 +356,7 @@ TEST(RunOn, WhatAllRanksThrowIsThrownOnEach) {
             "no such file");
 }
 
-class RunOnWithOneFailing : public testing::Test {
+class RunOnWithOneFailing : public ::testing::Test {
  protected:
   const int guilty_ = world_size() - 1;
   std::string expected(const std::string& of_the_others) const {

@@ -1,9 +1,11 @@
-// The engine's parts, each alone: directory, events, termination, registry, exchange.
+// The engine's parts, each alone: directory, events, termination, registry, scheduler, exchange.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <deque>
 #include <random>
+#include <thread>
 
 #include "engine/network/exchange.h"
 #include "engine/network/loopback_transport.h"
@@ -12,7 +14,9 @@
 #include "engine/objects/registry.h"
 #include "engine/run/awake_clock.h"
 #include "engine/schedule/context.h"
+#include "engine/schedule/scheduler.h"
 #include "engine/schedule/termination.h"
+#include "tests/support/failing_new.h"
 
 namespace weft::engine::parts_test {
 namespace {
@@ -324,6 +328,73 @@ TEST(Registry, FingerprintsTellProgramsApartAndNotTheOrderOfRegistration) {
   EXPECT_EQ(one.fingerprint(), other_order.fingerprint());
   EXPECT_NE(one.fingerprint(), immovable.fingerprint());
   EXPECT_NE(one.fingerprint(), fewer.fingerprint());
+}
+
+// --- Scheduler
+
+Registry mobiles() {
+  Registry registry;
+  registry.type<Mobile>("Mobile").method<&Mobile::act>("act");
+  return registry;
+}
+
+/// The first message of `sender` to an object.
+Task message_of(ObjectId sender, const Registry& registry) {
+  Task task;
+  task.envelope.target = kA;
+  task.envelope.sender = sender;
+  task.envelope.id = 7;
+  task.envelope.method = registry.method<&Mobile::act>().id;
+  return task;
+}
+
+/// The copy of an object for which a message waits.
+Payload copy_with_mail(const Registry& registry) {
+  PackedCell cell;
+  cell.id = kA;
+  cell.type = registry.type<Mobile>().id;
+  cell.mailbox.push_back(message_of(kB, registry));
+  return packed(std::move(cell));
+}
+
+TEST(Scheduler, AnObjectThatFoundNoMemoryWaitsForNoWorker) {
+  if (!weft::testing::kNewCanFail) GTEST_SKIP() << "the sanitizer has an allocator of its own";
+  const Registry registry = mobiles();
+  bool failed = true;
+  for (int number = 0; failed; ++number) {
+    LoopbackNetwork network(1);
+    Exchange exchange(network.transport(Rank(0)), {});
+    Trace trace(Rank(0), 1, 1);
+    Scheduler scheduler({.rank = Rank(0)}, registry, exchange, trace, [] {});
+    Payload copy = copy_with_mail(registry);
+    {
+      const weft::testing::FailingNew memory(number);
+      try {
+        scheduler.restore_object(std::move(copy));
+      } catch (const std::bad_alloc&) {
+      }
+      failed = memory.has_failed();
+    }
+    const bool is_there = scheduler.state().size() > 1;  // a line for the rank, one for each object
+    EXPECT_TRUE(is_there || failed);
+    EXPECT_TRUE(is_there || scheduler.passive_count()) << "allocation " << number;
+  }
+}
+
+/// They would be the arrows' heads of messages of this run.
+TEST(Scheduler, RestoredMessagesHaveNoNumberOfTheRunThatTheyComeFrom) {
+  const Registry registry = mobiles();
+  LoopbackNetwork network(1);
+  Exchange exchange(network.transport(Rank(0)), {});
+  Trace trace(Rank(0), 1, 1, {.spans = true});
+  Scheduler scheduler({.rank = Rank(0)}, registry, exchange, trace, [] {});
+  scheduler.restore_object(copy_with_mail(registry));
+  scheduler.restore_message(packed(message_of(kC, registry)));
+  scheduler.start({});
+  while (!scheduler.passive_count()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_FALSE(scheduler.failure());
+  EXPECT_EQ(trace.worker_lane(0).time(Activity::compute).count, 2u);
+  for (const Span& span : trace.worker_lane(0).spans().copy()) EXPECT_EQ(span.cause, 0u);
 }
 
 // --- The clock of limits on waiting

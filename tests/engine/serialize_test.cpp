@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "engine/base/rank.h"
+#include "tests/support/failing_new.h"
 
 namespace weft::engine::serialize_test {
 namespace {
@@ -267,6 +268,16 @@ TEST(Serialize, ABlobThatIsNotConsumedStays) {
   EXPECT_NE(payload.segments.at(0).data(), blob.data());
   EXPECT_EQ(std::memcmp(payload.segments[0].data(), "ab", 2), 0);
   EXPECT_EQ(std::memcmp(blob.data(), "ab", 2), 0);
+}
+
+/// Freed blocks are kept for the next blobs, and to keep them may not fail: that would end the process.
+TEST(Serialize, LargeBlobsAreFreedWithoutMemory) {
+  constexpr int kBlobs = 120;  // some 30 MiB, all of which is kept
+  std::vector<Blob> blobs;
+  for (int i = 0; i < kBlobs; ++i) blobs.push_back(Blob::allocate(std::size_t{1} << 18));
+  const weft::testing::FailingNew memory(0);
+  blobs.clear();
+  EXPECT_FALSE(memory.has_failed());
 }
 
 TEST(Serialize, WhatIsSharedStaysWhereItIsForAllWhoReadIt) {

@@ -13,6 +13,7 @@
 
 #include "engine/objects/cell.h"
 #include "engine/run/runtime.h"
+#include "engine/simulate/simulation.h"
 #include "tests/support/ranks.h"
 
 namespace weft::engine::snapshot_test {
@@ -274,6 +275,18 @@ TEST_P(SnapshotsOnRanks, ARunTakesThemThoughTheOneBeforeDidNotFinishIts) {
     }
   });
   EXPECT_FALSE(archive.whole.empty());
+}
+
+TEST(Snapshots, AreRefusedOnSimulatedRanks) {
+  Archive archive;
+  MemorySink sink(archive);
+  SimulationOptions simulation;
+  simulation.ranks = 1;
+  const auto run_with_them = [&](Transport& transport) {
+    const Registry registry = accounts();
+    Runtime(transport, registry, options_of(sink, 1)).run(start);
+  };
+  EXPECT_THROW(simulate(simulation, run_with_them), std::logic_error);
 }
 
 /// Gives away whatever seems to wait for a worker, half of the time: more often and later than any policy

@@ -39,11 +39,12 @@ RankSummary sample_rank(int rank, TimePoint seconds, double wall) {
   return summarize(trace, facts);
 }
 
-TEST(RankSummary, WorkersAreIdleWhenTheyNeitherComputeNorUnpack) {
+TEST(RankSummary, WorkersAreIdleWhenTheyNeitherComputeNorUnpackNorCopy) {
   Trace trace(Rank(0), 1, 2);
   trace.worker_lane(0).span(span_of(Activity::compute, 0, 3));
   trace.worker_lane(0).span(span_of(Activity::unpack, 0, 1));
   trace.worker_lane(1).span(span_of(Activity::compute, 0, 2));
+  trace.worker_lane(1).span(span_of(Activity::pack, Span::kNoName, 3));  // for a snapshot
   trace.communication_lane().span(span_of(Activity::pack, 0, 1));
   trace.communication_lane().span(span_of(Activity::communicate, Span::kNoName, 7));
   RunFacts facts = facts_of(10);
@@ -51,7 +52,8 @@ TEST(RankSummary, WorkersAreIdleWhenTheyNeitherComputeNorUnpack) {
   const RankSummary summary = summarize(trace, facts);
   EXPECT_DOUBLE_EQ(summary.times.compute, 5);
   EXPECT_DOUBLE_EQ(summary.times.unpack, 1);
-  EXPECT_DOUBLE_EQ(summary.times.idle, 2 * 10 - 5 - 1);
+  EXPECT_DOUBLE_EQ(summary.times.copy, 3);
+  EXPECT_DOUBLE_EQ(summary.times.idle, 2 * 10 - 5 - 1 - 3);
   EXPECT_DOUBLE_EQ(summary.times.pack, 1);
   EXPECT_DOUBLE_EQ(summary.times.communication, 4);
   EXPECT_EQ(summary.worker_compute, (std::vector<double>{3, 2}));
@@ -185,7 +187,7 @@ TEST(RunSummary, ItsJsonHasWhatTheHeaderSays) {
   EXPECT_EQ(json["schema"], "weft-engine-1");
   EXPECT_EQ(json["ranks"], 2);
   for (const char* field :
-       {"workers", "wall", "compute", "unpack", "idle", "pack", "communication", "load_imbalance",
+       {"workers", "wall", "compute", "unpack", "copy", "idle", "pack", "communication", "load_imbalance",
         "idle_share", "balance_saving", "collective_calls", "dropped_spans"}) {
     EXPECT_TRUE(json[field].is_number()) << field;
   }

@@ -48,6 +48,10 @@ struct Culprit {
   void expect_itself(NodeContext& context) {
     context.expect<&Culprit::receive>(context.round(), {{context.self()}});
   }
+  void expect_and_send_twice(NodeContext& context) {
+    expect_itself(context);
+    for (int i = 0; i < 2; ++i) send(context, {context.self()});
+  }
   void receive(NodeContext&, std::uint64_t, std::vector<Arrival<double>> values) {
     if (!values.empty()) throw std::runtime_error("no, thank you");
   }
@@ -64,7 +68,9 @@ struct Culprit {
     g.start<&Culprit::expect_twice>("expect twice");
     g.start<&Culprit::expect_nothing_twice>("expect nothing twice");
     g.start<&Culprit::expect_itself>("expect itself");
-    g.remote<double>(send, g.event<&Culprit::receive>("receive"));
+    const auto receive = g.event<&Culprit::receive>("receive");
+    g.remote<double>(send, receive);
+    g.remote<double>(g.start<&Culprit::expect_and_send_twice>("expect and send twice"), receive);
     return g;
   }
 };
@@ -149,6 +155,12 @@ TEST_P(DataflowFailureOnRanks, ASecondValueInARoundIsRefused) {
         for (int i = 0; i < 2; ++i) start<&Culprit::send>(context, culprit(), 2, culprit());
       },
       "graph culprit: event receive: object " + id() + " signals round 2 twice");
+}
+
+TEST_P(DataflowFailureOnRanks, ASecondValueThatComesBeforeTheEventRunsIsRefused) {
+  expect_failure(
+      [&](Context& context) { start<&Culprit::expect_and_send_twice>(context, culprit(), 2); },
+      "graph culprit: event receive: object " + id() + " signals round 2 though all its values have come");
 }
 
 }  // namespace

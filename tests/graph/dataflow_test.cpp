@@ -254,6 +254,43 @@ TEST(Dataflow, AVariantGoesToTheNodesThatTakeWhatItHolds) {
   EXPECT_THAT(used(even), ElementsAre("read -> count", "sort -> always", "sort -> read"));
 }
 
+/// As Switch, but 0 goes nowhere.
+struct Sieve {
+  std::vector<std::string> calls;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(calls);
+  }
+  std::optional<std::variant<int, std::string>> sort(NodeContext&, int value) {
+    if (value == 0) return std::nullopt;
+    if (value % 2 == 1) return value;
+    return std::to_string(value);
+  }
+  void count(NodeContext&, int value) { calls.push_back("odd " + std::to_string(value)); }
+  void read(NodeContext&, const std::string& text) { calls.push_back("even " + text); }
+  static Blueprint<Sieve> blueprint() {
+    Blueprint<Sieve> g("sieve");
+    const auto sort = g.start<&Sieve::sort>("sort");
+    g.local(sort, g.node<&Sieve::count>("count"));
+    g.local(sort, g.node<&Sieve::read>("read"));
+    return g;
+  }
+};
+
+TEST(Dataflow, AnOptionalVariantGoesToTheNodesThatTakeWhatItHoldsOrNowhere) {
+  on_ranks(1, [&](Transport& transport) {
+    Registry registry;
+    register_blueprint<Sieve>(registry);
+    Runtime runtime(transport, registry);
+    runtime.run([&](Context& context) {
+      const auto sieve = create<Sieve>(context);
+      for (const int value : {3, 0, 4}) start<&Sieve::sort>(context, sieve, 0, value);
+    });
+    visit<Sieve>(runtime,
+                 [&](Ref<Sieve>, Sieve& sieve) { EXPECT_THAT(sieve.calls, ElementsAre("odd 3", "even 4")); });
+  });
+}
+
 /// Move-only values pass from node to node.
 struct Relay {
   double result = 0;
@@ -364,7 +401,8 @@ TEST(Dataflow, TellsWhichEventsLackArrivals) {
       start<&Collector::give>(context, nth(2), 0, nth(3));  // nobody has asked for it
     });
     EXPECT_THAT(incomplete<Collector>(runtime),
-                ElementsAre("object 0.1: collect in round 3 waits for 0.4 0.3"));
+                ElementsAre("object 0.1: collect in round 3 waits for 0.4 0.3",
+                            "object 0.3: collect in round 3 is not declared for the values of 0.2"));
   });
 }
 

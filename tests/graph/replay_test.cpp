@@ -63,6 +63,38 @@ TEST(Replay, Slower_tasks_take_longer) {
   EXPECT_NEAR(replay(chain(), options).seconds, 9e-3, 0.1e-3);
 }
 
+constexpr std::size_t kTets = 0, kChecking = 1, kProcessor = 2;
+
+/// The second task spends three quarters of its time on checks, and has the processor half of it.
+GraphDump counted() {
+  GraphDump dump = chain();
+  dump.counter_names = {"tets", "quality check, seconds", dataflow::kProcessorSeconds};
+  dump.runs[1].counters = {5, 1.5e-3, 1e-3};
+  dump.runs[1].bytes_received = dump.uses[0].bytes;
+  return dump;
+}
+
+double seconds_of(const dataflow::DumpedRun& run) { return 1e-9 * static_cast<double>(run.end - run.begin); }
+
+TEST(Replay, What_tasks_have_counted_in_seconds_goes_with_their_time) {
+  ReplayOptions options;
+  options.slowdown = 3;
+  const dataflow::DumpedRun slow = replay(counted(), options).graph.runs.at(1);
+  EXPECT_EQ(slow.counters[kTets], 5);
+  EXPECT_NEAR(slow.counters[kChecking], 4.5e-3, 1e-6);
+  EXPECT_NEAR(slow.counters[kProcessor], 3e-3, 1e-6);
+
+  GraphDump processor = counted();
+  take_processor_times(processor);
+  EXPECT_NEAR(seconds_of(processor.runs[1]), 1e-3, 1e-9);
+  EXPECT_NEAR(processor.runs[1].counters[kChecking], 0.75e-3, 1e-9);
+  EXPECT_NEAR(processor.runs[1].counters[kProcessor], 1e-3, 1e-9);
+
+  const GraphDump large = enlarged(counted(), {.grow = 8});
+  EXPECT_NEAR(large.runs[1].counters[kChecking], 0.75 * seconds_of(large.runs[1]), 1e-9);
+  EXPECT_EQ(large.runs[1].bytes_received, large.uses[0].bytes);
+}
+
 TEST(Replay, One_core_takes_the_work_of_all_tasks) {
   const GraphDump dump = recorded(9);
   const Replayed replayed = replay(dump, {});

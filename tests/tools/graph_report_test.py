@@ -165,6 +165,7 @@ class Replays(SampleTest):
         self.sample(subdomains=24, rounds=4)
         recorded, fine, large = (self.account(*words) for words in ((), ("--split", 4), ("--copies", 2, "--grow", 3, "--processor-times")))
         self.assertEqual([r["subdomains"] for r in (recorded, fine, large)], [24, 96, 48])
+        self.assertEqual(len({r["recorded_seconds"] for r in (recorded, fine, large)}), 1)
         self.assertAlmostEqual(fine["work_seconds"] / recorded["work_seconds"], 1, delta=0.3)
         self.assertAlmostEqual(large["work_seconds"] / recorded["work_seconds"], 2 * 3 / 2, delta=0.9)
 

@@ -18,8 +18,9 @@ OperationIndex operation_of_node(std::string_view name) {
 
 void add_seconds(std::string_view node, double took, const BesideSeconds& beside, OperationSeconds& seconds) {
   for (std::size_t i = 0; i < beside.size(); ++i) {
-    seconds[kBeside[i].operation] += beside[i];
-    took -= beside[i];
+    const double part = std::min(beside[i], took);
+    seconds[kBeside[i].operation] += part;
+    took -= part;
   }
   seconds[operation_of_node(node)] += took;
 }
@@ -44,7 +45,7 @@ OperationSeconds seconds_of_rank(const engine::RankSummary& summary,
     add_seconds(graph.description.nodes[run.node].name, took, beside_seconds(graph, run), seconds);
     in_nodes += took;
   }
-  seconds[kConversion] += summary.times.unpack;
+  seconds[kConversion] += summary.times.unpack + summary.times.copy;
   seconds[kMisc] += std::max(0.0, summary.times.compute - in_nodes);
   seconds[kIdle] += summary.times.idle;
   return seconds;

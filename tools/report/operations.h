@@ -44,7 +44,8 @@ inline constexpr std::array<Beside, 2> kBeside = {
     {{"interface refinement, seconds", kInterfaceRefinement}, {"quality check, seconds", kChecks}}};
 using BesideSeconds = std::array<double, kBeside.size()>;
 
-/// Adds a node's `took` seconds to what it does; of them `beside` to what it does beside.
+/// Adds a node's `took` seconds to what it does; of them `beside`, as far as there are so many, to what it
+/// does beside.
 void add_seconds(std::string_view node, double took, const BesideSeconds& beside, OperationSeconds& seconds);
 
 /// The seconds of a run that went into something beside.

@@ -45,6 +45,14 @@ TEST(Operations, AddUpToTheWorkersTime) {
   }
 }
 
+TEST(Operations, WhatANodeDoesBesideTakesNoMoreThanItsTime) {
+  OperationSeconds seconds{};
+  add_seconds("adapt interior", 1, {0.75, 0.5}, seconds);
+  EXPECT_EQ(seconds[kInterfaceRefinement], 0.75);
+  EXPECT_EQ(seconds[kChecks], 0.25);
+  EXPECT_EQ(seconds[kInteriorAdaptation], 0);
+}
+
 TEST(Operations, OfARunWithoutAGraphAreMisc) {
   const engine::RankSummary& rank = sample().simulated.summary.ranks[0];
   const OperationSeconds seconds = seconds_of_rank(rank, {});

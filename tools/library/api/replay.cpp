@@ -94,6 +94,13 @@ std::uint64_t bytes_of_subdomain(const Json& report, std::size_t subdomains) {
 
 double seconds_of(engine::TimePoint time) { return 1e-9 * static_cast<double>(time); }
 
+/// From the first task's begin, which is 0, to the last one's end.
+double span_of(const GraphDump& graph) {
+  double last = 0;
+  for (const auto& run : graph.runs) last = std::max(last, seconds_of(run.end));
+  return last;
+}
+
 double largest_of(const GraphDump& graph) {
   std::vector<double> work(graph.instances.size());
   for (const auto& run : graph.runs) work[run.instance] += seconds_of(run.end - run.begin);
@@ -118,8 +125,6 @@ ReplayResult result_of(const GraphDump& recorded, const graph::replay::Replayed&
   result.network = text_of(used.network);
   result.subdomains = recorded.instances.size();
   result.tasks = recorded.runs.size();
-  for (const auto& run : recorded.runs)
-    result.recorded_seconds = std::max(result.recorded_seconds, seconds_of(run.end));
   result.seconds = replayed.seconds;
   result.work = replayed.work;
   result.critical_path = seconds_of(replayed.graph.critical_path.length);
@@ -249,6 +254,7 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   for (const std::string& file : {options.trace, options.account})
     if (!file.empty()) tools::check_writable(file);
   GraphDump recorded = tools::read_graph(path);
+  const double recorded_seconds = span_of(recorded);  // before its tasks get other times
   const Json report = recorded_report(path);
   used.object_bytes = options.subdomain_bytes;
   if (used.object_bytes == 0) {
@@ -264,6 +270,7 @@ ReplayResult replay(const std::string& path, const ReplayOptions& options) {
     return graph::replay::replay(recorded, used);
   });
   ReplayResult result = result_of(recorded, replayed, options, used);
+  result.recorded_seconds = recorded_seconds;
   if (!options.report.empty()) {
     tools::make_folder(options.report);
     result.report = (fs::path(options.report) / "replay.json").string();

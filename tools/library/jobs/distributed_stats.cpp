@@ -118,7 +118,7 @@ RankStats seconds_of_rank(partition::Peers& peers, const graph::dataflow::Execut
   std::map<std::string, double> seconds;
   for (std::size_t o = 0; o < report::kOperations.size(); ++o)
     seconds[std::string(report::kOperations[o])] = here[o];
-  seconds["conversion"] = summary.times.unpack + summary.times.pack;
+  seconds["conversion"] = summary.times.unpack + summary.times.copy + summary.times.pack;
   seconds["misc"] = std::max(0.0, summary.times.compute - here.back());
   seconds["idle"] = summary.times.idle;
   seconds["communication"] = std::max(0.0, summary.times.communication - summary.times.pack);
