@@ -11,6 +11,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -149,6 +150,15 @@ class Groups {
   std::vector<std::int32_t> physical_, entity_;
   bool has_physical_ = false;
 };
+
+/// The element before the one being read.
+struct LastElement {
+  const ElementType* type = nullptr;
+  std::int32_t entity = 0, physical = 0;
+  std::vector<std::uint32_t> nodes;
+};
+
+constexpr const char* kOtherGroups = "physical groups of entities that have several";
 
 class Reader {
  public:
@@ -300,7 +310,7 @@ class Reader {
       const std::int32_t group = integer32();
       if (i == 0) first = group;
     }
-    if (num_groups > 1) contents_.drop("physical groups of entities that have several", num_groups - 1);
+    if (num_groups > 1) contents_.drop(kOtherGroups, num_groups - 1);
     entity_groups_[{dimension, tag}] = first;
     if (dimension == 0) return;
     const std::uint64_t num_bounds = size();
@@ -480,6 +490,8 @@ class Reader {
   void read_element(const ElementType& type) {
     std::array<std::uint32_t, kMostNodes> nodes;
     for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = read_node();
+    if (version_ == 2 && is_repeated(type, std::span(nodes).first(static_cast<std::size_t>(type.nodes))))
+      return;
     MeshData& mesh = contents_.mesh;
     switch (type.code) {
       case gmsh::kTetrahedron:
@@ -502,6 +514,20 @@ class Reader {
         return;
     }
     groups_[static_cast<std::size_t>(type.dimension)].add(physical_, entity_);
+  }
+
+  /// Version 2 has an element once for each of its physical groups, turned where it is so in the group; the
+  /// first counts.
+  bool is_repeated(const ElementType& type, std::span<const std::uint32_t> nodes) {
+    const bool same = last_.type == &type && last_.entity == entity_ && last_.physical != physical_ &&
+                      std::ranges::is_permutation(last_.nodes, nodes);
+    if (!same) {
+      last_.type = &type, last_.entity = entity_, last_.physical = physical_;
+      last_.nodes.assign(nodes.begin(), nodes.end());
+    } else if (other_groups_.insert({type.dimension, entity_, physical_}).second) {
+      contents_.drop(kOtherGroups);
+    }
+    return same;
   }
 
   // Header of node data are lines of text in every encoding.
@@ -595,6 +621,9 @@ class Reader {
   std::array<Groups, 3> groups_;  ///< by dimension
   std::map<const ElementType*, std::uint64_t> foreign_;
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
+  // Of version 2:
+  LastElement last_;
+  std::set<std::array<std::int32_t, 3>> other_groups_;  ///< not kept: dimension, entity, physical group
 };
 
 /// Where the rows of a binary file of version 4.1 are. Its nodes come without parameters, and $Elements

@@ -10,9 +10,9 @@
 namespace weft::meshing {
 
 /// Reads tets, triangles, lines, and points (which become corners), of either version, encoding and byte
-/// order. References are physical groups with their names; in a dimension without any, the geometric
-/// entities. Node data are fields. Other elements and sections are dropped. Throws InputError naming file,
-/// entity and reason.
+/// order. References are physical groups with their names, the first of several; in a dimension without any,
+/// the geometric entities. Node data are fields. Other elements and sections are dropped. Throws InputError
+/// naming file, entity and reason.
 MeshContents read_gmsh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 /// The same without node data, and but for points and tets, which go to the stream. Of nodes tagged 1, 2, 3
 /// ... nothing is kept, of others their tags.

@@ -61,6 +61,17 @@ TEST_F(Gmsh, WithoutGroupsReferencesAreTheEntities) {
   EXPECT_EQ(c.mesh.edge_refs, (std::vector<std::int32_t>{6}));
 }
 
+TEST_F(Gmsh, OfElementsThatAreRepeatedForEachGroupTheFirstCounts) {
+  const MeshContents c =
+      read_text(by_hand("6\n1 2 2 3 1 7 1 100\n2 2 2 4 1 100 1 7\n"  // turned in its second group
+                        "3 2 2 4 2 7 1 100\n4 2 2 4 2 7 1 100\n"     // the same twice in one group is a fault
+                        "5 3 2 1 1 7 1 100 7\n6 3 2 2 1 7 1 100 7\n"));
+  EXPECT_EQ(c.mesh.triangles.size(), 3u);
+  EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{3, 4, 4}));
+  EXPECT_TRUE(dropped(c, "quadrangles", 1));
+  EXPECT_TRUE(dropped(c, "physical groups of entities that have several", 2));
+}
+
 TEST_F(Gmsh, TagsMayHaveGapsAndAnyOrder) {
   const MeshContents c =
       read_text(by_hand("1\n1 2 2 1 1 9 2 2000000000\n", "3\n2000000000 0 0 0\n9 1 0 0\n2 0 1 0\n"));
