@@ -353,6 +353,30 @@ TEST_F(GmfBinary, FloatingPointPrecisionOverridesTheVersion) {
   expect_equal(read_gmf_mesh(directory / "m.meshb"), two_tets());
 }
 
+TEST_F(GmfBinary, OtherElementsAreCounted) {
+  put_bytes(directory / "m.meshb", with_section(7, 2, std::string(40, '\0')));
+  EXPECT_TRUE(dropped(read_mesh_contents(directory / "m.meshb"), "quadrilaterals", 2));
+  for (std::uint64_t part : {0u, 1u})  // in every range those of the whole file
+    EXPECT_TRUE(
+        dropped(read_mesh_range(directory / "m.meshb", {part, 1, part, 1, part, 2}), "quadrilaterals", 2));
+  put_bytes(directory / "m.meshb", with_section(7, 0, ""));
+  EXPECT_TRUE(read_mesh_contents(directory / "m.meshb").dropped.empty());
+}
+
+TEST(GmfText, OtherElementsAreCounted) {
+  const TemporaryDirectory directory;
+  write_gmf_mesh(directory / "m.mesh", two_tets());
+  std::string text = bytes_of(directory / "m.mesh");
+  text.insert(text.rfind("End"), "TrianglesP2\n1\n1 2 3 4 5 1 9\nEdgesP2\n2\n1 2 3 0\n2 3 4 0\n");
+  put_bytes(directory / "m.mesh", text);
+  MeshCollector stream;
+  for (const MeshContents& c :
+       {read_mesh_contents(directory / "m.mesh"), stream_mesh(directory / "m.mesh", stream)}) {
+    EXPECT_TRUE(dropped(c, "triangles of second order", 1));
+    EXPECT_TRUE(dropped(c, "edges of second order", 2));
+  }
+}
+
 TEST_F(GmfBinary, OtherVolumeElementsAreRefused) {
   expect_contains(about(with_section(10, 1, std::string(36, '\0'))), "Hexahedra: the mesh has 1 of them");
   put_bytes(directory / "m.meshb", with_section(9, 0, ""));
