@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -105,7 +107,7 @@ class PieceReader {
 
  private:
   using Rows = VtkDocument::Rows;
-  static constexpr std::uint64_t kCellsAtOnce = std::uint64_t{1} << 18;  ///< when ranges are read
+  static constexpr std::uint64_t kCellsAtOnce = std::uint64_t{1} << 18;  ///< when not all are needed
 
   MeshData& mesh() { return result_.contents.mesh; }
   Rows point_rows(std::uint64_t length) const {
@@ -136,12 +138,32 @@ class PieceReader {
       const std::string name = array.attribute("Name").value();
       if (name == kGhosts) {
         ghosts_ = array;
-      } else if (is_one_of(name, kRefNames) && !refs_ && is_scalar(array)) {
+      } else if (is_one_of(name, kRefNames) && !refs_ && can_be_refs(array)) {
         refs_ = array;
       } else if (others_) {
         result_.contents.drop("values of cell data " + name, num_cells_);
       }
     }
+  }
+
+  /// Reals too, NumPy's usual type, where all of the piece are whole numbers.
+  bool can_be_refs(pugi::xml_node array) const {
+    if (!is_scalar(array)) return false;
+    if (is_integer(array)) return true;
+    const auto is_ref = [](double x) {
+      return std::trunc(x) == x && std::abs(x) <= std::numeric_limits<std::int32_t>::max();
+    };
+    for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce)
+      if (!std::ranges::all_of(document_.reals(array, num_cells_, {first, kCellsAtOnce}), is_ref))
+        return false;
+    return true;
+  }
+
+  std::vector<std::int64_t> refs_of(Rows rows) const {
+    if (!refs_) return {};
+    if (is_integer(refs_)) return document_.integers(refs_, num_cells_, rows);
+    const std::vector<double> reals = document_.reals(refs_, num_cells_, rows);
+    return {reals.begin(), reals.end()};
   }
 
   static bool is_scalar(pugi::xml_node array) { return array.attribute("NumberOfComponents").as_int(1) == 1; }
@@ -172,8 +194,7 @@ class PieceReader {
       return;
     }
     const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_, rows);
-    const std::vector<std::int64_t> refs =
-        refs_ ? document_.integers(refs_, num_cells_, rows) : std::vector<std::int64_t>();
+    const std::vector<std::int64_t> refs = refs_of(rows);
     const std::int64_t begin = std::exchange(end_, offsets.back());
     cell_ = first;
     if (range_ && (begin < 0 || end_ < begin)) fail_cell("its offset is out of range");

@@ -16,8 +16,9 @@
 namespace weft::meshing {
 
 /// Reads tets, triangles, lines, and vertices (which become corners): arrays as text, base64 or raw, inline
-/// or appended, also compressed with zlib. Integer cell data called ref (or by the names of Gmsh and Medit)
-/// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
+/// or appended, also compressed with zlib. Cell data called ref (or by the names of Gmsh and Medit) are the
+/// references if all are whole numbers; point data are fields. Other cells and cell data are dropped. Throws
+/// InputError.
 MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The size of a file with one piece; nothing of one with several. Reads the types of all cells.

@@ -180,6 +180,29 @@ TEST_F(Vtu, OtherCellsAreCounted) {
   EXPECT_EQ(c.foreign_volumes, 2u);
 }
 
+TEST_F(Vtu, ReferencesMayBeRealsThatAreWholeNumbers) {
+  const auto with_refs = [](const std::string& type, const std::string& values) {
+    std::string text = by_hand("0 1 2 3 0 1 2", "4 7", "10 5", "0 0 0 1 0 0 0 1 0 0 0 1", 2);
+    return text.insert(text.find("</Piece>"), "<CellData><DataArray type=\"" + type +
+                                                  "\" Name=\"ref\" format=\"ascii\">" + values +
+                                                  "</DataArray></CellData>");
+  };
+  for (const char* type : {"Int32", "Float64"}) {
+    const MeshContents c = read_text(with_refs(type, "3 -4"));
+    EXPECT_EQ(c.mesh.tet_refs, (std::vector<std::int32_t>{3}));
+    EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{-4}));
+    EXPECT_TRUE(c.dropped.empty());
+  }
+  for (const char* values : {"3 0.5", "nan 1", "3 1e300"}) {
+    const MeshContents c = read_text(with_refs("Float64", values));
+    EXPECT_EQ(c.mesh.tet_refs, (std::vector<std::int32_t>{0}));
+    EXPECT_TRUE(dropped(c, "values of cell data ref", 2));
+    EXPECT_EQ(read_vtu_range(directory / "m.vtu", {0, 4, 0, 1}).mesh.tet_refs, c.mesh.tet_refs);
+  }
+  read_text(with_refs("Float32", "3 -4"));
+  EXPECT_EQ(read_vtu_range(directory / "m.vtu", {0, 4, 0, 1}).mesh.tet_refs, (std::vector<std::int32_t>{3}));
+}
+
 TEST_F(Vtu, ErrorsNameTheEntity) {
   EXPECT_EQ(issue(by_hand("0 1 2 3", "4", "10")), "no error");
   expect_contains(issue(by_hand("0 1 2 4", "4", "10")), "m.vtu: cell 0: point index 4 is out of range 0..3");
