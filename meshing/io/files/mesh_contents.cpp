@@ -161,6 +161,10 @@ std::string field_name(const SolutionData& fields, std::size_t i) {
   return name.empty() ? "field_" + std::to_string(i + 1) : name;
 }
 
+bool has_refs(const std::vector<std::int32_t>& refs) {
+  return std::ranges::any_of(refs, [](std::int32_t ref) { return ref != 0; });
+}
+
 std::map<std::int32_t, std::vector<std::uint32_t>> indices_by_ref(const std::vector<std::int32_t>& refs) {
   std::map<std::int32_t, std::vector<std::uint32_t>> indices;
   for (std::size_t i = 0; i < refs.size(); ++i) indices[refs[i]].push_back(static_cast<std::uint32_t>(i));

@@ -689,22 +689,21 @@ std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& pat
 }
 
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
-                     const std::vector<CellData>& cell_data) {
+                     const std::vector<std::int64_t>& global_ids, bool point_refs,
+                     const WriteOptions& options, const std::vector<CellData>& cell_data) {
   static_assert(sizeof(Point) == 3 * sizeof(double), "points are written as they lie in memory");
   check_lengths(contents.mesh, contents.fields);
   const MeshData& mesh = contents.mesh;
   const Cells cells(mesh);
-  PieceShape shape{
-      .points = mesh.points.size(),
-      .tets = mesh.tets.size(),
-      .triangles = mesh.triangles.size(),
-      .edges = mesh.edges.size(),
-      .corners = mesh.corners.size(),
-      .global_ids = !global_ids.empty(),
-      .point_refs = std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; }),
-      .cell_data = {},
-      .fields = contents.fields};
+  PieceShape shape{.points = mesh.points.size(),
+                   .tets = mesh.tets.size(),
+                   .triangles = mesh.triangles.size(),
+                   .edges = mesh.edges.size(),
+                   .corners = mesh.corners.size(),
+                   .global_ids = !global_ids.empty(),
+                   .point_refs = point_refs,
+                   .cell_data = {},
+                   .fields = contents.fields};
   for (const CellData& data : cell_data) shape.cell_data.push_back(data.name);
   const auto make = [&](PieceArray array, std::size_t i) {
     switch (array) {
@@ -753,7 +752,7 @@ std::unique_ptr<PartWriter> open_vtu_part(const std::filesystem::path& file,
 }
 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
-  write_vtu_piece(path, contents, {}, options);
+  write_vtu_piece(path, contents, {}, has_refs(contents.mesh.point_refs), options);
 }
 
 }  // namespace weft::meshing

@@ -50,12 +50,12 @@ struct CellData {
   std::vector<double> values;
 };
 
-/// The pieces of one .vtu, and a .vtu as one of several. More cell data than `ref` are for viewers: readers
-/// here drop them.
+/// The pieces of one .vtu, and a .vtu as one of several, which all have references of points or none. More
+/// cell data than `ref` are for viewers: readers here drop them.
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path,
                                        Coordinates wanted = Coordinates::finite);
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
-                     const std::vector<CellData>& cell_data = {});
+                     const std::vector<std::int64_t>& global_ids, bool point_refs,
+                     const WriteOptions& options, const std::vector<CellData>& cell_data = {});
 
 }  // namespace weft::meshing
