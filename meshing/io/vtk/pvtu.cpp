@@ -124,8 +124,9 @@ std::string index_text(const SolutionData& fields, bool point_refs, const std::v
       "</PCellData>\n"
       "<PPointData GlobalIds=\"GlobalPointIds\">\n<PDataArray type=\"Int64\" Name=\"GlobalPointIds\"/>\n";
   if (point_refs) xml += "<PDataArray type=\"Int32\" Name=\"ref\"/>\n";
-  for (std::size_t i = 0; i < fields.fields.size(); ++i) {
-    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(field_name(fields, i)) +
+  const std::vector<std::string> names = field_array_names(fields, true, point_refs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(names[i]) +
            "\" NumberOfComponents=\"" + std::to_string(components(fields.fields[i].kind)) + "\"/>\n";
   }
   xml += "</PPointData>\n";

@@ -505,9 +505,10 @@ void describe_piece(const PieceShape& shape, Out& out, const Add& add) {
   out.text(shape.global_ids ? "<PointData GlobalIds=\"GlobalPointIds\">" : "<PointData>");
   if (shape.global_ids) add(PieceArray::global_ids, 0, "Int64", "GlobalPointIds", 1, shape.points * kInt64);
   if (shape.point_refs) add(PieceArray::point_refs, 0, "Int32", "ref", 1, shape.points * kInt32);
-  for (std::size_t i = 0; i < shape.fields.fields.size(); ++i) {
+  const std::vector<std::string> names = field_array_names(shape.fields, shape.global_ids, shape.point_refs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const int length = components(shape.fields.fields[i].kind);
-    add(PieceArray::field, i, "Float64", field_name(shape.fields, i), length,
+    add(PieceArray::field, i, "Float64", names[i], length,
         static_cast<std::uint64_t>(length) * shape.points * sizeof(double));
   }
   out.text("</PointData>");
@@ -632,6 +633,16 @@ std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
 }
 
 }  // namespace
+
+std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs) {
+  UniqueNames unique_names;
+  if (global_ids) unique_names.unique("GlobalPointIds");
+  if (point_refs) unique_names.unique("ref");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < fields.fields.size(); ++i)
+    names.push_back(unique_names.unique(field_name(fields, i)));
+  return names;
+}
 
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path, Coordinates wanted) {
   const VtkDocument document(path, "UnstructuredGrid");

@@ -26,8 +26,8 @@ std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Writes the same, whole or not at all: references as cell data `ref` and, where there are any, point data
-/// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...
-/// Tensors are put in VTK's order xx yy zz xy yz xz.
+/// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2,
+/// ...; of several with one name the second is NAME_2. Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
 
 // Parts of the pieces, of which there may be many (see mesh_file.h).
@@ -49,6 +49,9 @@ struct CellData {
   std::string name;
   std::vector<double> values;
 };
+
+/// What the arrays of fields are called: all different, and not as those of point data that are no fields.
+std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs);
 
 /// The pieces of one .vtu, and a .vtu as one of several, which all have references of points or none. More
 /// cell data than `ref` are for viewers: readers here drop them.

@@ -54,6 +54,19 @@ TEST_F(Pvtu, AllPiecesAndTheIndexHaveReferencesOfPointsOrNone) {
   expect_arrays(0);
 }
 
+TEST_F(Pvtu, NamesOfArraysDifferAsInTheIndex) {
+  box.fields.fields.push_back(box.fields.fields[0]);
+  for (const char* name : {"ref", "GlobalPointIds"}) {
+    box.fields.fields.push_back(box.fields.fields[0]);
+    box.fields.fields.back().name = name;
+  }
+  write_pvtu(directory / "m.pvtu", box, {.pieces = 2});
+  for (const char* file : {"m.pvtu", "m_0.vtu", "m_1.vtu"})
+    for (const char* name : {"position", "position_2", "ref_2", "GlobalPointIds_2"})
+      EXPECT_EQ(count(bytes_of(directory / file), " Name=\"" + std::string(name) + "\""), 1) << file << name;
+  expect_equal(read_pvtu(directory / "m.pvtu").mesh, box.mesh);
+}
+
 TEST_F(Pvtu, OfAnEarlierVersionIsRead) {
   const MeshContents whole = read_vtu(sample("meshio-box.vtu")), read = read_pvtu(sample("weft-box.pvtu"));
   expect_equal(read.mesh, whole.mesh);

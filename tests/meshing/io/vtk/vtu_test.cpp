@@ -115,6 +115,19 @@ TEST_F(Vtu, HoldsFieldsUnderTheirNames) {
   EXPECT_EQ(arrays["field_2"].as<double>(), fields.fields[1].values);
 }
 
+TEST_F(Vtu, NamesOfArraysDiffer) {
+  MeshContents c = tets_only();
+  c.mesh.point_refs[0] = 4;
+  for (const char* name : {"h", "h", "ref", "h_2", ""})
+    c.fields.fields.push_back({Field::Kind::scalar, std::vector<double>(5, 0.5), name});
+  write_vtu(directory / "m.vtu", c);
+  const MeshContents read = read_vtu(directory / "m.vtu");
+  std::vector<std::string> names;
+  for (const Field& field : read.fields.fields) names.push_back(field.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"h", "h_2", "ref_2", "h_2_2", "field_5"}));
+  EXPECT_EQ(read.mesh.point_refs[0], 4);
+}
+
 TEST_F(Vtu, PutsTensorsInVtkOrder) {
   MeshContents c;
   c.mesh.points = {{0, 0, 0}, {1, 0, 0}};
