@@ -169,8 +169,17 @@ class ZoneReader {
     library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
     std::vector<cgsize_t> data(checked(size, section_));
     if (data.empty()) library_.fail(section_, "has no elements");
-    library_.check(cg_elements_read(library_.file(), kBase, zone_, s, data.data(), nullptr), section_);
+    library_.check(read_data(s, type, data.data()), section_);
     read_elements(type, start, count, data);
+  }
+
+  /// Since 3.4 the library has a function of its own for elements of several sizes.
+  int read_data(int s, [[maybe_unused]] CGNS_ENUMT(ElementType_t) type, cgsize_t* data) const {
+#if CGNS_VERSION >= 3400
+    if (type == CGNS_ENUMV(MIXED))
+      return cg_poly_elements_read(library_.file(), kBase, zone_, s, data, nullptr, nullptr);
+#endif
+    return cg_elements_read(library_.file(), kBase, zone_, s, data, nullptr);
   }
 
   /// Those of the range; the section's name gets its reference whether there are any or none.

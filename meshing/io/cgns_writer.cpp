@@ -10,7 +10,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -34,17 +33,11 @@ class NodeNames {
  public:
   std::string unique(std::string name) {
     std::ranges::replace(name, '/', '_');
-    name.resize(std::min(name.size(), kNameLength));
-    for (int i = 2; !taken_.insert(name).second; ++i) {
-      const std::string end = "_" + std::to_string(i);
-      name.resize(std::min(name.size(), kNameLength - end.size()));
-      name += end;
-    }
-    return name;
+    return names_.unique(std::move(name));
   }
 
  private:
-  std::set<std::string> taken_;
+  UniqueNames names_{kNameLength};
 };
 
 /// What the components of fields are called, all in order.

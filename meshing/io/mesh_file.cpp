@@ -73,12 +73,6 @@ struct Format {
   std::unique_ptr<TextPart> (*open_text_part)(const WholeMesh&, const MeshPart&) = nullptr;
 };
 
-MeshContents read_gmf(const fs::path& path, Coordinates wanted) {
-  MeshContents contents;
-  contents.mesh = read_gmf_mesh(path, wanted);
-  contents.fields.num_points = contents.mesh.points.size();
-  return contents;
-}
 /// Surfaces have finite coordinates.
 template <MeshContents (*read)(const fs::path&)>
 MeshContents read_surface(const fs::path& path, Coordinates) {
@@ -99,11 +93,7 @@ MeshContents read_gmf_range(const fs::path& path, const MeshRange& range) {
   contents.mesh.tets = std::move(tets.tets);
   contents.mesh.tet_refs = std::move(tets.refs);
   contents.fields.num_points = range.num_points;
-  return contents;
-}
-MeshContents stream_gmf(const fs::path& path, MeshStream& stream) {
-  MeshContents contents;
-  contents.mesh = stream_gmf_mesh(path, stream);
+  contents.dropped = layout.dropped();
   return contents;
 }
 bool gmsh_has_no_ranges(const fs::path& path) { return !gmsh_size(path); }

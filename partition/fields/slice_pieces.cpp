@@ -185,6 +185,7 @@ void write_slices_as_pvtu(Peers& peers, const MeshSlice& slice, const meshing::S
     if (p * ranks / num_pieces == static_cast<std::size_t>(peers.rank())) mine.push_back(p);
   }
   PieceMaker maker(peers, slice, fields, num_pieces);
+  const bool point_refs = partition::max(peers, std::uint8_t{meshing::has_refs(slice.point_refs)}) != 0;
   std::list<meshing::FormerFile> former;  // what was there comes back when anybody fails
   const std::size_t rounds = partition::max(peers, mine.size());
   for (std::size_t round = 0; round < rounds; ++round) {
@@ -194,11 +195,11 @@ void write_slices_as_pvtu(Peers& peers, const MeshSlice& slice, const meshing::S
       if (piece == num_pieces) return;
       const fs::path path = file.parent_path() / names[piece];
       former.emplace_back(path);
-      meshing::write_vtu_piece(path, contents, maker.global_ids(), options);
+      meshing::write_vtu_piece(path, contents, maker.global_ids(), point_refs, options);
     });
   }
   agree_on(peers, [&] {
-    if (peers.rank() == 0) meshing::write_pvtu_index(file, fields, {}, names);
+    if (peers.rank() == 0) meshing::write_pvtu_index(file, fields, point_refs, {}, names);
   });
 }
 

@@ -22,6 +22,7 @@
 #include "meshing/metric/metric_field.h"
 #include "partition/communication/agreement.h"
 #include "partition/output/numbering.h"
+#include "partition/output/whole_mesh.h"
 
 namespace weft::partition {
 namespace {
@@ -82,12 +83,12 @@ meshing::SolutionData kinds_of(const PieceFields& fields) {
 }
 
 void write_vtu(const fs::path& path, const MeshPiece& piece, const PieceNumbers& numbers,
-               const meshing::SolutionData* fields) {
+               const meshing::SolutionData* fields, bool point_refs) {
   const MeshData part = visible_part(piece, numbers.share);
   meshing::SolutionData values = meshing::solution_from_metric(piece.log_metrics);
   if (fields) std::ranges::copy(fields->fields, std::back_inserter(values.fields));
   const std::vector<std::int64_t> ids(numbers.points.begin(), numbers.points.end());
-  meshing::write_vtu_piece(path, {part, values, {}}, ids, {}, cell_data(piece, part));
+  meshing::write_vtu_piece(path, {part, values, {}}, ids, point_refs, {}, cell_data(piece, part));
 }
 
 /// The subdomains of all pieces, ascending.
@@ -126,20 +127,21 @@ void write_pieces_as_vtu(Peers& peers, std::span<const MeshPiece> mine, const fs
                          const PieceFields& fields) {
   const Numbering numbering = number_pieces(peers, mine);
   const std::vector<SubdomainId> subdomains = all_subdomains(peers, mine);
+  const bool point_refs = have_point_refs(peers, mine);
   std::list<meshing::FormerFile> former;  // what was there comes back when anybody fails
   agree_on(peers, [&] {
     for (std::size_t p = 0; p < mine.size(); ++p) {
       const fs::path path = index.parent_path() / vtu_name(index, mine[p].subdomain);
       former.emplace_back(path);
-      write_vtu(path, mine[p], numbering.pieces[p],
-                fields.of_pieces.empty() ? nullptr : &fields.of_pieces[p]);
+      write_vtu(path, mine[p], numbering.pieces[p], fields.of_pieces.empty() ? nullptr : &fields.of_pieces[p],
+                point_refs);
     }
   });
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     std::vector<std::string> names;
     for (const SubdomainId subdomain : subdomains) names.push_back(vtu_name(index, subdomain));
-    meshing::write_pvtu_index(index, kinds_of(fields), {"subdomain", "quality"}, names);
+    meshing::write_pvtu_index(index, kinds_of(fields), point_refs, {"subdomain", "quality"}, names);
   });
 }
 

@@ -122,6 +122,11 @@ void collect_corners(Peers& peers, std::span<const MeshPiece> mine, const Number
 
 }  // namespace
 
+bool have_point_refs(Peers& peers, std::span<const MeshPiece> mine) {
+  const auto has_refs = [](const MeshPiece& piece) { return meshing::has_refs(piece.mesh.point_refs); };
+  return max(peers, static_cast<int>(std::ranges::any_of(mine, has_refs))) != 0;
+}
+
 DescribedMesh describe_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering) {
   DescribedMesh result;
   result.pieces.resize(mine.size());
@@ -129,10 +134,7 @@ DescribedMesh describe_pieces(Peers& peers, std::span<const MeshPiece> mine, con
   sum_refs(peers, mine, numbering, result);
   find_box(peers, mine, numbering, result.whole);
   collect_corners(peers, mine, numbering, result.whole);
-  const auto has_refs = [](const MeshPiece& piece) {
-    return std::ranges::any_of(piece.mesh.point_refs, [](std::int32_t ref) { return ref != 0; });
-  };
-  result.whole.point_refs = max(peers, static_cast<int>(std::ranges::any_of(mine, has_refs))) != 0;
+  result.whole.point_refs = have_point_refs(peers, mine);
   return result;
 }
 

@@ -19,6 +19,9 @@ struct DescribedMesh {
   std::vector<FirstWithRef> pieces;  ///< in the order of the pieces given
 };
 
+/// All ranks: whether a vertex of any piece has a reference other than 0.
+bool have_point_refs(Peers& peers, std::span<const MeshPiece> mine);
+
 /// All ranks: describes the mesh of all pieces, numbered by `numbering`, as meshing::describe() does with the
 /// merged mesh; without names and fields.
 DescribedMesh describe_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering);

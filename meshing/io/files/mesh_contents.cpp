@@ -161,6 +161,20 @@ std::string field_name(const SolutionData& fields, std::size_t i) {
   return name.empty() ? "field_" + std::to_string(i + 1) : name;
 }
 
+std::string UniqueNames::unique(std::string name) {
+  name.resize(std::min(name.size(), longest_));
+  const std::string begin = name;
+  for (int i = 2; !taken_.insert(name).second; ++i) {
+    const std::string end = "_" + std::to_string(i);
+    name = begin.substr(0, longest_ - end.size()) + end;
+  }
+  return name;
+}
+
+bool has_refs(const std::vector<std::int32_t>& refs) {
+  return std::ranges::any_of(refs, [](std::int32_t ref) { return ref != 0; });
+}
+
 std::map<std::int32_t, std::vector<std::uint32_t>> indices_by_ref(const std::vector<std::int32_t>& refs) {
   std::map<std::int32_t, std::vector<std::uint32_t>> indices;
   for (std::size_t i = 0; i < refs.size(); ++i) indices[refs[i]].push_back(static_cast<std::uint32_t>(i));

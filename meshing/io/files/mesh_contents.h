@@ -91,6 +91,21 @@ bool fold_full_tensors(const std::vector<double>& full, std::vector<double>& fol
 /// The name of field `i`, or "field_N" for one without.
 std::string field_name(const SolutionData& fields, std::size_t i);
 
+/// Names of siblings in a file, which must differ: the second `a` becomes `a_2`.
+class UniqueNames {
+ public:
+  /// Names are cut to `longest` characters.
+  explicit UniqueNames(std::size_t longest = std::string::npos) : longest_(longest) {}
+  std::string unique(std::string name);
+
+ private:
+  std::size_t longest_;
+  std::set<std::string> taken_;
+};
+
+/// Whether any is not 0.
+bool has_refs(const std::vector<std::int32_t>& refs);
+
 /// Which entities have a reference, by reference and in their order.
 std::map<std::int32_t, std::vector<std::uint32_t>> indices_by_ref(const std::vector<std::int32_t>& refs);
 

@@ -30,7 +30,7 @@ WholeMesh describe(const MeshView& contents) {
   whole.triangles = count_refs(mesh.triangle_refs);
   whole.edges = count_refs(mesh.edge_refs);
   for (const std::uint32_t v : mesh.corners) whole.corners.push_back({v, mesh.points[v], mesh.point_refs[v]});
-  whole.point_refs = std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; });
+  whole.point_refs = has_refs(mesh.point_refs);
   if (!mesh.points.empty()) whole.low = whole.high = mesh.points[0];
   for (const Point& p : mesh.points)
     for (int c = 0; c < 3; ++c) {

@@ -24,15 +24,18 @@ namespace {
 using namespace gmf;
 
 template <class File>
-MeshData read_mesh_of(const File& file, Coordinates wanted) {
+MeshContents read_contents_of(const File& file, Coordinates wanted) {
   file.layout().refuse_foreign_volumes(file.name());
-  MeshData mesh;
+  MeshContents contents;
+  MeshData& mesh = contents.mesh;
   const Section& vertices = vertices_section(file);
   read_vertices(file, vertices, all_rows(vertices), mesh.points, mesh.point_refs, wanted);
   read_part_of_elements(file, kTetrahedra, {}, mesh.tets, mesh.tet_refs);
   read_boundary(file, {}, mesh);
   read_association(file, mesh.association);
-  return mesh;
+  contents.fields.num_points = mesh.points.size();
+  contents.dropped = file.layout().dropped();
+  return contents;
 }
 
 void check_lengths(const MeshData& mesh) {
@@ -128,8 +131,13 @@ void write_file(const std::filesystem::path& path, int version, const std::vecto
 
 }  // namespace
 
+MeshContents read_gmf(const std::filesystem::path& path, Coordinates wanted) {
+  return is_text(path) ? read_contents_of(TextFile(path), wanted)
+                       : read_contents_of(BinaryFile(path), wanted);
+}
+
 MeshData read_gmf_mesh(const std::filesystem::path& path, Coordinates wanted) {
-  return is_text(path) ? read_mesh_of(TextFile(path), wanted) : read_mesh_of(BinaryFile(path), wanted);
+  return read_gmf(path, wanted).mesh;
 }
 
 SolutionData read_gmf_solution(const std::filesystem::path& path) {

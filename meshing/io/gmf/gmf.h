@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/io/files/coordinates.h"
+#include "meshing/io/files/mesh_contents.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
@@ -15,9 +16,12 @@ namespace weft::meshing {
 // indices. A path with the extension .mesh or .sol is ASCII, any other is binary.
 
 /// Reads a tetrahedral mesh: versions 1 to 4, either byte order, or ASCII. Keeps what MeshData can hold and
-/// skips other keywords; volume elements other than linear tetrahedra are refused. Throws InputError naming
-/// file, entity (1-based) and reason for anything missing, damaged, duplicated, out of range or not finite.
-/// No allocation exceeds a small multiple of the file's size, whatever the file claims.
+/// skips other keywords, of which it counts the elements; volume elements other than linear tetrahedra are
+/// refused. Throws InputError naming file, entity (1-based) and reason for anything missing, damaged,
+/// duplicated, out of range or not finite. No allocation exceeds a small multiple of the file's size,
+/// whatever the file claims.
+MeshContents read_gmf(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
+/// The mesh alone.
 MeshData read_gmf_mesh(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// Reads the fields at the vertices (SolAtVertices) likewise. Values may be NaN or infinite: what they mean,

@@ -85,8 +85,10 @@ std::int64_t BinaryFile::int_at(std::uint64_t position, std::size_t size) const 
   return load_int(bytes.data(), size, layout_.encoding.swapped);
 }
 
-/// Notes the keyword at `position`; returns where the next one is, nothing at the End.
+/// Notes the keyword at `position`; returns where the next one is, nothing at the End. That of Mmg's
+/// solutions, and of its meshes before version 5.5, has no position.
 std::optional<std::uint64_t> BinaryFile::scan_keyword(std::uint64_t position) {
+  if (position + 4 == file_.size() && int_at(position, 4) == kEnd) return std::nullopt;
   const std::uint64_t begin = position + 4 + layout_.encoding.position_size();
   if (begin > file_.size()) throw InputError(name(), "", "the file is truncated: no keyword End");
   const std::int64_t code = int_at(position, 4);

@@ -29,6 +29,16 @@ constexpr KeywordInfo kKeywords[] = {
     {kVerticesOnFaces, "VerticesOnGeometricTriangles", 3, 2},
     {kByteFlow, "ByteFlow"},
     {kSolAtVertices, "SolAtVertices"},
+    {7, "Quadrilaterals", 0, 0, false, "quadrilaterals"},
+    {24, "TrianglesP2", 0, 0, false, "triangles of second order"},
+    {25, "EdgesP2", 0, 0, false, "edges of second order"},
+    {27, "QuadrilateralsQ2", 0, 0, false, "quadrilaterals of second order"},
+    {88, "QuadrilateralsQ3", 0, 0, false, "quadrilaterals of third order"},
+    {89, "QuadrilateralsQ4", 0, 0, false, "quadrilaterals of fourth order"},
+    {90, "TrianglesP3", 0, 0, false, "triangles of third order"},
+    {91, "TrianglesP4", 0, 0, false, "triangles of fourth order"},
+    {92, "EdgesP3", 0, 0, false, "edges of third order"},
+    {93, "EdgesP4", 0, 0, false, "edges of fourth order"},
     {9, "Prisms", 0, 0, true},
     {10, "Hexahedra", 0, 0, true},
     {30, "TetrahedraP2", 0, 0, true},
@@ -231,6 +241,14 @@ void GmfLayout::refuse_foreign_volumes(const std::string& file) const {
         file, std::string(section.keyword->name),
         "the mesh has " + std::to_string(section.count) + " of them; weft adapts linear tetrahedra only");
   }
+}
+
+std::vector<Dropped> GmfLayout::dropped() const {
+  std::vector<Dropped> dropped;
+  for (const gmf::Section& section : sections_)
+    if (section.keyword->dropped && section.count > 0)
+      dropped.push_back({section.keyword->dropped, section.count});
+  return dropped;
 }
 
 }  // namespace weft::meshing

@@ -46,6 +46,7 @@ struct KeywordInfo {
   std::string_view name;
   std::size_t reals = 0, indices = 0;  ///< in a row; of a solution the file says it
   bool foreign_volume = false;         ///< volume elements that a tetrahedral mesh cannot keep
+  const char* dropped = nullptr;       ///< what other elements without a place here are called
 };
 
 /// nullptr for a keyword without a meaning here.
@@ -107,6 +108,8 @@ class GmfLayout {
   void add(const std::string& file, const gmf::Section& section);
   /// Throws InputError where the file has volume elements other than linear tets.
   void refuse_foreign_volumes(const std::string& file) const;
+  /// Elements that are no volumes and have no place in a mesh.
+  std::vector<Dropped> dropped() const;
 
   gmf::Encoding encoding;       ///< of a binary file
   std::uint64_t file_size = 0;  ///< bytes

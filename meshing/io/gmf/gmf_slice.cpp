@@ -66,15 +66,16 @@ MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& l
   });
 }
 
-MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream) {
+MeshContents stream_gmf(const std::filesystem::path& path, MeshStream& stream) {
   const GmfLayout layout = read_gmf_layout(path);
   return read_with(path, layout, [&](const auto& file) {
     stream_vertices(file, vertices_section(file), stream);
     if (const Section* tets = layout.find(kTetrahedra)) stream_tets(file, *tets, stream);
-    MeshData mesh;
-    read_boundary(file, {}, mesh);
-    read_records_on_model(file, {}, mesh.association);
-    return mesh;
+    MeshContents contents;
+    read_boundary(file, {}, contents.mesh);
+    read_records_on_model(file, {}, contents.mesh.association);
+    contents.dropped = layout.dropped();
+    return contents;
   });
 }
 

@@ -43,8 +43,8 @@ GmfTets read_gmf_tets(const std::filesystem::path& path, const GmfLayout& layout
 MeshData read_gmf_boundary(const std::filesystem::path& path, const GmfLayout& layout,
                            const MeshRange& range = {});
 
-/// What read_gmf_mesh() returns but for points, tets and a CAD model: points and tets go to the stream.
-MeshData stream_gmf_mesh(const std::filesystem::path& path, MeshStream& stream);
+/// What read_gmf() returns but for points, tets and a CAD model: points and tets go to the stream.
+MeshContents stream_gmf(const std::filesystem::path& path, MeshStream& stream);
 
 /// The CAD model that the file carries, none of the records; empty where it has none.
 Association read_gmf_model(const std::filesystem::path& path, const GmfLayout& layout);

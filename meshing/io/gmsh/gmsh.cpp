@@ -11,6 +11,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -150,6 +151,22 @@ class Groups {
   bool has_physical_ = false;
 };
 
+/// A geometric entity, or what a part of one is part of: of a higher dimension where it is between
+/// partitions.
+struct Entity {
+  std::int64_t dimension;
+  std::int32_t tag, group;
+};
+
+/// The element before the one being read.
+struct LastElement {
+  const ElementType* type = nullptr;
+  std::int32_t entity = 0, physical = 0;
+  std::vector<std::uint32_t> nodes;
+};
+
+constexpr const char* kOtherGroups = "physical groups of entities that have several";
+
 class Reader {
  public:
   /// Points and tets go to the stream.
@@ -237,7 +254,10 @@ class Reader {
     if (name == "PhysicalNames") {
       read_names();
     } else if (name == "Entities" && version_ == 4) {
-      read_entities();
+      read_entities(false);
+    } else if (name == "PartitionedEntities" && version_ == 4) {
+      pass_over_partitions();
+      read_entities(true);
     } else if (name == "Nodes") {
       read_nodes();
     } else if (name == "Elements") {
@@ -279,32 +299,58 @@ class Reader {
     return text;
   }
 
-  /// Keeps the first physical group of every geometric entity.
-  void read_entities() {
+  /// Keeps the first physical group of every geometric entity, or part of one.
+  void read_entities(bool parts) {
     std::array<std::uint64_t, 4> counts;
     for (std::uint64_t& count : counts) count = size();
     for (int dimension = 0; dimension < 4; ++dimension) {
       for (std::uint64_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) {
         in_.next_row();
-        read_entity(dimension);
+        read_entity(dimension, parts);
       }
     }
   }
 
-  void read_entity(int dimension) {
+  void read_entity(int dimension, bool part) {
     const std::int32_t tag = integer32();
+    Entity entity{dimension, tag, 0};
+    if (part) read_whole_of(entity);
     for (int i = 0; i < (dimension == 0 ? 3 : 6); ++i) real();
     const std::uint64_t num_groups = size();
-    std::int32_t first = 0;
     for (std::uint64_t i = 0; i < num_groups; ++i) {
       const std::int32_t group = integer32();
-      if (i == 0) first = group;
+      if (i == 0) entity.group = without_direction(dimension, group);
     }
-    if (num_groups > 1) contents_.drop("physical groups of entities that have several", num_groups - 1);
-    entity_groups_[{dimension, tag}] = first;
+    // Parts have the groups of their entity.
+    if (num_groups > 1 && !part) contents_.drop(kOtherGroups, num_groups - 1);
+    entities_[{dimension, tag}] = entity;
     if (dimension == 0) return;
     const std::uint64_t num_bounds = size();
     for (std::uint64_t i = 0; i < num_bounds; ++i) integer();
+  }
+
+  /// What a part is part of; itself where that is no entity that can have it.
+  void read_whole_of(Entity& part) {
+    const std::int64_t dimension = integer();
+    const std::int32_t tag = integer32();
+    if (dimension >= part.dimension && dimension <= 3) part = {dimension, tag, 0};
+    const std::uint64_t num_partitions = size();
+    for (std::uint64_t i = 0; i < num_partitions; ++i) integer();
+  }
+
+  /// Gmsh's sign says which way round an entity is in its group; weft has negative references.
+  std::int32_t without_direction(int dimension, std::int32_t group) const {
+    const auto& names = contents_.names.all();
+    if (group >= 0 || group == std::numeric_limits<std::int32_t>::min()) return group;
+    const bool turned = !names.contains({dimension, group}) && names.contains({dimension, -group});
+    return turned ? -group : group;
+  }
+
+  /// Their number, and which entity has the ghosts of which.
+  void pass_over_partitions() {
+    size();
+    const std::uint64_t num_ghosts = size();
+    for (std::uint64_t i = 0; i < num_ghosts; ++i) integer(), integer();
   }
 
   void read_nodes() {
@@ -439,14 +485,17 @@ class Reader {
 
   void read_element_block() {
     const std::int64_t dimension = integer();
-    entity_ = integer32();
+    const std::int32_t tag = integer32();
     const ElementType& type = type_of(integer());
     const std::uint64_t count = size();
     if (dimension != type.dimension) {
       in_.fail(std::string(type.name) + " in an entity of dimension " + std::to_string(dimension));
     }
-    const auto group = entity_groups_.find({type.dimension, entity_});
-    physical_ = group == entity_groups_.end() ? 0 : group->second;
+    const auto known = entities_.find({type.dimension, tag});
+    const Entity entity = known == entities_.end() ? Entity{dimension, tag, 0} : known->second;
+    entity_ = entity.tag;
+    physical_ = entity.group;
+    between_partitions_ = entity.dimension != dimension;
     if (is_range()) note_group(type);  // of which all elements may be elsewhere
     in_.require(count, least_bytes(0, 1 + static_cast<std::uint64_t>(type.nodes), 0));
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -480,6 +529,9 @@ class Reader {
   void read_element(const ElementType& type) {
     std::array<std::uint32_t, kMostNodes> nodes;
     for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = read_node();
+    if (between_partitions_) return contents_.drop("elements between partitions");
+    if (version_ == 2 && is_repeated(type, std::span(nodes).first(static_cast<std::size_t>(type.nodes))))
+      return;
     MeshData& mesh = contents_.mesh;
     switch (type.code) {
       case gmsh::kTetrahedron:
@@ -502,6 +554,20 @@ class Reader {
         return;
     }
     groups_[static_cast<std::size_t>(type.dimension)].add(physical_, entity_);
+  }
+
+  /// Version 2 has an element once for each of its physical groups, turned where it is so in the group; the
+  /// first counts.
+  bool is_repeated(const ElementType& type, std::span<const std::uint32_t> nodes) {
+    const bool same = last_.type == &type && last_.entity == entity_ && last_.physical != physical_ &&
+                      std::ranges::is_permutation(last_.nodes, nodes);
+    if (!same) {
+      last_.type = &type, last_.entity = entity_, last_.physical = physical_;
+      last_.nodes.assign(nodes.begin(), nodes.end());
+    } else if (other_groups_.insert({type.dimension, entity_, physical_}).second) {
+      contents_.drop(kOtherGroups);
+    }
+    return same;
   }
 
   // Header of node data are lines of text in every encoding.
@@ -590,15 +656,19 @@ class Reader {
   std::vector<std::uint64_t> first_elements_;     ///< of each block; empty without a range
   int version_ = 4;
   bool binary_ = false, has_nodes_ = false, has_elements_ = false;
-  std::map<std::pair<int, std::int32_t>, std::int32_t> entity_groups_;
+  std::map<std::pair<int, std::int32_t>, Entity> entities_;
   NodeTags tags_;
   std::array<Groups, 3> groups_;  ///< by dimension
   std::map<const ElementType*, std::uint64_t> foreign_;
   std::int32_t physical_ = 0, entity_ = 0;  ///< of the element being read
+  bool between_partitions_ = false;
+  // Of version 2:
+  LastElement last_;
+  std::set<std::array<std::int32_t, 3>> other_groups_;  ///< not kept: dimension, entity, physical group
 };
 
-/// Where the rows of a binary file of version 4.1 are. Its nodes come without parameters, and $Elements
-/// follows $Nodes.
+/// Where the rows of a binary file of version 4.1 are. Its nodes come without parameters, $Elements follows
+/// $Nodes, and it has no partitions, the elements between which would not count.
 class Layout {
  public:
   /// Nothing for files of other kinds. Throws InputError where the file is damaged.
@@ -691,6 +761,7 @@ class Layout {
       if (!head_.starts_with("$MeshFormat"))
         throw InputError(file_.name(), "", "not an MSH file: no $MeshFormat");
       if (!is_binary_4()) return false;
+      if (head_.find("\n$PartitionedEntities") != std::string::npos) return false;
       end = head_.find(kNodes);
       if (end == std::string::npos && size >= file_.size()) return false;
     }

@@ -110,7 +110,7 @@ std::vector<std::uint32_t> first_points(const MeshData& mesh, std::size_t num_pi
   return points;
 }
 
-std::string index_text(const SolutionData& fields, const std::vector<std::string>& cell_data,
+std::string index_text(const SolutionData& fields, bool point_refs, const std::vector<std::string>& cell_data,
                        const std::vector<std::string>& pieces) {
   std::string xml =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
@@ -123,8 +123,10 @@ std::string index_text(const SolutionData& fields, const std::vector<std::string
   xml +=
       "</PCellData>\n"
       "<PPointData GlobalIds=\"GlobalPointIds\">\n<PDataArray type=\"Int64\" Name=\"GlobalPointIds\"/>\n";
-  for (std::size_t i = 0; i < fields.fields.size(); ++i) {
-    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(field_name(fields, i)) +
+  if (point_refs) xml += "<PDataArray type=\"Int32\" Name=\"ref\"/>\n";
+  const std::vector<std::string> names = field_array_names(fields, true, point_refs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    xml += "<PDataArray type=\"Float64\" Name=\"" + VtkWriter::escaped(names[i]) +
            "\" NumberOfComponents=\"" + std::to_string(components(fields.fields[i].kind)) + "\"/>\n";
   }
   xml += "</PPointData>\n";
@@ -176,22 +178,24 @@ void write_pvtu(const fs::path& path, const MeshView& contents, const WriteOptio
   AtomicFile index(path);
   const auto num_pieces = static_cast<std::size_t>(std::max(1, options.pieces));
   const std::vector<std::uint32_t> first = first_points(contents.mesh, num_pieces);
+  const bool point_refs = has_refs(contents.mesh.point_refs);
   std::vector<std::string> names;
   std::list<FormerFile> former;
   for (std::size_t i = 0; i < num_pieces; ++i) {
     names.push_back(path.stem().string() + "_" + std::to_string(i) + ".vtu");
     former.emplace_back(path.parent_path() / names.back());
     const Share share(contents, i, num_pieces, i == 0 ? first : std::vector<std::uint32_t>{});
-    write_vtu_piece(path.parent_path() / names.back(), share.contents(), share.global_ids(), options);
+    write_vtu_piece(path.parent_path() / names.back(), share.contents(), share.global_ids(), point_refs,
+                    options);
   }
-  index.write(index_text(contents.fields, {}, names));
+  index.write(index_text(contents.fields, point_refs, {}, names));
   index.commit();
 }
 
-void write_pvtu_index(const fs::path& path, const SolutionData& fields,
+void write_pvtu_index(const fs::path& path, const SolutionData& fields, bool point_refs,
                       const std::vector<std::string>& cell_data, const std::vector<std::string>& pieces) {
   AtomicFile index(path);
-  index.write(index_text(fields, cell_data, pieces));
+  index.write(index_text(fields, point_refs, cell_data, pieces));
   index.commit();
 }
 

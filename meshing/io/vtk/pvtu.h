@@ -26,8 +26,9 @@ void write_pvtu(const std::filesystem::path& path, const MeshView& contents,
                 const WriteOptions& options = {});
 
 /// The index alone, of pieces that write_vtu_piece wrote: files named relative to the index, all with the
-/// same point fields (their kinds and names count, not their values) and the same cell data beside `ref`.
-void write_pvtu_index(const std::filesystem::path& path, const SolutionData& fields,
+/// same point fields (their kinds and names count, not their values), all with references of points or none,
+/// and the same cell data beside `ref`.
+void write_pvtu_index(const std::filesystem::path& path, const SolutionData& fields, bool point_refs,
                       const std::vector<std::string>& cell_data, const std::vector<std::string>& pieces);
 
 }  // namespace weft::meshing

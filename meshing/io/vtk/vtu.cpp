@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -105,7 +107,7 @@ class PieceReader {
 
  private:
   using Rows = VtkDocument::Rows;
-  static constexpr std::uint64_t kCellsAtOnce = std::uint64_t{1} << 18;  ///< when ranges are read
+  static constexpr std::uint64_t kCellsAtOnce = std::uint64_t{1} << 18;  ///< when not all are needed
 
   MeshData& mesh() { return result_.contents.mesh; }
   Rows point_rows(std::uint64_t length) const {
@@ -136,12 +138,32 @@ class PieceReader {
       const std::string name = array.attribute("Name").value();
       if (name == kGhosts) {
         ghosts_ = array;
-      } else if (is_one_of(name, kRefNames) && !refs_ && is_scalar(array)) {
+      } else if (is_one_of(name, kRefNames) && !refs_ && can_be_refs(array)) {
         refs_ = array;
       } else if (others_) {
         result_.contents.drop("values of cell data " + name, num_cells_);
       }
     }
+  }
+
+  /// Reals too, NumPy's usual type, where all of the piece are whole numbers.
+  bool can_be_refs(pugi::xml_node array) const {
+    if (!is_scalar(array)) return false;
+    if (is_integer(array)) return true;
+    const auto is_ref = [](double x) {
+      return std::trunc(x) == x && std::abs(x) <= std::numeric_limits<std::int32_t>::max();
+    };
+    for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce)
+      if (!std::ranges::all_of(document_.reals(array, num_cells_, {first, kCellsAtOnce}), is_ref))
+        return false;
+    return true;
+  }
+
+  std::vector<std::int64_t> refs_of(Rows rows) const {
+    if (!refs_) return {};
+    if (is_integer(refs_)) return document_.integers(refs_, num_cells_, rows);
+    const std::vector<double> reals = document_.reals(refs_, num_cells_, rows);
+    return {reals.begin(), reals.end()};
   }
 
   static bool is_scalar(pugi::xml_node array) { return array.attribute("NumberOfComponents").as_int(1) == 1; }
@@ -172,8 +194,7 @@ class PieceReader {
       return;
     }
     const std::vector<std::int64_t> offsets = document_.integers(cell_array("offsets"), num_cells_, rows);
-    const std::vector<std::int64_t> refs =
-        refs_ ? document_.integers(refs_, num_cells_, rows) : std::vector<std::int64_t>();
+    const std::vector<std::int64_t> refs = refs_of(rows);
     const std::int64_t begin = std::exchange(end_, offsets.back());
     cell_ = first;
     if (range_ && (begin < 0 || end_ < begin)) fail_cell("its offset is out of range");
@@ -484,9 +505,10 @@ void describe_piece(const PieceShape& shape, Out& out, const Add& add) {
   out.text(shape.global_ids ? "<PointData GlobalIds=\"GlobalPointIds\">" : "<PointData>");
   if (shape.global_ids) add(PieceArray::global_ids, 0, "Int64", "GlobalPointIds", 1, shape.points * kInt64);
   if (shape.point_refs) add(PieceArray::point_refs, 0, "Int32", "ref", 1, shape.points * kInt32);
-  for (std::size_t i = 0; i < shape.fields.fields.size(); ++i) {
+  const std::vector<std::string> names = field_array_names(shape.fields, shape.global_ids, shape.point_refs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const int length = components(shape.fields.fields[i].kind);
-    add(PieceArray::field, i, "Float64", field_name(shape.fields, i), length,
+    add(PieceArray::field, i, "Float64", names[i], length,
         static_cast<std::uint64_t>(length) * shape.points * sizeof(double));
   }
   out.text("</PointData>");
@@ -612,6 +634,16 @@ std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
 
 }  // namespace
 
+std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs) {
+  UniqueNames unique_names;
+  if (global_ids) unique_names.unique("GlobalPointIds");
+  if (point_refs) unique_names.unique("ref");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < fields.fields.size(); ++i)
+    names.push_back(unique_names.unique(field_name(fields, i)));
+  return names;
+}
+
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path, Coordinates wanted) {
   const VtkDocument document(path, "UnstructuredGrid");
   std::vector<MeshPiece> pieces;
@@ -668,22 +700,21 @@ std::vector<MeshContents> read_vtu_piece_fields(const std::filesystem::path& pat
 }
 
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
-                     const std::vector<CellData>& cell_data) {
+                     const std::vector<std::int64_t>& global_ids, bool point_refs,
+                     const WriteOptions& options, const std::vector<CellData>& cell_data) {
   static_assert(sizeof(Point) == 3 * sizeof(double), "points are written as they lie in memory");
   check_lengths(contents.mesh, contents.fields);
   const MeshData& mesh = contents.mesh;
   const Cells cells(mesh);
-  PieceShape shape{
-      .points = mesh.points.size(),
-      .tets = mesh.tets.size(),
-      .triangles = mesh.triangles.size(),
-      .edges = mesh.edges.size(),
-      .corners = mesh.corners.size(),
-      .global_ids = !global_ids.empty(),
-      .point_refs = std::ranges::any_of(mesh.point_refs, [](std::int32_t ref) { return ref != 0; }),
-      .cell_data = {},
-      .fields = contents.fields};
+  PieceShape shape{.points = mesh.points.size(),
+                   .tets = mesh.tets.size(),
+                   .triangles = mesh.triangles.size(),
+                   .edges = mesh.edges.size(),
+                   .corners = mesh.corners.size(),
+                   .global_ids = !global_ids.empty(),
+                   .point_refs = point_refs,
+                   .cell_data = {},
+                   .fields = contents.fields};
   for (const CellData& data : cell_data) shape.cell_data.push_back(data.name);
   const auto make = [&](PieceArray array, std::size_t i) {
     switch (array) {
@@ -730,7 +761,7 @@ std::unique_ptr<PartWriter> open_vtu_part(PartTarget target, const WholeMesh& wh
 }
 
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options) {
-  write_vtu_piece(path, contents, {}, options);
+  write_vtu_piece(path, contents, {}, has_refs(contents.mesh.point_refs), options);
 }
 
 }  // namespace weft::meshing

@@ -17,8 +17,9 @@
 namespace weft::meshing {
 
 /// Reads tets, triangles, lines, and vertices (which become corners): arrays as text, base64 or raw, inline
-/// or appended, also compressed with zlib. Integer cell data called ref (or by the names of Gmsh and Medit)
-/// are the references; point data are fields. Other cells and cell data are dropped. Throws InputError.
+/// or appended, also compressed with zlib. Cell data called ref (or by the names of Gmsh and Medit) are the
+/// references if all are whole numbers; point data are fields. Other cells and cell data are dropped. Throws
+/// InputError.
 MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The size of a file with one piece; nothing of one with several. Reads the types of all cells.
@@ -26,8 +27,8 @@ std::optional<MeshSize> vtu_size(const std::filesystem::path& path);
 MeshContents read_vtu_range(const std::filesystem::path& path, const MeshRange& range);
 
 /// Writes the same, whole or not at all: references as cell data `ref` and, where there are any, point data
-/// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2, ...
-/// Tensors are put in VTK's order xx yy zz xy yz xz.
+/// `ref`. Binary (appended raw), compressed, or ASCII. Fields without a name are called field_1, field_2,
+/// ...; of several with one name the second is NAME_2. Tensors are put in VTK's order xx yy zz xy yz xz.
 void write_vtu(const std::filesystem::path& path, const MeshView& contents, const WriteOptions& options = {});
 
 // Parts of the pieces, of which there may be many (see mesh_file.h).
@@ -49,12 +50,15 @@ struct CellData {
   std::vector<double> values;
 };
 
-/// The pieces of one .vtu, and a .vtu as one of several. More cell data than `ref` are for viewers: readers
-/// here drop them.
+/// What the arrays of fields are called: all different, and not as those of point data that are no fields.
+std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs);
+
+/// The pieces of one .vtu, and a .vtu as one of several, which all have references of points or none. More
+/// cell data than `ref` are for viewers: readers here drop them.
 std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path,
                                        Coordinates wanted = Coordinates::finite);
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
-                     const std::vector<std::int64_t>& global_ids, const WriteOptions& options,
-                     const std::vector<CellData>& cell_data = {});
+                     const std::vector<std::int64_t>& global_ids, bool point_refs,
+                     const WriteOptions& options, const std::vector<CellData>& cell_data = {});
 
 }  // namespace weft::meshing

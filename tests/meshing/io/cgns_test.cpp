@@ -1,6 +1,8 @@
 // CGNS files: round trips, what CGNS's own tools write, damage.
 #include "meshing/io/cgns.h"
 
+#include <map>
+
 #include "tests/meshing/io/format_support.h"
 #include "tests/support/repetitions.h"
 
@@ -85,7 +87,6 @@ TEST_F(Cgns, WrongNumbersAreNamed) {
 /// milliseconds.
 TEST_F(Cgns, DamageIsRefusedOrHarmless) {
   write_cgns(directory / "m.cgns", full_contents());
-  const std::string bytes = bytes_of(directory / "m.cgns");
   // Always another name: the library may keep a damaged file open.
   int number = 0;
   const auto message = [&](const std::string& damaged) {
@@ -95,13 +96,16 @@ TEST_F(Cgns, DamageIsRefusedOrHarmless) {
     fs::remove(path);
     return text;
   };
-  for (std::size_t i = 0; i < bytes.size(); i += support::repetitions(604, 151)) {
-    std::string damaged = bytes;
-    damaged[i] = static_cast<char>(damaged[i] ^ (i % 2 == 0 ? 0xFF : 1));
-    message(damaged);
-  }
-  for (std::size_t length = 0; length < bytes.size(); length += 997) {
-    EXPECT_NE(message(bytes.substr(0, length)), "no error") << length;
+  for (const fs::path& path : {directory / "m.cgns", sample("cgns-mixed.cgns")}) {
+    const std::string bytes = bytes_of(path);
+    for (std::size_t i = 0; i < bytes.size(); i += support::repetitions(604, 151)) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ (i % 2 == 0 ? 0xFF : 1));
+      message(damaged);
+    }
+    for (std::size_t length = 0; length < bytes.size(); length += 997) {
+      EXPECT_NE(message(bytes.substr(0, length)), "no error") << length;
+    }
   }
 }
 
@@ -130,6 +134,42 @@ TEST_F(Cgns, ZonesMergeWhereTheirPointsCoincide) {
   EXPECT_EQ(read.pieces[1].contents.mesh.tets.size(), 3u);
   EXPECT_EQ(read.pieces[1].contents.mesh.tet_refs, std::vector<std::int32_t>(3, c.mesh.tet_refs[11]));
   EXPECT_EQ(read.pieces[1].contents.mesh.triangles.size(), 4u);
+}
+
+TEST_F(Cgns, SectionsOfMixedElementsAreRead) {
+  const fs::path path = sample("cgns-mixed.cgns");  // a cube; triangles are in both of its sections
+  const MeshContents c = read_cgns(path);
+  EXPECT_EQ(c.mesh.tets.size(), 6u);
+  EXPECT_NEAR(total_volume(c.mesh), 1, 1e-14);
+  EXPECT_EQ(c.names.name(3, c.mesh.tet_refs[5]), "air");
+  EXPECT_EQ(c.mesh.triangles.size(), 12u);
+  std::map<std::string, int> triangles;
+  for (const std::int32_t ref : c.mesh.triangle_refs) ++triangles[c.names.name(2, ref)];
+  EXPECT_EQ(triangles, (std::map<std::string, int>{{"air", 4}, {"floor", 2}, {"walls", 6}}));
+  EXPECT_EQ(c.mesh.edges, (std::vector<std::array<std::uint32_t, 2>>{{0, 1}}));
+  EXPECT_TRUE(dropped(c, "elements QUAD_4", 1));
+  EXPECT_FALSE(cgns_size(path)) << "which ranks read whole";
+}
+
+/// The sample with another type of its first element.
+std::string with_first_type(std::string bytes, std::int32_t type) {
+  const std::int32_t quad[] = {7, 1, 2, 4, 3};  // the first element
+  const std::size_t place = bytes.find(std::string(reinterpret_cast<const char*>(quad), sizeof quad));
+  EXPECT_NE(place, std::string::npos);
+  return bytes.replace(place, sizeof type, reinterpret_cast<const char*>(&type), sizeof type);
+}
+
+TEST_F(Cgns, DamagedSectionsOfMixedElementsAreNamed) {
+  const std::string bytes = bytes_of(sample("cgns-mixed.cgns"));
+  const auto issue = [&](std::int32_t type) {
+    const fs::path path = directory / (std::to_string(type) + ".cgns");
+    put_bytes(path, with_first_type(bytes, type));
+    return message_of([&] { read_cgns(path); });
+  };
+  EXPECT_EQ(issue(7), "no error");
+  expect_contains(issue(1000), "section walls, element 1: has an unknown type");
+  expect_contains(issue(20), "section walls, element 1: has the unknown type 20");  // mixed itself
+  expect_contains(issue(17), "section walls, element");  // a hexahedron, which is longer
 }
 
 TEST_F(Cgns, FilesOfItsTools) {

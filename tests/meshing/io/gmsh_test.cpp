@@ -23,9 +23,10 @@ std::string by_hand(const std::string& elements,
          "$EndElements\n";
 }
 
-std::string by_hand_4(const std::string& elements, const std::string& nodes) {
-  return "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n" + nodes + "$EndNodes\n$Elements\n" + elements +
-         "$EndElements\n";
+std::string by_hand_4(const std::string& elements, const std::string& nodes,
+                      const std::string& sections = "") {
+  return "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + sections + "$Nodes\n" + nodes + "$EndNodes\n$Elements\n" +
+         elements + "$EndElements\n";
 }
 constexpr const char* kNodes4 = "1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n";
 
@@ -59,6 +60,53 @@ TEST_F(Gmsh, WithoutGroupsReferencesAreTheEntities) {
   EXPECT_EQ(c.mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
   EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{5}));
   EXPECT_EQ(c.mesh.edge_refs, (std::vector<std::int32_t>{6}));
+}
+
+TEST_F(Gmsh, OfElementsThatAreRepeatedForEachGroupTheFirstCounts) {
+  const MeshContents c =
+      read_text(by_hand("6\n1 2 2 3 1 7 1 100\n2 2 2 4 1 100 1 7\n"  // turned in its second group
+                        "3 2 2 4 2 7 1 100\n4 2 2 4 2 7 1 100\n"     // the same twice in one group is a fault
+                        "5 3 2 1 1 7 1 100 7\n6 3 2 2 1 7 1 100 7\n"));
+  EXPECT_EQ(c.mesh.triangles.size(), 3u);
+  EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{3, 4, 4}));
+  EXPECT_TRUE(dropped(c, "quadrangles", 1));
+  EXPECT_TRUE(dropped(c, "physical groups of entities that have several", 2));
+}
+
+TEST_F(Gmsh, GroupsLoseTheDirectionOfTheirEntities) {
+  const std::string surface = " 0 0 0 1 1 0 1 ";
+  const std::string elements = "3 3 1 3\n2 1 2 1\n1 1 2 3\n2 2 2 1\n2 1 2 3\n2 3 2 1\n3 1 2 3\n";
+  const MeshContents c =
+      read_text(by_hand_4(elements, kNodes4,
+                          "$PhysicalNames\n3\n2 3 \"wall\"\n3 4 \"air\"\n2 -5 \"in\"\n$EndPhysicalNames\n"
+                          "$Entities\n0 0 3 0\n1" +
+                              surface + "-3 0\n2" + surface + "-4 0\n3" + surface + "-5 0\n$EndEntities\n"));
+  EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{3, -4, -5}));
+}
+
+TEST_F(Gmsh, PartsOfEntitiesHaveTheirReferences) {
+  const std::string elements = "3 3 1 3\n0 5 15 1\n1 1\n2 7 2 1\n2 1 2 3\n2 8 2 1\n3 1 2 3\n";
+  const auto file = [&](const std::string& group, const std::string& of_volume) {
+    return by_hand_4(elements, kNodes4,
+                     "$Entities\n0 0 1 1\n9 0 0 0 1 1 0 " + group + " 0\n1 0 0 0 1 1 1 " + of_volume +
+                         " 0\n$EndEntities\n$PartitionedEntities\n2\n1\n40 1\n1 0 2 0\n"
+                         "5 2 9 2 1 2 0 0 0 " +
+                         group +
+                         "\n"
+                         "7 2 9 1 1 0 0 0 1 1 0 " +
+                         group +
+                         " 0\n"
+                         "8 3 1 2 1 2 0 0 0 1 1 0 " +
+                         of_volume + " 0\n$EndPartitionedEntities\n");
+  };
+  for (const bool groups : {true, false}) {
+    const MeshContents c = read_text(groups ? file("2 3 4", "1 10") : file("0", "0"));
+    EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{groups ? 3 : 9}));
+    EXPECT_TRUE(c.mesh.corners.empty());
+    EXPECT_TRUE(dropped(c, "elements between partitions", 2));
+    EXPECT_EQ(dropped(c, "physical groups of entities that have several", 1), groups);
+    EXPECT_EQ(c.dropped.size(), groups ? 2u : 1u);
+  }
 }
 
 TEST_F(Gmsh, TagsMayHaveGapsAndAnyOrder) {
@@ -155,6 +203,30 @@ TEST_F(Gmsh, FilesOfGmsh) {
     EXPECT_EQ(c.names.name(3, 30), "inside");
     EXPECT_EQ(c.names.name(1, 40), "front");
   }
+}
+
+TEST_F(Gmsh, PartitionedFilesOfGmsh) {
+  const MeshContents c = read_gmsh(sample("gmsh-parts-41-binary.msh"));  // two cubes in two partitions
+  EXPECT_EQ(std::ranges::count(c.mesh.tet_refs, 10), 24);
+  EXPECT_EQ(std::ranges::count(c.mesh.tet_refs, 20), 24);
+  EXPECT_NEAR(total_volume(c.mesh), 2, 1e-14);
+  EXPECT_EQ(std::ranges::count(c.mesh.triangle_refs, 3), 20);
+  EXPECT_EQ(std::ranges::count(c.mesh.triangle_refs, 7), 20);
+  EXPECT_EQ(c.mesh.triangles.size(), 40u);
+  EXPECT_EQ(c.mesh.edge_refs, (std::vector<std::int32_t>{6}));
+  EXPECT_EQ(c.mesh.corners.size(), 1u);
+}
+
+TEST_F(Gmsh, PartitionedFilesAreNotReadInRanges) {
+  const fs::path path = directory / "m.msh";
+  write_gmsh(path, full_contents());
+  EXPECT_TRUE(gmsh_size(path));
+  std::string bytes = bytes_of(path);
+  bytes.insert(bytes.find("$Nodes"),
+               "$PartitionedEntities\n" + std::string(6 * 8, '\0') + "\n$EndPartitionedEntities\n");
+  put_bytes(path, bytes);
+  EXPECT_FALSE(gmsh_size(path));
+  EXPECT_TRUE(read_gmsh(path).dropped.empty());
 }
 
 }  // namespace

@@ -139,6 +139,8 @@ TEST(MeshStream, OfGmshTakesEntitiesWhereNoTetHasAGroup) {
   EXPECT_EQ(c.mesh.tets[1], (std::array<std::uint32_t, 4>{1, 2, 3, 4})) << "tags with gaps in any order";
   put_bytes(path, head + "2\n2 4 2 0 31 9 2 3 4\n3 4 2 8 32 2 3 4 7\n$EndElements\n");
   EXPECT_EQ(streamed(path).contents.mesh.tet_refs, (std::vector<std::int32_t>{0, 8}));
+  put_bytes(path, head + "2\n2 4 2 6 31 9 2 3 4\n3 4 2 8 31 9 2 3 4\n$EndElements\n");
+  EXPECT_EQ(streamed(path).contents.mesh.tet_refs, (std::vector<std::int32_t>{6})) << "in two groups";
 }
 
 TEST(MeshStream, IsNotOfFilesThatHaveRanges) {

@@ -83,6 +83,22 @@ TEST(PiecesAsVtu, SayWhatViewersShow) {
       expect_contains(bytes_of(directory / name), array);
 }
 
+TEST(PiecesAsVtu, AllHaveReferencesOfPointsOrNone) {
+  CutMesh cut = random_cut(3);
+  for (MeshPiece& piece : cut.pieces) std::ranges::fill(piece.mesh.point_refs, 0);
+  for (const int of_points : {0, 1}) {
+    cut.pieces[1].mesh.point_refs[0] = of_points;
+    for (const int ranks : kRankCounts) {
+      const TemporaryDirectory directory;
+      write_on(ranks, cut.pieces, [&](Peers& peers, const auto& mine) {
+        write_pieces_as_vtu(peers, mine, directory / "m.pvtu");
+      });
+      for (const auto& [name, bytes] : all_files(directory.path()))
+        EXPECT_EQ(meshing::count(bytes, "type=\"Int32\" Name=\"ref\""), 1 + of_points) << name;
+    }
+  }
+}
+
 /// What follows a keyword of a text file, up to the next keyword.
 std::vector<std::int64_t> numbers_after(const fs::path& path, const std::string& keyword) {
   std::ifstream text(path);

@@ -219,6 +219,7 @@ TEST_P(GmfSlice, EveryTruncationIsRefused) {
   write_gmf_mesh(directory / "m.meshb", two_tets(), GetParam());
   const std::string bytes = bytes_of(directory / "m.meshb");
   for (std::size_t length = 0; length < bytes.size(); ++length) {
+    if (length + (GetParam() >= 3 ? 8 : 4) == bytes.size()) continue;  // the End needs no position
     put_bytes(directory / "m.meshb", bytes.substr(0, length));
     EXPECT_THROW(read_gmf_layout(directory / "m.meshb"), InputError) << "length " << length;
   }

@@ -155,16 +155,35 @@ TEST_P(GmfVersion, SurvivesTextRoundTrip) {
   expect_equal(read_gmf_solution(directory / "s.sol"), three_fields());
 }
 
+/// How long the file is without the position behind its End, as Mmg writes solutions.
+std::size_t without_position(const std::string& bytes) { return bytes.size() - Layout(bytes).pointer(); }
+
+TEST_P(GmfVersion, TheEndMayHaveNoPosition) {
+  const TemporaryDirectory directory;
+  write_gmf_mesh(directory / "m.meshb", two_tets(), GetParam());
+  const std::string bytes = bytes_of(directory / "m.meshb"), cut = bytes.substr(0, without_position(bytes));
+  for (const std::string& file : {cut, byte_swapped(bytes).substr(0, cut.size())}) {
+    put_bytes(directory / "m.meshb", file);
+    expect_equal(read_gmf_mesh(directory / "m.meshb"), two_tets());
+  }
+  write_gmf_solution(directory / "s.solb", three_fields(), GetParam());
+  const std::string solution = bytes_of(directory / "s.solb");
+  put_bytes(directory / "s.solb", solution.substr(0, without_position(solution)));
+  expect_equal(read_gmf_solution(directory / "s.solb"), three_fields());
+}
+
 TEST_P(GmfVersion, EveryTruncationIsRefused) {
   const TemporaryDirectory directory;
   write_gmf_mesh(directory / "m.meshb", two_tets(), GetParam());
   write_gmf_solution(directory / "s.solb", three_fields(), GetParam());
   const std::string mesh = bytes_of(directory / "m.meshb"), solution = bytes_of(directory / "s.solb");
   for (std::size_t length = 0; length < mesh.size(); ++length) {
+    if (length == without_position(mesh)) continue;
     put_bytes(directory / "m.meshb", mesh.substr(0, length));
     EXPECT_THROW(read_gmf_mesh(directory / "m.meshb"), InputError) << "length " << length;
   }
   for (std::size_t length = 0; length < solution.size(); ++length) {
+    if (length == without_position(solution)) continue;
     put_bytes(directory / "s.solb", solution.substr(0, length));
     EXPECT_THROW(read_gmf_solution(directory / "s.solb"), InputError) << "length " << length;
   }
@@ -332,6 +351,30 @@ TEST_F(GmfBinary, FloatingPointPrecisionOverridesTheVersion) {
   bytes = with_value(bytes_of(directory / "m.meshb"), 4, 2);  // versions 1 and 2 differ in the reals only
   put_bytes(directory / "m.meshb", with_section(155, 32, ""));
   expect_equal(read_gmf_mesh(directory / "m.meshb"), two_tets());
+}
+
+TEST_F(GmfBinary, OtherElementsAreCounted) {
+  put_bytes(directory / "m.meshb", with_section(7, 2, std::string(40, '\0')));
+  EXPECT_TRUE(dropped(read_mesh_contents(directory / "m.meshb"), "quadrilaterals", 2));
+  for (std::uint64_t part : {0u, 1u})  // in every range those of the whole file
+    EXPECT_TRUE(
+        dropped(read_mesh_range(directory / "m.meshb", {part, 1, part, 1, part, 2}), "quadrilaterals", 2));
+  put_bytes(directory / "m.meshb", with_section(7, 0, ""));
+  EXPECT_TRUE(read_mesh_contents(directory / "m.meshb").dropped.empty());
+}
+
+TEST(GmfText, OtherElementsAreCounted) {
+  const TemporaryDirectory directory;
+  write_gmf_mesh(directory / "m.mesh", two_tets());
+  std::string text = bytes_of(directory / "m.mesh");
+  text.insert(text.rfind("End"), "TrianglesP2\n1\n1 2 3 4 5 1 9\nEdgesP2\n2\n1 2 3 0\n2 3 4 0\n");
+  put_bytes(directory / "m.mesh", text);
+  MeshCollector stream;
+  for (const MeshContents& c :
+       {read_mesh_contents(directory / "m.mesh"), stream_mesh(directory / "m.mesh", stream)}) {
+    EXPECT_TRUE(dropped(c, "triangles of second order", 1));
+    EXPECT_TRUE(dropped(c, "edges of second order", 2));
+  }
 }
 
 TEST_F(GmfBinary, OtherVolumeElementsAreRefused) {

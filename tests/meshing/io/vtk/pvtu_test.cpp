@@ -43,6 +43,30 @@ TEST_F(Pvtu, RoundTripWithGlobalIdsIsExact) {
   EXPECT_EQ(directory.num_entries(), 6u);
 }
 
+TEST_F(Pvtu, AllPiecesAndTheIndexHaveReferencesOfPointsOrNone) {
+  const auto expect_arrays = [&](int of_points) {
+    write_pvtu(directory / "m.pvtu", box, {.pieces = 2});
+    for (const char* name : {"m.pvtu", "m_0.vtu", "m_1.vtu"})
+      EXPECT_EQ(count(bytes_of(directory / name), "type=\"Int32\" Name=\"ref\""), 1 + of_points) << name;
+  };
+  expect_arrays(1);  // one point has one, which is in the first piece
+  box.mesh.point_refs.back() = 0;
+  expect_arrays(0);
+}
+
+TEST_F(Pvtu, NamesOfArraysDifferAsInTheIndex) {
+  box.fields.fields.push_back(box.fields.fields[0]);
+  for (const char* name : {"ref", "GlobalPointIds"}) {
+    box.fields.fields.push_back(box.fields.fields[0]);
+    box.fields.fields.back().name = name;
+  }
+  write_pvtu(directory / "m.pvtu", box, {.pieces = 2});
+  for (const char* file : {"m.pvtu", "m_0.vtu", "m_1.vtu"})
+    for (const char* name : {"position", "position_2", "ref_2", "GlobalPointIds_2"})
+      EXPECT_EQ(count(bytes_of(directory / file), " Name=\"" + std::string(name) + "\""), 1) << file << name;
+  expect_equal(read_pvtu(directory / "m.pvtu").mesh, box.mesh);
+}
+
 TEST_F(Pvtu, OfAnEarlierVersionIsRead) {
   const MeshContents whole = read_vtu(sample("meshio-box.vtu")), read = read_pvtu(sample("weft-box.pvtu"));
   expect_equal(read.mesh, whole.mesh);
@@ -84,7 +108,8 @@ TEST_F(Pvtu, FieldsThatAPieceLacksAreDropped) {
   write_pvtu(directory / "m.pvtu", box, {.pieces = 2});
   MeshContents piece = read_vtu(directory / "m_1.vtu");
   piece.fields.fields[0].name = "velocity";
-  write_vtu_piece(directory / "m_1.vtu", piece, read_vtu_pieces(directory / "m_1.vtu")[0].global_ids, {});
+  write_vtu_piece(directory / "m_1.vtu", piece, read_vtu_pieces(directory / "m_1.vtu")[0].global_ids, false,
+                  {});
   const MeshContents read = read_pvtu(directory / "m.pvtu");
   EXPECT_TRUE(read.fields.fields.empty());
   EXPECT_TRUE(dropped(read, "fields that some pieces lack", 2));

@@ -115,6 +115,19 @@ TEST_F(Vtu, HoldsFieldsUnderTheirNames) {
   EXPECT_EQ(arrays["field_2"].as<double>(), fields.fields[1].values);
 }
 
+TEST_F(Vtu, NamesOfArraysDiffer) {
+  MeshContents c = tets_only();
+  c.mesh.point_refs[0] = 4;
+  for (const char* name : {"h", "h", "ref", "h_2", ""})
+    c.fields.fields.push_back({Field::Kind::scalar, std::vector<double>(5, 0.5), name});
+  write_vtu(directory / "m.vtu", c);
+  const MeshContents read = read_vtu(directory / "m.vtu");
+  std::vector<std::string> names;
+  for (const Field& field : read.fields.fields) names.push_back(field.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"h", "h_2", "ref_2", "h_2_2", "field_5"}));
+  EXPECT_EQ(read.mesh.point_refs[0], 4);
+}
+
 TEST_F(Vtu, PutsTensorsInVtkOrder) {
   MeshContents c;
   c.mesh.points = {{0, 0, 0}, {1, 0, 0}};
@@ -178,6 +191,29 @@ TEST_F(Vtu, OtherCellsAreCounted) {
   EXPECT_TRUE(dropped(c, "hexahedra", 1));
   EXPECT_TRUE(dropped(c, "cells of VTK type 99", 1));
   EXPECT_EQ(c.foreign_volumes, 2u);
+}
+
+TEST_F(Vtu, ReferencesMayBeRealsThatAreWholeNumbers) {
+  const auto with_refs = [](const std::string& type, const std::string& values) {
+    std::string text = by_hand("0 1 2 3 0 1 2", "4 7", "10 5", "0 0 0 1 0 0 0 1 0 0 0 1", 2);
+    return text.insert(text.find("</Piece>"), "<CellData><DataArray type=\"" + type +
+                                                  "\" Name=\"ref\" format=\"ascii\">" + values +
+                                                  "</DataArray></CellData>");
+  };
+  for (const char* type : {"Int32", "Float64"}) {
+    const MeshContents c = read_text(with_refs(type, "3 -4"));
+    EXPECT_EQ(c.mesh.tet_refs, (std::vector<std::int32_t>{3}));
+    EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{-4}));
+    EXPECT_TRUE(c.dropped.empty());
+  }
+  for (const char* values : {"3 0.5", "nan 1", "3 1e300"}) {
+    const MeshContents c = read_text(with_refs("Float64", values));
+    EXPECT_EQ(c.mesh.tet_refs, (std::vector<std::int32_t>{0}));
+    EXPECT_TRUE(dropped(c, "values of cell data ref", 2));
+    EXPECT_EQ(read_vtu_range(directory / "m.vtu", {0, 4, 0, 1}).mesh.tet_refs, c.mesh.tet_refs);
+  }
+  read_text(with_refs("Float32", "3 -4"));
+  EXPECT_EQ(read_vtu_range(directory / "m.vtu", {0, 4, 0, 1}).mesh.tet_refs, (std::vector<std::int32_t>{3}));
 }
 
 TEST_F(Vtu, ErrorsNameTheEntity) {
