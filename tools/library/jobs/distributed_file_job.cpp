@@ -264,13 +264,15 @@ class DistributedFileJob {
   meshing::RefNames names_;       ///< of the input's references; on rank 0 at least
 };
 
-/// Of ranks in one process the first alone says how far it is, and none watches the machine.
+/// Of ranks in one process the first alone says how far it is and hears the caller, and none watches the
+/// machine.
 Options options_of_simulated(const Options& options, engine::Rank rank) {
   Options mine = options;
   mine.run.state_on_signal = false;
   mine.run.max_memory = std::numeric_limits<double>::infinity();
   if (rank.value == 0) return mine;
   mine.run.progress = {};
+  mine.run.cancel = nullptr;
   mine.run.on_failure = {};
   return mine;
 }

@@ -45,7 +45,7 @@ void translate(std::exception_ptr error) {
 
 PYBIND11_MODULE(_weft, module) {
   module.doc() = "The compiled part of weft.";
-  py::register_exception_translator(&translate);
+  py::register_local_exception_translator(&translate);  // exceptions of other modules are theirs
 #if defined(MPICH_VERSION)
   module.attr("mpi") = "MPICH";
 #elif defined(OPEN_MPI)
