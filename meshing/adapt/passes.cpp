@@ -222,7 +222,7 @@ bool clear_ring(Worker& w, TetId t, VertexId a, VertexId b) {
 
 /// Splits an edge of boundary on a model where vertices that cannot move stand between it and the surface:
 /// they are given up one by one, until it can be split or a vertex can rise from it. Counts the splits that
-/// are refused, and claims nothing in the end.
+/// it has tried in vain, and claims nothing in the end.
 Verdict split_after_clearing(Worker& w, VertexId a, VertexId b) {
   constexpr int kMost = 12;
   for (int i = 0; i < kMost; ++i) {

@@ -184,6 +184,7 @@ std::size_t TriangleCleaning::merge_repeated() {
       continue;
     }
     drop[order[i]] = true;
+    repeated_.push_back({triangles_.source[order[i]], triangles_.source[order[first]]});
     const bool alike = ascends(triangles_.corners[order[i]]) == ascends(triangles_.corners[order[first]]);
     triangles_.sheets[order[first]] += (alike ? 1 : -1) * triangles_.sheets[order[i]];
   }

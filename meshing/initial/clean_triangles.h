@@ -44,6 +44,8 @@ class TriangleCleaning {
   /// Edges, as keys, that mend_degenerate() has split, and the vertex on each.
   const std::unordered_map<std::uint64_t, std::uint32_t>& splits() const { return splits_; }
   std::size_t merge_repeated();
+  /// Of triangles that merge_repeated() has dropped: their source, and that of the one that is kept.
+  const std::vector<std::array<std::uint32_t, 2>>& repeated() const { return repeated_; }
 
  private:
   int corner_on_edge(const Triangle& t) const;
@@ -57,6 +59,7 @@ class TriangleCleaning {
   double tolerance_;
   std::vector<std::uint32_t> merged_;
   std::unordered_map<std::uint64_t, std::uint32_t> splits_;
+  std::vector<std::array<std::uint32_t, 2>> repeated_;
 };
 
 /// An edge without direction, as a key.

@@ -50,6 +50,8 @@ class Cleaning {
     warn(cleaning.merge_repeated(), "repeated triangles merged (common faces of touching solids)");
     merged_ = cleaning.merged();
     splits_ = cleaning.splits();
+    for (const auto& [dropped, kept] : cleaning.repeated())
+      if (required_.contains(dropped)) required_.insert(kept);
     if (triangles_.empty()) throw InputError("", "Triangles", "the surface has none");
     check_free_edges();
     check_intersections();

@@ -124,13 +124,14 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(std::span<const Poi
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (const Point& p : judge.corners(t)) boxes[t].include(p);
   const BoxTree tree(boxes);
-  // In chunks of first triangles: later ones have no lower pairs, for any number of threads.
-  constexpr std::size_t kChunk = 512;
+  // In chunks of first triangles, each twice as long as the one before: later ones have no lower pairs, for
+  // any number of threads.
+  std::size_t end = 0;
   std::vector<std::array<std::uint32_t, 2>> pairs;
-  for (std::size_t begin = 0; begin < triangles.size() && pairs.size() < most; begin += kChunk) {
+  for (std::size_t begin = 0; begin < triangles.size() && pairs.size() < most; begin = end) {
+    end = std::min(triangles.size(), 2 * begin + 512);
     tbb::concurrent_vector<std::array<std::uint32_t, 2>> found;
-    tbb::parallel_for(static_cast<std::uint32_t>(begin),
-                      static_cast<std::uint32_t>(std::min(begin + kChunk, triangles.size())),
+    tbb::parallel_for(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
                       [&](std::uint32_t s) {
                         check_interrupt(interrupt);
                         tree.visit_overlapping(boxes[s], [&](std::uint32_t t) {

@@ -1,6 +1,8 @@
 #include "partition/output/common_file.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <optional>
 #include <vector>
@@ -10,10 +12,21 @@
 namespace weft::partition {
 namespace {
 
-/// So many neighbouring ranks have one that writes, the first of them.
-int ranks_of_writer(const Peers& peers) {
-  return (peers.ranks() + peers.most_writers() - 1) / peers.most_writers();
-}
+/// Neighbouring ranks share a writer, the first of them; all writers have as many ranks, but for one.
+struct Group {
+  explicit Group(const Peers& peers) {
+    const std::int64_t ranks = peers.ranks(), writers = std::min(peers.ranks(), peers.most_writers());
+    const auto first_of = [&](std::int64_t w) {
+      return static_cast<int>((w * ranks + writers - 1) / writers);
+    };
+    const std::int64_t mine = peers.rank() * writers / ranks;
+    first = first_of(mine);
+    end = first_of(mine + 1);
+    largest = static_cast<int>((ranks + writers - 1) / writers);
+  }
+  int first, end;  ///< this rank's; the first writes
+  int largest;     ///< ranks of any group
+};
 
 }  // namespace
 
@@ -22,21 +35,21 @@ void CommonFile::create(Peers& peers) {
     if (peers.rank() == 0) file_ = std::make_unique<meshing::AtomicFile>(name_);
   });
   temporary_ = text_of_first(peers, file_ ? file_->temporary().string() : "");
-  writes_ = peers.rank() % ranks_of_writer(peers) == 0;
+  writes_ = Group(peers).first == peers.rank();
 }
 
 /// One rank of each writer's after the other: no writer holds more than one rank's bytes beside its own.
 void CommonFile::deliver(Peers& peers) {
-  const int group = ranks_of_writer(peers), place = peers.rank() % group, writer = peers.rank() - place;
-  if (group == 1) return;
+  const Group group(peers);
+  if (group.largest == 1) return;
   std::optional<meshing::FilePart> out;
   std::exception_ptr failure;
-  for (int turn = 1; turn < group; ++turn) {
+  for (int turn = 1; turn < group.largest; ++turn) {
+    const int from = group.first + turn;
     std::vector<Bytes> to_each(static_cast<std::size_t>(peers.ranks()));
-    if (place == turn) to_each[static_cast<std::size_t>(writer)] = std::exchange(kept_, {});
+    if (peers.rank() == from) to_each[static_cast<std::size_t>(group.first)] = std::exchange(kept_, {});
     const std::vector<Bytes> arrived = peers.all_to_all(std::move(to_each));
-    const int from = writer + turn;
-    if (!writes_ || failure || from >= peers.ranks()) continue;
+    if (!writes_ || failure || from >= group.end) continue;
     try {
       if (!out) out.emplace(target());
       out->write_kept(arrived[static_cast<std::size_t>(from)]);

@@ -210,14 +210,13 @@ void write_all(Peers& peers, const Share& share, Mesh& mesh, const std::filesyst
   mesh.create(peers);
   if (metrics) metrics->create(peers);
   if (fields) fields->create(peers);
-  agree_on(peers, [&] {
-    mesh.write();
-    if (metrics) metrics->write();
-    if (fields) fields->write();
-  });
-  mesh.deliver(peers);
-  if (metrics) metrics->deliver(peers);
-  if (fields) fields->deliver(peers);
+  const auto write = [&](auto& file) {
+    agree_on(peers, [&] { file.write(); });
+    file.deliver(peers);
+  };
+  write(mesh);
+  if (metrics) write(*metrics);
+  if (fields) write(*fields);
   agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     const meshing::FormerFile mesh_before(name), fields_before(share.fields.file);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <string>
@@ -146,7 +147,7 @@ class File4 {
 
   void write(const std::string& name) {
     write_format(out_, 4);
-    write_names(out_, whole_.names);
+    write_names(out_, names());
     write_entities();
     write_nodes();
     write_elements();
@@ -154,6 +155,17 @@ class File4 {
   }
 
  private:
+  /// Readers take a group -N without a name for N turned round, where that has one: then -N gets its own.
+  RefNames names() const {
+    RefNames names = whole_.names;
+    for (int d = 1; d <= 3; ++d)
+      for (const auto& [ref, tag] : tags_[static_cast<std::size_t>(d)])
+        if (ref < 0 && ref > std::numeric_limits<std::int32_t>::min() && !names.all().contains({d, ref}) &&
+            names.all().contains({d, std::abs(ref)}))
+          names.set(d, ref, names.name(d, ref));
+    return names;
+  }
+
   void write_group(std::int32_t ref) {
     out_.size(ref != 0);
     if (ref != 0) out_.integer(ref);

@@ -103,6 +103,17 @@ TEST(ClosedSurface, KeepsWhatIsRequired) {
   EXPECT_EQ(closed.mesh.points[closed.mesh.required_points[0]], box.points[b]);
 }
 
+TEST(ClosedSurface, ATriangleThatIsRequiredOnceOfTwiceStaysSo) {
+  MeshData two = together(box_surface({0, 0, 0}, {1, 1, 1}, 1), box_surface({1, 0, 0}, {2, 1, 1}, 1));
+  const auto in_common = [&](std::uint32_t t) {
+    return std::ranges::all_of(two.triangles[t], [&](std::uint32_t v) { return two.points[v].x == 1; });
+  };
+  auto last = static_cast<std::uint32_t>(two.triangles.size() - 1);
+  while (!in_common(last)) --last;
+  two.required_triangles = {last};
+  EXPECT_EQ(close_surface(two, {}).mesh.required_triangles.size(), 1u);
+}
+
 TEST(ClosedSurface, GivesAFanOfDegenerateTrianglesToItsNeighbour) {
   // As tessellations of cones have them: a line to the tip, and triangles of its pieces with the tip.
   MeshData box = box_surface({0, 0, 0}, {1, 1, 1}, 1);

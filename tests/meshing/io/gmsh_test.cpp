@@ -1,6 +1,7 @@
 // MSH files: round trips in both versions and encodings, what Gmsh writes, damage.
 #include "meshing/io/gmsh/gmsh.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "meshing/io/gmsh/gmsh_writer.h"
@@ -82,6 +83,19 @@ TEST_F(Gmsh, GroupsLoseTheDirectionOfTheirEntities) {
                           "$Entities\n0 0 3 0\n1" +
                               surface + "-3 0\n2" + surface + "-4 0\n3" + surface + "-5 0\n$EndEntities\n"));
   EXPECT_EQ(c.mesh.triangle_refs, (std::vector<std::int32_t>{3, -4, -5}));
+}
+
+TEST_F(Gmsh, ANegativeReferenceBesideANameOfItsOppositeIsKept) {
+  MeshContents c = full_contents();
+  std::fill(c.mesh.triangle_refs.begin(), c.mesh.triangle_refs.end(), 3);
+  c.mesh.triangle_refs[0] = -3;
+  c.names = {};
+  c.names.set(2, 3, "wall");
+  write_gmsh(directory / "m.msh", c, kVariants[0]);
+  const MeshContents read = read_gmsh(directory / "m.msh");
+  EXPECT_EQ(std::ranges::count(read.mesh.triangle_refs, -3), 1);
+  EXPECT_EQ(read.names.name(2, 3), "wall");
+  EXPECT_EQ(read.names.name(2, -3), c.names.name(2, -3));
 }
 
 TEST_F(Gmsh, PartsOfEntitiesHaveTheirReferences) {
