@@ -212,6 +212,15 @@ class Replays(SampleTest):
             done = self.weft("replay", "graph.json", *words, expect=(2, 64))
             self.assertIn(says, done.stderr)
 
+    def test_its_recording_is_not_replaced(self):
+        self.sample("run")
+        self.write("run/report.json", "{}")
+        before = {path: path.read_bytes() for path in (self.folder / "run").iterdir()}
+        for name, option, output in (("graph.json", "--report", "run"), ("profile.json", "--report", "run"), ("graph.json", "--trace", "run/graph.json"),
+                                     ("graph.json", "--account", "run/report.json")):
+            self.assert_fails("replay", f"run/{name}", option, output, says=[option, "would replace the input run/"], code=64)
+            self.assertEqual({path: path.read_bytes() for path in (self.folder / "run").iterdir()}, before)
+
 
 class Reports(SampleTest):
     def test_two_runs_are_compared(self):
@@ -269,6 +278,9 @@ class Reports(SampleTest):
     def test_what_cannot_be_done_is_said(self):
         self.sample()
         self.assert_fails("report", "profile.json", says="second run", code=64)
+        self.sample("other")
+        for words in (["profile.json"], ["profile.json", "other/profile.json"], ["other/profile.json", "profile.json"]):
+            self.assert_fails("report", *words, "-o", "profile.json", says="would replace the input profile.json", code=64)
         self.assert_fails("report", "graph.json", "-o", "page.html", says=["graph.json", "weft-profile-1"])
         self.assert_fails("report", "profile.json", "graph.json", says=["graph.json", "neither a profile"])
         self.write("hollow.json", '{"schema": "weft-profile-1"}')

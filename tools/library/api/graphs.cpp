@@ -6,6 +6,7 @@
 #include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_drawing.h"
 #include "meshing/base/error.h"
+#include "tools/common/inputs.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/report/graph_file.h"
@@ -62,11 +63,13 @@ std::string graph_format(const std::string& path) {
 }
 
 void write_report_page(const std::string& profile, const std::string& page) {
+  tools::keep_inputs(page, "it", {profile});
   const Json json = tools::read_json(profile);
   tools::write_text(page, tools::naming_document(profile, [&] { return report::report_page(json); }));
 }
 
 std::string compare_reports(const std::string& a, const std::string& b, const std::string& page) {
+  tools::keep_inputs(page, "it", {a, b});
   const Json first = tools::read_json(a), second = tools::read_json(b);
   const report::Comparison comparison =
       tools::naming_document(a + " or " + b, [&] { return report::compare(a, first, b, second); });
