@@ -101,6 +101,19 @@ class Graphs(SampleTest):
         path = json.loads(self.graph("--format", "json", "--critical-path"))
         self.assertEqual(len(path["runs"]["node"]), len(graph["critical_path"]["runs"]))
 
+    def test_the_plan_as_json_is_that_of_no_run(self):
+        graph = self.sample()["graph"]
+        plan = json.loads(self.graph("--plan", "--format", "json"))
+        jsonschema.validate(plan, schema("graph/weft-graph-1.schema.json"))
+        self.assertEqual((plan["graph"], len(plan["instances"])), (graph["graph"], len(graph["instances"])))
+        self.assertEqual((plan["runs"]["node"], plan["uses"]["edge"], plan["network"]["edge"]), ([], [], []))
+
+    def test_filters_that_would_do_nothing_are_refused(self):
+        self.sample()
+        for words in (["--round", 1], ["--subdomain", 4], ["--critical-path"], ["--collapse", "rounds"]):
+            self.assert_fails("graph", "graph.json", "--plan", *words, says="--plan", code=64)
+        self.assert_fails("graph", "graph.json", "--collapse", "rounds", "-o", "rounds.json", says="--collapse", code=64)
+
     def test_graphml_is_xml_with_every_edge_between_nodes(self):
         uses = self.sample()["graph"]["uses"]
         root = xml.fromstring(self.graph("--format", "graphml"))
