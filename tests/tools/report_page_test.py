@@ -323,6 +323,30 @@ class Sizes(unittest.TestCase):
         self.assertIn("added up by pixel", browser.run("document.getElementById('timeline-status').textContent"))
 
 
+class Changed(unittest.TestCase):
+    """Pages of what the sample is not."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.sample, cls.browser = Sample(8, 2, 2, 2, 5), Browser()
+        cls.addClassCleanup(cls.sample.folder.cleanup)
+        cls.addClassCleanup(cls.browser.close)
+
+    def summary(self, **of_report):
+        """The text of the first view, where the report says so."""
+        profile = self.sample.profile | {"report": self.sample.profile["report"] | of_report}
+        (self.sample.path / "changed.json").write_text(json.dumps(profile))
+        subprocess.run([WEFT, "report", "changed.json", "-o", "changed.html"], cwd=self.sample.path, check=True, timeout=60)
+        self.browser.open(self.sample.path / "changed.html")
+        return self.browser.run("document.getElementById('view-summary').innerText")
+
+    def test_a_limit_is_no_interruption_by_the_user(self):
+        limited = self.summary(goal_met=False, interrupted=True, ended_by="time limit", goals_missed=["ended by its time limit"])
+        self.assertIn("ended by its time limit", limited)
+        self.assertNotIn("by the user", limited)
+        self.assertIn("by the user", self.summary(goal_met=False, interrupted=True, ended_by="interrupted"))
+
+
 class Comparison(unittest.TestCase):
     def test_page_of_a_comparison_shows_both(self):
         one, other = Sample(8, 2, 2, 2, 5), Sample(8, 2, 2, 4, 5)
