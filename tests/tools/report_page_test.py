@@ -332,9 +332,10 @@ class Changed(unittest.TestCase):
         cls.addClassCleanup(cls.sample.folder.cleanup)
         cls.addClassCleanup(cls.browser.close)
 
-    def summary(self, **of_report):
-        """The text of the first view, where the report says so."""
-        profile = self.sample.profile | {"report": self.sample.profile["report"] | of_report}
+    def summary(self, engine=None, **of_report):
+        """The text of the first view, where report and engine say so."""
+        sample = self.sample.profile
+        profile = sample | {"report": sample["report"] | of_report, "engine": sample["engine"] | (engine or {})}
         (self.sample.path / "changed.json").write_text(json.dumps(profile))
         subprocess.run([WEFT, "report", "changed.json", "-o", "changed.html"], cwd=self.sample.path, check=True, timeout=60)
         self.browser.open(self.sample.path / "changed.html")
@@ -345,6 +346,11 @@ class Changed(unittest.TestCase):
         self.assertIn("ended by its time limit", limited)
         self.assertNotIn("by the user", limited)
         self.assertIn("by the user", self.summary(goal_met=False, interrupted=True, ended_by="interrupted"))
+
+    def test_simulated_ranks_have_the_memory_of_their_process(self):
+        text = self.summary(engine={"peak_rss": {"sum": 0, "max": 0}}, peak_memory_bytes=123_000_000)
+        self.assertIn("123 MB", text)
+        self.assertNotIn("on a rank", text)
 
 
 class Comparison(unittest.TestCase):

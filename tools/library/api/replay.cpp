@@ -104,8 +104,8 @@ std::uint64_t bytes_of_subdomain(const Json& report, std::size_t subdomains) {
     const Json& moved = engine.at("traffic").at("migrate").at("sent");
     if (moved.at("messages").get<double>() > 0)
       return static_cast<std::uint64_t>(moved.at("bytes").get<double>() / moved.at("messages").get<double>());
-    return static_cast<std::uint64_t>(engine.at("peak_rss").at("sum").get<double>() /
-                                      static_cast<double>(subdomains));
+    const double peak = engine.at("peak_rss").at("sum").get<double>();  // 0: unknown
+    return peak > 0 ? static_cast<std::uint64_t>(peak / static_cast<double>(subdomains)) : kUsualBytes;
   } catch (const nlohmann::json::exception&) {
     return kUsualBytes;
   }
