@@ -113,6 +113,10 @@ class Views(PageTest):
         self.assertIn("Goal met", self.browser.run("document.querySelector('.verdict').textContent"))
         self.assertIn(engine["verdict"], self.browser.run("document.body.innerText"))
 
+    def test_seconds_are_fewer_than_a_minute(self):
+        shown = self.browser.run("[120, 179.4, 179.7, 3599.6].map((s) => weft.seconds(s))")
+        self.assertEqual(shown, ["2 min 00 s", "2 min 59 s", "3 min 00 s", "60 min 00 s"])
+
     def test_markup_in_names_stays_text(self):
         self.assertIn("<b>markup</b> & </script>", self.browser.run("document.getElementById('view-summary').innerText"))
 
