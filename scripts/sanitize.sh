@@ -12,7 +12,11 @@ build_tbb_for_tsan() {
   local apt=(-o Dir::Etc::sourceparts="$prefix/sources" -o Dir::Etc::sourcelist=/dev/null
     -o Dir::State::lists="$prefix/lists")
   mkdir -p "$prefix/sources" "$prefix/lists/partial"
-  sed '/^#/d; s/^Types:.*/Types: deb-src/' /etc/apt/sources.list.d/debian.sources >"$prefix/sources/src.sources"
+  if [[ -e /etc/apt/sources.list.d/debian.sources ]]; then  # of images; the installer writes the other
+    sed '/^#/d; s/^Types:.*/Types: deb-src/' /etc/apt/sources.list.d/debian.sources >"$prefix/sources/src.sources"
+  else
+    sed -n 's/^deb /deb-src /p' /etc/apt/sources.list >"$prefix/sources/src.list"
+  fi
   apt-get "${apt[@]}" update -qq
   (cd "$prefix" && apt-get "${apt[@]}" source --download-only -qq onetbb && mkdir -p source &&
     tar -xf onetbb_*.orig.tar.* --strip-components=1 -C source)

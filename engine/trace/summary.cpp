@@ -278,7 +278,7 @@ RankSummary summarize(const Trace& trace, const RunFacts& facts) {
   summary.network_calls = facts.network_calls;
   summary.collective_calls = facts.collective_calls;
   summary.counters = facts.counters;
-  summary.peak_rss = peak_rss_of_process();
+  if (!VirtualTime::of_thread()) summary.peak_rss = peak_rss_of_process();  // simulated ranks share a process
   return summary;
 }
 

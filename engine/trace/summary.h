@@ -105,7 +105,7 @@ struct RankSummary {
   std::vector<std::pair<std::string, long>> network_calls;
   long collective_calls = 0;
   std::map<std::string, double> counters;
-  std::uint64_t peak_rss = 0;       ///< bytes; 0: unknown
+  std::uint64_t peak_rss = 0;       ///< bytes; 0: unknown, as of a simulated rank
   std::uint64_t dropped_spans = 0;  ///< spans and departures that a timeline lacks
 
   /// Objects that left (sent) and came (received), and their bytes.
@@ -128,7 +128,8 @@ struct RunFacts {
   std::map<std::string, double> counters;
 };
 
-/// Also asks the system for this process's peak memory. The lanes' threads must rest.
+/// Also asks the system for this process's peak memory, unless it simulates ranks. The lanes' threads must
+/// rest.
 RankSummary summarize(const Trace& trace, const RunFacts& facts);
 
 /// What a rank has sent between two of its summaries, and with how many others it has had messages.
@@ -165,8 +166,8 @@ struct RunSummary {
   std::map<std::string, long> network_calls;
   long collective_calls = 0;
   std::map<std::string, Spread> counters;
-  std::uint64_t peak_rss_sum = 0;  ///< bytes
-  std::uint64_t peak_rss_max = 0;  ///< bytes
+  std::uint64_t peak_rss_sum = 0;  ///< bytes; 0: unknown
+  std::uint64_t peak_rss_max = 0;  ///< bytes; 0: unknown
   std::uint64_t dropped_spans = 0;
   Consistency consistent;
   std::vector<RankSummary> ranks;  ///< by rank

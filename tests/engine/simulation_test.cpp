@@ -218,6 +218,7 @@ TEST(Simulation, Summaries_of_all_ranks_are_consistent) {
     EXPECT_TRUE(run.consistent.pairs);
     EXPECT_EQ(run.ranks.size(), 64u);
     EXPECT_EQ(run.counters.at("handlers").sum, 8 * 101);
+    EXPECT_EQ(run.peak_rss_sum, 0u) << "that of the process is no rank's";
   });
 }
 

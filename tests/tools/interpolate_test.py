@@ -149,6 +149,7 @@ class AdaptWithFields(Fields):
         self.assert_fails(*words, "--field", "inf.sol", says=["inf.sol: field 1: vertex 1", "not a finite"])
         self.assert_fails(*words, "--transfer", "linear", says="--field", code=64)
         self.assert_fails(*words[:-1], "s.mesh", "--field", "s.sol", says="would replace", code=64)
+        self.assert_fails("interpolate", "box.mesh", "box.mesh", "--field", "s.sol", "-o", "s.sol", says="would replace", code=64)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
@@ -264,6 +265,16 @@ class Failures(LoopTest):
             told = self.loop(expect=2, adapt={**adapt, "max_memory": 1e6}).stderr
             self.assertIn("run.json: adapt: cycle 1: ended early: memory limit", told)
         self.loop(adapt={"threads": 1})  # goes on in the cycle that failed
+
+    def test_of_a_result_that_was_not_measured(self):
+        """As when memory runs out once the mesh is written."""
+        self.write("launch.py", "import json, pathlib, subprocess, sys\n"
+                   "code = subprocess.call(sys.argv[1:])\n"
+                   "path = pathlib.Path(sys.argv[sys.argv.index('--report') + 1]) / 'report.json'\n"
+                   "path.write_text(json.dumps(json.loads(path.read_text()) | {'after': None}))\n"
+                   "sys.exit(code)\n")
+        self.fails("run.json: adapt: cycle 1: ", "not measured", "001/report.json", adapt={"launcher": f"{sys.executable} {self.folder}/launch.py"})
+        self.assertFalse((self.folder / "run/001/done.json").exists())
 
     def test_of_a_configuration(self):
         for changes, says in [

@@ -69,6 +69,13 @@ class Mesh(CommandTest):
         self.verified("cylinder", "--size", "0.4", "--height", "1")
         self.verified("delta-wing")
 
+    def test_what_stands_before_a_body_is_refused(self):
+        self.write("part.obj", cube_obj())
+        for words, says in ((["--size", 0.2, "ball"], ["--size", "belongs after `ball`"]), (["-o", "x.meshb", "box"], ["--out", "belongs after `box`"]),
+                            (["--materials", "cylinder"], ["--materials", "belongs after `cylinder`"]), (["part.obj", "ball"], ["SURFACE", "`ball`"])):
+            self.assert_fails("mesh", *words, "-o", "x.meshb", "--quiet", says=says, code=64)
+        self.assertIn("--radius", self.weft("mesh", "--help", "ball").stdout + self.weft("mesh", "ball", "--help").stdout)
+
     def test_delta_wing_sizes(self):
         self.verified("delta-wing")
         coarse = (self.folder / "out.meshb").stat().st_size

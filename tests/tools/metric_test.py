@@ -133,6 +133,9 @@ class Metric(CommandTest):
     def test_the_result_may_not_replace_the_solution(self):
         self.shock(2)
         self.assert_fails("adapt", "box.mesh", "--sol", "s.sol", "-o", "s.mesh", says="would replace", code=64)
+        before = (self.folder / "s.sol").read_bytes()
+        self.assert_fails("metric", "box.mesh", "--sol", "s.sol", "-o", "s.sol", says="would replace the input s.sol", code=64)
+        self.assertEqual((self.folder / "s.sol").read_bytes(), before)
 
 
 if __name__ == "__main__":

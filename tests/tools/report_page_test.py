@@ -113,6 +113,10 @@ class Views(PageTest):
         self.assertIn("Goal met", self.browser.run("document.querySelector('.verdict').textContent"))
         self.assertIn(engine["verdict"], self.browser.run("document.body.innerText"))
 
+    def test_seconds_are_fewer_than_a_minute(self):
+        shown = self.browser.run("[120, 179.4, 179.7, 3599.6].map((s) => weft.seconds(s))")
+        self.assertEqual(shown, ["2 min 00 s", "2 min 59 s", "3 min 00 s", "60 min 00 s"])
+
     def test_markup_in_names_stays_text(self):
         self.assertIn("<b>markup</b> & </script>", self.browser.run("document.getElementById('view-summary').innerText"))
 
@@ -321,6 +325,36 @@ class Sizes(unittest.TestCase):
         browser.run("document.getElementById('tab-timeline').click()")
         browser.settle()
         self.assertIn("added up by pixel", browser.run("document.getElementById('timeline-status').textContent"))
+
+
+class Changed(unittest.TestCase):
+    """Pages of what the sample is not."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.sample, cls.browser = Sample(8, 2, 2, 2, 5), Browser()
+        cls.addClassCleanup(cls.sample.folder.cleanup)
+        cls.addClassCleanup(cls.browser.close)
+
+    def summary(self, engine=None, **of_report):
+        """The text of the first view, where report and engine say so."""
+        sample = self.sample.profile
+        profile = sample | {"report": sample["report"] | of_report, "engine": sample["engine"] | (engine or {})}
+        (self.sample.path / "changed.json").write_text(json.dumps(profile))
+        subprocess.run([WEFT, "report", "changed.json", "-o", "changed.html"], cwd=self.sample.path, check=True, timeout=60)
+        self.browser.open(self.sample.path / "changed.html")
+        return self.browser.run("document.getElementById('view-summary').innerText")
+
+    def test_a_limit_is_no_interruption_by_the_user(self):
+        limited = self.summary(goal_met=False, interrupted=True, ended_by="time limit", goals_missed=["ended by its time limit"])
+        self.assertIn("ended by its time limit", limited)
+        self.assertNotIn("by the user", limited)
+        self.assertIn("by the user", self.summary(goal_met=False, interrupted=True, ended_by="interrupted"))
+
+    def test_simulated_ranks_have_the_memory_of_their_process(self):
+        text = self.summary(engine={"peak_rss": {"sum": 0, "max": 0}}, peak_memory_bytes=123_000_000)
+        self.assertIn("123 MB", text)
+        self.assertNotIn("on a rank", text)
 
 
 class Comparison(unittest.TestCase):

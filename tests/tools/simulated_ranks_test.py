@@ -33,6 +33,8 @@ class Simulated(Subdomains):
                 self.assertEqual(of_ranks, values)
                 self.assertEqual(report["subdomains"]["ranks"], ranks)
                 self.assertTrue(report["subdomains"]["engine"]["consistent"]["pairs"])
+                self.assertEqual(report["subdomains"]["engine"]["peak_rss"], {"sum": 0, "max": 0}, "all ranks are one process")
+                self.assertGreater(report["peak_memory_bytes"], 1e6)
 
     def test_without_balancing_real_ranks_send_each_other_the_same_messages(self):
         self.box(4)

@@ -42,6 +42,8 @@ std::vector<Tick> linear_ticks(double lo, double hi, int count) {
   if (!(lo < hi) || !std::isfinite(hi - lo)) return {};
   const double step = round_up((hi - lo) / count);
   const double largest = std::max(std::abs(lo), std::abs(hi));
+  constexpr double kMostSteps = 1e15;  // beyond 2^53 a count of steps would not change by one more
+  if (largest / step > kMostSteps) return {};
   std::vector<Tick> ticks;
   constexpr double kRounding = 1e-9;
   for (double k = std::ceil(lo / step - kRounding); k <= hi / step + kRounding; ++k)

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "meshing/base/printable.h"
+
 namespace weft::picture {
 namespace {
 
@@ -101,7 +103,7 @@ void Canvas::triangle(double x0, double y0, double x1, double y1, double x2, dou
 
 double Canvas::text_width(const std::string& text, double size, bool bold) const {
   cairo_text_extents_t extents;
-  cairo_text_extents(handles_->font(size, bold), text.c_str(), &extents);
+  cairo_text_extents(handles_->font(size, bold), meshing::printable(text).c_str(), &extents);
   return extents.x_advance;
 }
 
@@ -111,7 +113,7 @@ void Canvas::text(const std::string& text, double x, double y, double size, Alig
   const double left = x - (share > 0 ? share * text_width(text, size, bold) : 0);
   cairo_t* context = handles_->font(size, bold);
   cairo_move_to(context, left, y + kHalfCapital * size);
-  cairo_show_text(context, text.c_str());
+  cairo_show_text(context, meshing::printable(text).c_str());  // one byte that is no UTF-8 fails all
 }
 
 void Canvas::image(const Image& image, double x, double y, double width, double height) {

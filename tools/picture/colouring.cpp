@@ -215,7 +215,8 @@ Legend Colouring::legend(std::span<const Facet> facets, const meshing::RefNames&
   if (source_.by == ColourBy::length && !range)
     legend.ticks = {{0.5, "1/2"}, {kShortestUnit, "1/√2"}, {1, "1"}, {kLongestUnit, "√2"}, {2, "2"}};
   else
-    legend.ticks = lo < hi ? linear_ticks(lo, hi, 6) : std::vector<Tick>{{lo, fmt::format("{:.6g}", lo)}};
+    legend.ticks = linear_ticks(lo, hi, 6);
+  if (legend.ticks.empty()) legend.ticks = {{lo, fmt::format("{:.6g}", lo)}};
   return legend;
 }
 

@@ -40,6 +40,15 @@ TEST(AxisScale, NothingToMarkHasNoTicks) {
   EXPECT_TRUE(linear_ticks(0, std::numeric_limits<double>::infinity(), 5).empty());
 }
 
+TEST(AxisScale, EndsThatDifferByRoundingAloneHaveNoTicks) {
+  for (const double lo : {1e-300, 0.1, 1.0, 101325.0, 1e300})
+    for (const double sign : {1.0, -1.0}) {
+      const double next = std::nextafter(sign * lo, HUGE_VAL), over = std::nextafter(next, HUGE_VAL);
+      EXPECT_TRUE(linear_ticks(sign * lo, next, 6).empty()) << sign * lo;
+      EXPECT_TRUE(linear_ticks(sign * lo, over, 6).empty()) << sign * lo;
+    }
+}
+
 TEST(AxisScale, DecadesAreNotTooMany) {
   for (int hi = 0; hi < 40; ++hi) {
     const auto ticks = decade_ticks(0, hi, 7);

@@ -167,5 +167,15 @@ TEST_F(ColouringTest, AConstantFieldHasOneTick) {
   EXPECT_EQ(legend.ticks[0].label, "2.5");
 }
 
+TEST_F(ColouringTest, AFieldThatRoundingAloneVariesHasOneTick) {
+  for (std::size_t v = 0; v < field_.size(); ++v) field_[v] = v % 2 ? 2.5 : std::nextafter(2.5, 3.0);
+  const Colouring colouring(source(ColourBy::field));
+  const std::vector<Facet> facets = {colouring.facet(Surface(mesh_).faces().front())};
+  const Legend legend = colouring.legend(facets, {}, light_theme(), {});
+  EXPECT_LT(legend.scale.lo, legend.scale.hi);
+  ASSERT_EQ(legend.ticks.size(), 1u);
+  EXPECT_EQ(legend.ticks[0].label, "2.5");
+}
+
 }  // namespace
 }  // namespace weft::picture::colouring_test

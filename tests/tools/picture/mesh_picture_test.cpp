@@ -78,6 +78,14 @@ TEST_F(MeshPicture, ASmallSheetHoldsAnything) {
   for (const ColourBy by : kColourings) EXPECT_EQ(size_of(draw(by)), (std::pair{16, 16}));
 }
 
+TEST_F(MeshPicture, NamesThatAreNoUtf8HaveQuestionMarks) {
+  const auto with_title = [&](const std::string& title) {
+    options_.title = title;
+    return draw(ColourBy::none);
+  };
+  EXPECT_EQ(with_title("pi\350ce"), with_title("pi?ce"));
+}
+
 TEST_F(MeshPicture, MoreReferencesThanTheLegendHasRoomFor) {
   const std::string few = draw(ColourBy::ref);
   for (std::size_t i = 0; i < mesh_.triangle_refs.size(); ++i) mesh_.triangle_refs[i] = static_cast<int>(i);

@@ -6,7 +6,9 @@
 #include "engine/json/json.h"
 #include "graph/dataflow/dump/graph_drawing.h"
 #include "meshing/base/error.h"
+#include "tools/common/inputs.h"
 #include "tools/common/naming.h"
+#include "tools/library/api/require.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/report/graph_file.h"
 #include "tools/library/report/graph_output.h"
@@ -36,22 +38,38 @@ Collapse collapse_named(const std::string& name) {
   throw OptionError("--collapse", "'" + name + "' is not one of none, rounds and subdomains");
 }
 
+/// Refuses what would count for nothing.
+void check_filter(const GraphFilter& filter, bool as_json) {
+  const bool collapsed = filter.collapse != "none";
+  require(!filter.plan || !(filter.round || filter.subdomain || filter.critical_path || collapsed), "--plan",
+          "is of no run: it has nothing to filter or to merge");
+  require(!as_json || !collapsed, "--collapse", "is for drawings: JSON has every task");
+}
+
+/// As it is written before a run; an executed graph does not know who may send to whom.
+GraphDump plan_of(const GraphDump& graph) {
+  return graph.executed() ? graph::dataflow::planned_dump(graph.description, graph.instances, {}) : graph;
+}
+
 }  // namespace
 
 std::string graph_text(const std::string& path, const std::string& format, const GraphFilter& filter) {
   const tools::GraphFormat named = format_named(format);
   const Collapse collapse = collapse_named(filter.collapse);
+  const bool as_json = named == tools::GraphFormat::json;
+  check_filter(filter, as_json);
   const GraphDump all = tools::read_graph(path);
+  if (filter.plan)
+    return tools::naming(path, [&] {
+      return as_json ? tools::graph_text(plan_of(all), named, collapse)
+                     : tools::drawing_text(graph::dataflow::drawing_of(all.description), named);
+    });
   graph::dataflow::DumpFilter left;
   left.round = filter.round;
   left.instance = filter.subdomain;
   left.critical_path_only = filter.critical_path;
   const GraphDump dump = tools::naming_document(path, [&] { return filtered(all, left); });
-  return tools::naming(path, [&] {
-    return filter.plan && named != tools::GraphFormat::json
-               ? tools::drawing_text(graph::dataflow::drawing_of(dump.description), named)
-               : tools::graph_text(dump, named, collapse);
-  });
+  return tools::naming(path, [&] { return tools::graph_text(dump, named, collapse); });
 }
 
 std::string graph_format(const std::string& path) {
@@ -62,11 +80,13 @@ std::string graph_format(const std::string& path) {
 }
 
 void write_report_page(const std::string& profile, const std::string& page) {
+  tools::keep_inputs(page, "it", {profile});
   const Json json = tools::read_json(profile);
   tools::write_text(page, tools::naming_document(profile, [&] { return report::report_page(json); }));
 }
 
 std::string compare_reports(const std::string& a, const std::string& b, const std::string& page) {
+  tools::keep_inputs(page, "it", {a, b});
   const Json first = tools::read_json(a), second = tools::read_json(b);
   const report::Comparison comparison =
       tools::naming_document(a + " or " + b, [&] { return report::compare(a, first, b, second); });

@@ -10,12 +10,15 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "engine/base/text.h"
 #include "engine/json/json.h"
 #include "graph/dataflow/dump/critical_path.h"
 #include "graph/replay/replay.h"
 #include "graph/replay/replay_plan.h"
+#include "tools/common/inputs.h"
 #include "tools/library/api/require.h"
 #include "tools/library/jobs/file_job.h"
 #include "tools/library/jobs/outputs.h"
@@ -70,9 +73,25 @@ graph::replay::ReplayOptions checked(const ReplayOptions& options) {
   return to;
 }
 
+fs::path report_beside(const std::string& graph) { return fs::path(graph).parent_path() / "report.json"; }
+
+/// The files that a replay writes: none of those that it reads, and they can be written.
+void check_outputs(const std::string& graph, const ReplayOptions& options) {
+  const std::vector<std::string> inputs = {graph, report_beside(graph).string()};
+  for (const auto& [option, file] : {std::pair{"--trace", options.trace}, {"--account", options.account}}) {
+    if (file.empty()) continue;
+    tools::keep_inputs(file, "it", inputs, option);
+    tools::check_writable(file);
+  }
+  if (options.report.empty()) return;
+  for (const char* name : {"replay.json", "graph.json", "profile.json", "report.html"})
+    tools::keep_inputs((fs::path(options.report) / name).string(), std::string("its ") + name, inputs,
+                       "--report");
+}
+
 /// The report of the recorded run, where it lies beside its graph; null elsewhere.
 Json recorded_report(const std::string& graph) {
-  const fs::path path = fs::path(graph).parent_path() / "report.json";
+  const fs::path path = report_beside(graph);
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return {};
   return tools::read_json(path.string());
@@ -85,8 +104,8 @@ std::uint64_t bytes_of_subdomain(const Json& report, std::size_t subdomains) {
     const Json& moved = engine.at("traffic").at("migrate").at("sent");
     if (moved.at("messages").get<double>() > 0)
       return static_cast<std::uint64_t>(moved.at("bytes").get<double>() / moved.at("messages").get<double>());
-    return static_cast<std::uint64_t>(engine.at("peak_rss").at("sum").get<double>() /
-                                      static_cast<double>(subdomains));
+    const double peak = engine.at("peak_rss").at("sum").get<double>();  // 0: unknown
+    return peak > 0 ? static_cast<std::uint64_t>(peak / static_cast<double>(subdomains)) : kUsualBytes;
   } catch (const nlohmann::json::exception&) {
     return kUsualBytes;
   }
@@ -251,8 +270,7 @@ std::string summary(const SimulatedFilesResult& r) {
 
 ReplayResult replay(const std::string& path, const ReplayOptions& options) {
   graph::replay::ReplayOptions used = checked(options);
-  for (const std::string& file : {options.trace, options.account})
-    if (!file.empty()) tools::check_writable(file);
+  check_outputs(path, options);
   GraphDump recorded = tools::read_graph(path);
   const double recorded_seconds = span_of(recorded);  // before its tasks get other times
   const Json report = recorded_report(path);

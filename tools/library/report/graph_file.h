@@ -22,7 +22,8 @@ auto naming_document(const std::string& file, const Call& call) {
   }
 }
 
-/// From a graph.json or the graph in a profile.json. Throws InputError.
+/// From a graph.json or the graph in a profile.json. Throws InputError, also where that profile has a part of
+/// it.
 graph::dataflow::GraphDump read_graph(const std::string& path);
 
 }  // namespace weft::tools

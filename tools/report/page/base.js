@@ -33,7 +33,8 @@ weft.digits = function digits(x, n = 3) {
 weft.percent = (share, decimals = 1) => (share === null || share === undefined ? "–" : (100 * share).toFixed(decimals) + " %");
 weft.seconds = function seconds(s) {
   if (s === null || s === undefined) return "–";
-  if (s >= 120) return Math.floor(s / 60) + " min " + String(Math.round(s % 60)).padStart(2, "0") + " s";
+  const whole = Math.round(s);
+  if (s >= 120) return Math.floor(whole / 60) + " min " + String(whole % 60).padStart(2, "0") + " s";
   if (s >= 0.1 || s < 5e-9) return weft.digits(s < 5e-9 ? 0 : s) + " s";
   return s >= 1e-4 ? weft.digits(1e3 * s) + " ms" : weft.digits(1e6 * s) + " µs";
 };

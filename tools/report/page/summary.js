@@ -15,7 +15,7 @@
   function verdict() {
     const met = report.goal_met;
     const text = `${weft.count(after.tets)} tets, ${weft.percent(after.edge_length.share_unit)} unit edges, in ${weft.seconds(report.seconds.total)}`;
-    const lines = [...report.goals_missed.map((g) => "Missed: " + g), ...(report.interrupted ? ["Interrupted by the user."] : [])];
+    const lines = [...report.goals_missed.map((g) => "Missed: " + g), ...(report.ended_by === "interrupted" ? ["Interrupted by the user."] : [])];
     return make("div", { class: "card verdict" + (met ? "" : " missed") }, make("span", { class: "mark", "aria-hidden": "true" }, met ? "✓" : "!"),
       make("div", {}, (met ? "Goal met: " : "Goal not met: ") + text, make("small", {}, lines.length ? lines.join(" ") : `On ${workers()}${report.subdomains ? ", in " + weft.plural(report.subdomains.subdomains, "subdomain") : ""}.`)));
   }
@@ -38,7 +38,8 @@
       const path = data.critical_path, most = path.by_operation.reduce((a, b) => (a.seconds > b.seconds ? a : b));
       list.push(tile("Critical path", weft.seconds(path.seconds), "critical_path.seconds", `${weft.percent(path.share_of_wall, 0)} of the time; mostly ${most.operation}`));
     }
-    list.push(tile("Peak memory", weft.bytes(data.ranks.length ? data.engine.peak_rss.sum : report.peak_memory_bytes), "peak_memory", data.ranks.length > 1 ? `at most ${weft.bytes(data.engine.peak_rss.max)} on a rank` : `${weft.count((data.ranks.length ? data.engine.peak_rss.sum : report.peak_memory_bytes) / Math.max(1, report.output.tets))} bytes a tet`));
+    const ranks = data.engine && data.engine.peak_rss, memory = (ranks && ranks.sum) || report.peak_memory_bytes;  // of simulated ranks: that of their process
+    list.push(tile("Peak memory", weft.bytes(memory), "peak_memory", data.ranks.length > 1 && ranks.max ? `at most ${weft.bytes(ranks.max)} on a rank` : `${weft.count(memory / Math.max(1, report.output.tets))} bytes a tet`));
     return make("div", { class: "grid" }, list);
   }
 

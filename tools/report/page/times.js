@@ -25,7 +25,7 @@
   function rankTable() {
     const head = ["rank", "workers", "wall", ...data.operations, "communication", "peak memory"];
     const row = (r, name) => [name, r.workers, weft.seconds(r.wall), ...data.operations.map((o) => weft.seconds(r.seconds[o])), weft.seconds(r.communication), r.peak_memory ? weft.bytes(r.peak_memory) : "–"];
-    const all = [String("all"), data.total.workers, weft.seconds(data.total.wall), ...data.operations.map((o) => weft.seconds(data.total.seconds[o])), weft.seconds(data.engine.communication), weft.bytes(data.engine.peak_rss.sum)];
+    const all = [String("all"), data.total.workers, weft.seconds(data.total.wall), ...data.operations.map((o) => weft.seconds(data.total.seconds[o])), weft.seconds(data.engine.communication), data.engine.peak_rss.sum ? weft.bytes(data.engine.peak_rss.sum) : "–"];
     const figures = [["", "", "", ...data.operations.map((o) => "total.seconds." + o), "", ""], ...data.ranks.map((r) => ["", "", "", ...data.operations.map((o) => `rank.${r.rank}.${o}`), "", ""])];
     return weft.card("Table", weft.table(head, [all, ...data.ranks.map((r) => row(r, r.rank))], { figures, classOf: (r) => (r === 0 ? "own" : null) }));
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/common/field_text.h"
+#include "tools/common/inputs.h"
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/field_options.h"
@@ -55,6 +56,7 @@ int run_on_ranks(const InterpolateCommand& command) {
 }
 
 int run_interpolate(const InterpolateCommand& command) {
+  keep_inputs(command.output, "it", command.fields.files);
   if (under_mpirun()) return run_on_ranks(command);
   check_writable(command.output);
   Progress progress(command.verbosity.style());

@@ -241,6 +241,16 @@ void add_bodies(CLI::App& mesh, Action& action) {
       });
 }
 
+/// What is given to `weft mesh` itself would count for nothing where a body follows.
+void refuse_before(const std::string& body, const CLI::App& mesh) {
+  for (const CLI::Option* option : mesh.get_options()) {
+    if (option->count() == 0 || option == mesh.get_help_ptr()) continue;
+    throw CLI::ValidationError(
+        option->get_name(),
+        (option->get_positional() ? "is not taken together with `" : "belongs after `") + body + "`");
+  }
+}
+
 }  // namespace
 
 void add_mesh_command(CLI::App& app, Action& action) {
@@ -254,6 +264,8 @@ void add_mesh_command(CLI::App& app, Action& action) {
   add_surface_options(*sub, command->volume);
   add_box(*sub, action);
   add_bodies(*sub, action);
+  for (CLI::App* body : sub->get_subcommands([](CLI::App*) { return true; }))
+    body->preparse_callback([sub, body](std::size_t) { refuse_before(body->get_name(), *sub); });
   sub->callback([sub, command, &action] {
     if (sub->get_subcommands().empty()) action = [command] { return run_surface(*command); };
   });

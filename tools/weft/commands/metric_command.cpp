@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/common/inputs.h"
 #include "tools/common/text.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/metric_options.h"
@@ -57,6 +58,8 @@ int run_metric(const MetricCommand& command) {
     throw CLI::RequiredError(
         "no metric: give --sol FILE, --metric FILE, --metric-fn NAME, --implied, --curvature N or --wall REF",
         CLI::ExitCodes::RequiredError);
+  keep_inputs(command.output, "it", {command.metric.file});
+  keep_inputs(command.output, "it", command.metric.sol);
   if (under_mpirun()) return run_on_ranks(command);
   check_writable(command.output);
   Progress progress(command.verbosity.style());

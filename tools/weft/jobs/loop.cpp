@@ -212,6 +212,7 @@ class Loop {
     const FilesResult run = adapt_files(files, options);
     check_end(cycle, run.ended_by);
     if (run.cancelled) return false;
+    if (!run.after) refuse_unmeasured(cycle, run.report_error);
     marker["goal_met"] = run.goal_met();
     marker["complexity"] = run.after->complexity;
     marker["vertices"] = run.after->num_vertices;
@@ -237,6 +238,11 @@ class Loop {
                                    issue_in(log), log.string()));
     for (const char* of_page : {"graph.json", "profile.json", "report.html"}) fs::remove(folder / of_page);
     return read_report(cycle, json, marker);
+  }
+
+  /// The mesh is there, but memory ran out before it was measured: of such a cycle there is nothing to tell.
+  [[noreturn]] void refuse_unmeasured(std::size_t cycle, const std::string& why) const {
+    throw InputError(config_.file, "adapt", fmt::format("cycle {}: {}", cycle, why));
   }
 
   /// Whoever interrupts a run goes on later; a limit would end it again.
@@ -281,6 +287,7 @@ class Loop {
     check_end(cycle, report.at("ended_by").get<std::string>());
     if (report.at("interrupted") == true) return false;
     const Json &after = report.at("after"), &subdomains = report.at("subdomains");
+    if (after.is_null()) refuse_unmeasured(cycle, "its result was not measured; see " + path.string());
     marker["goal_met"] = report.at("goal_met");
     marker["complexity"] = after.at("complexity");
     marker["vertices"] = after.at("vertices");

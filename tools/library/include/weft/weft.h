@@ -771,7 +771,8 @@ struct GraphFilter {
   bool plan = false;           ///< the planned graph, which is the same for every subdomain
 };
 /// The graph of a run in `path` (graph.json, profile.json, what Files::graph names as .json), as text in a
-/// format: dot, graphml, json, or svg (needs Graphviz). Throws InputError.
+/// format: dot, graphml, json, or svg (needs Graphviz). Throws InputError, and OptionError for filters of a
+/// plan and for JSON that is to be collapsed.
 WEFT_API std::string graph_text(const std::string& path, const std::string& format,
                                 const GraphFilter& filter = {});
 /// The format that a file's extension names; empty for another.
