@@ -115,8 +115,11 @@ def meshing_rows(about):
         return
     with open(path, newline="") as file:
         for row in csv.DictReader(file):
-            yield {**about, "case": row.get("surface", ""), "task": "initial mesh", "program": row.get("program", ""),
-                   "seconds": row.get("seconds", "")}
+            if not row["seconds"]:  # no mesh within the limit
+                continue
+            yield {**about, "case": row["surface"], "task": "initial mesh", "program": row["program"],
+                   "seconds": f"{float(row['seconds']):.2f}", "tets": row["tets"],
+                   **{name: f"{float(row[name]):.4f}" for name in ("Q mean", "Q 1%", "Q min")}}
 
 
 def read_history():
@@ -201,9 +204,9 @@ def main():
     if not rows:
         sys.exit("record: no case could be run")
     bars = bars_of(rows, read_history(), about)
-    write_table(bars, about)
     if not options.no_history:
         append_history(rows)
+    write_table(bars, about)
     draw(bars, about)
     print(f"picture: {(OUT / 'record.svg').relative_to(ROOT)}")
 
