@@ -14,7 +14,8 @@ import pytest
 import weft
 
 
-def test_another_thread_runs_while_adapting(box):
+def ticks_of_another_thread_while(call):
+    """What call() returns, and how often another thread has run meanwhile."""
     done, ticks = threading.Event(), [0]
 
     def tick():
@@ -25,29 +26,21 @@ def test_another_thread_runs_while_adapting(box):
     other = threading.Thread(target=tick)
     other.start()
     before = ticks[0]
-    result = weft.adapt(box, np.full(len(box.points), 0.06), threads=1)
+    result = call()
     during = ticks[0] - before
     done.set()
     other.join()
+    return result, during
+
+
+def test_another_thread_runs_while_adapting(box):
+    result, during = ticks_of_another_thread_while(lambda: weft.adapt(box, np.full(len(box.points), 0.06), threads=1))
     assert result.goal_met and during > 10
 
 
 def test_another_thread_runs_while_fields_are_read(tmp_path):
     weft.write_fields(tmp_path / "u.sol", {"u": np.random.default_rng(1).random(1_000_000)})
-    done, ticks = threading.Event(), [0]
-
-    def tick():
-        while not done.is_set():
-            ticks[0] += 1
-            time.sleep(0.001)
-
-    other = threading.Thread(target=tick)
-    other.start()
-    before = ticks[0]
-    weft.read_fields(tmp_path / "u.sol")
-    during = ticks[0] - before
-    done.set()
-    other.join()
+    _, during = ticks_of_another_thread_while(lambda: weft.read_fields(tmp_path / "u.sol"))
     assert during > 5
 
 
