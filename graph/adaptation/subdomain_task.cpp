@@ -293,14 +293,18 @@ void SubdomainTask::tell_log_what_is_left(NodeContext& context) {
   count("short edges", parts.plain.short_edges, parts.flagged.short_edges);
 }
 
-/// Who has more poor tets comes first. Not while a mesh becomes coarse, where a shift may hand over much of a
-/// subdomain, and in the two shifts after that which move most: there it is who has fewest tets, and all
-/// become alike.
+/// Who has more poor tets comes first, unless it has come to much more than its share of tets. Not while a
+/// mesh becomes coarse, where a shift may hand over much of a subdomain, and in the two shifts after that
+/// which move most: there it is who has fewest tets, and all become alike.
 partition::Priority SubdomainTask::priority_in(const AdaptationPlan& plan, std::uint64_t round) const {
   constexpr std::uint64_t kShiftsOfMany = 2;
+  constexpr double kFullFrom =
+      2;  // times the prediction; 1.5 costs quality, 4 leaves subdomains of 4 times the work
   const bool fewest_first = plan.phases.size() > 1 && plan.shift_of(round) < kShiftsOfMany;
-  if (fewest_first) return {~count_tets(subdomain_), subdomain_.id};
-  return partition::priority_in(round, subdomain_.id, left_.plain.poor_tets + left_.flagged.poor_tets);
+  const std::uint64_t tets = count_tets(subdomain_);
+  if (fewest_first) return {~tets, subdomain_.id};
+  const bool full = static_cast<double>(tets) > kFullFrom * predicted_tets_;
+  return partition::priority_in(round, subdomain_.id, left_.plain.poor_tets + left_.flagged.poor_tets, full);
 }
 
 /// Tells the neighbours what this subdomain wants, unless neither it nor any of them wants anything: then it

@@ -9,13 +9,13 @@
 
 namespace weft::partition {
 
-Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t poor_tets) {
-  constexpr int kBitsOfDraw = 57;  // the rest is for the binary digits of a count, 0 to 64
+Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t poor_tets, bool full) {
+  constexpr int kBitsOfDraw = 57;  // the rest is 0 or, for the binary digits of a count, 1 to 65
   const std::uint64_t name =
       GlobalId::derived_from(GlobalId(subdomain, 0), GlobalId(SubdomainId(0), round + 1)).value();
   const std::uint64_t draw = name << 1;  // the highest bit is that of all derived names
-  const std::uint64_t digits = std::bit_width(poor_tets);
-  return {digits << kBitsOfDraw | draw >> (64 - kBitsOfDraw), subdomain};
+  const std::uint64_t place = full ? 0 : 1 + static_cast<std::uint64_t>(std::bit_width(poor_tets));
+  return {place << kBitsOfDraw | draw >> (64 - kBitsOfDraw), subdomain};
 }
 
 ReceiverOrder::ReceiverOrder(const Priority& self, std::span<const Priority> neighbours) : order_{self} {

@@ -20,8 +20,9 @@ struct Priority {
 
 /// The priority of a subdomain in a round: who has more poor tets receives before those who have fewer, as
 /// in the paper. Counts are told apart by factors of two, and among alike ones who comes first changes from
-/// round to round.
-Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t poor_tets);
+/// round to round. Who is `full` comes after all who are not: poor tets are received too, so that who has
+/// received would receive again and again.
+Priority priority_in(std::uint64_t round, SubdomainId subdomain, std::uint64_t poor_tets, bool full);
 
 /// A subdomain and its neighbours in the order of their priorities: places 1 and up, the last one receives
 /// from all. The holders of a vertex know each other's priorities, so they agree on who receives there.

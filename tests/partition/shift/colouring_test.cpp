@@ -176,11 +176,22 @@ TEST(Colouring, PoorTetsComeFirstAndAmongAlikeOnesTheOrderChanges) {
   const SubdomainId few(9), many(2), as_many(3);
   int changes = 0;
   for (std::uint64_t round = 0; round < 40; ++round) {
-    EXPECT_LT(priority_in(round, few, 0), priority_in(round, many, 1));
-    EXPECT_LT(priority_in(round, few, 3), priority_in(round, many, 4));
-    EXPECT_LT(priority_in(round, few, 1000), priority_in(round, many, ~std::uint64_t{0}));
-    changes += (priority_in(round, many, 40) < priority_in(round, as_many, 60)) !=
-               (priority_in(round + 1, many, 40) < priority_in(round + 1, as_many, 60));
+    EXPECT_LT(priority_in(round, few, 0, false), priority_in(round, many, 1, false));
+    EXPECT_LT(priority_in(round, few, 3, false), priority_in(round, many, 4, false));
+    EXPECT_LT(priority_in(round, few, 1000, false), priority_in(round, many, ~std::uint64_t{0}, false));
+    changes += (priority_in(round, many, 40, false) < priority_in(round, as_many, 60, false)) !=
+               (priority_in(round + 1, many, 40, false) < priority_in(round + 1, as_many, 60, false));
+  }
+  EXPECT_GT(changes, 8);
+}
+
+TEST(Colouring, WhoIsFullComesAfterAllWhoAreNot) {
+  const SubdomainId full(2), other(9);
+  int changes = 0;
+  for (std::uint64_t round = 0; round < 40; ++round) {
+    EXPECT_LT(priority_in(round, full, ~std::uint64_t{0}, true), priority_in(round, other, 0, false));
+    changes += (priority_in(round, full, 0, true) < priority_in(round, other, 0, true)) !=
+               (priority_in(round + 1, full, 0, true) < priority_in(round + 1, other, 0, true));
   }
   EXPECT_GT(changes, 8);
 }
