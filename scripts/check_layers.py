@@ -102,7 +102,7 @@ LIBRARIES = {
     "CGAL": (re.compile(r"CGAL/"), ["meshing/"]),
     "nlohmann's JSON": (re.compile(r"nlohmann/json\.hpp$"), ["engine/json/"]),
     "pugixml": (re.compile(r"pugixml"), ["meshing/io/vtk/vtk_xml.", "graph/dataflow/dump/graphml.cpp", "tests/graph/"]),
-    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns.", "meshing/io/cgns_"]),
+    "CGNS": (re.compile(r"(cgns|pcgns|hdf5|H5)"), ["meshing/io/cgns.", "meshing/io/cgns_", "tests/meshing/io/cgns_"]),
     "zlib": (re.compile(r"zlib"), ["meshing/io/vtk/vtk_bytes.", "tools/report/encode/gzip."]),
     "cairo": (re.compile(r"(cairo/)?cairo"), ["tools/picture/canvas.cpp"]),
     "Ceres": (re.compile(r"ceres/"), ["meshing/", "engine/"]),

@@ -1,8 +1,6 @@
 // CGNS as a tree of nodes: the library knows how they lie in HDF5, here is what they mean for a mesh.
 #include "meshing/io/cgns.h"
 
-#include <cgns_io.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "meshing/io/cgns_library.h"
+#include "meshing/io/cgns_section_data.h"
 #include "meshing/io/files/child_process.h"
 #include "meshing/io/files/input_file.h"
 #include "meshing/io/files/merge_pieces.h"
@@ -25,13 +24,25 @@ namespace {
 
 using namespace cgns;
 
+using ElementType = CGNS_ENUMT(ElementType_t);
+
 /// One section of elements: its type and range.
 struct SectionHead {
-  std::string name;
-  CGNS_ENUMT(ElementType_t) type{};
-  cgsize_t start = 0;
+  ElementType type{};
+  std::int64_t start = 0;
   std::uint64_t count = 0;
 };
+
+/// The type that a number among mixed elements stands for in files of this version. (Of whole sections the
+/// library does this itself.) Version 3 has put PYRA_13 in front of PYRA_14, 3.1 behind MIXED; before 3.2 a
+/// number above that of NGON_n is a polygon, which counts its nodes.
+ElementType mixed_type(std::int64_t number, int version) {
+  const int ngon = CGNS_ENUMV(NGON_n) - (version < 3000 ? 1 : 0);
+  if (version < 3200 && number >= ngon) return CGNS_ENUMV(NGON_n);
+  const bool is_moved = version >= 3000 && version < 3100 && number >= CGNS_ENUMV(PYRA_14);
+  if (is_moved && number == CGNS_ENUMV(PYRA_14)) return CGNS_ENUMV(PYRA_13);
+  return static_cast<ElementType>(is_moved ? number - 1 : number);
+}
 
 /// References for names, the same in all zones.
 struct ZoneRefs {
@@ -73,14 +84,17 @@ class ZoneReader {
     return std::move(contents());
   }
 
-  /// Of the whole only where tets may be among elements of other types.
+  /// Passes over the sections of mixed elements, which do not say how many tets are among them.
   PieceSize size() {
     read_size();
     PieceSize size{{num_points_, 0}};
     for (int s = 1; s <= num_sections(); ++s) {
       const SectionHead head = section_head(s);
-      size.whole_only = size.whole_only || head.type == CGNS_ENUMV(MIXED);
       if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
+      if (head.type == CGNS_ENUMV(MIXED))
+        for_each_mixed(head, [&](ElementType type, const std::int64_t*) {
+          size.tets += type == CGNS_ENUMV(TETRA_4) ? 1 : 0;
+        });
     }
     return size;
   }
@@ -146,88 +160,101 @@ class ZoneReader {
   SectionHead section_head(int s) {
     Name name{};
     SectionHead head;
-    cgsize_t end = 0;
+    cgsize_t start = 0, end = 0;
     int boundary = 0, parent = 0;
-    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &head.type, &head.start,
-                                   &end, &boundary, &parent),
+    library_.check(cg_section_read(library_.file(), kBase, zone_, s, name.data(), &head.type, &start, &end,
+                                   &boundary, &parent),
                    zone_name_ + ", section " + std::to_string(s));
     section_ = std::string("section ") + name.data();
     section_name_ = name.data();
-    if (head.start < 1 || end < head.start) library_.fail(section_, "its range of elements is damaged");
+    if (start < 1 || end < start) library_.fail(section_, "its range of elements is damaged");
+    head.start = start;
     head.count = checked(std::int64_t{end} - head.start + 1, section_);
     return head;
   }
 
   void read_section(int s) {
-    const auto [name, type, start, count] = section_head(s);
-    if (type == CGNS_ENUMV(NGON_n) || type == CGNS_ENUMV(NFACE_n)) {
-      return type == CGNS_ENUMV(NFACE_n) ? contents().drop_volumes("polyhedra", count)
-                                         : contents().drop("polygons", count);
+    const SectionHead head = section_head(s);
+    switch (head.type) {
+      case CGNS_ENUMV(NGON_n):
+        return contents().drop("polygons", head.count);
+      case CGNS_ENUMV(NFACE_n):
+        return contents().drop_volumes("polyhedra", head.count);
+      case CGNS_ENUMV(MIXED):
+        return read_mixed(head);
+      default:
+        read_alike(head);
     }
-    if (type == CGNS_ENUMV(TETRA_4)) return read_tets(s, start, count);
-    cgsize_t size = 0;
-    library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
-    std::vector<cgsize_t> data(checked(size, section_));
-    if (data.empty()) library_.fail(section_, "has no elements");
-    library_.check(read_data(s, type, data.data()), section_);
-    read_elements(type, start, count, data);
   }
 
-  /// Since 3.4 the library has a function of its own for elements of several sizes.
-  int read_data(int s, [[maybe_unused]] CGNS_ENUMT(ElementType_t) type, cgsize_t* data) const {
-#if CGNS_VERSION >= 3400
-    if (type == CGNS_ENUMV(MIXED))
-      return cg_poly_elements_read(library_.file(), kBase, zone_, s, data, nullptr, nullptr);
-#endif
-    return cg_elements_read(library_.file(), kBase, zone_, s, data, nullptr);
+  /// Elements of one type.
+  void read_alike(const SectionHead& head) {
+    const std::size_t nodes = num_nodes(head.type);
+    if (nodes == 0) library_.fail(section_, "has the unknown type " + std::to_string(head.type));
+    SectionData data(library_, zone_, section_name_);
+    if (data.size() != nodes * head.count)
+      library_.fail(section_, "its data are not those of its range of elements");
+    if (head.type == CGNS_ENUMV(TETRA_4)) return read_tets(head, data);
+    if (!is_kept(head.type)) return drop_elements(head.type, head.count);
+    for (std::uint64_t i = 0; i < head.count; ++i) {
+      element_ = head.start + static_cast<std::int64_t>(i);
+      add_element(head.type, data.take(nodes));
+    }
   }
 
   /// Those of the range; the section's name gets its reference whether there are any or none.
-  void read_tets(int s, cgsize_t start, std::uint64_t count) {
-    const std::int32_t ref = refs_.tets.ref(without(kTetPrefix, section_name_));
+  void read_tets(const SectionHead& head, SectionData& data) {
+    const std::int32_t ref = tet_ref();
     const std::uint64_t before = tets_passed_;
-    tets_passed_ += count;
+    tets_passed_ += head.count;
     const std::uint64_t first = std::max(before, range_.first_tet),
                         end = std::min(tets_passed_, range_.num_tets > kAll - range_.first_tet
                                                          ? kAll
                                                          : range_.first_tet + range_.num_tets);
-    cgsize_t size = 0;
-    library_.check(cg_ElementDataSize(library_.file(), kBase, zone_, s, &size), section_);
-    if (checked(size, section_) != 4 * count)
-      library_.fail(section_, "its data are not those of its range of elements");
     if (first >= end) return;
-    std::vector<cgsize_t> data(4 * (end - first));
-    element_ = start + static_cast<std::int64_t>(first - before);
-    library_.check(
-        cg_elements_partial_read(library_.file(), kBase, zone_, s, element_,
-                                 start + static_cast<cgsize_t>(end - before) - 1, data.data(), nullptr),
-        section_);
-    for (std::size_t at = 0; at < data.size(); at += 4, ++element_) {
-      mesh().tets.push_back(nodes_of<4>(data.data() + at));
-      mesh().tet_refs.push_back(ref);
+    data.seek(4 * (first - before));
+    for (std::uint64_t tet = first; tet < end; ++tet) {
+      element_ = head.start + static_cast<std::int64_t>(tet - before);
+      add_tet(data.take(4), ref);
     }
   }
 
-  void read_elements(CGNS_ENUMT(ElementType_t) type, cgsize_t start, std::uint64_t count,
-                     const std::vector<cgsize_t>& data) {
-    std::size_t at = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
-      element_ = std::int64_t{start} + static_cast<std::int64_t>(i);
-      CGNS_ENUMT(ElementType_t) own = type;
-      if (type == CGNS_ENUMV(MIXED)) {
-        if (at == data.size()) fail_element("is missing");
-        if (data[at] < 0 || data[at] >= NofValidElementTypes) fail_element("has an unknown type");
-        own = static_cast<CGNS_ENUMT(ElementType_t)>(data[at++]);
-      }
-      int nodes = 0;
-      if (own == CGNS_ENUMV(MIXED) || cg_npe(own, &nodes) != CG_OK || nodes < 1) {
-        fail_element("has the unknown type " + std::to_string(static_cast<int>(own)));
-      }
-      if (static_cast<std::size_t>(nodes) > data.size() - at) fail_element("is missing");
-      add_element(own, data.data() + at);
-      at += static_cast<std::size_t>(nodes);
+  /// Tets of the range, and all others. What the tets' reference is they say together, on every reader.
+  void read_mixed(const SectionHead& head) {
+    std::optional<std::int32_t> ref;
+    for_each_mixed(head, [&](ElementType type, const std::int64_t* nodes) {
+      if (type != CGNS_ENUMV(TETRA_4)) return add_element(type, nodes);
+      if (!ref) ref = tet_ref();
+      const std::uint64_t tet = tets_passed_++;
+      if (tet >= range_.first_tet && tet - range_.first_tet < range_.num_tets) add_tet(nodes, *ref);
+    });
+  }
+
+  /// use(type, nodes) for each element, before whose nodes stands the number of its type. (That says all that
+  /// ElementStartOffset does, which files before version 3.4 do not have.)
+  template <class Use>
+  void for_each_mixed(const SectionHead& head, const Use& use) {
+    const int version = library_.version();
+    SectionData data(library_, zone_, section_name_);
+    for (std::uint64_t i = 0; i < head.count; ++i) {
+      element_ = head.start + static_cast<std::int64_t>(i);
+      const std::int64_t* number = data.take(1);
+      if (!number) fail_element("is missing");
+      if (*number < 0 || *number >= NofValidElementTypes) fail_element("has an unknown type");
+      const ElementType type = mixed_type(*number, version);
+      const std::size_t count = type == CGNS_ENUMV(MIXED) ? 0 : num_nodes(type);
+      if (count == 0) fail_element("has the unknown type " + std::to_string(*number));
+      const std::int64_t* nodes = data.take(count);
+      if (!nodes) fail_element("is missing");
+      use(type, nodes);
     }
-    if (at != data.size()) library_.fail(section_, "has more data than its range of elements says");
+    if (data.left() > 0) library_.fail(section_, "has more data than its range of elements says");
+  }
+
+  /// None for a type that is unknown, or has no number of nodes.
+  static std::size_t num_nodes(ElementType type) {
+    int nodes = 0;
+    return cg_npe(type, &nodes) == CG_OK && nodes > 0 ? static_cast<std::size_t>(nodes) : 0;
   }
 
   [[noreturn]] void fail_element(const std::string& reason) const {
@@ -235,7 +262,7 @@ class ZoneReader {
   }
 
   template <std::size_t N>
-  std::array<std::uint32_t, N> nodes_of(const cgsize_t* data) const {
+  std::array<std::uint32_t, N> nodes_of(const std::int64_t* data) const {
     std::array<std::uint32_t, N> nodes;
     for (std::size_t i = 0; i < N; ++i) {
       if (data[i] < 1 || static_cast<std::uint64_t>(data[i]) > num_points_) {
@@ -251,32 +278,34 @@ class ZoneReader {
     return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
   }
 
-  void add_element(CGNS_ENUMT(ElementType_t) type, const cgsize_t* data) {
-    switch (type) {
-      case CGNS_ENUMV(TETRA_4):
-        mesh().tets.push_back(nodes_of<4>(data));
-        mesh().tet_refs.push_back(refs_.tets.ref(without(kTetPrefix, section_name_)));
-        break;
-      case CGNS_ENUMV(TRI_3):
-        mesh().triangles.push_back(nodes_of<3>(data));
-        triangles_.emplace_back(element_, triangles_.size());
-        triangle_names_.push_back(name_index(section_name_));
-        break;
-      case CGNS_ENUMV(BAR_2):
-        mesh().edges.push_back(nodes_of<2>(data));
-        mesh().edge_refs.push_back(refs_.edges.ref(without(kEdgePrefix, section_name_)));
-        break;
-      default:
-        drop_element(type);
+  std::int32_t tet_ref() { return refs_.tets.ref(without(kTetPrefix, section_name_)); }
+
+  void add_tet(const std::int64_t* nodes, std::int32_t ref) {
+    mesh().tets.push_back(nodes_of<4>(nodes));
+    mesh().tet_refs.push_back(ref);
+  }
+
+  static bool is_kept(ElementType type) { return type == CGNS_ENUMV(TRI_3) || type == CGNS_ENUMV(BAR_2); }
+
+  /// One that is no tet.
+  void add_element(ElementType type, const std::int64_t* nodes) {
+    if (!is_kept(type)) return drop_elements(type, 1);
+    if (type == CGNS_ENUMV(TRI_3)) {
+      mesh().triangles.push_back(nodes_of<3>(nodes));
+      triangles_.emplace_back(element_, triangles_.size());
+      triangle_names_.push_back(name_index(section_name_));
+    } else {
+      mesh().edges.push_back(nodes_of<2>(nodes));
+      mesh().edge_refs.push_back(refs_.edges.ref(without(kEdgePrefix, section_name_)));
     }
   }
 
-  void drop_element(CGNS_ENUMT(ElementType_t) type) {
-    const std::string name = std::string("elements ") + cg_ElementTypeName(type);
+  void drop_elements(ElementType type, std::uint64_t count) {
     const std::string_view kind = cg_ElementTypeName(type);
+    const std::string name = "elements " + std::string(kind);
     const bool volume = kind.starts_with("TETRA") || kind.starts_with("PYRA") || kind.starts_with("PENTA") ||
                         kind.starts_with("HEXA");
-    volume ? contents().drop_volumes(name, 1) : contents().drop(name);
+    volume ? contents().drop_volumes(name, count) : contents().drop(name, count);
   }
 
   std::uint32_t name_index(const std::string& name) {
@@ -485,8 +514,7 @@ std::optional<MeshSize> cgns_size(const std::filesystem::path& path) {
   RefNames names;
   ZoneRefs refs(names);
   if (open.zones > 1) return std::nullopt;
-  const PieceSize size = ZoneReader(open.library, 1, open.size, refs).size();
-  return size.whole_only ? std::nullopt : std::optional<MeshSize>(size);
+  return ZoneReader(open.library, 1, open.size, refs).size();
 }
 
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range) {

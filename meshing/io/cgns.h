@@ -20,12 +20,13 @@ namespace weft::meshing {
 /// dropped. Throws InputError.
 MeshContents read_cgns(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
-/// How many points and tets there are; nothing for a file that is read whole only: of several zones, or with
-/// sections of mixed elements.
+/// How many points and tets there are; nothing for a file of several zones. Passes over sections of mixed
+/// elements, in blocks.
 std::optional<MeshSize> cgns_size(const std::filesystem::path& path);
 
 /// What `range` says, and all names, as read_cgns() reads them, but no fields; indices are those of the whole
-/// mesh. Of a file that cgns_size() has sized; reads no more of it but all triangles and edges.
+/// mesh. Of a file that cgns_size() has sized; reads no more of it but all triangles and edges, and
+/// passes over sections of mixed elements, in blocks.
 MeshContents read_cgns_range(const std::filesystem::path& path, const MeshRange& range);
 
 // Parts of the zones (see mesh_file.h). Names and their references are those of the whole file on every

@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <mutex>
@@ -49,6 +50,12 @@ class Library {
   Library& operator=(const Library&) = delete;
 
   int file() const { return file_; }
+  /// That the file is of, in thousandths: 3400 of version 3.4.
+  int version() const {
+    float version = 0;
+    check(cg_version(file_, &version), "");
+    return static_cast<int>(std::lround(1000 * version));
+  }
   void check(int status, const std::string& entity) const {
     if (status != CG_OK) fail(entity, cg_get_error());
   }

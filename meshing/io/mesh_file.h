@@ -46,8 +46,8 @@ MeshContents read_mesh_range(const std::filesystem::path& path, const MeshRange&
 bool can_be_in_pieces(const std::filesystem::path& path);
 /// The files that have the pieces, in this order: those that a .pvtu names, else the file itself.
 std::vector<std::filesystem::path> piece_sources(const std::filesystem::path& path);
-/// The pieces of one of these. Reads the types of all cells of a .vtu; of zones of .cgns with sections of
-/// mixed elements no ranges of tets can be read.
+/// The pieces of one of these. Reads the types of all cells of a .vtu, and passes over sections of mixed
+/// elements of a .cgns.
 std::vector<PieceSize> piece_sizes(const std::filesystem::path& source);
 /// Parts of the pieces: one range for each of them.
 PieceRanges read_piece_ranges(const std::filesystem::path& source, std::span<const PieceRange> ranges);

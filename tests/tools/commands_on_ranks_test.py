@@ -119,11 +119,13 @@ class OtherCommands(Subdomains):
     def test_meshes_in_pieces_are_read_and_written_in_shares(self):
         self.pieces()
         shutil.copy(DATA / "formats/cgns-two-zones.cgns", self.folder / "zones.cgns")
+        shutil.copy(DATA / "formats/cgns-mixed.cgns", self.folder / "mixed.cgns")
         self.weft("convert", "a.meshb", "packed.vtu", "--sol", "f.solb", "--compress")
         for source, out, ranks, *words in (("ids.pvtu", "o.vtu", (1, 2, 3, 4, 7) if LONG else (2, 7)),
                                            ("places.pvtu", "o.meshb", (2, 4) if LONG else (4,)),
                                            ("zones.cgns", "o.msh", (1, 2, 3, 4, 16) if LONG else (3, 9)),
                                            ("zones.cgns", "o.meshb", (2,)),
+                                           ("mixed.cgns", "o.msh", (1, 2, 3, 4) if LONG else (3,)),
                                            ("packed.vtu", "o.pvtu", (1, 2, 3, 4) if LONG else (4,), "--pieces", 3, "--compress")):
             self.command_on(0, "convert", source, out, *words)
             made = [name for name in self.files() if name.startswith("o")]

@@ -16,8 +16,7 @@ struct MeshPiece {
 
 /// What there is in a piece.
 struct PieceSize : MeshSize {
-  bool has_ids = false;     ///< of its points
-  bool whole_only = false;  ///< ranges of its tets cannot be read, nor are they counted
+  bool has_ids = false;  ///< of its points
 };
 
 /// What one of several readers takes of a piece: the points and tets of a range, and `others`: all triangles,

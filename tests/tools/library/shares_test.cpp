@@ -96,5 +96,30 @@ INSTANTIATE_TEST_SUITE_P(Formats, MeshShares,
                          testing::Values("m.meshb", "m.mesh", "m.lb8.ugrid", "m.ugrid", "m.cgns", "m.vtu",
                                          "m.msh", "m.su2", "m.pvtu"));
 
+TEST(MeshShare, OfCgnsWithMixedElementsIsReadByEachRank) {
+  constexpr int kRanks = 4;
+  const std::string file = meshing::sample("cgns-mixed.cgns").string();
+  meshing::RefNames names;
+  const MeshData whole = meshing::read_mesh(file, &names);
+  std::vector<std::vector<meshing::Point>> points(kRanks);
+  std::vector<std::vector<std::array<std::uint32_t, 4>>> tets(kRanks);
+  std::vector<std::vector<std::int32_t>> tet_refs(kRanks);
+  Shares shares(kRanks);
+  support::run_ranks(kRanks, [&](Peers& peers) {
+    const MeshShare share = read_mesh_share(peers, file);
+    const auto r = static_cast<std::size_t>(peers.rank());
+    EXPECT_FALSE(share.read_whole);
+    EXPECT_EQ(share.names.all(), names.all());
+    points[r] = share.slice.points, tets[r] = share.slice.tets, tet_refs[r] = share.slice.tet_refs;
+    shares.take(r, share.slice.boundary);
+  });
+  expect_shares(points, whole.points);
+  expect_shares(tets, whole.tets);
+  expect_shares(tet_refs, whole.tet_refs);
+  expect_shares(shares.triangles, whole.triangles);
+  expect_shares(shares.refs, whole.triangle_refs);
+  expect_shares(shares.edges, whole.edges);
+}
+
 }  // namespace
 }  // namespace weft::tools::shares_test

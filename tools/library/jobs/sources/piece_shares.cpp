@@ -275,7 +275,7 @@ struct PieceShares::Copies {
 
 PieceShares::PieceShares(Peers& peers, const std::string& file) : file_(file) {
   struct Row {
-    std::uint64_t source, points, tets, has_ids, whole_only;
+    std::uint64_t source, points, tets, has_ids;
   };
   std::vector<Row> mine;
   partition::agree_on(peers, [&] { sources_ = meshing::piece_sources(file); });
@@ -283,14 +283,13 @@ PieceShares::PieceShares(Peers& peers, const std::string& file) : file_(file) {
     const Share share = share_of(sources_.size(), peers.rank(), peers.ranks());
     for (std::uint64_t s = share.first; s < share.first + share.count; ++s)
       for (const meshing::PieceSize& size : meshing::piece_sizes(sources_[s]))
-        mine.push_back({s, size.points, size.tets, size.has_ids, size.whole_only});
+        mine.push_back({s, size.points, size.tets, size.has_ids});
   });
   for (const Row& row : joined(peers, mine)) {
     pieces_.push_back({row.source, {row.points, row.tets}, num_points_, num_tets_});
     num_points_ += row.points;
     num_tets_ += row.tets;
     by_ids_ = by_ids_ && row.has_ids;
-    has_ranges_ = has_ranges_ && !row.whole_only;
   }
 }
 

@@ -22,8 +22,6 @@ class PieceShares {
   /// Of a file that meshing::can_be_in_pieces().
   PieceShares(partition::Peers& peers, const std::string& file);
 
-  /// Whether ranges of all tets can be read, which mesh() needs.
-  bool has_ranges() const { return has_ranges_; }
   MeshShare mesh(partition::Peers& peers, meshing::OtherVolumes others) const;
   /// None where the pieces have none in common.
   FieldsShare fields(partition::Peers& peers) const;
@@ -45,7 +43,7 @@ class PieceShares {
   std::vector<std::filesystem::path> sources_;
   std::vector<Piece> pieces_;
   std::uint64_t num_points_ = 0, num_tets_ = 0;  ///< of all pieces
-  bool by_ids_ = true, has_ranges_ = true;
+  bool by_ids_ = true;
 };
 
 }  // namespace weft::tools

@@ -101,10 +101,7 @@ MeshShare read_mesh_share(Peers& peers, const std::string& file, meshing::OtherV
     count_boundary(peers, share.slice);
     return share;
   }
-  if (meshing::can_be_in_pieces(file)) {
-    const PieceShares pieces(peers, file);
-    if (pieces.has_ranges()) return pieces.mesh(peers, others);
-  }
+  if (meshing::can_be_in_pieces(file)) return PieceShares(peers, file).mesh(peers, others);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0) return;
     meshing::MeshContents contents = meshing::read_mesh_contents(file);
