@@ -74,6 +74,17 @@ TEST(ClosestTriangles, FindsWhatIsAtTheLimitAndNothingBeyond) {
   expect_same(ClosestTriangles({}).closest({1, 2, 3}), {});
 }
 
+TEST(ClosestTriangles, TakesThoseOfTwoEqualCornersAsEdges) {
+  const Point a{0, 0, 0}, b{2, 0, 0};
+  for (const std::array<Point, 3>& corners :
+       {std::array{a, a, b}, {a, b, a}, {b, a, a}, {b, b, a}, {b, a, b}, {a, b, b}}) {
+    const ClosestTriangles triangle({{3, corners}});
+    expect_same(triangle.closest({1, 1, 0}), {1, 3, {0, 1, 0}});
+    expect_same(triangle.closest({4, 0, 0}), {4, 3, {2, 0, 0}});
+    expect_same(triangle.closest({-1, 0, 0}), {1, 3, {-1, 0, 0}});
+  }
+}
+
 TEST(ClosestTriangles, HasFewBoxesAroundAllOfThem) {
   std::mt19937 random(5);
   const std::vector<Triangle> all = triangles_on_lattice(300, random);
