@@ -7,15 +7,15 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "meshing/base/error.h"
-#include "meshing/base/parallel.h"
 #include "meshing/base/sort_unique.h"
-#include "meshing/geometry/model/closest_tree.h"
-#include "meshing/geometry/surface/curved_triangle.h"
 #include "meshing/mesh/adjacency.h"
+#include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/communication/triangles_in_shares.h"
 #include "partition/coordinate/harmonic_solver.h"
 #include "partition/metric/part_domain.h"
 #include "partition/slice/fetched_points.h"
@@ -116,48 +116,39 @@ CoordinateValues harmonic(Peers& peers, const MeshSlice& slice, const BoundaryCo
   return result;
 }
 
-/// The triangles of the walls with their corners, on every rank.
-class Walls {
- public:
-  Walls(Peers& peers, const MeshSlice& slice, const BoundaryCoordinate& coordinate) {
-    const meshing::MeshData& all = slice.boundary;
-    std::vector<std::array<std::uint32_t, 3>> walls;
-    for (std::size_t t = 0; t < all.triangles.size(); ++t)
-      if (std::ranges::find(coordinate.refs, all.triangle_refs[t]) != coordinate.refs.end())
-        walls.push_back(all.triangles[t]);
-    walls = allgather_joined(peers, walls);
-    const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), walls);
-    std::vector<meshing::ClosestForest::Item> items(walls.size());
-    for (std::uint32_t t = 0; t < items.size(); ++t) {
-      items[t].id = t;
-      triangles_.push_back(points.of(walls[t]));
-      for (const Point& corner : triangles_[t]) items[t].box.include(corner);
+/// All ranks: the triangles of the walls, an equal share of those that lie together on each.
+std::vector<TrianglesInShares::Triangle> dealt_walls(Peers& peers, const MeshSlice& slice,
+                                                     const BoundaryCoordinate& coordinate) {
+  const meshing::MeshData& share = slice.boundary;
+  const std::uint64_t first = Ranges(peers, share.triangles.size()).first(peers.rank());
+  std::vector<std::array<std::uint32_t, 3>> walls;
+  std::vector<TrianglesInShares::Triangle> triangles;
+  for (std::size_t t = 0; t < share.triangles.size(); ++t)
+    if (std::ranges::find(coordinate.refs, share.triangle_refs[t]) != coordinate.refs.end()) {
+      walls.push_back(share.triangles[t]);
+      triangles.push_back({first + t, {}});
     }
-    root_ = forest_.add(items);
+  const FetchedPoints points(peers, slice, Ranges(peers, slice.points.size()), walls);
+  std::vector<Point> places;
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    triangles[i].corners = points.of(walls[i]);
+    places.push_back(triangles[i].corners[0]);
   }
-
-  double distance(const Point& p) const {
-    const auto distance2 = [&](std::uint32_t t) {
-      const auto& [a, b, c] = triangles_[t];
-      return meshing::closest_point(a, b, c, p).distance2;
-    };
-    return std::sqrt(distance2(forest_.closest(root_, p, distance2)));
-  }
-
- private:
-  std::vector<std::array<Point, 3>> triangles_;
-  meshing::ClosestForest forest_;
-  std::uint32_t root_ = 0;
-};
+  const std::vector<std::uint32_t> owners = morton_shares(peers, {places}).owners(places);
+  std::vector<std::vector<TrianglesInShares::Triangle>> to_each(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t i = 0; i < owners.size(); ++i) to_each[owners[i]].push_back(triangles[i]);
+  return all_to_all_joined(peers, std::move(to_each));
+}
 
 CoordinateValues distance_from_wall(Peers& peers, const MeshSlice& slice,
                                     const BoundaryCoordinate& coordinate) {
   check_slices(peers, slice, Ranges(peers, slice.points.size()), Ranges(peers, slice.tets.size()),
                SliceMetric::missing);
-  const Walls walls(peers, slice, coordinate);
-  CoordinateValues result{std::vector<double>(slice.points.size())};
-  meshing::for_each_index(slice.points.size(),
-                          [&](std::size_t v) { result.values[v] = walls.distance(slice.points[v]); });
+  const TrianglesInShares walls(peers, dealt_walls(peers, slice, coordinate));
+  CoordinateValues result;
+  result.values.reserve(slice.points.size());
+  for (const TrianglesInShares::Found& found : walls.closest(slice.points))
+    result.values.push_back(std::sqrt(found.distance2));
   return result;
 }
 

@@ -61,8 +61,7 @@ std::vector<PartDomain::TetRecord> PartDomain::first_ring(const MeshSlice& slice
   std::vector<std::uint32_t> vertices;
   for (const auto& tet : slice.tets) vertices.insert(vertices.end(), tet.begin(), tet.end());
   meshing::sort_unique(vertices);
-  const auto owners =
-      fetch<std::uint32_t>(peers_, points_, vertices, [&](std::size_t i) { return slice_owners_[i]; });
+  const std::vector<std::uint32_t> owners = owners_of(vertices);
   std::vector<std::vector<TetRecord>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t t = 0; t < slice.tets.size(); ++t) {
     TetRecord record{slice.first_tet + t, slice.tets[t], {}};

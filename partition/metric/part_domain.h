@@ -17,8 +17,8 @@ namespace weft::partition {
 
 /// Vertices that lie together belong to one rank, whatever their order in the input; a rank has the tets
 /// around its vertices in as many rings as are asked for. What is made of them has the same bits for any
-/// number of ranks. All ranks call every function but mesh(), owns(), num_points() and largest_size()
-/// together.
+/// number of ranks. All ranks call every function but mesh(), owns(), num_points(), largest_size() and
+/// numbers() together.
 class PartDomain final : public meshing::MetricDomain {
  public:
   /// Throws meshing::InputError, the same on all ranks, for what check_slices() and inverted() refuse.
@@ -53,6 +53,10 @@ class PartDomain final : public meshing::MetricDomain {
   std::vector<T> from_slices(const std::vector<T>& of_slice,
                              const std::vector<std::uint32_t>& numbers) const {
     return fetch<T>(peers_, points_, numbers, [&](std::size_t i) { return of_slice[i]; });
+  }
+  /// The ranks that own the vertices that have these numbers (ascending) in the whole mesh.
+  std::vector<std::uint32_t> owners_of(const std::vector<std::uint32_t>& numbers) const {
+    return from_slices(slice_owners_, numbers);
   }
   /// Of the part's vertices, in the whole mesh; ascending.
   const std::vector<std::uint32_t>& numbers() const { return numbers_; }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "meshing/base/box.h"
@@ -28,6 +29,14 @@ class ClosestForest {
   template <class Distance2>
   std::uint32_t closest(std::uint32_t root, const Point& p, const Distance2& distance2) const;
 
+  /// Calls visit(id) for everything in the tree of `root` whose box is at most sqrt(limit2) from p, and for
+  /// some that is farther, first what is in the nearer boxes. visit() may lower limit2.
+  template <class Visit>
+  void visit_within(std::uint32_t root, const Point& p, const double& limit2, const Visit& visit) const;
+
+  /// At most `most` (1 and more) boxes, which together have all items of the tree.
+  std::vector<Box> boxes(std::uint32_t root, std::size_t most) const;
+
  private:
   struct Node {
     Box box;
@@ -35,6 +44,9 @@ class ClosestForest {
     std::uint32_t count = 0;  ///< of a leaf; else zero
   };
   void split(std::uint32_t node, Item* begin, Item* end, std::ptrdiff_t leaf);
+  /// Visits the items of all nodes but those for whose squared distance skip() is true; near ones first.
+  template <class Skip, class Visit>
+  void walk(std::uint32_t root, const Point& p, const Skip& skip, const Visit& visit) const;
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> ids_;
@@ -74,31 +86,62 @@ inline void ClosestForest::split(std::uint32_t node, Item* begin, Item* end, std
   split(children + 1, middle, end, leaf);
 }
 
-template <class Distance2>
-std::uint32_t ClosestForest::closest(std::uint32_t root, const Point& p, const Distance2& distance2) const {
-  std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
-  double best_distance2 = std::numeric_limits<double>::infinity();
+inline std::vector<Box> ClosestForest::boxes(std::uint32_t root, std::size_t most) const {
+  std::vector<std::uint32_t> level{root};
+  for (bool finer = true; finer && 2 * level.size() <= most;) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t node : level) {
+      const bool leaf = nodes_[node].count > 0;
+      next.push_back(leaf ? node : nodes_[node].first);
+      if (!leaf) next.push_back(nodes_[node].first + 1);
+    }
+    finer = next.size() > level.size();
+    level = std::move(next);
+  }
+  std::vector<Box> boxes;
+  for (const std::uint32_t node : level) boxes.push_back(nodes_[node].box);
+  return boxes;
+}
+
+template <class Skip, class Visit>
+void ClosestForest::walk(std::uint32_t root, const Point& p, const Skip& skip, const Visit& visit) const {
   std::uint32_t stack[96];  // halving 2^32 items leaves depth below 32
   int top = 0;
   stack[top++] = root;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
-    if (node.box.distance2(p) >= best_distance2) continue;
+    if (skip(node.box.distance2(p))) continue;
     if (node.count == 0) {
       const bool left_first = nodes_[node.first].box.distance2(p) <= nodes_[node.first + 1].box.distance2(p);
       stack[top++] = node.first + (left_first ? 1 : 0);
       stack[top++] = node.first + (left_first ? 0 : 1);
       continue;
     }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const double d2 = distance2(ids_[i]);
-      if (d2 < best_distance2) {
-        best_distance2 = d2;
-        best = ids_[i];
-      }
-    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(ids_[i]);
   }
+}
+
+template <class Distance2>
+std::uint32_t ClosestForest::closest(std::uint32_t root, const Point& p, const Distance2& distance2) const {
+  std::uint32_t best = std::numeric_limits<std::uint32_t>::max();
+  double best_distance2 = std::numeric_limits<double>::infinity();
+  walk(
+      root, p, [&](double box_distance2) { return box_distance2 >= best_distance2; },
+      [&](std::uint32_t id) {
+        const double d2 = distance2(id);
+        if (d2 < best_distance2) {
+          best_distance2 = d2;
+          best = id;
+        }
+      });
   return best;
+}
+
+template <class Visit>
+void ClosestForest::visit_within(std::uint32_t root, const Point& p, const double& limit2,
+                                 const Visit& visit) const {
+  walk(
+      root, p, [&](double box_distance2) { return box_distance2 > limit2; }, visit);
 }
 
 }  // namespace weft::meshing

@@ -56,7 +56,8 @@ TrianglePoint closest_point(const Point& a, const Point& b, const Point& c, cons
   const double d3 = dot(ab, bp), d4 = dot(ac, bp);
   if (d3 >= 0 && d4 <= d3) return result(1, 0, 0);
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return result(d1 / (d1 - d3), 0, 1 - d1 / (d1 - d3));
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3)  // not of two equal corners
+    return result(d1 / (d1 - d3), 0, 1 - d1 / (d1 - d3));
   const double d5 = dot(ab, cp), d6 = dot(ac, cp);
   if (d6 >= 0 && d5 <= d6) return result(0, 1, 0);
   const double vb = d5 * d2 - d1 * d6;

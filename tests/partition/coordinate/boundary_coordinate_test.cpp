@@ -119,7 +119,7 @@ TEST(BoundaryCoordinate, WallsAreAsFarAsTheNearestOfTheirTriangles) {
 
 TEST(BoundaryCoordinate, HasTheSameBitsOnAnyRanksAndShares) {
   const MeshData mesh = bend(5, 7);
-  for (const char* name : {"harmonic=1,2", "harmonic=3,4", "wall=3"}) {
+  for (const char* name : {"harmonic=1,2", "harmonic=3,4", "wall=3", "wall=1,2,3,4,5,6"}) {
     const std::vector<double> expected = coordinate_on(1, 0, mesh, name);
     for (const int ranks : support::kNumbersOfRanks)
       for (const unsigned seed : {0u, 4u, 5u})

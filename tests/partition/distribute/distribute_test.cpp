@@ -18,6 +18,7 @@
 #include "meshing/mesh/tet_tables.h"
 #include "meshing/metric/measures.h"
 #include "partition/refine/refine_interface.h"
+#include "tests/partition/communication/counting_peers.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/metric_meshes.h"
 #include "tests/support/kernel.h"
@@ -411,37 +412,13 @@ TEST(DistributeBalance, DividesTheExpectedTets) {
   }
 }
 
-/// Notes the greatest number of bytes that a rank gets at once.
-class CountingPeers final : public Peers {
- public:
-  explicit CountingPeers(Peers& peers) : peers_(peers) {}
-  int rank() const override { return peers_.rank(); }
-  int ranks() const override { return peers_.ranks(); }
-  std::vector<Bytes> all_to_all(std::vector<Bytes> to_each) override {
-    std::size_t bytes = 0;
-    auto received = peers_.all_to_all(std::move(to_each));
-    for (const Bytes& part : received) bytes += part.size();
-    most = std::max(most, bytes);
-    return received;
-  }
-  /// Over a tree: of two children, and from above.
-  Bytes reduce(Bytes mine, const Combine& combine) override {
-    most = std::max(most, 3 * mine.size());
-    return peers_.reduce(std::move(mine), combine);
-  }
-  std::size_t most = 0;
-
- private:
-  Peers& peers_;
-};
-
 TEST(DistributeMemory, ARankReceivesAboutItsShare) {
   MetricMesh whole{support::unit_cube(24), {}};
   support::shuffle(whole.mesh, 2);
   whole.log_metrics.assign(whole.mesh.points.size(), meshing::identity_tensor(2));
   constexpr int kRanks = 8;
   support::run_ranks(kRanks, [&](Peers& peers) {
-    CountingPeers counting(peers);
+    support::CountingPeers counting(peers);
     distribute(counting, support::slice_of(whole, peers.rank(), kRanks), options_of(16));
     // A tet's faces are the most: 96 bytes a tet, and here each point of the shuffled tets 80 bytes.
     const std::size_t share = whole.mesh.tets.size() / kRanks;
@@ -486,7 +463,7 @@ TEST(Distribute, NoExchangeGrowsWithRanksTimesPatches) {
   const auto most_on = [&](int ranks) {
     std::vector<std::size_t> most(static_cast<std::size_t>(ranks));
     support::run_ranks(ranks, [&](Peers& peers) {
-      CountingPeers counting(peers);
+      support::CountingPeers counting(peers);
       const Distributed d =
           distribute(counting, support::slice_of(whole, peers.rank(), ranks, 0), options_of(32));
       EXPECT_EQ(d.geometry->patch_inner.size(), whole.mesh.triangles.size());

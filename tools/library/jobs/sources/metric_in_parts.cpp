@@ -1,21 +1,18 @@
 // Every rank reads the values of its slice; owners of vertices get them from there.
 #include "tools/library/jobs/sources/metric_in_parts.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "meshing/base/error.h"
-#include "meshing/base/place_in.h"
-#include "meshing/base/sort_unique.h"
 #include "meshing/metric/sources/hessian.h"
 #include "meshing/metric/sources/multiscale.h"
-#include "meshing/metric/sources/wall_metric.h"
 #include "partition/communication/agreement.h"
 #include "partition/communication/reduce.h"
 #include "partition/metric/curvature_in_parts.h"
 #include "partition/metric/part_domain.h"
+#include "partition/metric/wall_metric_in_parts.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/sources/shares.h"
 
@@ -62,43 +59,6 @@ meshing::LogMetricField metric_of_slice(Peers& peers, const std::string& file, c
   return metric;
 }
 
-/// All ranks: the walls, and the vertices of the part: those with `numbers` in the whole mesh, ascending.
-meshing::MeshData walls_with(Peers& peers, const WallOptions& walls, const MeshSlice& slice,
-                             const PartDomain& domain, std::vector<std::uint32_t>& numbers) {
-  const meshing::MeshData& share = slice.boundary;
-  meshing::MeshData mesh;
-  for (std::size_t t = 0; t < share.triangles.size(); ++t)
-    if (std::ranges::find(walls.refs, share.triangle_refs[t]) != walls.refs.end()) {
-      mesh.triangles.push_back(share.triangles[t]);
-      mesh.triangle_refs.push_back(share.triangle_refs[t]);
-    }
-  mesh.triangles = partition::allgather_joined(peers, mesh.triangles);
-  mesh.triangle_refs = partition::allgather_joined(peers, mesh.triangle_refs);
-  numbers = domain.numbers();
-  for (const auto& triangle : mesh.triangles) numbers.insert(numbers.end(), triangle.begin(), triangle.end());
-  meshing::sort_unique(numbers);
-  for (auto& triangle : mesh.triangles)
-    for (std::uint32_t& v : triangle) v = static_cast<std::uint32_t>(meshing::place_in(numbers, v));
-  mesh.points = domain.from_slices(slice.points, numbers);
-  mesh.point_refs.resize(mesh.points.size());
-  return mesh;
-}
-
-/// All ranks: the walls are on every rank, and each looks at them from its own vertices.
-meshing::LogMetricField wall_metric_in_part(Peers& peers, const WallOptions& walls, const MeshSlice& slice,
-                                            const PartDomain& domain) {
-  std::vector<std::uint32_t> numbers;
-  const meshing::MeshData mesh = walls_with(peers, walls, slice, domain, numbers);
-  const meshing::LogMetricField demand = meshing::wall_metric(mesh, walls, domain.largest_size());
-  meshing::LogMetricField of_part;
-  auto at = numbers.begin();
-  for (const std::uint32_t number : domain.numbers()) {
-    at = std::lower_bound(at, numbers.end(), number);
-    of_part.push_back(demand[static_cast<std::size_t>(at - numbers.begin())]);
-  }
-  return of_part;
-}
-
 /// All ranks: boundary_demand() at the vertices of the part.
 std::optional<meshing::LogMetricField> demand_in_part(Peers& peers, const MetricOptions& options,
                                                       const MeshSlice& slice, const PartDomain& domain,
@@ -106,7 +66,8 @@ std::optional<meshing::LogMetricField> demand_in_part(Peers& peers, const Metric
   std::optional<meshing::LogMetricField> field;
   if (const auto curvature = curvature_options(options))
     combine(partition::curvature_in_parts(peers, slice, domain, *curvature, model), field);
-  if (!options.wall.refs.empty()) combine(wall_metric_in_part(peers, options.wall, slice, domain), field);
+  if (!options.wall.refs.empty())
+    combine(partition::wall_metric_in_parts(peers, slice, domain, options.wall), field);
   return field;
 }
 
