@@ -87,8 +87,8 @@ def predict_finer(book, options, name):
     return rows
 
 
-def text_of(rows, finer, options):
-    out = [f"# Calibration\n\nCube, polar-2, complexity {options.complexity}, {options.subdomains} subdomains, {options.times} times of tasks.\n"]
+def text_of(book, rows, finer, options):
+    out = [f"# Calibration\n\n{book.case}, complexity {options.complexity}, {options.subdomains} subdomains, {options.times} times of tasks.\n"]
     if rows:
         out.append("| cores | slow-down | predicted s | measured s | error | predicted migrations | measured | load average |\n|---|---|---|---|---|---|---|---|")
         for r in rows:
@@ -117,7 +117,7 @@ def main():
     name, alone = record_alone(book, options)
     rows = predict_and_measure(book, options, name, alone)
     finer = predict_finer(book, options, name)
-    text = text_of(rows, finer, options)
+    text = text_of(book, rows, finer, options)
     (book.folder / "calibration.md").write_text(text)
     print(text)
     return 1 if any(abs(r["error"]) > options.allowed for r in rows) else 0

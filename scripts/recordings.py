@@ -16,7 +16,9 @@ class Recordings:
     def __init__(self, options):
         self.weft, self.folder = pathlib.Path(options.weft).resolve(), pathlib.Path(options.out).resolve()
         self.processor_times = ["--processor-times"] if options.times == "processor" else []
-        self.metric, self.complexity = ["--metric-fn", "polar-2"], options.complexity
+        self.start, self.complexity = options.start, options.complexity
+        self.metric = ["--metric", pathlib.Path(self.start[1]).resolve()] if self.start else ["--metric-fn", "polar-2"]
+        self.case = pathlib.Path(self.start[0]).resolve().parent.name if self.start else "Cube, polar-2"
         self.folder.mkdir(parents=True, exist_ok=True)
         self.begin = time.monotonic()
 
@@ -24,7 +26,8 @@ class Recordings:
     def add_options(parser, out, complexity):
         parser.add_argument("--weft", default=ROOT / "build/bin/weft")
         parser.add_argument("--out", default=ROOT / "build" / out)
-        parser.add_argument("--complexity", type=int, default=complexity, help=f"of the adapted cube (default {complexity})")
+        parser.add_argument("--start", nargs=2, metavar=("MESH", "METRIC"), help="in place of a cube to polar-2")
+        parser.add_argument("--complexity", type=int, default=complexity, help=f"of the adapted mesh (default {complexity})")
         parser.add_argument("--times", choices=("wall", "processor"), default="wall",
                             help="of recorded tasks; processor: for a machine that has other work, too")
 
@@ -40,7 +43,9 @@ class Recordings:
             sys.exit(f"{' '.join(map(str, words))} has ended with {done.returncode}:\n{done.stdout}{done.stderr}")
 
     def start_mesh(self, complexity):
-        """A mesh that has been adapted to a tenth before, as in the paper's cases."""
+        """That given, or a mesh that has been adapted to a tenth before, as in the paper's cases."""
+        if self.start:
+            return pathlib.Path(self.start[0]).resolve()
         name = f"start-{complexity}.meshb"
         if not (self.folder / name).exists():
             self.run(self.command("mesh", "box", "-o", "box.meshb", "--cells", 6, 6, 6))

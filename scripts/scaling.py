@@ -2,12 +2,14 @@
 """Strong and weak scaling of a run in subdomains as `weft replay` predicts it, beside published efficiencies.
 
 Records one run on one core (--complexity in --subdomains), makes of it the graph of a mesh of --copies times the size
-with --grow times the tets in each subdomain, and replays that on --cores with the networks of a common cluster and a
-slow one: once in its own decomposition and, where that has fewer than --a-core subdomains a core, in a finer one. What
-the whole command takes beyond the loop comes from the same command on simulated ranks (--simulate), at a small size: of
-the seconds at one rank the part of a core, and of what is beyond that all. Writes scaling.md and SVG plots to --out."""
+with --grow times the tets in each subdomain, and replays that on --cores, as ranks of --threads, with the networks of a
+common cluster and a slow one: once in its own decomposition and, where that has fewer than --a-core subdomains a core,
+in a finer one. What the whole command takes beyond the loop comes from the same command on simulated ranks
+(--simulate), at a small size: of the seconds at one rank the part of a core, and of what is beyond that all. Writes
+scaling.md and SVG plots to --out."""
 
 import argparse
+import itertools
 import json
 import sys
 
@@ -25,16 +27,21 @@ def splits_for(options, cores):
     return sorted({1, split})
 
 
+def machines(options, cores):
+    """(ranks, threads a rank) with so many cores."""
+    return [(cores // threads, threads) for threads in options.threads if cores % threads == 0]
+
+
 def strong(book, options, beyond):
     rows = []
     reference = None
     for words, network in NETWORKS.items():
         for cores in options.cores:
-            for split in splits_for(options, cores):
-                replay = book.replay("recorded", cores, network, "--copies", options.copies, "--grow", options.grow, "--split", split,
-                                     "--balancer", options.balancer)
+            for split, (ranks, threads) in itertools.product(splits_for(options, cores), machines(options, cores)):
+                replay = book.replay("recorded", ranks, network, "--threads", threads, "--copies", options.copies, "--grow", options.grow,
+                                     "--split", split, "--balancer", options.balancer)
                 reference = reference or replay["work_seconds"]  # of one core, in the decomposition that is asked for
-                row = {**replay, "network": words, "cores": cores, "split": split, "reference": reference}
+                row = {**replay, "network": words, "cores": cores, "threads": threads, "split": split, "reference": reference}
                 row["loop"] = reference / (cores * replay["seconds"])
                 if cores in beyond:
                     of_all, own = beyond[cores]
@@ -43,21 +50,23 @@ def strong(book, options, beyond):
                     row["start_and_end"] = start_and_end
                     row["command"] = whole / (cores * (replay["seconds"] + start_and_end))
                 rows.append(row)
-                book.say(f"strong, {words}, {cores} cores, {replay['subdomains']} subdomains: {replay['seconds']:.4g} s, {100 * row['loop']:.1f} %")
+                book.say(f"strong, {words}, {ranks} x {threads} cores, {replay['subdomains']} subdomains: {replay['seconds']:.4g} s, "
+                         f"{100 * row['loop']:.1f} %")
     return rows
 
 
 def weak(book, options):
     rows = []
-    for words, network in NETWORKS.items():
+    for (words, network), threads in itertools.product(NETWORKS.items(), options.threads):
         reference = None
-        for cores in options.weak:
+        for cores in [cores for cores in options.weak if cores % threads == 0]:
             copies = max(1, options.a_core * cores // options.subdomains)
-            replay = book.replay("recorded", cores, network, "--copies", copies, "--grow", options.grow, "--balancer", options.balancer)
+            replay = book.replay("recorded", cores // threads, network, "--threads", threads, "--copies", copies, "--grow", options.grow,
+                                 "--balancer", options.balancer)
             of_core = replay["seconds"] / (replay["work_seconds"] / cores)  # the drawn work is not quite the same for each
             reference = reference or of_core
-            rows.append({**replay, "network": words, "cores": cores, "weak": reference / of_core})
-            book.say(f"weak, {words}, {cores} cores: {replay['seconds']:.4g} s, {100 * rows[-1]['weak']:.1f} %")
+            rows.append({**replay, "network": words, "cores": cores, "threads": threads, "weak": reference / of_core})
+            book.say(f"weak, {words}, {cores // threads} x {threads} cores: {replay['seconds']:.4g} s, {100 * rows[-1]['weak']:.1f} %")
     return rows
 
 
@@ -82,24 +91,24 @@ def limit_of(row):
     return "-" if row["seconds"] < 1.1 * ideal else "balance"
 
 
-def text_of(strong_rows, weak_rows, options):
+def text_of(book, strong_rows, weak_rows, options):
     tets = 12e-6 * options.complexity * options.copies * options.grow
-    out = [f"# Scaling, simulated\n\nCube, polar-2, recorded at complexity {options.complexity} in {options.subdomains} subdomains ({options.times} times), "
+    out = [f"# Scaling, simulated\n\n{book.case}, recorded at complexity {options.complexity} in {options.subdomains} subdomains ({options.times} times), "
            f"then {options.copies} copies of {options.grow:g} times the tets a subdomain: about {tets:.3g} M tets. Balancer {options.balancer}.\n",
-           "| network | cores | subdomains | loop s | efficiency | critical path s | largest subdomain s | moved | packets | end found after s | limit | start and end s | command |",
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
+           "| network | cores | threads a rank | subdomains | loop s | efficiency | critical path s | largest subdomain s | moved | packets | end found after s | limit | start and end s | command |",
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
     for r in strong_rows:
         command = (f"{r['start_and_end']:.3g}", f"{100 * r['command']:.1f} %") if "command" in r else ("", "")
-        out.append(f"| {r['network']} | {r['cores']} | {r['subdomains']} | {r['seconds']:.4g} | {100 * r['loop']:.1f} % | {r['critical_path_seconds']:.3g} | "
+        out.append(f"| {r['network']} | {r['cores']} | {r['threads']} | {r['subdomains']} | {r['seconds']:.4g} | {100 * r['loop']:.1f} % | {r['critical_path_seconds']:.3g} | "
                    f"{r['largest_subdomain_seconds']:.3g} | {r['migrations']['messages']} | {r['packets']['packets']} | {max(0, r['run_seconds'] - r['seconds']):.2g} | "
                    f"{limit_of(r)} | {command[0]} | {command[1]} |")
-    out += [f"\nWeak: {options.a_core} subdomains a core.\n", "| network | cores | subdomains | loop s | work a core s | efficiency against the first |", "|---|---|---|---|---|---|"]
+    out += [f"\nWeak: {options.a_core} subdomains a core.\n", "| network | cores | threads a rank | subdomains | loop s | work a core s | efficiency against the first |", "|---|---|---|---|---|---|---|"]
     for r in weak_rows:
-        out.append(f"| {r['network']} | {r['cores']} | {r['subdomains']} | {r['seconds']:.4g} | {r['work_seconds'] / r['cores']:.4g} | {100 * r['weak']:.1f} % |")
+        out.append(f"| {r['network']} | {r['cores']} | {r['threads']} | {r['subdomains']} | {r['seconds']:.4g} | {r['work_seconds'] / r['cores']:.4g} | {100 * r['weak']:.1f} % |")
     return "\n".join(out) + "\n"
 
 
-def plots(book, strong_rows, weak_rows):
+def plots(book, strong_rows, weak_rows, options):
     best = {}
     for r in strong_rows:
         key = (r["network"], r["cores"])
@@ -115,7 +124,8 @@ def plots(book, strong_rows, weak_rows):
     for name, points in PUBLISHED_EFFICIENCY.items():
         curves[name] = (sorted(points.items()), False, True)
     (book.folder / "strong.svg").write_text(plot("Efficiency against one core", "cores", "efficiency", curves, log_x=True))
-    curves = {f"weft, simulated, {words}": ([(r["cores"], r["weak"]) for r in weak_rows if r["network"] == words], True, True) for words in NETWORKS}
+    curves = {f"weft, simulated, {words}, {threads} threads a rank": ([(r["cores"], r["weak"]) for r in weak_rows if (r["network"], r["threads"]) == (words, threads)], True, True)
+              for words, threads in itertools.product(NETWORKS, options.threads)}
     (book.folder / "weak.svg").write_text(plot("Weak scaling of the loop", "cores", "efficiency", curves, log_x=True))
 
 
@@ -127,6 +137,7 @@ def main():
     parser.add_argument("--grow", type=float, default=4, help="(default 4)")
     parser.add_argument("--a-core", type=int, default=8, help="subdomains a core, in weak scaling and where there are too few (default 8)")
     parser.add_argument("--cores", nargs="+", type=int, default=[16, 64, 256, 512, 1024, 4096])
+    parser.add_argument("--threads", nargs="+", type=int, default=[1, 8], help="of a rank (default 1 8)")
     parser.add_argument("--weak", nargs="*", type=int, default=[16, 64, 256, 1024])
     parser.add_argument("--simulate", nargs="*", type=int, default=[16, 64, 256], help="ranks of the whole command (default 16 64 256)")
     parser.add_argument("--small", type=int, default=5000, help="complexity of the whole command (default 5000)")
@@ -139,10 +150,10 @@ def main():
     book.say(f"recorded: {recording.tasks} tasks, {recording.work:.3g} s of work")
     beyond = beyond_the_loop(book, options) if options.simulate else {}
     strong_rows, weak_rows = strong(book, options, beyond), weak(book, options)
-    text = text_of(strong_rows, weak_rows, options)
+    text = text_of(book, strong_rows, weak_rows, options)
     (book.folder / "scaling.md").write_text(text)
     (book.folder / "scaling.json").write_text(json.dumps({"strong": strong_rows, "weak": weak_rows}, indent=1, default=str))
-    plots(book, strong_rows, weak_rows)
+    plots(book, strong_rows, weak_rows, options)
     print(text)
 
 
