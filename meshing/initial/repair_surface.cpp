@@ -11,7 +11,9 @@
 #include <unordered_map>
 
 #include "meshing/base/box.h"
+#include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/grid/interrupted.h"
+#include "meshing/initial/mending/listed_edges.h"
 #include "meshing/initial/mending/resolve_surface.h"
 #include "meshing/mesh/polygon.h"
 #include "meshing/mesh/repair/point_tree.h"
@@ -38,8 +40,10 @@ Triangle ascending(Triangle t) {
 
 class SurfaceRepair {
  public:
-  SurfaceRepair(MeshData& surface, const std::atomic<bool>* interrupt) : m_(surface), interrupt_(interrupt) {
+  SurfaceRepair(MeshData& surface, const std::atomic<bool>* interrupt)
+      : m_(surface), interrupt_(interrupt), edges_(surface) {
     if (m_.triangle_refs.empty()) m_.triangle_refs.assign(m_.triangles.size(), 0);
+    if (m_.edge_refs.empty()) m_.edge_refs.assign(m_.edges.size(), 0);
     Box box;
     for (const Triangle& t : m_.triangles)
       for (const std::uint32_t v : t)
@@ -61,6 +65,7 @@ class SurfaceRepair {
       if (merge_across_seams() + split_at_junctions() == 0) break;
     }
     fill_holes();
+    edges_.give_to(m_);
     std::string why = resolve_surface(m_, source_, mends_, interrupt_);
     list_required();
     if (left) *left = std::move(why);
@@ -124,9 +129,7 @@ class SurfaceRepair {
       source_[kept++] = source_[i];
     }
     m_.triangles.resize(kept), m_.triangle_refs.resize(kept), source_.resize(kept);
-    for (auto& e : m_.edges)
-      for (std::uint32_t& v : e)
-        if (v < now.size()) v = now[v];
+    edges_.renumber(now);
     for (auto* list : {&m_.corners, &m_.required_points})
       for (std::uint32_t& v : *list)
         if (v < now.size()) v = now[v];
@@ -229,6 +232,7 @@ class SurfaceRepair {
     double farthest = 0;
     for (const auto& [v, r] : reach) farthest = std::max(farthest, r);
     std::set<std::uint32_t> split;
+    EdgeCuts cuts;
     std::size_t count = 0;
     for (const auto& at : free) {
       check_interrupt(interrupt_);
@@ -248,10 +252,12 @@ class SurfaceRepair {
       });
       if (nearest == std::numeric_limits<double>::max() || !split_triangle(triangle, edge, vertex)) continue;
       split.insert(triangle);
+      cuts[edge_key(edge.first, edge.second)] = {vertex};
       mend("triangles split at vertices beside their free edges", "triangle", "distance")
           .add(source_[triangle], nearest);
       ++count;
     }
+    edges_.cut(cuts);
     return count;
   }
 
@@ -339,6 +345,7 @@ class SurfaceRepair {
   double diagonal_ = 0;
   std::vector<std::uint32_t> source_;  ///< of each triangle: its number in the input
   std::vector<bool> required_;         ///< of each triangle of the input
+  ListedEdges edges_;
   std::vector<MeshMend> mends_;
 };
 

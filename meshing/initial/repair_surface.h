@@ -16,9 +16,10 @@ namespace weft::meshing {
 /// free edges that pass near a free vertex are split there; loops of free edges that are left, and small
 /// against the surface, are filled with triangles of the least area. Triangles that are repeated or collapsed
 /// are removed. What then is still open, or crosses itself, is resolved by winding numbers
-/// (resolve_surface()), if it bounds volumes at all; else it stays so.
-/// `left` says why, then; `source` is the number that each triangle had. Points keep their numbers, new ones
-/// come behind them. Throws Interrupted once the flag, if any, is set; the surface may be half mended.
+/// (resolve_surface()), if it bounds volumes at all; else it stays so, and `left` says why. Pieces of listed
+/// edges stay listed, with their references and marks. `source` is the number that each triangle had. Points
+/// keep their numbers, new ones come behind them. Throws Interrupted once the flag, if any, is set; the
+/// surface may be half mended.
 std::vector<MeshMend> repair_surface(MeshData& surface, std::string* left = nullptr,
                                      const std::atomic<bool>* interrupt = nullptr,
                                      std::vector<std::uint32_t>* source = nullptr);

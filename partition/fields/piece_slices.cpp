@@ -8,6 +8,7 @@
 
 #include "meshing/base/place_in.h"
 #include "meshing/mesh/mesh_data.h"
+#include "partition/communication/point_limit.h"
 #include "partition/communication/ranges.h"
 #include "partition/fields/by_components.h"
 #include "partition/output/own_entities.h"
@@ -60,6 +61,7 @@ class RowMail {
 
 MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering) {
   const std::uint64_t points = numbering.totals.points, tets = numbering.totals.tets;
+  refuse_too_many_points(points);
   RowMail<meshing::Point> point_mail(peers, points);
   RowMail<meshing::Tet> tet_mail(peers, tets);
   for (std::size_t p = 0; p < mine.size(); ++p) {

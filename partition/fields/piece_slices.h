@@ -12,7 +12,8 @@
 namespace weft::partition {
 
 /// All ranks: points and tets in the order of the whole mesh (number_pieces), in equal shares by rank; no
-/// references, metrics and boundary.
+/// references, metrics and boundary. Throws meshing::InputError, alike, for more points than slices can
+/// number.
 MeshSlice slice_of_pieces(Peers& peers, std::span<const MeshPiece> mine, const Numbering& numbering);
 
 /// All ranks: fields at the points of the slices, at all points of each piece.

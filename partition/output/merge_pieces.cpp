@@ -5,11 +5,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
-#include "meshing/base/error.h"
 #include "partition/communication/peers.h"
+#include "partition/communication/point_limit.h"
 #include "partition/output/numbering.h"
 #include "partition/output/own_entities.h"
 
@@ -67,8 +66,7 @@ void append(const OwnEntities& own, const std::vector<std::int32_t>& tet_refs, M
 MergedMesh merge_pieces(std::span<const MeshPiece> pieces) {
   SelfPeers alone;
   const Numbering numbering = number_pieces(alone, pieces);
-  if (numbering.totals.points >= std::numeric_limits<std::uint32_t>::max())
-    throw meshing::InputError("", "", "the merged mesh has too many vertices for 32-bit numbers");
+  refuse_too_many_points(numbering.totals.points);
   std::vector<std::size_t> order(pieces.size());
   for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
   std::ranges::sort(order, {}, [&](std::size_t p) { return pieces[p].subdomain; });

@@ -5,22 +5,19 @@
 #include <array>
 #include <cstddef>
 #include <numeric>
-#include <string>
 #include <tuple>
 
-#include "meshing/base/error.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/io/files/point_merger.h"
 #include "partition/communication/home_rank.h"
+#include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
 
 namespace weft::partition {
 namespace {
 
 using meshing::Point;
-
-constexpr std::uint64_t kMostPoints = 0xFFFFFFFE;
 
 struct CopyRecord {
   EntityKey<1> key;  ///< the ID, or a hash of the place
@@ -64,9 +61,7 @@ JoinedPoints::JoinedPoints(Peers& peers, std::span<const Point> copies, std::spa
     : copies_(peers, copies.size()) {
   const std::vector<std::uint64_t> first_copies = find_first_copies(peers, copies, ids, by_ids);
   total_ = partition::sum(peers, static_cast<std::uint64_t>(std::ranges::count(is_first_, 1)));
-  if (total_ > kMostPoints)
-    throw meshing::InputError(
-        "", "", std::to_string(total_) + " points exceed the limit of " + std::to_string(kMostPoints));
+  refuse_too_many_points(total_);
   if (by_ids && ids_are_numbers(peers, ids)) {
     numbers_.assign(ids.begin(), ids.end());
   } else {
@@ -75,11 +70,11 @@ JoinedPoints::JoinedPoints(Peers& peers, std::span<const Point> copies, std::spa
 }
 
 JoinedPoints::JoinedPoints(Peers& peers, std::uint64_t num_points_here)
-    : copies_(peers, num_points_here),
-      total_(copies_.total()),
-      numbers_(num_points_here),
-      is_first_(num_points_here, 1),
-      is_last_(num_points_here, 1) {
+    : copies_(peers, num_points_here), total_(copies_.total()) {
+  refuse_too_many_points(total_);
+  numbers_.resize(num_points_here);
+  is_first_.assign(num_points_here, 1);
+  is_last_.assign(num_points_here, 1);
   std::iota(numbers_.begin(), numbers_.end(), static_cast<std::uint32_t>(copies_.first(peers.rank())));
 }
 

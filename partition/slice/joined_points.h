@@ -22,7 +22,7 @@ class JoinedPoints {
   JoinedPoints(Peers& peers, std::span<const meshing::Point> copies, std::span<const std::int64_t> ids,
                bool by_ids);
 
-  /// All ranks: the points of one piece, all of them different.
+  /// All ranks: the points of one piece, all of them different. Throws as above.
   JoinedPoints(Peers& peers, std::uint64_t num_points_here);
 
   /// How many points there are.

@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/failing_new.h"
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -779,6 +781,89 @@ TEST_F(CInterface, MetricsComeWithTheirWarnings) {
   const char* text = nullptr;
   weft_text_get(keep(warnings), &text);
   EXPECT_THAT(text, HasSubstr("instead of 5,000\n"));
+}
+
+/// Runs call() with memory that runs out at each of its last allocations, where its outputs are made. `good`
+/// and `untouched` are called after calls that have ended well and that have not.
+template <class Call, class Good, class Untouched>
+void expect_untouched_outputs(const Call& call, const Good& good, const Untouched& untouched) {
+  if (!weft::testing::kNewCanFail) GTEST_SKIP() << "memory cannot be made to run out";
+  constexpr int kMost = 1 << 30, kLast = 12;
+  ASSERT_EQ(call(), WEFT_OK) << weft_last_error();  // what is made once is there from now on
+  good();
+  int used = 0;
+  {
+    const weft::testing::FailingNew counting(kMost);
+    ASSERT_EQ(call(), WEFT_OK);
+    used = kMost - counting.successes_left();
+  }
+  good();
+  ASSERT_GT(used, kLast);
+  int failures = 0;
+  for (int last = 1; last <= kLast; ++last) {
+    const int64_t handles = weft_handles();
+    weft_status status = WEFT_OK;
+    {
+      const weft::testing::FailingNew failing(used - last);
+      status = call();
+    }
+    if (status == WEFT_OK) {
+      good();
+      continue;
+    }
+    ++failures;
+    EXPECT_EQ(status, WEFT_OUT_OF_MEMORY) << "at the last allocation but " << last - 1;
+    EXPECT_EQ(weft_handles(), handles) << "at the last allocation but " << last - 1;
+    untouched();
+  }
+  EXPECT_GT(failures, kLast / 2);
+}
+
+TEST_F(CInterface, MetricsWhoseMemoryRunsOutLeaveNoWarnings) {
+  weft_mesh* mesh = box(1);
+  weft_metric* given = sizes(mesh, 0.3);
+  weft_options* asked = options();
+  weft_options_set(asked, "complexity", "5000");
+  weft_options_set(asked, "hmin", "0.5");
+  weft_metric* metric = nullptr;
+  weft_text* warnings = nullptr;
+  expect_untouched_outputs([&] { return weft_metric_make_with(mesh, given, asked, &metric, &warnings); },
+                           [&] {
+                             weft_free(std::exchange(metric, nullptr));
+                             weft_free(std::exchange(warnings, nullptr));
+                           },
+                           [&] {
+                             EXPECT_EQ(metric, nullptr);
+                             EXPECT_EQ(warnings, nullptr);
+                           });
+}
+
+TEST_F(CInterface, RepairsWhoseMemoryRunsOutLeaveTheMesh) {
+  weft_mesh* mesh = nullptr;
+  const auto points_of = [&mesh] {
+    int64_t points = 0;
+    weft_mesh_num_points(mesh, &points);
+    return points;
+  };
+  const auto make = [&] {  // two tets, of which one has points of its own where the other's are
+    weft_free(std::exchange(mesh, nullptr));
+    const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, -1};
+    const int64_t tets[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    weft_mesh_create(8, points, 2, tets, &mesh);
+  };
+  weft_text* mends = nullptr;
+  make();
+  expect_untouched_outputs([&] { return weft_mesh_repair(mesh, nullptr, &mends); },
+                           [&] {
+                             EXPECT_EQ(points_of(), 5);
+                             weft_free(std::exchange(mends, nullptr));
+                             make();
+                           },
+                           [&] {
+                             EXPECT_EQ(points_of(), 8);
+                             EXPECT_EQ(mends, nullptr);
+                           });
+  weft_free(mesh);
 }
 
 TEST_F(CInterface, TransfersAreAccountedFor) {

@@ -19,6 +19,7 @@ class FailingNew {
   FailingNew& operator=(const FailingNew&) = delete;
 
   bool has_failed() const { return left_ < 0; }
+  int successes_left() const { return left_; }
 
   /// Called by `new`: whether this is the one.
   static bool fails() { return left_ >= 0 && left_-- == 0; }

@@ -75,6 +75,16 @@ class Adapt(CommandTest):
         self.adapt("box.meshb", "--metric", "m.solb", "--complexity", 500)
         self.assertAlmostEqual(self.measures()["complexity"] / 500, 1, places=6)
 
+    def test_options_of_subdomains_without_them_are_told(self):
+        words = (self.box(), "--metric-fn", "uniform:0.5", "--report", "report", "--layers", 3, "--freeze", "tets", "--balancer", "stealing",
+                 "--shifts", "auto")
+        told = ["--layers has no effect without --subdomains", "--freeze has no effect without --subdomains"]
+        text = self.adapt(*words).stdout
+        self.assertEqual([line.removeprefix("warning: ") for line in text.splitlines() if "no effect" in line], told)
+        self.assertEqual(json.loads((self.folder / "report/report.json").read_text())["warnings"], told)
+        for asked in (("--subdomains", 2), ("--partitioner", "bisection")):
+            self.assertNotIn("no effect", self.adapt(*words, *asked, expect=(0, 1)).stdout)
+
     def test_the_peers_words(self):
         self.weft("metric", self.box(), "--metric-fn", "uniform:0.3", "-out", "m.solb")
         self.weft("adapt", "-in", "box.meshb", "-met", "m.solb", "-out", "a.meshb", "-hgrad", "-1", "-hmin", "0.1", "-hmax",

@@ -155,6 +155,27 @@ class BadInput(CommandTest):
         self.weft("convert", mesh, "surface.stl")
         self.assert_fails("mesh", "surface.stl", "--background", "other.meshb", "--metric", "ball.solb", "-o", "ball.meshb", says="would replace",
                           code=64)
+        self.assert_fails("mesh", mesh, "-o", mesh, says="would replace the input box.meshb", code=64)
+        self.assert_fails("adapt", mesh, *metric, "--subdomains", 2, "--trace", mesh, "-o", "fine.meshb",
+                          says="--trace: it would replace the input box.meshb")
+
+    def test_pieces_that_would_replace_an_input(self):
+        self.weft("convert", self.box(), "a_0.vtu")
+        for words in (["convert", "a_0.vtu", "a.pvtu"], ["adapt", "a_0.vtu", "--metric-fn", "uniform:1", "-o", "a.pvtu"]):
+            self.assert_fails(*words, says="would replace the input a_0.vtu", code=64)
+        (self.folder / "b").mkdir()
+        self.weft("convert", "a_0.vtu", "b/a.pvtu")
+        self.weft("convert", "a_0.vtu", "a_.pvtu")
+
+    def test_conversion_that_would_replace_an_input(self):
+        mesh = self.box()
+        self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "a.solb")
+        before = [(self.folder / name).read_bytes() for name in (mesh, "a.solb")]
+        self.assert_fails("convert", mesh, mesh, "--sol", "a.solb", says="OUT: it would replace the input box.meshb", code=64)
+        self.assert_fails("convert", mesh, "a.solb", "--sol", "a.solb", code=64)
+        self.assertEqual([(self.folder / name).read_bytes() for name in (mesh, "a.solb")], before)
+        self.weft("convert", mesh, "a.vtu", "--sol", "a.solb")
+        self.weft("convert", mesh, "a.meshb", "--sol", "a.solb")  # the fields beside it are those that are there
 
 
 if __name__ == "__main__":

@@ -148,7 +148,8 @@ class OtherCommands(Subdomains):
         self.assertEqual(self.command_on(3, *words).stdout, self.command_on(0, *words).stdout)
 
     def test_odd_pieces_are_read_as_by_one_process(self):
-        """Ghost cells, fields that a piece lacks or that are no symmetric tensors, and several pieces in one file."""
+        """Ghost cells, fields that a piece lacks or that are no symmetric tensors, reals that are references in some pieces, and several pieces in
+        one file."""
         self.pieces()
         texts = [(self.folder / f"places_{i}.vtu").read_text() for i in range(3)]
 
@@ -165,6 +166,9 @@ class OtherCommands(Subdomains):
         texts[1] = texts[1].replace('<CellData Scalars="ref">', '<CellData Scalars="ref">' + ghosts)
         texts[2] = texts[2].replace("</PointData>", '<DataArray type="Float32" Name="pair" NumberOfComponents="2" format="ascii">' +
                                     "0 0 " * count(texts[2], "Points") + "</DataArray></PointData>")
+        for i, last in enumerate(("7", "7", "0.5")):
+            array = '<DataArray type="Float64" Name="CellEntityIds" format="ascii">' + "7 " * (count(texts[i], "Cells") - 1) + last + "</DataArray>"
+            texts[i] = texts[i].replace('<CellData Scalars="ref">', '<CellData Scalars="ref">' + array)
         for i, text in enumerate(texts):
             self.write(f"places_{i}.vtu", text)
         pieces = "".join(text[text.index("<Piece "):text.index("</Piece>") + 8] for text in texts)
@@ -177,7 +181,8 @@ class OtherCommands(Subdomains):
             self.assertEqual(made, made[:1] * len(made), source)
             made.clear()
         self.assertEqual(told, told[:1] * len(told))
-        for words in ("1 fields of 2 components", "1 fields of tensors that are not symmetric", "2 fields that some pieces lack"):
+        cells = sum(count(text, "Cells") for text in texts)
+        for words in (f"{cells:,} values of cell data CellEntityIds", "1 fields of 2 components", "1 fields of tensors that are not symmetric", "2 fields that some pieces lack"):
             self.assertIn(f"dropped: {words}", told[0])
         self.assertIn(b'Name="even"', self.bytes_of("o.vtu")[0])
 

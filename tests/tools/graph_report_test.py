@@ -114,6 +114,13 @@ class Graphs(SampleTest):
             self.assert_fails("graph", "graph.json", "--plan", *words, says="--plan", code=64)
         self.assert_fails("graph", "graph.json", "--collapse", "rounds", "-o", "rounds.json", says="--collapse", code=64)
 
+    def test_the_recording_is_not_replaced(self):
+        self.sample()
+        before = (self.folder / "graph.json").read_bytes()
+        for words in (["-o", "graph.json"], ["-o", "./graph.json", "--format", "dot"]):
+            self.assert_fails("graph", "graph.json", *words, says="--out: it would replace the input graph.json", code=64)
+        self.assertEqual((self.folder / "graph.json").read_bytes(), before)
+
     def test_graphml_is_xml_with_every_edge_between_nodes(self):
         uses = self.sample()["graph"]["uses"]
         root = xml.fromstring(self.graph("--format", "graphml"))

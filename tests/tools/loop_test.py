@@ -56,6 +56,12 @@ class Cycles(LoopTest):
         report = json.loads((self.folder / "run/003/report.json").read_text())
         self.assertEqual(report["fields"]["transfer"], "conservative")
 
+    def test_the_first_mesh_is_not_replaced(self):
+        (self.folder / "run/002").mkdir(parents=True)
+        (self.folder / "box.meshb").rename(self.folder / "run/002/mesh.meshb")
+        self.fails("run.json: mesh", "would be replaced by that of cycle 2", mesh="run/002/mesh.meshb")
+        self.assertEqual(self.files(), ["run", "run.json"])
+
     def test_everything_is_kept(self):
         text = self.loop().stdout
         self.assertIn("cycle 2 of 2: complexity", text)

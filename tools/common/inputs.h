@@ -15,11 +15,23 @@ inline bool same_file(const std::string& a, const std::string& b) {
   return std::filesystem::equivalent(a, b, missing) && !missing;
 }
 
-/// Throws OptionError where `output`, called `name` and given by `option`, is one of the inputs.
+/// Whether `file` has the name of a piece of the .pvtu `index`: wing_0.vtu of wing.pvtu.
+inline bool is_piece_of(const std::string& index, const std::string& file) {
+  const std::filesystem::path whole(index), piece(file);
+  const std::string stem = piece.stem().string(), before = whole.stem().string() + "_";
+  return whole.extension() == ".pvtu" && piece.extension() == ".vtu" && stem.starts_with(before) &&
+         stem.size() > before.size() &&
+         stem.find_first_not_of("0123456789", before.size()) == std::string::npos &&
+         same_file((whole.parent_path() / piece.filename()).string(), file);
+}
+
+/// Throws OptionError where `output`, called `name` and given by `option`, is one of the inputs, or has one
+/// as a piece.
 inline void keep_inputs(const std::string& output, const std::string& name,
                         const std::vector<std::string>& inputs, const std::string& option = "--out") {
   for (const std::string& file : inputs)
-    if (same_file(output, file)) throw OptionError(option, name + " would replace the input " + file);
+    if (same_file(output, file) || is_piece_of(output, file))
+      throw OptionError(option, name + " would replace the input " + file);
 }
 
 }  // namespace weft::tools

@@ -170,7 +170,21 @@ class Closing {
         add(triangles_.corners[i], i, false, result);
     }
     add_fresh(result);
+    list_cuts(result.cuts);
     return result;
+  }
+
+  /// Edges of facets that are in pieces.
+  void list_cuts(EdgeCuts& cuts) const {
+    for (const InputEdge& edge : r_.edges) {
+      std::vector<std::uint32_t> vertices;
+      for (const std::uint32_t v : edge.chain)
+        if (const auto at = steiner_.find(v); at != steiner_.end()) vertices.push_back(at->second);
+      if (vertices.empty()) continue;
+      const std::uint32_t a = given_[edge.a], b = given_[edge.b];
+      if (a > b) std::reverse(vertices.begin(), vertices.end());
+      cuts.emplace(edge_key(a, b), std::move(vertices));
+    }
   }
 
   void add(const Triangle& w, std::uint32_t beside, bool is_new, ClosedOpenings& result) const {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshing/initial/clean_triangles.h"
+#include "meshing/initial/mending/listed_edges.h"
 
 namespace weft::meshing {
 
@@ -15,6 +16,7 @@ struct ClosedOpenings {
   std::vector<Point> points;  ///< those given, then new ones
   LooseTriangles triangles;   ///< closing ones have the source of a triangle beside them
   std::vector<bool> closing;  ///< of each triangle: whether it is new
+  EdgeCuts cuts;              ///< of the given triangles' edges
 };
 
 /// `triangles` must not cross, and look outwards. Tets are made of all their points, with the triangles as

@@ -15,6 +15,7 @@
 #include "meshing/initial/clean_triangles.h"
 #include "meshing/initial/grid/interrupted.h"
 #include "meshing/initial/mending/close_openings.h"
+#include "meshing/initial/mending/listed_edges.h"
 #include "meshing/initial/mending/orient_triangles.h"
 #include "meshing/initial/mending/split_crossings.h"
 #include "meshing/initial/mending/surface_distance.h"
@@ -41,7 +42,7 @@ class Resolution {
         source_(source),
         mends_(mends),
         points_(surface.points),
-        edges_(surface.edges),
+        edges_(surface),
         interrupt_(interrupt) {
     Box box;
     for (const Triangle& t : surface.triangles)
@@ -82,9 +83,10 @@ class Resolution {
     cleaning.mend_degenerate();
     cleaning.drop_collapsed();
     cleaning.merge_repeated();
-    for (auto& e : edges_)
-      for (std::uint32_t& v : e)
-        if (cleaning.merged()[v] != TriangleCleaning::kUnused) v = cleaning.merged()[v];
+    edges_.renumber(cleaning.merged());
+    EdgeCuts cuts;
+    for (const auto& [edge, vertex] : cleaning.splits()) cuts[edge] = {vertex};
+    while (edges_.cut(cuts)) continue;  // ends, because pieces are shorter
   }
 
   std::vector<Pair> crossings() const {
@@ -168,6 +170,7 @@ class Resolution {
     }
     for (Triangle& t : loose_.corners)
       for (std::uint32_t& v : t) v = now[v];
+    edges_.renumber(now);
     TriangleCleaning(points_, loose_, tolerance_).drop_collapsed();
     return !edges.empty();
   }
@@ -184,6 +187,7 @@ class Resolution {
     }
     points_ = std::move(pieces.points);
     loose_ = std::move(result);
+    edges_.cut(pieces.cuts);
   }
 
   /// Patches end where not two triangles meet at an edge. A patch stays if one of its sides is inside and the
@@ -266,6 +270,7 @@ class Resolution {
     const LooseTriangles before = std::move(loose_);
     points_ = std::move(closed.points);
     loose_ = std::move(closed.triangles);
+    edges_.cut(closed.cuts);
     double fresh = 0, kept = 0;
     for (std::size_t t = 0; t < loose_.size(); ++t)
       (closed.closing[t] ? fresh : kept) += area_of(loose_.corners[t]);
@@ -305,7 +310,7 @@ class Resolution {
     surface_.point_refs.resize(surface_.points.size(), 0);
     surface_.triangles = std::move(loose_.corners);
     surface_.triangle_refs = std::move(loose_.refs);
-    surface_.edges = std::move(edges_);
+    edges_.give_to(surface_);
     mends_.insert(mends_.end(), fresh_mends_.begin(), fresh_mends_.end());
   }
 
@@ -365,7 +370,7 @@ class Resolution {
   std::vector<std::uint32_t>& source_;
   std::vector<MeshMend>& mends_;
   std::vector<Point> points_;
-  std::vector<std::array<std::uint32_t, 2>> edges_;
+  ListedEdges edges_;
   double diagonal_ = 0, tolerance_ = 0;
   std::string left_;
   LooseTriangles loose_;

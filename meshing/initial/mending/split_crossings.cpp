@@ -96,6 +96,7 @@ class Splitting {
       check_interrupt(interrupt);
       add_pieces(t, interrupt, result);
     }
+    result.cuts = cuts();
     result.points = std::move(exact_.rounded);
     return result;
   }
@@ -259,6 +260,20 @@ class Splitting {
 
   static bool nearer(const Point3& from, const Point3& x, const Point3& y) {
     return CGAL::compare_distance_to_point(from, x, y) == CGAL::SMALLER;
+  }
+
+  EdgeCuts cuts() const {
+    EdgeCuts all;
+    for (const auto& [edge, found] : on_edge_) {
+      std::vector<std::uint32_t> vertices = found;
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+      const Point3& from = exact_[static_cast<std::uint32_t>(edge >> 32)];
+      std::sort(vertices.begin(), vertices.end(),
+                [&](std::uint32_t x, std::uint32_t y) { return nearer(from, exact_[x], exact_[y]); });
+      all.emplace(edge, std::move(vertices));
+    }
+    return all;
   }
 
   // --- Pieces

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "meshing/initial/mending/listed_edges.h"
 #include "meshing/mesh/mesh_data.h"
 
 namespace weft::meshing {
@@ -15,6 +16,7 @@ struct SplitTriangles {
   std::vector<Point> points;  ///< those given, then the new ones, rounded
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> parent;  ///< of each triangle: which given one it is a piece of
+  EdgeCuts cuts;                      ///< of the given triangles' edges
 };
 
 /// Cuts the triangles of each pair (from self_intersections()) along what they have in common. All is exact

@@ -16,7 +16,8 @@ struct MeshPiece {
 
 /// What there is in a piece.
 struct PieceSize : MeshSize {
-  bool has_ids = false;  ///< of its points
+  bool has_ids = false;       ///< of its points
+  std::uint8_t not_refs = 0;  ///< bits of the names whose values are no references here
 };
 
 /// What one of several readers takes of a piece: the points and tets of a range, and `others`: all triangles,
@@ -24,6 +25,7 @@ struct PieceSize : MeshSize {
 struct PieceRange {
   MeshRange rows;
   bool others = true;
+  std::uint8_t not_refs = 0;  ///< those of all pieces: pieces agree on what their references are
 };
 inline bool is_empty(const PieceRange& range) {
   return range.rows.num_points == 0 && range.rows.num_tets == 0 && !range.others;

@@ -134,13 +134,6 @@ std::string index_text(const SolutionData& fields, bool point_refs, const std::v
   return xml + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 
-/// The pieces of each file that the index names.
-std::vector<std::vector<MeshPiece>> read_sources(const fs::path& path, Coordinates wanted) {
-  std::vector<std::vector<MeshPiece>> sources;
-  for (const fs::path& source : pvtu_sources(path)) sources.push_back(read_vtu_pieces(source, wanted));
-  return sources;
-}
-
 MeshContents merged(std::vector<std::vector<MeshPiece>> sources) {
   std::vector<MeshPiece> pieces;
   for (auto& of_source : sources) std::ranges::move(of_source, std::back_inserter(pieces));
@@ -162,11 +155,11 @@ std::vector<fs::path> pvtu_sources(const fs::path& path) {
 }
 
 MeshContents read_pvtu(const fs::path& path, Coordinates wanted) {
-  return merged(read_sources(path, wanted));
+  return merged(read_vtu_pieces(pvtu_sources(path), wanted));
 }
 
 MeshContents read_pvtu_by_piece(const fs::path& path) {
-  std::vector<std::vector<MeshPiece>> sources = read_sources(path, Coordinates::finite);
+  std::vector<std::vector<MeshPiece>> sources = read_vtu_pieces(pvtu_sources(path));
   for (std::size_t i = 0; i < sources.size(); ++i)
     for (MeshPiece& piece : sources[i])
       std::ranges::fill(piece.contents.mesh.tet_refs, static_cast<std::int32_t>(i));

@@ -65,13 +65,15 @@ bool is_one_of(std::string_view name, const std::array<std::string_view, N>& nam
 
 class PieceReader {
  public:
-  /// `range`: which points and tets are kept; all without one. With one there are no fields.
+  /// `range`: which points and tets are kept; all without one. With one there are no fields. `not_refs`: what
+  /// a range has of that name.
   PieceReader(const VtkDocument& document, pugi::xml_node piece,
-              const std::optional<PieceRange>& range = std::nullopt)
+              const std::optional<PieceRange>& range = std::nullopt, std::uint8_t not_refs = 0)
       : document_(document),
         piece_(piece),
         range_(range),
         others_(!range || range->others),
+        not_refs_(range ? range->not_refs : not_refs),
         num_points_(document.count(piece, "NumberOfPoints")),
         num_cells_(document.count(piece, "NumberOfCells")) {}
 
@@ -87,6 +89,7 @@ class PieceReader {
   PieceSize size() {
     find_cell_data();
     PieceSize size{{num_points_, 0}, num_points_ == 0};
+    size.not_refs = not_refs();
     for (const pugi::xml_node array : piece_.child("PointData").children("DataArray"))
       size.has_ids = size.has_ids || role_of(array) == Role::ids;
     for (std::uint64_t first = 0; first < num_cells_; first += kCellsAtOnce) {
@@ -95,6 +98,12 @@ class PieceReader {
     }
     return size;
   }
+
+  // When cell data have been looked at:
+  /// Bits of the names (kRefNames) of arrays here that cannot be references.
+  std::uint8_t not_refs() const { return static_cast<std::uint8_t>(has_ & ~can_be_); }
+  /// The bit of the name of the references; 0: there are none.
+  std::uint8_t ref_name() const { return refs_ ? bit_of(refs_.attribute("Name").value()) : std::uint8_t{0}; }
 
   /// Only the fields, at the points of the range. A field that has no place here, as some of its values show,
   /// has no values.
@@ -138,12 +147,23 @@ class PieceReader {
       const std::string name = array.attribute("Name").value();
       if (name == kGhosts) {
         ghosts_ = array;
-      } else if (is_one_of(name, kRefNames) && !refs_ && can_be_refs(array)) {
-        refs_ = array;
-      } else if (others_) {
-        result_.contents.drop("values of cell data " + name, num_cells_);
+        continue;
       }
+      const std::uint8_t bit = bit_of(name);
+      const bool good = (bit & ~not_refs_) != 0 && can_be_refs(array);
+      has_ |= bit;
+      if (good) can_be_ |= bit;
+      if (good && !refs_)
+        refs_ = array;
+      else if (others_)
+        result_.contents.drop("values of cell data " + name, num_cells_);
     }
+  }
+
+  /// Of a name of references; 0: of another.
+  static std::uint8_t bit_of(std::string_view name) {
+    const auto found = std::ranges::find(kRefNames, name);
+    return static_cast<std::uint8_t>(found == kRefNames.end() ? 0 : 1 << (found - kRefNames.begin()));
   }
 
   /// Reals too, NumPy's usual type, where all of the piece are whole numbers.
@@ -377,7 +397,8 @@ class PieceReader {
   const VtkDocument& document_;
   pugi::xml_node piece_, refs_, ghosts_;
   std::optional<PieceRange> range_;
-  bool others_;  ///< cells that are no tets are wanted
+  bool others_;                                   ///< cells that are no tets are wanted
+  std::uint8_t not_refs_, has_ = 0, can_be_ = 0;  ///< bits of names of references
   std::uint64_t num_points_, num_cells_;
   MeshPiece result_;
   // Of the cells so far:
@@ -632,6 +653,27 @@ std::vector<pugi::xml_node> pieces_of(const VtkDocument& document) {
   return {pieces.begin(), pieces.end()};
 }
 
+/// Bits of the names of cell data that were the references of a piece, and of those that could not be.
+struct VtuRefs {
+  std::uint8_t used = 0, refused = 0;
+};
+
+std::vector<std::vector<MeshPiece>> read_sources(std::span<const std::filesystem::path> sources,
+                                                 Coordinates wanted, std::uint8_t not_refs, VtuRefs& refs) {
+  std::vector<std::vector<MeshPiece>> all;
+  for (const std::filesystem::path& source : sources) {
+    const VtkDocument document(source, "UnstructuredGrid");
+    std::vector<MeshPiece>& pieces = all.emplace_back();
+    for (const pugi::xml_node piece : pieces_of(document)) {
+      PieceReader reader(document, piece, std::nullopt, not_refs);
+      pieces.push_back(reader.read(wanted));
+      refs.used |= reader.ref_name();
+      refs.refused |= reader.not_refs();
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs) {
@@ -644,16 +686,17 @@ std::vector<std::string> field_array_names(const SolutionData& fields, bool glob
   return names;
 }
 
-std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path, Coordinates wanted) {
-  const VtkDocument document(path, "UnstructuredGrid");
-  std::vector<MeshPiece> pieces;
-  for (const pugi::xml_node piece : pieces_of(document))
-    pieces.push_back(PieceReader(document, piece).read(wanted));
-  return pieces;
+std::vector<std::vector<MeshPiece>> read_vtu_pieces(std::span<const std::filesystem::path> sources,
+                                                    Coordinates wanted) {
+  VtuRefs refs;
+  std::vector<std::vector<MeshPiece>> pieces = read_sources(sources, wanted, 0, refs);
+  if (!(refs.used & refs.refused)) return pieces;
+  pieces.clear();
+  return read_sources(sources, wanted, refs.refused, refs);
 }
 
 MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted) {
-  return merge_pieces(read_vtu_pieces(path, wanted));
+  return merge_pieces(std::move(read_vtu_pieces({&path, 1}, wanted)[0]));
 }
 
 std::optional<MeshSize> vtu_size(const std::filesystem::path& path) {

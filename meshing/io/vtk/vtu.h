@@ -18,8 +18,8 @@ namespace weft::meshing {
 
 /// Reads tets, triangles, lines, and vertices (which become corners): arrays as text, base64 or raw, inline
 /// or appended, also compressed with zlib. Cell data called ref (or by the names of Gmsh and Medit) are the
-/// references if all are whole numbers; point data are fields. Other cells and cell data are dropped. Throws
-/// InputError.
+/// references if all are whole numbers, in all pieces; point data are fields. Other cells and cell data are
+/// dropped. Throws InputError.
 MeshContents read_vtu(const std::filesystem::path& path, Coordinates wanted = Coordinates::finite);
 
 /// The size of a file with one piece; nothing of one with several. Reads the types of all cells.
@@ -53,10 +53,12 @@ struct CellData {
 /// What the arrays of fields are called: all different, and not as those of point data that are no fields.
 std::vector<std::string> field_array_names(const SolutionData& fields, bool global_ids, bool point_refs);
 
-/// The pieces of one .vtu, and a .vtu as one of several, which all have references of points or none. More
-/// cell data than `ref` are for viewers: readers here drop them.
-std::vector<MeshPiece> read_vtu_pieces(const std::filesystem::path& path,
-                                       Coordinates wanted = Coordinates::finite);
+/// The pieces of each of several .vtu files of one mesh. Where the references of one cannot be those of
+/// another all are read once more, without these.
+std::vector<std::vector<MeshPiece>> read_vtu_pieces(std::span<const std::filesystem::path> sources,
+                                                    Coordinates wanted = Coordinates::finite);
+/// A .vtu as one of several, which all have references of points or none. More cell data than `ref` are for
+/// viewers: readers here drop them.
 void write_vtu_piece(const std::filesystem::path& path, const MeshView& contents,
                      const std::vector<std::int64_t>& global_ids, bool point_refs,
                      const WriteOptions& options, const std::vector<CellData>& cell_data = {});

@@ -417,7 +417,7 @@ class Repair {
         t = {0, 0, 0};
     std::vector<bool> drop(m_.triangles.size());
     const std::vector<std::uint32_t> codes = match_triangles(m_.triangles, m_.tets, m_.points.size());
-    std::map<Triangle, std::int32_t> there;
+    std::map<Triangle, std::uint32_t> there;  // by their new numbers
     std::vector<std::uint32_t> new_index(m_.triangles.size(), kGone);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m_.triangles.size(); ++i) {
@@ -427,15 +427,17 @@ class Repair {
         if (!degenerate) remember_ref(m_.triangles[i], m_.triangle_refs[i]);
         continue;
       }
-      const auto [known, is_new] = there.try_emplace(in_order(m_.triangles[i]), m_.triangle_refs[i]);
+      const auto [known, is_new] =
+          there.try_emplace(in_order(m_.triangles[i]), static_cast<std::uint32_t>(kept));
+      new_index[i] = known->second;  // what stays is required if one of them was
       if (!is_new) {
-        mend(known->second == m_.triangle_refs[i] ? "repeated triangles removed"
-                                                  : "repeated triangles with another reference removed",
+        mend(m_.triangle_refs[known->second] == m_.triangle_refs[i]
+                 ? "repeated triangles removed"
+                 : "repeated triangles with another reference removed",
              "triangle")
             .add(triangle_source_[i]);
         continue;
       }
-      new_index[i] = static_cast<std::uint32_t>(kept);
       m_.triangles[kept] = m_.triangles[i];
       m_.triangle_refs[kept++] = m_.triangle_refs[i];
     }
@@ -479,7 +481,7 @@ class Repair {
   }
 
   /// Of the boundary, and between tets of different references.
-  void add_missing(const std::map<Triangle, std::int32_t>& there) {
+  void add_missing(const std::map<Triangle, std::uint32_t>& there) {
     for (std::uint32_t i = 0; i < m_.triangles.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k)
         beside_.emplace(in_order(std::array{m_.triangles[i][k], m_.triangles[i][(k + 1) % 3]}), i);
@@ -498,20 +500,23 @@ class Repair {
 
   void mend_edges() {
     std::vector<std::uint32_t> new_index(m_.edges.size(), kGone);
-    std::set<std::array<std::uint32_t, 2>> there;
+    std::map<std::array<std::uint32_t, 2>, std::uint32_t> there;  // by their new numbers
     std::vector<bool> used(m_.points.size());
     for (const auto& t : m_.tets)
       for (const std::uint32_t v : t) used[v] = true;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m_.edges.size(); ++i) {
       const auto& e = m_.edges[i];
-      const bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] &&
-                        used[e[1]] && there.insert(in_order(e)).second;
+      bool good = e[0] != e[1] && e[0] < used.size() && e[1] < used.size() && used[e[0]] && used[e[1]];
+      if (good) {
+        const auto [known, is_new] = there.try_emplace(in_order(e), static_cast<std::uint32_t>(kept));
+        new_index[i] = known->second;  // what stays is a ridge, or required, if one of them was
+        good = is_new;
+      }
       if (!good) {
         mend("edges that are repeated, or of no tets, removed", "edge").add(edge_source_[i]);
         continue;
       }
-      new_index[i] = static_cast<std::uint32_t>(kept);
       m_.edges[kept] = e;
       m_.edge_refs[kept++] = m_.edge_refs[i];
     }

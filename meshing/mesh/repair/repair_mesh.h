@@ -33,10 +33,10 @@ struct MeshRepair {
 /// turns tets whose vertices are listed the wrong way round; untangles tets that lie the wrong way round, or
 /// flat, by moving vertices that are no vertices of triangles or of the boundary; removes tets that are flat
 /// and lie at the boundary; untangles what is left by moving vertices within smooth parts of the boundary too
-/// (untangle.h); removes triangles that are no faces, or are there twice (the first one's
-/// reference counts), edges and marks of what is no more, and unused vertices; and lists the triangles that
-/// are missing, with the references of those they replace, or of those beside them in their plane. Throws
-/// InputError (no file name) for what is left.
+/// (untangle.h); removes triangles that are no faces, or are there twice (the first one's reference counts,
+/// and the marks of both), edges and marks of what is no more, and unused vertices; and lists the triangles
+/// that are missing, with the references of those they replace, or of those beside them in their plane.
+/// Throws InputError (no file name) for what is left.
 MeshRepair repair_mesh(MeshData& mesh);
 
 }  // namespace weft::meshing

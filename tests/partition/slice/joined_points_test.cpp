@@ -1,6 +1,7 @@
 // Points of pieces on ranks have the numbers and values of the merged mesh.
 #include "partition/slice/joined_points.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "meshing/base/error.h"
 #include "meshing/io/files/merge_pieces.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
@@ -125,6 +127,14 @@ TEST(JoinedPoints, OfOnePieceKeepTheirOrder) {
     const JoinedPoints joined(peers, static_cast<std::uint64_t>(peers.rank()));  // 0, 1 and 2 points
     EXPECT_EQ(joined.total(), 3u);
     EXPECT_EQ(joined.numbers_of(peers, {0, 2}), (std::vector<std::uint32_t>{0, 2}));
+  });
+}
+
+TEST(JoinedPoints, OfOnePieceAreRefusedWhere32BitsCannotNumberThem) {
+  support::run_ranks(2, [](Peers& peers) {
+    const std::uint64_t half = std::uint64_t{1} << 31;
+    EXPECT_THAT([&] { JoinedPoints(peers, half); }, testing::ThrowsMessage<meshing::InputError>(
+                                                        testing::HasSubstr("4294967296 vertices exceed")));
   });
 }
 

@@ -20,11 +20,10 @@ weft_status weft_mesh_compare(const weft_mesh* mesh, const weft_mesh* other, int
     require_place(num_differences, "num_differences");
     const auto known = mesh_of(mesh, "mesh"), against = mesh_of(other, "other");
     const auto found = weft::differences(weft::verify(*known, 0), weft::verify(*against, 0));
-    *num_differences = static_cast<int64_t>(found.size());
-    if (found.empty()) return;
     std::string text = std::to_string(found.size()) + " differences";
     for (const std::string& difference : found) text += "; " + difference;
-    set_last_error(text);
+    if (!found.empty()) set_last_error(text);
+    *num_differences = static_cast<int64_t>(found.size());
   });
 }
 

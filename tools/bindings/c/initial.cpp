@@ -51,8 +51,9 @@ void fill_volume(const weft_mesh* surface, const Mesh* background, const Metric*
                  weft_metric** metric) {
   require_place(mesh, "mesh");
   FillResult filled = filled_volume(surface, background, sizes, settings, options);
-  if (metric) give_metric(metric, std::make_shared<const Metric>(std::move(filled.metric)));
+  NewHandle of_metric = new_metric(std::make_shared<const Metric>(std::move(filled.metric)));
   give_mesh(mesh, std::make_shared<Mesh>(std::move(filled.mesh)));
+  of_metric.give(metric);
 }
 
 void require_length(double value, const char* argument) {

@@ -287,9 +287,9 @@ weft_status weft_mesh_verify(const weft_mesh* mesh, int64_t* num_problems, doubl
   return guarded([&] {
     require_place(num_problems, "num_problems");
     const weft::CheckReport report = weft::verify(*mesh_of(mesh));
+    if (!report.ok()) set_last_error(problems_of(report));
     *num_problems = static_cast<std::int64_t>(report.num_problems);
     if (volume) *volume = report.volume;
-    if (!report.ok()) set_last_error(problems_of(report));
   });
 }
 

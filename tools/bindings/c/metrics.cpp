@@ -143,8 +143,9 @@ weft_status weft_metric_make_with(const weft_mesh* mesh, const weft_metric* sour
     const auto asked = object_of<OptionsObject>(options, "options");
     const auto given = object_or_none<MetricObject>(source, "source");
     weft::MadeMetric made = made_metric(*known, given ? given->metric.get() : nullptr, asked->options);
-    if (warnings) give_lines(warnings, made.warnings);
+    NewHandle told = new_lines(made.warnings);
     give_new(metric, std::move(made.metric));
+    told.give(warnings);
   });
 }
 

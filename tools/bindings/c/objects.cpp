@@ -105,22 +105,28 @@ void give_mesh(weft_mesh** place, std::shared_ptr<Mesh> mesh) {
   give(place, std::move(object));
 }
 
-void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric) {
+NewHandle new_metric(std::shared_ptr<const Metric> metric) {
   auto object = std::make_shared<MetricObject>();
   object->metric = std::move(metric);
-  give(place, std::move(object));
+  return NewHandle(std::move(object));
 }
 
-void give_text(weft_text** place, std::string text) {
+void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric) {
+  new_metric(std::move(metric)).give(place);
+}
+
+NewHandle new_text(std::string text) {
   auto object = std::make_shared<TextObject>();
   object->text = std::move(text);
-  give(place, std::move(object));
+  return NewHandle(std::move(object));
 }
 
-void give_lines(weft_text** place, const std::vector<std::string>& lines) {
+void give_text(weft_text** place, std::string text) { new_text(std::move(text)).give(place); }
+
+NewHandle new_lines(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text += line + "\n";
-  give_text(place, std::move(text));
+  return new_text(std::move(text));
 }
 
 void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,

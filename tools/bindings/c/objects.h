@@ -7,6 +7,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "weft/weft-c.h"
@@ -98,18 +99,43 @@ inline std::shared_ptr<Mesh> mesh_of(const weft_mesh* handle, const char* argume
   return object_of<MeshObject>(handle, argument)->mesh;
 }
 
+/// A new handle, which is freed again unless it is given away: where a call gives several things and one of
+/// them cannot be made, none is given.
+class NewHandle {
+ public:
+  template <class Object>
+  explicit NewHandle(std::shared_ptr<Object> object)
+      : handle_(add_object(kKind<Object>, std::move(object))) {}
+  ~NewHandle() {
+    if (handle_) free_object(handle_);
+  }
+  NewHandle(const NewHandle&) = delete;
+  NewHandle& operator=(const NewHandle&) = delete;
+
+  /// Nothing fails here. `place` may be null: nobody wants it.
+  template <class Handle>
+  void give(Handle** place) noexcept {
+    if (place) *place = static_cast<Handle*>(std::exchange(handle_, nullptr));
+  }
+
+ private:
+  void* handle_;
+};
+
 /// Writes a new handle.
 template <class Handle, class Object>
 void give(Handle** place, std::shared_ptr<Object> object) {
-  *place = static_cast<Handle*>(add_object(kKind<Object>, std::move(object)));
+  NewHandle(std::move(object)).give(place);
 }
 
 void give_mesh(weft_mesh** place, std::shared_ptr<Mesh> mesh);
+NewHandle new_metric(std::shared_ptr<const Metric> metric);
 void give_metric(weft_metric** place, std::shared_ptr<const Metric> metric);
 void give_fields(weft_fields** place, std::shared_ptr<Fields> fields,
                  std::shared_ptr<const Transfer> transfer = nullptr);
+NewHandle new_text(std::string text);
 void give_text(weft_text** place, std::string text);
 /// A line each.
-void give_lines(weft_text** place, const std::vector<std::string>& lines);
+NewHandle new_lines(const std::vector<std::string>& lines);
 
 }  // namespace weft::c

@@ -4,17 +4,6 @@
 
 #include "tools/bindings/c/calls.h"
 
-namespace weft::c {
-namespace {
-
-/// `place` may be null.
-void tell(const std::vector<Mend>& mends, weft_text** place) {
-  if (place) give_text(place, weft::mends_text(mends));
-}
-
-}  // namespace
-}  // namespace weft::c
-
 using namespace weft::c;
 
 weft_status weft_mesh_repair(weft_mesh* mesh, weft_fields* fields, weft_text** mends) {
@@ -23,10 +12,10 @@ weft_status weft_mesh_repair(weft_mesh* mesh, weft_fields* fields, weft_text** m
     const auto values = object_or_none<FieldsObject>(fields, "fields");
     const auto mended = std::make_shared<weft::Mesh>(*object->mesh);
     const auto carried = values ? std::make_shared<weft::Fields>(*values->fields) : nullptr;
-    const auto done = weft::repair(*mended, carried.get());
+    NewHandle told = new_text(weft::mends_text(weft::repair(*mended, carried.get())));
     object->mesh = mended;
     if (values) values->fields = carried;
-    tell(done, mends);
+    told.give(mends);
   });
 }
 
@@ -34,9 +23,9 @@ weft_status weft_fields_repair_metric(weft_fields* fields, const weft_mesh* mesh
   return guarded([&] {
     const auto values = object_of<FieldsObject>(fields, "fields");
     const auto mended = std::make_shared<weft::Fields>(*values->fields);
-    const auto done = weft::repair_metric(*mesh_of(mesh), *mended);
+    NewHandle told = new_text(weft::mends_text(weft::repair_metric(*mesh_of(mesh), *mended)));
     values->fields = mended;
-    tell(done, mends);
+    told.give(mends);
   });
 }
 
@@ -44,8 +33,8 @@ weft_status weft_surface_repair(weft_mesh* surface, weft_text** mends) {
   return guarded([&] {
     const auto object = object_of<MeshObject>(surface, "surface");
     const auto mended = std::make_shared<weft::Mesh>(*object->mesh);
-    const auto done = weft::repair_surface(*mended);
+    NewHandle told = new_text(weft::mends_text(weft::repair_surface(*mended)));
     object->mesh = mended;
-    tell(done, mends);
+    told.give(mends);
   });
 }

@@ -71,11 +71,11 @@ template <class Told>
 void give_told(const Told& told, weft_told what, weft_text** place) {
   switch (what) {
     case WEFT_WARNINGS:
-      return give_lines(place, told.warnings);
+      return new_lines(told.warnings).give(place);
     case WEFT_MENDS:
       return give_text(place, weft::mends_text(told.mends));
     case WEFT_MISSED:
-      return give_lines(place, told.missed);
+      return new_lines(told.missed).give(place);
     case WEFT_ENDED_BY:
       return give_text(place, told.ended_by);
   }

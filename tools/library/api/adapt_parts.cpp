@@ -9,6 +9,7 @@
 #include "graph/adaptation/engine_peers.h"
 #include "meshing/base/error.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/piece_slices.h"
 #include "partition/fields/transfer_in_parts.h"
@@ -79,8 +80,12 @@ partition::MeshSlice background_of(partition::Peers& peers, const Part& part, co
 
 void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, const Fields& fields,
                   TransferMethod method, PartResult& result) {
-  const partition::MeshSlice slice = partition::slice_of_pieces(
-      run.peers(), run.pieces(), partition::number_pieces(run.peers(), run.pieces()));
+  const partition::Numbering numbering = partition::number_pieces(run.peers(), run.pieces());
+  if (const std::string issue = partition::too_many_points(numbering.totals.points); !issue.empty()) {
+    result.warnings.push_back("fields are not carried to the result: " + issue);  // it is not lost with them
+    return;
+  }
+  const partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
   Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method);
   const std::vector<std::string> warnings = tools::transfer_warnings(transfer, "");
   result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());

@@ -18,6 +18,7 @@
 #include "partition/fields/slice_pieces.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/verify/verify_slices.h"
+#include "tools/common/inputs.h"
 #include "tools/library/jobs/outputs.h"
 #include "tools/library/jobs/sources/field_source.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
@@ -221,6 +222,7 @@ bool can_convert_on_ranks(const std::string& input, const std::string& solution,
 
 ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& solution,
                                   const std::string& output, const WriteOptions& options) {
+  tools::keep_inputs(output, "it", {input, solution}, "OUT");
   ConvertedOnRanks result;
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     check_output(peers, output);

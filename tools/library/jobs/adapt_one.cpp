@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "meshing/adapt/adapt.h"
 #include "meshing/base/error.h"
@@ -29,6 +30,15 @@ namespace weft::tools {
 namespace {
 
 using meshing::InputError;
+
+/// Options that say how to work in subdomains, of which there are none.
+void warn_of_idle_options(const Options& options, std::vector<std::string>& warnings) {
+  const Options plain;
+  for (const char* name :
+       {"equal", "layers", "layers-by", "shifts", "balancer", "freeze", "no-interface-refinement"})
+    if (get_option(options, name) != get_option(plain, name))
+      warnings.push_back(fmt::format("--{} has no effect without --subdomains", name));
+}
 
 /// The steps in order, each leaving its part of the result.
 class OneMesh {
@@ -68,6 +78,7 @@ class OneMesh {
     field_ = std::move(made.field);
     result_.surface_limit = made.surface_limit;
     result_.warnings = model_warnings(model_.get());
+    warn_of_idle_options(options_, result_.warnings);
     result_.warnings.insert(result_.warnings.end(), made.warnings.begin(), made.warnings.end());
     result_.complexity_asked = options_.metric.complexity > 0;
     result_.target_complexity =

@@ -16,6 +16,7 @@
 #include "meshing/io/ugrid.h"
 #include "meshing/metric/measures.h"
 #include "partition/communication/agreement.h"
+#include "partition/communication/point_limit.h"
 #include "partition/communication/reduce.h"
 #include "partition/fields/measure_slices.h"
 #include "partition/fields/piece_slices.h"
@@ -166,6 +167,12 @@ class DistributedFileJob {
   void carry_fields() {
     run_.monitor().update("fields", 1, account_.output_counts.tets);
     const partition::Numbering numbering = partition::number_pieces(run_.peers(), run_.pieces());
+    if (const std::string issue = partition::too_many_points(numbering.totals.points); !issue.empty()) {
+      report_error_ = "fields are not carried to the result: " + issue;  // which is not lost with them
+      old_ = {};
+      fields_ = {};
+      return;
+    }
     const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
     meshing::Transfer result = naming(files_.input, [&] {
       return on_threads([&] {

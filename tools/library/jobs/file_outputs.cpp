@@ -23,10 +23,12 @@ RunResult begin_run(const Files& files, const Options& options) {
 }
 
 void check_outputs(const Files& files, const Options& options, const OutputPaths& outputs) {
+  std::vector<std::string> inputs = files_of(options.metric);
+  inputs.insert(inputs.end(), files.fields.begin(), files.fields.end());
+  inputs.insert(inputs.end(), {files.input, files.background, options.geometry.model});
+  keep_inputs(files.graph, "it", inputs, "--graph");
+  keep_inputs(files.trace, "it", inputs, "--trace");
   if (!same_file(files.output, files.input)) {
-    std::vector<std::string> inputs = files_of(options.metric);
-    inputs.insert(inputs.end(), files.fields.begin(), files.fields.end());
-    if (!files.background.empty()) inputs.push_back(files.background);
     keep_inputs(outputs.mesh, "it", inputs);
     keep_inputs(outputs.solution, "its metric " + outputs.solution, inputs);
     if (!files.fields.empty()) keep_inputs(outputs.fields, "its fields " + outputs.fields, inputs);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <set>
 #include <sstream>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "partition/communication/agreement.h"
+#include "partition/communication/point_limit.h"
 #include "partition/communication/ranges.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/parts/naming_rank.h"
@@ -96,8 +96,7 @@ std::vector<std::uint64_t> number_points(Peers& peers, const Part& part, const M
   slice.first_point = ranges.first(peers.rank());
   for (auto& of_rank : numbers)
     for (std::uint64_t& number : of_rank) number += slice.first_point;
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
-  if (slice.num_points > kMost) throw InputError("", "", text(slice.num_points, " vertices are too many"));
+  partition::refuse_too_many_points(slice.num_points);
   return mail.answer(numbers);
 }
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "tools/common/inputs.h"
 #include "tools/weft/commands/commands.h"
 #include "tools/weft/options/verbosity.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -38,6 +39,7 @@ std::string format_of(const GraphCommand& command) {
 
 int run_graph(const GraphCommand& command) {
   const std::string format = format_of(command);
+  keep_inputs(command.output, "it", {command.file});
   if (!command.output.empty()) check_writable(command.output);
   Progress progress(command.verbosity.style());
   progress.phase("drawing");

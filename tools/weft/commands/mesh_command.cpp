@@ -65,35 +65,28 @@ int run_box(const BoxCommand& command) {
   return kDone;
 }
 
-struct SurfaceCommand {
-  std::string input;
-  VolumeRequest volume;
-};
-
 /// Triangles on a CAD model, remeshed on it while the volume is filled.
-int run_model(const SurfaceCommand& command) {
-  VolumeRequest volume = command.volume;
-  volume.fill.geometry.model = command.input;
+int run_model(VolumeRequest volume) {
+  volume.fill.geometry.model = volume.surface;
   volume.fill.remesh_surface = true;
   TessellationOptions triangles;
   triangles.sagitta = volume.fill.geometry.hausd;
-  return make_volume(command.input, tessellate(volume.fill.geometry, triangles), {}, volume);
+  return make_volume(volume.surface, tessellate(volume.fill.geometry, triangles), {}, volume);
 }
 
-int run_surface(const SurfaceCommand& command) {
-  if (command.input.empty())
+int run_surface(const VolumeRequest& volume) {
+  if (volume.surface.empty())
     throw CLI::RequiredError(
         "give a surface (weft mesh part.stl -o part.meshb) or a subcommand: box, ball, "
         "cylinder, delta-wing",
         CLI::ExitCodes::RequiredError);
-  if (command.volume.output.empty())
-    throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
-  if (command.volume.background.empty() != command.volume.metric.empty())
+  if (volume.output.empty()) throw CLI::RequiredError("--out is required", CLI::ExitCodes::RequiredError);
+  if (volume.background.empty() != volume.metric.empty())
     throw CLI::ValidationError("--background", "requires --metric and the reverse");
-  if (is_model_name(command.input)) return run_model(command);
+  if (is_model_name(volume.surface)) return run_model(volume);
   RefNames names;
-  const Mesh surface = read_mesh(command.input, &names);
-  return make_volume(command.input, surface, names, command.volume);
+  const Mesh surface = read_mesh(volume.surface, &names);
+  return make_volume(volume.surface, surface, names, volume);
 }
 
 CLI::Option* add_growth(CLI::App& sub, double& growth) {
@@ -256,18 +249,18 @@ void refuse_before(const std::string& body, const CLI::App& mesh) {
 void add_mesh_command(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("mesh", "make an initial mesh of a surface or of a simple body");
   sub->footer(kMeshFooter);
-  auto command = std::make_shared<SurfaceCommand>();
-  sub->add_option("SURFACE", command->input, "closed triangles in any format, or a CAD model")
+  auto volume = std::make_shared<VolumeRequest>();
+  sub->add_option("SURFACE", volume->surface, "closed triangles in any format, or a CAD model")
       ->type_name("FILE");
-  add_volume_output(*sub, command->volume);
-  add_sizes(*sub, command->volume);
-  add_surface_options(*sub, command->volume);
+  add_volume_output(*sub, *volume);
+  add_sizes(*sub, *volume);
+  add_surface_options(*sub, *volume);
   add_box(*sub, action);
   add_bodies(*sub, action);
   for (CLI::App* body : sub->get_subcommands([](CLI::App*) { return true; }))
     body->preparse_callback([sub, body](std::size_t) { refuse_before(body->get_name(), *sub); });
-  sub->callback([sub, command, &action] {
-    if (sub->get_subcommands().empty()) action = [command] { return run_surface(*command); };
+  sub->callback([sub, volume, &action] {
+    if (sub->get_subcommands().empty()) action = [volume] { return run_surface(*volume); };
   });
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/json/json.h"
+#include "tools/common/inputs.h"
 #include "tools/common/shell_command.h"
 #include "tools/common/text.h"
 #include "tools/weft/terminal/exit_codes.h"
@@ -62,6 +63,7 @@ class Loop {
   Loop(const LoopConfig& config, const Verbosity& verbosity) : config_(config), verbosity_(verbosity) {}
 
   int run() {
+    keep_first_mesh();
     fs::create_directories(config_.folder);
     const FolderLock lock(config_.folder);
     const std::size_t first = count_finished();
@@ -89,6 +91,14 @@ class Loop {
             folder / "done.json",
             folder / "checkpoints",
             folder / "checkpoints.json"};
+  }
+
+  /// It may be the result of an earlier loop in the same folder.
+  void keep_first_mesh() const {
+    for (std::size_t cycle = 1; cycle < cycles(); ++cycle)
+      if (same_file(files(cycle).mesh.string(), config_.mesh.string()))
+        throw InputError(config_.file, "mesh",
+                         fmt::format("would be replaced by that of cycle {}: give another folder", cycle));
   }
 
   /// Reads the markers of the cycles that need not be done again.

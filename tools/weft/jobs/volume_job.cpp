@@ -49,7 +49,7 @@ int make_volume(const std::string& name, const Mesh& surface, const RefNames& na
                 const VolumeRequest& request) {
   const ResultFiles files = result_files(request.output);
   for (const std::string& file : {files.mesh, files.metric})
-    keep_inputs(file, file, {request.background, request.metric});
+    keep_inputs(file, file, {request.surface, request.background, request.metric});
   check_writable(files.mesh);
   check_writable(files.metric);
   Progress progress(request.verbosity.style());

@@ -14,6 +14,7 @@ class App;
 namespace weft::tools {
 
 struct VolumeRequest {
+  std::string surface;  ///< the file that is filled; empty: a body
   std::string output;
   std::string background, metric;  ///< files of sizes to use instead of the surface's
   FillOptions fill;

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <random>
+#include <set>
+#include <utility>
 
 #include "meshing/base/error.h"
 #include "meshing/initial/clean_triangles.h"
@@ -164,6 +168,86 @@ TEST(RepairSurface, PiecesOfARequiredTriangleAreRequired) {
   for (std::uint32_t t = 0; t < crossing.triangles.size(); ++t) crossing.required_triangles.push_back(t);
   repair_surface(crossing);
   EXPECT_EQ(crossing.required_triangles.size(), crossing.triangles.size());
+}
+
+/// The 12 edges of a box of n squares a side, in n pieces each: references from `first_ref` on, every second
+/// edge a ridge, every third required.
+void list_edges_of_box(const Point& lo, const Point& hi, std::int32_t first_ref, MeshData& m) {
+  std::int32_t ref = first_ref;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int corner = 0; corner < 4; ++corner, ++ref) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      std::set<std::pair<double, std::uint32_t>> along;
+      for (const Triangle& t : m.triangles)
+        for (const std::uint32_t p : t) {
+          const Point& x = m.points[p];
+          if (x[u] == (corner & 1 ? hi : lo)[u] && x[v] == (corner & 2 ? hi : lo)[v] && x[axis] >= lo[axis] &&
+              x[axis] <= hi[axis])
+            along.emplace(x[axis], p);
+        }
+      std::map<double, std::uint32_t> at(along.begin(), along.end());
+      for (auto next = std::next(at.begin()); next != at.end(); ++next) {
+        const auto e = static_cast<std::uint32_t>(m.edges.size());
+        m.edges.push_back({std::prev(next)->second, next->second});
+        m.edge_refs.push_back(ref);
+        if (ref % 2 == 0) m.ridges.push_back(e);
+        if (ref % 3 == 0) m.required_edges.push_back(e);
+      }
+    }
+}
+
+/// The lengths of listed edges that are edges of triangles, by reference; ridges and required ones must be
+/// those of the right references.
+std::map<std::int32_t, double> lengths_by_ref(const MeshData& m) {
+  std::set<std::uint64_t> of_triangles;
+  for (const Triangle& t : m.triangles)
+    for (std::size_t k = 0; k < 3; ++k) of_triangles.insert(edge_key(t[k], t[(k + 1) % 3]));
+  std::map<std::int32_t, double> lengths;
+  std::vector<std::uint32_t> ridges, required;
+  for (std::uint32_t e = 0; e < m.edges.size(); ++e) {
+    const auto& [a, b] = m.edges[e];
+    if (of_triangles.contains(edge_key(a, b))) lengths[m.edge_refs[e]] += norm(m.points[a] - m.points[b]);
+    if (m.edge_refs[e] % 2 == 0) ridges.push_back(e);
+    if (m.edge_refs[e] % 3 == 0) required.push_back(e);
+  }
+  EXPECT_EQ(m.ridges, ridges);
+  EXPECT_EQ(m.required_edges, required);
+  return lengths;
+}
+
+TEST(ResolveSurface, PiecesOfListedEdgesStayListed) {
+  const Point lo = {.5, .3, .2}, hi = {1.6, 1.4, 1.3};
+  MeshData m = together(kBox, box_surface(lo, hi, 1));
+  list_edges_of_box({0, 0, 0}, {1, 1, 1}, 0, m);
+  list_edges_of_box(lo, hi, 100, m);
+  repair_surface(m);
+  ASSERT_NO_THROW(close_surface(m, {}));
+  std::map<std::int32_t, double> lengths = lengths_by_ref(m);
+  // Three edges of each box end where the other begins.
+  const std::map<std::int32_t, double> cut = {{3, .5}, {7, .3}, {11, .2}, {100, .6}, {104, .4}, {108, .3}};
+  for (const int first : {0, 100})
+    for (std::int32_t ref = first; ref < first + 12; ++ref) {
+      const double whole = first == 0 ? 1 : 1.1;
+      EXPECT_NEAR(lengths[ref], cut.contains(ref) ? cut.at(ref) : whole, 1e-12) << ref;
+    }
+}
+
+TEST(RepairSurface, HalvesOfAListedEdgeStayListed) {
+  MeshData m = kBox;
+  const auto [a, b, c] = m.triangles[0];
+  const auto n = static_cast<std::uint32_t>(m.points.size());
+  m.points.push_back(0.5 * (m.points[a] + m.points[b]));
+  m.point_refs.push_back(0);
+  m.triangles[0] = {a, n, c};  // its neighbour at this edge has it whole
+  m.triangles.push_back({n, b, c});
+  m.triangle_refs.push_back(m.triangle_refs[0]);
+  m.edges = {{b, a}};
+  m.edge_refs = {6};
+  m.ridges = m.required_edges = {0};
+  repair_surface(m);
+  ASSERT_NO_THROW(close_surface(m, {}));
+  EXPECT_EQ(m.edges.size(), 2u);
+  EXPECT_NEAR(lengths_by_ref(m)[6], 1.0 / 3, 1e-12);
 }
 
 TEST(ResolveSurface, ALooseTriangleThatIsListedTwiceBoundsNothing) {

@@ -104,12 +104,35 @@ TEST_F(Pvtu, GhostCellsAreLeftOut) {
   EXPECT_EQ(read_pvtu(directory / "m.pvtu").mesh.tets.size(), box.mesh.tets.size() - 1);
 }
 
+TEST_F(Pvtu, PiecesAgreeOnWhetherRealsAreReferences) {
+  box.mesh.point_refs.back() = 0;
+  write_pvtu(directory / "m.pvtu", box, {.encoding = WriteOptions::Encoding::ascii, .pieces = 2});
+  replace_in_pieces("type=\"Int32\" Name=\"ref\"", "type=\"Float64\" Name=\"ref\"");
+  EXPECT_EQ(read_pvtu(directory / "m.pvtu").mesh.triangle_refs, box.mesh.triangle_refs);
+  std::string text = bytes_of(directory / "m_1.vtu");
+  const auto first = text.find_first_of("0123456789", text.find('>', text.find("Name=\"ref\"")));
+  put_bytes(directory / "m_1.vtu", text.replace(first, text.find_first_of(" \n<", first) - first, "0.5"));
+  const MeshContents read = read_pvtu(directory / "m.pvtu");
+  EXPECT_FALSE(has_refs(read.mesh.tet_refs) || has_refs(read.mesh.triangle_refs));
+  EXPECT_TRUE(dropped(
+      read, "values of cell data ref",
+      box.mesh.tets.size() + box.mesh.triangles.size() + box.mesh.edges.size() + box.mesh.corners.size()));
+
+  const PieceSize whole = vtu_piece_sizes(directory / "m_0.vtu")[0];
+  EXPECT_EQ(whole.not_refs, 0);
+  for (const std::uint8_t not_refs : {std::uint8_t{0}, vtu_piece_sizes(directory / "m_1.vtu")[0].not_refs}) {
+    const PieceRange range{{0, whole.points, 0, whole.tets}, true, not_refs};
+    const PieceRanges ranges = read_vtu_piece_ranges(directory / "m_0.vtu", {&range, 1});
+    EXPECT_EQ(has_refs(ranges.pieces[0].contents.mesh.tet_refs), not_refs == 0);
+  }
+}
+
 TEST_F(Pvtu, FieldsThatAPieceLacksAreDropped) {
   write_pvtu(directory / "m.pvtu", box, {.pieces = 2});
   MeshContents piece = read_vtu(directory / "m_1.vtu");
   piece.fields.fields[0].name = "velocity";
-  write_vtu_piece(directory / "m_1.vtu", piece, read_vtu_pieces(directory / "m_1.vtu")[0].global_ids, false,
-                  {});
+  write_vtu_piece(directory / "m_1.vtu", piece,
+                  read_vtu_pieces(std::vector{directory / "m_1.vtu"})[0][0].global_ids, false, {});
   const MeshContents read = read_pvtu(directory / "m.pvtu");
   EXPECT_TRUE(read.fields.fields.empty());
   EXPECT_TRUE(dropped(read, "fields that some pieces lack", 2));

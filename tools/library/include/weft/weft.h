@@ -653,7 +653,8 @@ struct Converted {
   std::vector<Dropped> dropped;  ///< what of the input has no place here, and of that what the format has not
 };
 /// From file to file as `weft convert` does. `solution`: a file of fields at the vertices; empty: none. These
-/// and the input's own are written into the result, or beside it where its format holds none.
+/// and the input's own are written into the result, or beside it where its format holds none. Throws
+/// OptionError where the result would replace a file that is read.
 WEFT_API Converted convert(const std::string& input, const std::string& output,
                            const std::string& solution = {}, const WriteOptions& options = {});
 /// Writes .solb or .sol, whole or not at all.

@@ -275,7 +275,7 @@ struct PieceShares::Copies {
 
 PieceShares::PieceShares(Peers& peers, const std::string& file) : file_(file) {
   struct Row {
-    std::uint64_t source, points, tets, has_ids;
+    std::uint64_t source, points, tets, has_ids, not_refs;
   };
   std::vector<Row> mine;
   partition::agree_on(peers, [&] { sources_ = meshing::piece_sources(file); });
@@ -283,13 +283,14 @@ PieceShares::PieceShares(Peers& peers, const std::string& file) : file_(file) {
     const Share share = share_of(sources_.size(), peers.rank(), peers.ranks());
     for (std::uint64_t s = share.first; s < share.first + share.count; ++s)
       for (const meshing::PieceSize& size : meshing::piece_sizes(sources_[s]))
-        mine.push_back({s, size.points, size.tets, size.has_ids});
+        mine.push_back({s, size.points, size.tets, size.has_ids, size.not_refs});
   });
   for (const Row& row : joined(peers, mine)) {
     pieces_.push_back({row.source, {row.points, row.tets}, num_points_, num_tets_});
     num_points_ += row.points;
     num_tets_ += row.tets;
     by_ids_ = by_ids_ && row.has_ids;
+    not_refs_ |= static_cast<std::uint8_t>(row.not_refs);
   }
 }
 
@@ -300,7 +301,7 @@ std::vector<PieceRange> PieceShares::ranges(Share points, Share tets, Share othe
     const Share p = within(piece.first_point, piece.size.points, points);
     const Share t = within(piece.first_tet, piece.size.tets, tets);
     const bool is_mine = ranges.size() - others.first < others.count;
-    ranges.push_back({{p.first, p.count, t.first, t.count}, is_mine});
+    ranges.push_back({{p.first, p.count, t.first, t.count}, is_mine, not_refs_});
   }
   return ranges;
 }

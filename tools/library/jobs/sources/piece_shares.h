@@ -44,6 +44,7 @@ class PieceShares {
   std::vector<Piece> pieces_;
   std::uint64_t num_points_ = 0, num_tets_ = 0;  ///< of all pieces
   bool by_ids_ = true;
+  std::uint8_t not_refs_ = 0;  ///< PieceRange::not_refs
 };
 
 }  // namespace weft::tools
