@@ -423,7 +423,7 @@ void TopologyBuilder::Impl::find_corners() {
   for (const Fan& fan : s_.fans) {
     if (!on_feature[fan.vertex] && (fan.peaked || fan_count_[fan.vertex] > 1)) is_corner_[fan.vertex] = 1;
   }
-  for (const auto* list : {&mesh_.corners, &mesh_.required_points}) {
+  for (const auto* list : {&mesh_.corners, &mesh_.required_points, &known_.corners}) {
     for (std::uint32_t v : *list) is_corner_[v] = fan_count_[v] > 0;
   }
 }

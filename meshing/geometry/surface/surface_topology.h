@@ -75,9 +75,10 @@ inline int corner_of(const std::array<std::uint32_t, 3>& triangle, std::uint32_t
 
 /// What is known of references beside their equality: by triangle reference and by edge reference, whether a
 /// model tells the shape there. Then angles between triangles, or along a chain, are those of a coarse mesh
-/// and make no feature.
+/// and make no feature. Vertices on the model's nodes are corners as listed ones are.
 struct KnownShapes {
   std::vector<bool> triangle_refs, edge_refs;
+  std::vector<std::uint32_t> corners;
 };
 
 /// A triangle whose area is lost in rounding. It takes the normal of the one behind its longest edge.
