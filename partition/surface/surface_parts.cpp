@@ -1,4 +1,4 @@
-// In shares where that can be; else one rank builds the whole surface.
+// In shares; of a patch with one side one rank builds the whole surface.
 #include "partition/surface/surface_parts.h"
 
 #include <algorithm>
@@ -180,9 +180,8 @@ SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const F
                                  double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,
                                  std::vector<std::string>& warnings) {
-  if (!model)
-    if (auto parts = build_surface_in_shares(peers, boundary, points, ridge_angle_degrees))
-      return std::move(*parts);
+  if (auto parts = build_surface_in_shares(peers, boundary, points, ridge_angle_degrees, model, warnings))
+    return std::move(*parts);
   return build_on_one(peers, std::move(boundary), points, ridge_angle_degrees, model, warnings);
 }
 

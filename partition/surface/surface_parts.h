@@ -23,9 +23,9 @@ struct SurfaceParts {
   std::shared_ptr<const meshing::MeshData> mesh;
 };
 
-/// Finds patches, curves and the shape of the surface: in shares (surface_shares.h); on the last rank, which
-/// tells the others, where it is classified on a model or a patch has one side only. Gives the boundary back.
-/// Adds to the warnings. All ranks call together, and throw alike.
+/// Finds patches, curves and the shape of the surface, on a model or without: in shares (surface_shares.h);
+/// on the last rank, which tells the others, where a patch has one side only. Gives the boundary back. Adds
+/// to the warnings. All ranks call together, and throw alike.
 SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const FetchPoints& points,
                                  double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,

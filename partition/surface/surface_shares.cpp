@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,6 +14,7 @@
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
 #include "meshing/geometry/surface/cut_surface.h"
+#include "meshing/geometry/surface/model_tables.h"
 #include "meshing/geometry/surface/surface_curves.h"
 #include "meshing/geometry/surface/surface_shape.h"
 #include "meshing/geometry/surface/surface_tables.h"
@@ -21,6 +22,7 @@
 #include "partition/communication/morton_shares.h"
 #include "partition/communication/ranges.h"
 #include "partition/communication/reduce.h"
+#include "partition/surface/boundary_on_model.h"
 #include "partition/surface/joined_patches.h"
 #include "partition/surface/local_surface.h"
 #include "partition/surface/vertex_flags.h"
@@ -33,15 +35,6 @@ using meshing::MeshData;
 using meshing::PatchId;
 using meshing::Point;
 using meshing::VertexKind;
-
-/// Element by element, by T::add.
-template <class T>
-std::vector<T> added(Peers& peers, const std::vector<T>& mine) {
-  return reduce(peers, mine, [](T a, const T& b) {
-    a.add(b);
-    return a;
-  });
-}
 
 std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
@@ -68,17 +61,25 @@ class DealtPieces {
 
 class ShareBuilder {
  public:
-  ShareBuilder(Peers& peers, BoundaryShare& boundary, const FetchPoints& points, double ridge_angle_degrees)
-      : peers_(peers), boundary_(boundary), points_(points), ridge_angle_(ridge_angle_degrees) {}
+  ShareBuilder(Peers& peers, BoundaryShare& boundary, const FetchPoints& points, double ridge_angle_degrees,
+               std::shared_ptr<const meshing::Model> model, std::vector<std::string>& warnings)
+      : peers_(peers),
+        boundary_(boundary),
+        points_(points),
+        ridge_angle_(ridge_angle_degrees),
+        model_(std::move(model)),
+        warnings_(warnings) {}
 
   std::optional<SurfaceParts> build() {
     take_share();
-    neighbours_.emplace(peers_, boundary_, points_);
-    begin(boundary_.triangles);
+    if (model_) on_model_.emplace(peers_, boundary_, points_, model_);
+    neighbours_.emplace(peers_, share(), points_);
+    begin(share().triangles);
     share_normals();
     if (!find_patches()) return {};
     find_curves();
     fit_planes();
+    if (model_) put_on_model();
     name_triangles();
     name_features();
     add_records();
@@ -109,20 +110,22 @@ class ShareBuilder {
   void take_patches(const JoinedPatches& joined, const std::vector<Told>& told);
   void find_curves();
   void fit_planes();
+  void put_on_model();
+  std::vector<std::vector<std::uint32_t>> faces_of_patches();
+  std::vector<std::vector<PatchId>> patches_at_curves();
   void name_triangles();
   void name_features();
   void add_records();
   void add_vertices();
   void add_listed_vertices();
   void take_pieces();
+  void classify_pieces();
   std::vector<BoundaryTriangle> triangles_to_make();
   std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
   std::vector<BoundaryTriangle> deal_features(const DealtPieces& dealt);
   void cut();
   SurfaceParts finish();
 
-  template <class T, class Entry>
-  std::vector<T> from_owners(const Entry& entry);
   /// f(triangle here, its place in own_), ascending. Before pieces are taken.
   template <class F>
   void for_each_own(const F& f) const {
@@ -130,6 +133,10 @@ class ShareBuilder {
       if (topology().ring(t) == 0) f(t, i++);
   }
   BoundaryTriangle triangle(std::uint32_t place) const;
+  PatchId patch_here(std::uint32_t number) const {
+    return topology().triangle_patch[meshing::place_in(local_->triangles, number)];
+  }
+  const BoundaryShare& share() const { return on_model_ ? on_model_->joint() : boundary_; }
   bool alone() const { return peers_.ranks() == 1; }
   const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
 
@@ -137,6 +144,9 @@ class ShareBuilder {
   BoundaryShare& boundary_;
   const FetchPoints& points_;
   const double ridge_angle_;
+  const std::shared_ptr<const meshing::Model> model_;  // or null
+  std::vector<std::string>& warnings_;
+  std::optional<BoundaryOnModel> on_model_;  // with a model
   meshing::PieceOrder order_{meshing::Box{}};
   std::optional<SurfaceNeighbours> neighbours_;
   std::vector<std::uint32_t> own_;  // triangles of the share, ascending
@@ -149,6 +159,7 @@ class ShareBuilder {
   // The same on all ranks:
   std::vector<meshing::FlatTriangle> flat_;
   std::vector<std::int32_t> patch_refs_;
+  std::vector<meshing::Patch> fitted_;  // patches as the points tell, with or without a model
   std::shared_ptr<meshing::SurfaceCurves> curves_;
   std::vector<std::uint32_t>
       feature_at_;  // places among the features that all ranks give, one after the other
@@ -161,7 +172,12 @@ class ShareBuilder {
   std::vector<std::uint32_t> my_features_;  // numbers of own features
   std::vector<std::vector<BoundaryTriangle>> at_features_;  // the triangles at them
   std::vector<std::uint8_t> required_;                      // by patch
+  // Of what pieces are made of:
   meshing::SurfaceNames names_;
+  meshing::ModelClassification classification_;
+  std::vector<std::array<double, 2>> feature_t_;
+  std::vector<bool> turned_;
+  meshing::ModelFaults faults_;
   SurfaceParts parts_;
 };
 
@@ -200,10 +216,11 @@ void ShareBuilder::take_share() {
 void ShareBuilder::begin(std::vector<BoundaryTriangle> own) {
   builder_.reset();
   local_ = std::make_shared<LocalSurface>(neighbours_->around(std::move(own)));
-  builder_.emplace(local_->mesh, ridge_angle_, meshing::KnownShapes{}, local_->rings, local_->vertices);
+  builder_.emplace(local_->mesh, ridge_angle_, on_model_ ? on_model_->known(*local_) : meshing::KnownShapes{},
+                   local_->rings, local_->vertices);
 }
 
-/// As it came.
+/// As it is in the share.
 BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
   const auto& [a, b, c] = local_->mesh.triangles[place];
   const bool required = std::ranges::binary_search(local_->mesh.required_triangles, place);
@@ -236,24 +253,6 @@ void ShareBuilder::take_normals() {
   builder_->take_normals(here);
 }
 
-/// All ranks: what the owners of the triangles here know of them; `entry(i)`: of own_[i].
-template <class T, class Entry>
-std::vector<T> ShareBuilder::from_owners(const Entry& entry) {
-  std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers_.ranks()));
-  for (std::size_t t = 0; t < local_->triangles.size(); ++t)
-    asked[local_->owners[t]].push_back(local_->triangles[t]);
-  asked = partition::all_to_all(peers_, std::move(asked));
-  std::vector<std::vector<T>> answers(asked.size());
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (const std::uint32_t t : asked[r]) answers[r].push_back(entry(meshing::place_in(own_, t)));
-  answers = partition::all_to_all(peers_, std::move(answers));
-  std::vector<std::size_t> next(answers.size(), 0);
-  std::vector<T> result;
-  result.reserve(local_->owners.size());
-  for (const std::uint32_t r : local_->owners) result.push_back(answers[r][next[r]++]);
-  return result;
-}
-
 std::vector<PatchComponent> ShareBuilder::components(const meshing::SurfaceComponents& found) const {
   std::vector<PatchComponent> all(found.count, {0, 0, 0, 0});
   for (std::size_t t = 0; t < found.of_triangle.size(); ++t) {
@@ -271,7 +270,7 @@ std::vector<ShareBuilder::Told> ShareBuilder::tell_components(const meshing::Sur
   std::vector<std::uint32_t> places;  // of own triangles here
   for (const std::uint32_t t : own_)
     places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
-  return from_owners<Told>([&](std::size_t i) {
+  return from_owners<Told>(peers_, *local_, own_, [&](std::size_t i) {
     return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
   });
 }
@@ -334,9 +333,45 @@ void ShareBuilder::fit_planes() {
   const auto sums = added(peers_, fits.sums(extents));
   tables_->planes = planes_of(extents, sums);
   const auto heights = added(peers_, fits.heights(tables_->planes));
-  tables_->patches = patches_of(patch_refs_, extents, sums, heights, tables_->planes);
+  tables_->patches = fitted_ = patches_of(patch_refs_, extents, sums, heights, tables_->planes);
   tables_->curves = curves_->curves;
   tables_->lines = curves_->lines;
+}
+
+/// All ranks: of the model, ascending.
+std::vector<std::vector<std::uint32_t>> ShareBuilder::faces_of_patches() {
+  std::vector<std::array<std::uint32_t, 2>> mine;  // patches, and faces of triangles in them
+  for (std::size_t i = 0; i < own_told_.size(); ++i)
+    if (const std::uint32_t face = on_model_->faces()[i]; face != meshing::kNoEntity)
+      mine.push_back({own_told_[i].patch.value, face});
+  meshing::sort_unique(mine);
+  std::vector<std::vector<std::uint32_t>> faces(patch_refs_.size());
+  for (const auto& [patch, face] : allgather_joined(peers_, mine)) faces[patch].push_back(face);
+  for (auto& of_patch : faces) meshing::sort_unique(of_patch);
+  return faces;
+}
+
+/// All ranks: see meshing::SurfaceOnModel. Who has a curve's first edge tells.
+std::vector<std::vector<PatchId>> ShareBuilder::patches_at_curves() {
+  std::vector<std::array<std::uint32_t, 2>> mine;  // curves, and patches there
+  for (std::size_t f = 0; f < at_features_.size(); ++f) {
+    const meshing::CurveId curve = curves_->curve_of[my_features_[f]];
+    if (curves_->chain(curve).front() != my_features_[f] ||
+        on_model_->edge_refs()[curves_->curves[curve.value].ref].entity != meshing::kNoEntity)
+      continue;
+    for (const BoundaryTriangle& t : at_features_[f])
+      mine.push_back({curve.value, patch_here(t.number).value});
+  }
+  std::vector<std::vector<PatchId>> patches(curves_->curves.size());
+  for (const auto& [curve, patch] : allgather_joined(peers_, mine)) patches[curve].emplace_back(patch);
+  return patches;
+}
+
+void ShareBuilder::put_on_model() {
+  tables_->model = model_;
+  meshing::put_on_model(
+      {on_model_->triangle_refs(), on_model_->edge_refs(), faces_of_patches(), patches_at_curves()}, *curves_,
+      *tables_);
 }
 
 void ShareBuilder::name_triangles() {
@@ -362,8 +397,7 @@ void ShareBuilder::name_features() {
   for (const auto& triangles : at_features_)
     beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
       // All triangles at an edge have patches here; names are known of own ones alone.
-      return needs_triangles(*tables_,
-                             topology().triangle_patch[meshing::place_in(local_->triangles, t.number)]);
+      return needs_triangles(*tables_, patch_here(t.number));
     }));
   const std::vector<std::uint8_t> all = allgather_joined(peers_, beside);
   std::vector<std::uint8_t> sorted;
@@ -432,7 +466,7 @@ void ShareBuilder::add_records() {
 std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& dealt) {
   std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
   for (std::size_t i = 0; i < my_order_.size(); ++i)
-    to_each[dealt.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
+    to_each[dealt.maker(my_first_ + i)].push_back(share().triangles[my_order_[i]]);
   return all_to_all_joined(peers_, std::move(to_each));
 }
 
@@ -479,21 +513,36 @@ void ShareBuilder::take_pieces() {
     take_normals();
     builder_->components();
   }
-  const auto told = from_owners<ToldLater>([&](std::size_t i) { return own_told_[i]; });
+  const auto told =
+      from_owners<ToldLater>(peers_, *local_, own_, [&](std::size_t i) { return own_told_[i]; });
   std::vector<PatchId> patches;
   std::vector<std::uint8_t> turned;
   for (const ToldLater& t : told) {
     patches.push_back(t.patch);
     turned.push_back(static_cast<std::uint8_t>(t.turned));
+    turned_.push_back(t.turned != 0);
     names_.triangles.push_back(t.name);
   }
   if (!alone()) {
     builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
     builder_->take_curves(*curves_);
   }
+  if (model_) classify_pieces();
   own_told_ = {};
   neighbours_.reset();
+  on_model_.reset();
   boundary_ = {};
+}
+
+/// What the share knows of the model, of what pieces are made of.
+void ShareBuilder::classify_pieces() {
+  if (!model_->has_formulas())
+    classification_.parameters = from_owners<std::array<meshing::Parameters, 3>>(
+        peers_, *local_, own_, [&](std::size_t i) { return on_model_->parameters()[i]; });
+  classification_.nodes = on_model_->nodes(*local_);
+  feature_t_ = meshing::parameters_at(topology().features, on_model_->edges(peers_, *local_));
+  warnings_.insert(warnings_.end(), on_model_->warnings().begin(), on_model_->warnings().end());
+  faults_ = on_model_->faults();
 }
 
 void ShareBuilder::cut() {
@@ -504,10 +553,10 @@ void ShareBuilder::cut() {
     t = static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t));
   for (std::uint32_t& f : names_.of_features.members)
     f = static_cast<std::uint32_t>(meshing::place_in(topology.feature_number, f));
-  auto handles = control_points(local_->mesh.points, tables_->patches, *curves_, topology);
+  auto handles = control_points(local_->mesh.points, fitted_, *curves_, topology);
   const auto cutter = std::make_shared<meshing::SurfaceCutter>(
-      meshing::UncutSurface{
-          local_->mesh.points, std::move(topology), curves_, std::move(handles), {}, {}, {}},
+      meshing::UncutSurface{local_->mesh.points, std::move(topology), curves_, std::move(handles),
+                            std::move(classification_), std::move(feature_t_), std::move(turned_)},
       std::move(names_));
   for (const auto& corner : cutter->corners())
     parts_.records.vertices.push_back({local_->vertices[corner.vertex], corner.name, VertexKind::corner, 0});
@@ -518,15 +567,18 @@ SurfaceParts ShareBuilder::finish() {
   parts_.mesh = {local_, &local_->mesh};
   parts_.geometry = std::make_shared<Geometry>(Geometry{meshing::Surface(tables_),
                                                         {required_.begin(), required_.end()},
-                                                        std::vector<bool>(patch_refs_.size(), false)});
+                                                        std::vector<bool>(patch_refs_.size(), false),
+                                                        faults_});
   return std::move(parts_);
 }
 
 }  // namespace
 
 std::optional<SurfaceParts> build_surface_in_shares(Peers& peers, BoundaryShare& boundary,
-                                                    const FetchPoints& points, double ridge_angle_degrees) {
-  return ShareBuilder(peers, boundary, points, ridge_angle_degrees).build();
+                                                    const FetchPoints& points, double ridge_angle_degrees,
+                                                    const std::shared_ptr<const meshing::Model>& model,
+                                                    std::vector<std::string>& warnings) {
+  return ShareBuilder(peers, boundary, points, ridge_angle_degrees, model, warnings).build();
 }
 
 }  // namespace weft::partition
