@@ -2,6 +2,7 @@
 #include "partition/surface/boundary_on_model.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "meshing/base/place_in.h"
@@ -37,7 +38,7 @@ meshing::JointRefs joint_refs(Peers& peers, std::vector<JointRef> mine) {
 
 }  // namespace
 
-BoundaryOnModel::BoundaryOnModel(Peers& peers, const BoundaryShare& boundary, const FetchPoints& points,
+BoundaryOnModel::BoundaryOnModel(Peers& peers, BoundaryShare& boundary, const FetchPoints& points,
                                  std::shared_ptr<const meshing::Model> model) {
   LocalSurface local = SurfaceNeighbours(peers, boundary, points).around(boundary.triangles);
   {
@@ -46,10 +47,16 @@ BoundaryOnModel::BoundaryOnModel(Peers& peers, const BoundaryShare& boundary, co
     records.nodes = records_here(peers, boundary.on_model.nodes, asked, local);
     records.edges = records_here(peers, boundary.on_model.edges, asked, local);
     records.faces = records_here(peers, boundary.on_model.faces, asked, local);
+    boundary.on_model = {};
   }
   std::vector<std::uint32_t> own;
   for (const BoundaryTriangle& t : boundary.triangles) own.push_back(t.number);
-  keep(peers, boundary, local, meshing::classify_on_model(BoundaryPart(peers, local, own), std::move(model)));
+  meshing::ModelClassification found =
+      meshing::classify_on_model(BoundaryPart(peers, local, own), std::move(model));
+  const std::vector<std::uint32_t> face_group = std::move(found.face_group);
+  keep(peers, boundary, local, std::move(found));
+  join_triangles(peers, face_group, boundary.triangles);
+  join_edges(peers, boundary.edges);
 }
 
 void BoundaryOnModel::keep(Peers& peers, const BoundaryShare& boundary, const LocalSurface& local,
@@ -66,42 +73,34 @@ void BoundaryOnModel::keep(Peers& peers, const BoundaryShare& boundary, const Lo
   edges_ = edges_sent_home(peers, local, std::move(found.edges));
   warnings_ = std::move(found.warnings);
   faults_ = found.faults;
-  join_triangles(peers, boundary, found.face_group);
-  join_edges(peers, boundary);
-  joint_.corners = boundary.corners;
-  joint_.required_points = boundary.required_points;
 }
 
-void BoundaryOnModel::join_triangles(Peers& peers, const BoundaryShare& boundary,
-                                     const std::vector<std::uint32_t>& face_group) {
+void BoundaryOnModel::join_triangles(Peers& peers, const std::vector<std::uint32_t>& face_group,
+                                     std::vector<BoundaryTriangle>& triangles) {
   const auto joint = [&](std::size_t i) {
     const std::uint32_t face = faces_[i];
-    return JointRef{boundary.triangles[i].ref,
-                    face == meshing::kNoEntity ? meshing::kNoEntity : face_group[face]};
+    return JointRef{triangles[i].ref, face == meshing::kNoEntity ? meshing::kNoEntity : face_group[face]};
   };
   std::vector<JointRef> mine;
   for (std::size_t i = 0; i < faces_.size(); ++i) mine.push_back(joint(i));
   triangle_refs_ = joint_refs(peers, std::move(mine));
-  joint_.triangles = boundary.triangles;
-  for (std::size_t i = 0; i < faces_.size(); ++i) joint_.triangles[i].ref = triangle_refs_.number(joint(i));
+  for (std::size_t i = 0; i < faces_.size(); ++i) triangles[i].ref = triangle_refs_.number(joint(i));
 }
 
 /// At the homes of their lower vertices.
-void BoundaryOnModel::join_edges(Peers& peers, const BoundaryShare& boundary) {
-  joint_.edges = boundary.edges;
-  std::ranges::sort(joint_.edges, {}, &BoundaryEdge::vertices);
-  const std::size_t listed = joint_.edges.size();
+void BoundaryOnModel::join_edges(Peers& peers, std::vector<BoundaryEdge>& edges) {
+  std::ranges::sort(edges, {}, &BoundaryEdge::vertices);
+  const std::size_t listed = edges.size();
   for (const EdgeOnModel& e : edges_)
-    if (!std::ranges::binary_search(std::span(joint_.edges).first(listed), e.vertices, {},
-                                    &BoundaryEdge::vertices))
-      joint_.edges.push_back({e.vertices, 0, 0});
+    if (!std::ranges::binary_search(std::span(edges).first(listed), e.vertices, {}, &BoundaryEdge::vertices))
+      edges.push_back({e.vertices, 0, 0});
   std::vector<JointRef> refs;
-  for (const BoundaryEdge& e : joint_.edges) {
+  for (const BoundaryEdge& e : edges) {
     const EdgeOnModel* found = meshing::find_edge(edges_, e.vertices);
     refs.push_back({e.ref, found ? found->edge : meshing::kNoEntity});
   }
   edge_refs_ = joint_refs(peers, refs);
-  for (std::size_t i = 0; i < refs.size(); ++i) joint_.edges[i].ref = edge_refs_.number(refs[i]);
+  for (std::size_t i = 0; i < refs.size(); ++i) edges[i].ref = edge_refs_.number(refs[i]);
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> BoundaryOnModel::nodes(const LocalSurface& local) const {

@@ -22,14 +22,12 @@ namespace weft::partition {
 /// the same for any number of ranks.
 class BoundaryOnModel {
  public:
-  /// `boundary`: the share that the rank owns, with triangles ascending, whose records it reads too. All
-  /// ranks call together, and throw alike.
-  BoundaryOnModel(Peers& peers, const BoundaryShare& boundary, const FetchPoints& points,
+  /// `boundary`: the share that the rank owns, with triangles ascending. It becomes the share of which a
+  /// surface on the model is built: with joint references, edges on the model's edges listed, and no records.
+  /// All ranks call together, and throw alike.
+  BoundaryOnModel(Peers& peers, BoundaryShare& boundary, const FetchPoints& points,
                   std::shared_ptr<const meshing::Model> model);
 
-  /// The share as a surface on the model is built of it: with joint references, and edges on the model's
-  /// edges listed.
-  const BoundaryShare& joint() const { return joint_; }
   meshing::KnownShapes known(const LocalSurface& local) const;
   const meshing::JointRefs& triangle_refs() const { return triangle_refs_; }
   const meshing::JointRefs& edge_refs() const { return edge_refs_; }
@@ -58,11 +56,10 @@ class BoundaryOnModel {
 
   void keep(Peers& peers, const BoundaryShare& boundary, const LocalSurface& local,
             meshing::ModelClassification&& found);
-  void join_triangles(Peers& peers, const BoundaryShare& boundary,
-                      const std::vector<std::uint32_t>& face_group);
-  void join_edges(Peers& peers, const BoundaryShare& boundary);
+  void join_triangles(Peers& peers, const std::vector<std::uint32_t>& face_group,
+                      std::vector<BoundaryTriangle>& triangles);
+  void join_edges(Peers& peers, std::vector<BoundaryEdge>& edges);
 
-  BoundaryShare joint_;
   meshing::JointRefs triangle_refs_, edge_refs_;
   std::vector<std::uint32_t> faces_;
   std::vector<std::array<meshing::Parameters, 3>> parameters_;

@@ -24,12 +24,8 @@ std::vector<std::int32_t> numbered(const std::vector<JointRef>& refs, JointRefs&
 
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification,
-                 std::vector<std::uint32_t>&& vertex_numbers)
-      : mesh_(mesh),
-        options_(options),
-        classification_(std::move(classification)),
-        vertex_numbers_(std::move(vertex_numbers)) {
+  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification)
+      : mesh_(mesh), options_(options), classification_(std::move(classification)) {
     tables_.model = classification_.model;
   }
 
@@ -72,7 +68,6 @@ class SurfaceBuilder {
   const MeshData& mesh_;
   const Surface::Options& options_;
   ModelClassification classification_;
-  std::vector<std::uint32_t> vertex_numbers_;
   SurfaceOnModel on_model_;
   SurfaceTopology topology_;
   SurfaceCurves curves_;
@@ -83,7 +78,7 @@ class SurfaceBuilder {
 
 /// All at once of what parts of a surface do one after the other.
 void SurfaceBuilder::build_topology(const MeshData& mesh, const KnownShapes& known) {
-  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known, {}, std::move(vertex_numbers_));
+  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known);
   std::vector<FlatTriangle> flat = builder.flat_triangles();
   lend_normals(flat);
   builder.take_normals(flat);
@@ -160,8 +155,8 @@ void SurfaceBuilder::take_curves_of_model() {
 }  // namespace
 
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification, std::vector<std::uint32_t> vertex_numbers) {
-  return SurfaceBuilder(mesh, options, std::move(classification), std::move(vertex_numbers)).build();
+                           ModelClassification&& classification) {
+  return SurfaceBuilder(mesh, options, std::move(classification)).build();
 }
 
 }  // namespace weft::meshing
