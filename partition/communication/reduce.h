@@ -47,6 +47,15 @@ std::vector<T> min(Peers& peers, const std::vector<T>& mine) {
   return reduce(peers, mine, [](T a, T b) { return b < a ? b : a; });
 }
 
+/// By T::add, which must be exactly associative and commutative.
+template <class T>
+std::vector<T> added(Peers& peers, const std::vector<T>& mine) {
+  return reduce(peers, mine, [](T a, const T& b) {
+    a.add(b);
+    return a;
+  });
+}
+
 /// Sum of all ranks' values, each finite and at least 0, to 2^-52 of the greatest for each: the sum is of
 /// integers, and the same bits in any order.
 double ordered_sum(Peers& peers, std::span<const double> values);

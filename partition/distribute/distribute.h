@@ -62,8 +62,7 @@ struct Distributed {
 /// Throws on every rank alike: meshing::InputError (no file name) in the words of meshing::import_mesh where
 /// it would; std::invalid_argument where the shares do not make up the mesh, or the number of subdomains is
 /// 0, above 2^23 - 2 or not the partitioner's. A rank holds its share of points and tets, its subdomains,
-/// and a share of the boundary (with a model, and where a patch has one side only, the last rank holds all),
-/// with up to 350 bytes a tet of temporaries.
+/// and a share of the boundary, with up to 350 bytes a tet of temporaries.
 Distributed distribute(Peers& peers, MeshSlice&& slice, const DecompositionOptions& options);
 
 }  // namespace weft::partition

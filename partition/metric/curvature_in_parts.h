@@ -13,8 +13,7 @@ namespace weft::partition {
 
 /// All ranks: meshing::curvature_metric() of the mesh of all slices, at the vertices of this rank's part; the
 /// same bits for any number of ranks and any shares. The surface is built as that of a distribution
-/// (surface/surface_parts.h), and a rank has the pieces of it that are near its own vertices: the whole is
-/// on one rank for a while where there is a model, or a patch of one side.
+/// (surface/surface_parts.h), and a rank has the pieces of it that are near its own vertices.
 meshing::LogMetricField curvature_in_parts(Peers& peers, const MeshSlice& slice, const PartDomain& domain,
                                            const meshing::CurvatureOptions& options,
                                            const std::shared_ptr<const meshing::Model>& model);

@@ -41,7 +41,9 @@ class TurnedSets {
   std::vector<std::uint32_t> size_;
 };
 
-JoinedPatches patches_of(const std::vector<PatchComponent>& components, const TurnedSets& sets) {
+/// `one_sided`: components that do not agree with themselves or with others of their sets.
+JoinedPatches patches_of(const std::vector<PatchComponent>& components, const TurnedSets& sets,
+                         const std::vector<std::uint8_t>& one_sided) {
   // A patch is named by its first triangle, and so is its component.
   std::vector<std::uint32_t> first(components.size());
   std::iota(first.begin(), first.end(), 0u);
@@ -58,11 +60,14 @@ JoinedPatches patches_of(const std::vector<PatchComponent>& components, const Tu
   for (const std::uint32_t c : names) {
     patch_of_set[sets.root(c).first] = static_cast<std::uint32_t>(joined.refs.size());
     joined.refs.push_back(components[c].ref);
+    joined.firsts.push_back(components[c].first);
   }
+  joined.one_sided.assign(names.size(), 0);
   std::vector<std::uint64_t> turned(names.size(), 0), triangles(names.size(), 0);
   for (std::uint32_t c = 0; c < components.size(); ++c) {
     const auto [root, against_root] = sets.root(c);
     joined.patch.push_back(patch_of_set[root]);
+    joined.one_sided[joined.patch[c]] |= one_sided[c];
     joined.turned.push_back(static_cast<std::uint8_t>(against_root ^ sets.root(first[root]).second));
     triangles[joined.patch[c]] += components[c].triangles;
     turned[joined.patch[c]] +=
@@ -75,17 +80,18 @@ JoinedPatches patches_of(const std::vector<PatchComponent>& components, const Tu
 
 }  // namespace
 
-std::optional<JoinedPatches> join_patches(Peers& peers, const std::vector<PatchComponent>& mine,
-                                          const std::vector<ComponentLink>& links) {
+JoinedPatches join_patches(Peers& peers, const std::vector<PatchComponent>& mine,
+                           const std::vector<ComponentLink>& links) {
   const std::vector<PatchComponent> components = allgather_joined(peers, mine);
   std::vector<ComponentLink> all = links;
   meshing::sort_unique(all);
   all = allgather_joined(peers, all);
   TurnedSets sets(components.size());
-  bool agree = true;
-  for (const ComponentLink& link : all) agree = sets.join(link) && agree;
-  if (!agree) return {};
-  return patches_of(components, sets);
+  std::vector<std::uint8_t> one_sided;
+  for (const PatchComponent& c : components) one_sided.push_back(c.one_sided != 0);
+  for (const ComponentLink& link : all)
+    if (!sets.join(link)) one_sided[link.a] = 1;
+  return patches_of(components, sets, one_sided);
 }
 
 }  // namespace weft::partition

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "partition/communication/peers.h"
@@ -14,6 +13,7 @@ struct PatchComponent {
   std::uint64_t triangles, turned;  ///< how many; and how many are turned to agree with the first
   std::uint32_t first;              ///< the lowest number of a triangle
   std::int32_t ref;
+  std::uint64_t one_sided = 0;  ///< 1: it does not agree with itself, as a Moebius strip
 };
 
 /// That two components, numbered over all parts, touch.
@@ -25,15 +25,18 @@ struct ComponentLink {
 
 struct JoinedPatches {
   std::vector<std::uint32_t> patch;  ///< of each component of all parts
-  std::vector<std::uint8_t> turned;  ///< components that are to be turned
-  std::vector<std::int32_t> refs;    ///< by patch
+  std::vector<std::uint8_t>
+      turned;  ///< components that are to be turned; of no meaning where there is one side
+  // By patch:
+  std::vector<std::int32_t> refs;
+  std::vector<std::uint32_t> firsts;  ///< the lowest number of a triangle
+  std::vector<std::uint8_t> one_sided;
 };
 
 /// Patches in the order of their first triangles, with the orientation that most of their triangles have as
 /// they are. Components are numbered by ranks, then as given; the links may be known to either side or to
-/// both. None where a patch does not agree with itself, as a Moebius strip. All ranks call together, and get
-/// the same.
-std::optional<JoinedPatches> join_patches(Peers& peers, const std::vector<PatchComponent>& mine,
-                                          const std::vector<ComponentLink>& links);
+/// both. All ranks call together, and get the same.
+JoinedPatches join_patches(Peers& peers, const std::vector<PatchComponent>& mine,
+                           const std::vector<ComponentLink>& links);
 
 }  // namespace weft::partition

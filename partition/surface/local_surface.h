@@ -1,11 +1,13 @@
 // A rank's triangles of the boundary with two rings of others around them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "meshing/base/place_in.h"
 #include "meshing/mesh/mesh_data.h"
 #include "partition/communication/peers.h"
 #include "partition/surface/boundary_share.h"
@@ -20,6 +22,26 @@ struct LocalSurface {
   std::vector<std::uint8_t> rings;       ///< meshing::SurfaceTopology::rings
   std::vector<std::uint32_t> owners;     ///< ranks that own the triangles
 };
+
+/// All ranks: what the owners of the triangles here know of them. `own`: numbers of the triangles that this
+/// rank owns, ascending; `entry(i)`: of the i-th of these.
+template <class T, class Entry>
+std::vector<T> from_owners(Peers& peers, const LocalSurface& local, std::span<const std::uint32_t> own,
+                           const Entry& entry) {
+  std::vector<std::vector<std::uint32_t>> asked(static_cast<std::size_t>(peers.ranks()));
+  for (std::size_t t = 0; t < local.triangles.size(); ++t)
+    asked[local.owners[t]].push_back(local.triangles[t]);
+  asked = partition::all_to_all(peers, std::move(asked));
+  std::vector<std::vector<T>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const std::uint32_t t : asked[r]) answers[r].push_back(entry(meshing::place_in(own, t)));
+  answers = partition::all_to_all(peers, std::move(answers));
+  std::vector<std::size_t> next(answers.size(), 0);
+  std::vector<T> result;
+  result.reserve(local.owners.size());
+  for (const std::uint32_t r : local.owners) result.push_back(answers[r][next[r]++]);
+  return result;
+}
 
 /// Finds the triangles around others: at the homes of their vertices, which are told of all that are there.
 class SurfaceNeighbours {

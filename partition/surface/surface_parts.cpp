@@ -1,177 +1,600 @@
-// In shares where that can be; else one rank builds the whole surface.
+// Where a share ends, what is beyond is known from its owner.
 #include "partition/surface/surface_parts.h"
 
 #include <algorithm>
-#include <span>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "meshing/base/box.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
-#include "meshing/geometry/model/model_classification.h"
+#include "meshing/geometry/surface/cut_surface.h"
+#include "meshing/geometry/surface/model_tables.h"
+#include "meshing/geometry/surface/surface_curves.h"
+#include "meshing/geometry/surface/surface_shape.h"
 #include "meshing/geometry/surface/surface_tables.h"
-#include "partition/communication/agreement.h"
-#include "partition/surface/surface_shares.h"
+#include "meshing/geometry/surface/surface_topology.h"
+#include "partition/communication/morton_shares.h"
+#include "partition/communication/ranges.h"
+#include "partition/communication/reduce.h"
+#include "partition/surface/boundary_on_model.h"
+#include "partition/surface/joined_patches.h"
+#include "partition/surface/local_surface.h"
 #include "partition/surface/vertex_flags.h"
 
 namespace weft::partition {
 namespace {
 
+using meshing::kNoName;
 using meshing::MeshData;
+using meshing::PatchId;
+using meshing::Point;
+using meshing::VertexKind;
 
-/// The boundary on one rank.
-struct WholeBoundary {
-  MeshData data;                       ///< numbered by entries of `numbers`
-  std::vector<std::uint32_t> numbers;  ///< of data.points in the whole input, ascending
+std::array<Point, 3> corners(const MeshData& mesh, const std::array<std::uint32_t, 3>& t) {
+  return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+}
+
+/// Things in order, dealt to the ranks in pieces.
+class DealtPieces {
+ public:
+  DealtPieces(std::size_t things, int ranks)
+      : pieces_(meshing::pieces_of(things)), ranks_(static_cast<std::uint64_t>(ranks)) {}
+  std::uint32_t count() const { return pieces_; }
+  std::uint32_t first(int rank) const {
+    return static_cast<std::uint32_t>(pieces_ * static_cast<std::uint64_t>(rank) / ranks_);
+  }
+  std::size_t maker(std::uint64_t place) const {
+    const std::uint64_t piece = place / meshing::kSurfacePieceSize;
+    return static_cast<std::size_t>(((piece + 1) * ranks_ - 1) / pieces_);
+  }
+
+ private:
+  std::uint32_t pieces_;
+  std::uint64_t ranks_;
 };
 
-/// All ranks: what they have, to the last.
-template <class T>
-std::vector<T> sent_to_last(Peers& peers, std::vector<T> mine) {
-  std::vector<std::vector<T>> to_each(static_cast<std::size_t>(peers.ranks()));
-  to_each.back() = std::move(mine);
-  return all_to_all_joined(peers, std::move(to_each));
-}
+class ShareBuilder {
+ public:
+  ShareBuilder(Peers& peers, BoundaryShare& boundary, const FetchPoints& points, double ridge_angle_degrees,
+               std::shared_ptr<const meshing::Model> model, std::vector<std::string>& warnings)
+      : peers_(peers),
+        boundary_(boundary),
+        points_(points),
+        ridge_angle_(ridge_angle_degrees),
+        model_(std::move(model)),
+        warnings_(warnings) {}
 
-void take_triangles(std::vector<BoundaryTriangle> triangles, MeshData& data) {
-  std::ranges::sort(triangles, {}, &BoundaryTriangle::number);
-  for (const BoundaryTriangle& t : triangles) {
-    if (t.required) data.required_triangles.push_back(t.number);
-    data.triangles.push_back(t.vertices);
-    data.triangle_refs.push_back(t.ref);
+  SurfaceParts build() {
+    take_share();
+    if (model_) on_model_.emplace(peers_, boundary_, points_, model_);
+    neighbours_.emplace(peers_, boundary_, points_);
+    begin(boundary_.triangles);
+    share_normals();
+    find_patches();
+    find_curves();
+    fit_planes();
+    if (model_) put_on_model();
+    name_triangles();
+    name_features();
+    add_records();
+    take_pieces();
+    cut();
+    return finish();
   }
-}
 
-void take_edges(std::vector<BoundaryEdge> edges, MeshData& data) {
-  std::ranges::sort(edges, {}, &BoundaryEdge::vertices);
-  for (const BoundaryEdge& e : edges) {
-    if (e.required) data.required_edges.push_back(static_cast<std::uint32_t>(data.edges.size()));
-    data.edges.push_back(e.vertices);
-    data.edge_refs.push_back(e.ref);
-  }
-}
-
-/// Renumbers the records of vertices on the boundary, and forgets the others.
-template <class Record>
-void renumber_records(const std::vector<std::uint32_t>& numbers, std::vector<Record>& records) {
-  std::erase_if(records, [&](const Record& r) { return !std::ranges::binary_search(numbers, r.vertex); });
-  for (Record& r : records) r.vertex = static_cast<std::uint32_t>(meshing::place_in(numbers, r.vertex));
-}
-
-/// Renumbers by the points that occur, in their order.
-void compress(WholeBoundary& b) {
-  MeshData& d = b.data;
-  for (const auto& t : d.triangles) b.numbers.insert(b.numbers.end(), t.begin(), t.end());
-  for (const auto* list : {&d.corners, &d.required_points})
-    b.numbers.insert(b.numbers.end(), list->begin(), list->end());
-  meshing::sort_unique(b.numbers);
-  const auto renumber = [&](std::span<std::uint32_t> vertices) {
-    for (std::uint32_t& v : vertices) v = static_cast<std::uint32_t>(meshing::place_in(b.numbers, v));
+ private:
+  /// What the owner of a triangle tells others.
+  struct Told {
+    std::uint32_t component;  ///< over all ranks
+    std::uint32_t turned;
   };
-  for (auto& t : d.triangles) renumber(t);
-  for (auto& e : d.edges) renumber(e);
-  renumber(d.corners);
-  renumber(d.required_points);
-  renumber_records(b.numbers, d.association.nodes);
-  renumber_records(b.numbers, d.association.edges);
-  renumber_records(b.numbers, d.association.faces);
-}
+  struct ToldLater {
+    PatchId patch;
+    std::uint32_t turned, name;
+  };
 
-/// All ranks: all of it on the last; elsewhere nothing.
-WholeBoundary gathered(Peers& peers, BoundaryShare&& share, const FetchPoints& points) {
-  WholeBoundary whole;
-  take_triangles(sent_to_last(peers, std::exchange(share.triangles, {})), whole.data);
-  take_edges(sent_to_last(peers, std::exchange(share.edges, {})), whole.data);
-  whole.data.association.nodes = sent_to_last(peers, std::move(share.on_model.nodes));
-  whole.data.association.edges = sent_to_last(peers, std::move(share.on_model.edges));
-  whole.data.association.faces = sent_to_last(peers, std::move(share.on_model.faces));
-  if (peers.rank() + 1 == peers.ranks()) {
-    whole.data.corners = std::move(share.corners);
-    whole.data.required_points = std::move(share.required_points);
+  void take_share();
+  std::vector<std::uint64_t> keys_of_triangles();
+  void begin(std::vector<BoundaryTriangle> own);
+  void share_normals();
+  void take_normals();
+  void find_patches();
+  std::vector<Told> tell_components(const meshing::SurfaceComponents& found, std::uint32_t first);
+  std::vector<PatchComponent> components(const meshing::SurfaceComponents& found) const;
+  void take_patches(const JoinedPatches& joined, const std::vector<Told>& told);
+  void turn_one_sided(const JoinedPatches& joined, const std::vector<PatchId>& patches,
+                      std::vector<std::uint8_t>& turned);
+  template <class T>
+  void refresh(std::vector<T>& of_triangles) {
+    of_triangles = from_owners<T>(peers_, *local_, own_, [&](std::size_t i) {
+      return of_triangles[meshing::place_in(local_->triangles, own_[i])];
+    });
   }
-  compress(whole);
-  whole.data.points = points(whole.numbers);
-  return whole;
-}
+  void find_curves();
+  void fit_planes();
+  void put_on_model();
+  std::vector<std::vector<std::uint32_t>> faces_of_patches();
+  std::vector<std::vector<PatchId>> patches_at_curves();
+  void name_triangles();
+  void name_features();
+  void add_records();
+  void add_vertices();
+  void add_listed_vertices();
+  void take_pieces();
+  void classify_pieces();
+  std::vector<BoundaryTriangle> triangles_to_make();
+  std::vector<BoundaryTriangle> deal_triangles(const DealtPieces& dealt);
+  std::vector<BoundaryTriangle> deal_features(const DealtPieces& dealt);
+  void cut();
+  SurfaceParts finish();
 
-BoundaryRecords records_of(const WholeBoundary& boundary, const meshing::BuiltSurface& surface) {
-  BoundaryRecords records;
-  const auto number = [&](std::uint32_t v) { return boundary.numbers[v]; };
-  const std::vector<std::uint8_t> flags = vertex_flags(boundary.data, surface.input.vertex_kind,
-                                                       surface.input.triangle_patch, surface.tables->patches);
-  for (std::uint32_t v = 0; v < flags.size(); ++v)
-    records.vertices.push_back(
-        {number(v), surface.input.vertex_hint[v], surface.input.vertex_kind[v], flags[v]});
-  for (std::uint32_t t = 0; t < boundary.data.triangles.size(); ++t) {
-    const auto& [a, b, c] = boundary.data.triangles[t];
-    records.faces.push_back({{number(a), number(b), number(c)}, surface.input.triangle_patch[t]});
-    std::ranges::sort(records.faces.back().vertices);
+  /// f(triangle here, its place in own_), ascending. Before pieces are taken.
+  template <class F>
+  void for_each_own(const F& f) const {
+    for (std::uint32_t t = 0, i = 0; t < local_->triangles.size(); ++t)
+      if (topology().ring(t) == 0) f(t, i++);
   }
-  for (const auto& feature : surface.input.features)
-    records.edges.push_back({{number(feature.vertices[0]), number(feature.vertices[1])}, feature.curve});
-  return records;
-}
+  BoundaryTriangle triangle(std::uint32_t place) const;
+  PatchId patch_here(std::uint32_t number) const {
+    return topology().triangle_patch[meshing::place_in(local_->triangles, number)];
+  }
+  bool alone() const { return peers_.ranks() == 1; }
+  const meshing::SurfaceTopology& topology() const { return builder_->so_far(); }
 
-/// What the rank that builds tells the others.
-struct Told {
-  std::vector<std::byte> tables;
-  std::vector<char> warnings;          ///< each ended by 0
-  std::vector<std::uint8_t> required;  ///< by patch
-  std::vector<std::uint64_t> triangles;
-  std::vector<meshing::ModelFaults> faults;  ///< one: of the input on its model
+  Peers& peers_;
+  BoundaryShare& boundary_;
+  const FetchPoints& points_;
+  const double ridge_angle_;
+  const std::shared_ptr<const meshing::Model> model_;  // or null
+  std::vector<std::string>& warnings_;
+  std::optional<BoundaryOnModel> on_model_;  // with a model
+  meshing::PieceOrder order_{meshing::Box{}};
+  std::optional<SurfaceNeighbours> neighbours_;
+  std::vector<std::uint32_t> own_;  // triangles of the share, ascending
+  std::vector<ToldLater> own_told_;
+
+  // The share with its rings, later what pieces are made of.
+  std::shared_ptr<LocalSurface> local_;
+  std::optional<meshing::TopologyBuilder> builder_;
+
+  // The same on all ranks:
+  std::vector<meshing::FlatTriangle> flat_;
+  std::vector<std::int32_t> patch_refs_;
+  std::vector<meshing::Patch> fitted_;  // patches as the points tell, with or without a model
+  std::shared_ptr<meshing::SurfaceCurves> curves_;
+  std::vector<std::uint32_t>
+      feature_at_;  // places among the features that all ranks give, one after the other
+  std::vector<std::uint32_t> feature_order_, feature_names_;
+  std::uint64_t named_ = 0;  // triangles
+  std::shared_ptr<meshing::SurfaceTables> tables_ = std::make_shared<meshing::SurfaceTables>();
+
+  std::vector<std::uint32_t> my_order_;     // places of own triangles in pieces, in their order
+  std::uint64_t my_first_ = 0;              // place of the first of them
+  std::vector<std::uint32_t> my_features_;  // numbers of own features
+  std::vector<std::vector<BoundaryTriangle>> at_features_;  // the triangles at them
+  std::vector<std::uint8_t> required_;                      // by patch
+  // Of what pieces are made of:
+  meshing::SurfaceNames names_;
+  meshing::ModelClassification classification_;
+  std::vector<std::array<double, 2>> feature_t_;
+  std::vector<bool> turned_;
+  meshing::ModelFaults faults_;
+  SurfaceParts parts_;
 };
 
-SurfaceParts build_here(const WholeBoundary& boundary, double ridge_angle_degrees,
-                        const std::shared_ptr<const meshing::Model>& model, Told& told) {
-  meshing::ModelClassification on_model;
-  if (model) on_model = meshing::classify_on_model(boundary.data, model);
-  for (const std::string& warning : on_model.warnings)
-    told.warnings.insert(told.warnings.end(), warning.c_str(), warning.c_str() + warning.size() + 1);
-  told.faults = {on_model.faults};
-  meshing::BuiltSurface surface =
-      meshing::build_surface(boundary.data, {ridge_angle_degrees}, std::move(on_model), boundary.numbers);
-  told.tables = bytes_of(*surface.tables);
-  told.required.resize(surface.tables->patches.size());
-  for (const std::uint32_t t : boundary.data.required_triangles)
-    told.required[surface.input.triangle_patch[t].value] = 1;
-  told.triangles.resize(told.required.size());
-  for (const meshing::PatchId patch : surface.input.triangle_patch) ++told.triangles[patch.value];
-  SurfaceParts parts;
-  parts.records = records_of(boundary, surface);
-  parts.cutter = std::move(surface.cutter);
-  return parts;
+/// Along the curve.
+std::vector<std::uint64_t> ShareBuilder::keys_of_triangles() {
+  std::vector<std::uint32_t> vertices;
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    vertices.insert(vertices.end(), t.vertices.begin(), t.vertices.end());
+  meshing::sort_unique(vertices);
+  const std::vector<Point> points = points_(vertices);
+  meshing::Box box;
+  for (const Point& p : points) box.include(p);
+  order_ = meshing::PieceOrder(common_box(peers_, box));
+  std::vector<std::uint64_t> keys;
+  keys.reserve(boundary_.triangles.size());
+  const auto point = [&](std::uint32_t v) { return points[meshing::place_in(vertices, v)]; };
+  for (const BoundaryTriangle& t : boundary_.triangles)
+    keys.push_back(order_.key({point(t.vertices[0]), point(t.vertices[1]), point(t.vertices[2])}));
+  return keys;
 }
 
-template <class T>
-void tell(Peers& peers, std::vector<T>& values) {
-  values = std::move(allgather(peers, values).back());
+/// Triangles go to the owners of their ranges.
+void ShareBuilder::take_share() {
+  const std::vector<std::uint64_t> keys = keys_of_triangles();
+  const std::vector<std::uint64_t> begins = first_keys(peers_, keys);
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    to_each[static_cast<std::size_t>(std::ranges::upper_bound(begins, keys[i]) - begins.begin())].push_back(
+        boundary_.triangles[i]);
+  boundary_.triangles = {};
+  boundary_.triangles = all_to_all_joined(peers_, std::move(to_each));
+  std::ranges::sort(boundary_.triangles, {}, &BoundaryTriangle::number);
+  for (const BoundaryTriangle& t : boundary_.triangles) own_.push_back(t.number);
 }
 
-SurfaceParts build_on_one(Peers& peers, BoundaryShare&& boundary, const FetchPoints& points,
-                          double ridge_angle_degrees, const std::shared_ptr<const meshing::Model>& model,
-                          std::vector<std::string>& warnings) {
-  // The cutter refers to the points: they must not move from here on.
-  const auto kept = std::make_shared<WholeBoundary>(gathered(peers, std::move(boundary), points));
-  SurfaceParts parts;
-  Told told;
-  agree_on(peers, [&] {
-    if (peers.rank() + 1 == peers.ranks()) parts = build_here(*kept, ridge_angle_degrees, model, told);
-  });
-  parts.mesh = {kept, &kept->data};
-  tell(peers, told.tables), tell(peers, told.warnings), tell(peers, told.required),
-      tell(peers, told.triangles), tell(peers, told.faults);
-  for (auto at = told.warnings.begin(); at != told.warnings.end();) {
-    const auto end = std::find(at, told.warnings.end(), '\0');
-    warnings.emplace_back(at, end);
-    at = end + 1;
+void ShareBuilder::begin(std::vector<BoundaryTriangle> own) {
+  builder_.reset();
+  local_ = std::make_shared<LocalSurface>(neighbours_->around(std::move(own)));
+  builder_.emplace(local_->mesh, ridge_angle_, on_model_ ? on_model_->known(*local_) : meshing::KnownShapes{},
+                   local_->rings, local_->vertices);
+}
+
+/// As it is in the share.
+BoundaryTriangle ShareBuilder::triangle(std::uint32_t place) const {
+  const auto& [a, b, c] = local_->mesh.triangles[place];
+  const bool required = std::ranges::binary_search(local_->mesh.required_triangles, place);
+  return {local_->triangles[place],
+          {local_->vertices[a], local_->vertices[b], local_->vertices[c]},
+          local_->mesh.triangle_refs[place],
+          required};
+}
+
+void ShareBuilder::share_normals() {
+  std::vector<meshing::FlatTriangle> mine = builder_->flat_triangles();
+  for (meshing::FlatTriangle& t : mine) {
+    t.triangle = local_->triangles[t.triangle];
+    if (t.behind != meshing::kNone) t.behind = local_->triangles[t.behind];
   }
-  parts.geometry =
-      std::make_shared<Geometry>(Geometry{meshing::Surface(meshing::tables_of(told.tables, model)),
-                                          {told.required.begin(), told.required.end()},
-                                          std::vector<bool>(told.required.size(), false),
-                                          told.faults.front()});
-  parts.triangles = std::move(told.triangles);
-  return parts;
+  flat_ = allgather_joined(peers_, mine);
+  std::ranges::sort(flat_, {}, &meshing::FlatTriangle::triangle);
+  lend_normals(flat_);
+  take_normals();
+}
+
+void ShareBuilder::take_normals() {
+  std::vector<meshing::FlatTriangle> here;
+  for (meshing::FlatTriangle t : flat_) {
+    const std::size_t place = meshing::place_in(local_->triangles, t.triangle);
+    if (place == local_->triangles.size() || local_->triangles[place] != t.triangle) continue;
+    t.triangle = static_cast<std::uint32_t>(place);
+    here.push_back(t);
+  }
+  builder_->take_normals(here);
+}
+
+std::vector<PatchComponent> ShareBuilder::components(const meshing::SurfaceComponents& found) const {
+  std::vector<PatchComponent> all;
+  for (const std::uint8_t one_sided : found.one_sided) all.push_back({0, 0, 0, 0, one_sided});
+  for (std::size_t t = 0; t < found.of_triangle.size(); ++t) {
+    if (found.of_triangle[t] == meshing::kNone) continue;
+    PatchComponent& c = all[found.of_triangle[t]];
+    if (c.triangles++ == 0) c.first = local_->triangles[t], c.ref = local_->mesh.triangle_refs[t];
+    c.turned += found.turned[t];
+  }
+  return all;
+}
+
+/// All ranks: of all triangles here; `first`: the number of this rank's first component.
+std::vector<ShareBuilder::Told> ShareBuilder::tell_components(const meshing::SurfaceComponents& found,
+                                                              std::uint32_t first) {
+  std::vector<std::uint32_t> places;  // of own triangles here
+  for (const std::uint32_t t : own_)
+    places.push_back(static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t)));
+  return from_owners<Told>(peers_, *local_, own_, [&](std::size_t i) {
+    return Told{first + found.of_triangle[places[i]], found.turned[places[i]]};
+  });
+}
+
+void ShareBuilder::find_patches() {
+  const meshing::SurfaceComponents& found = builder_->components();
+  const Ranges numbers(peers_, found.count());
+  const std::vector<Told> told =
+      tell_components(found, static_cast<std::uint32_t>(numbers.first(peers_.rank())));
+  std::vector<ComponentLink> links;
+  for (const auto& crossing : builder_->crossings()) {
+    const Told &a = told[crossing.own], &b = told[crossing.other];
+    links.push_back({std::min(a.component, b.component), std::max(a.component, b.component),
+                     a.turned ^ b.turned ^ static_cast<std::uint32_t>(crossing.turned)});
+  }
+  take_patches(join_patches(peers_, components(found), links), told);
+}
+
+/// All ranks. What is known spreads over shares in rounds.
+void ShareBuilder::turn_one_sided(const JoinedPatches& joined, const std::vector<PatchId>& patches,
+                                  std::vector<std::uint8_t>& turned) {
+  std::vector<std::uint32_t> steps(patches.size(), meshing::kNone);
+  for (std::size_t t = 0; t < patches.size(); ++t) {
+    if (!joined.one_sided[patches[t].value]) continue;
+    turned[t] = meshing::kUnknownTurn;
+    if (local_->triangles[t] == joined.firsts[patches[t].value]) steps[t] = turned[t] = 0;
+  }
+  while (partition::max(peers_, std::uint8_t{builder_->find_steps(steps)}) != 0) refresh(steps);
+  while (partition::max(peers_, std::uint8_t{builder_->turn_along(steps, turned)}) != 0) refresh(turned);
+  std::vector<std::uint64_t> counts(2 * joined.refs.size(), 0);  // by patch: as they are, turned
+  for_each_own([&](std::uint32_t t, std::uint32_t) { ++counts[2 * patches[t].value + turned[t]]; });
+  counts = partition::sum(peers_, counts);
+  for (std::size_t t = 0; t < patches.size(); ++t) {
+    const std::uint32_t p = patches[t].value;
+    if (joined.one_sided[p] && counts[2 * p + 1] > counts[2 * p]) turned[t] ^= 1;
+  }
+}
+
+void ShareBuilder::take_patches(const JoinedPatches& joined, const std::vector<Told>& told) {
+  std::vector<PatchId> patches;
+  std::vector<std::uint8_t> turned;
+  for (std::size_t t = 0; t < told.size(); ++t) {
+    patches.emplace_back(joined.patch[told[t].component]);
+    turned.push_back(static_cast<std::uint8_t>(told[t].turned ^ joined.turned[told[t].component]));
+  }
+  if (std::ranges::count(joined.one_sided, 1) > 0) turn_one_sided(joined, patches, turned);
+  for_each_own([&](std::uint32_t t, std::uint32_t) {
+    own_told_.push_back({patches[t], turned[t], kNoName});
+  });
+  patch_refs_ = joined.refs;
+  builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
+}
+
+/// All ranks put all feature edges in order.
+void ShareBuilder::find_curves() {
+  const std::vector<meshing::FoundFeature> mine = builder_->own_features();
+  for (const auto& triangles : builder_->triangles_at_own_features()) {
+    at_features_.emplace_back();
+    for (const std::uint32_t t : triangles) at_features_.back().push_back(triangle(t));
+  }
+  const std::vector<meshing::FoundFeature> all = allgather_joined(peers_, mine);
+  feature_at_.resize(all.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) feature_at_[i] = i;
+  std::ranges::sort(feature_at_, {}, [&](std::uint32_t i) { return all[i].vertices; });
+  std::vector<meshing::FoundFeature> sorted;
+  sorted.reserve(all.size());
+  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
+  curves_ = std::make_shared<meshing::SurfaceCurves>(meshing::form_curves(sorted));
+  builder_->take_curves(*curves_);
+  for (const meshing::FoundFeature& f : mine)
+    my_features_.push_back(static_cast<std::uint32_t>(meshing::place_in(curves_->features, f.vertices)));
+}
+
+void ShareBuilder::fit_planes() {
+  const meshing::PlaneFits fits(local_->mesh.points, topology());
+  const auto extents = added(peers_, fits.extents(local_->triangles));
+  const auto sums = added(peers_, fits.sums(extents));
+  tables_->planes = planes_of(extents, sums);
+  const auto heights = added(peers_, fits.heights(tables_->planes));
+  tables_->patches = fitted_ = patches_of(patch_refs_, extents, sums, heights, tables_->planes);
+  tables_->curves = curves_->curves;
+  tables_->lines = curves_->lines;
+}
+
+/// All ranks: of the model, ascending.
+std::vector<std::vector<std::uint32_t>> ShareBuilder::faces_of_patches() {
+  std::vector<std::array<std::uint32_t, 2>> mine;  // patches, and faces of triangles in them
+  for (std::size_t i = 0; i < own_told_.size(); ++i)
+    if (const std::uint32_t face = on_model_->faces()[i]; face != meshing::kNoEntity)
+      mine.push_back({own_told_[i].patch.value, face});
+  meshing::sort_unique(mine);
+  std::vector<std::vector<std::uint32_t>> faces(patch_refs_.size());
+  for (const auto& [patch, face] : allgather_joined(peers_, mine)) faces[patch].push_back(face);
+  for (auto& of_patch : faces) meshing::sort_unique(of_patch);
+  return faces;
+}
+
+/// All ranks: see meshing::SurfaceOnModel. Who has a curve's first edge tells.
+std::vector<std::vector<PatchId>> ShareBuilder::patches_at_curves() {
+  std::vector<std::array<std::uint32_t, 2>> mine;  // curves, and patches there
+  for (std::size_t f = 0; f < at_features_.size(); ++f) {
+    const meshing::CurveId curve = curves_->curve_of[my_features_[f]];
+    if (curves_->chain(curve).front() != my_features_[f] ||
+        on_model_->edge_refs()[curves_->curves[curve.value].ref].entity != meshing::kNoEntity)
+      continue;
+    for (const BoundaryTriangle& t : at_features_[f])
+      mine.push_back({curve.value, patch_here(t.number).value});
+  }
+  std::vector<std::vector<PatchId>> patches(curves_->curves.size());
+  for (const auto& [curve, patch] : allgather_joined(peers_, mine)) patches[curve].emplace_back(patch);
+  return patches;
+}
+
+void ShareBuilder::put_on_model() {
+  tables_->model = model_;
+  meshing::put_on_model(
+      {on_model_->triangle_refs(), on_model_->edge_refs(), faces_of_patches(), patches_at_curves()}, *curves_,
+      *tables_);
+}
+
+void ShareBuilder::name_triangles() {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;  // and places among own triangles
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
+    if (needs_triangles(*tables_, own_told_[i].patch))
+      keys.emplace_back(order_.key(corners(local_->mesh, topology().triangles[t])), i);
+  });
+  std::ranges::sort(keys);
+  const auto counts = allgather(peers_, std::vector<std::uint64_t>{keys.size()});
+  for (std::size_t r = 0; r < counts.size(); ++r) {
+    if (r == static_cast<std::size_t>(peers_.rank())) my_first_ = named_;
+    named_ += counts[r][0];
+  }
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    own_told_[keys[k].second].name = meshing::name_in_order(my_first_ + k, 0);
+    my_order_.push_back(keys[k].second);
+  }
+}
+
+void ShareBuilder::name_features() {
+  std::vector<std::uint8_t> beside;
+  for (const auto& triangles : at_features_)
+    beside.push_back(std::ranges::any_of(triangles, [&](const BoundaryTriangle& t) {
+      // All triangles at an edge have patches here; names are known of own ones alone.
+      return needs_triangles(*tables_, patch_here(t.number));
+    }));
+  const std::vector<std::uint8_t> all = allgather_joined(peers_, beside);
+  std::vector<std::uint8_t> sorted;
+  for (const std::uint32_t i : feature_at_) sorted.push_back(all[i]);
+  tables_->curve_in_pieces = curves_in_pieces(*tables_, *curves_, sorted);
+  feature_order_ = features_in_order(order_, *curves_, tables_->curve_in_pieces);
+  feature_names_.assign(curves_->features.size(), kNoName);
+  for (std::size_t i = 0; i < feature_order_.size(); ++i)
+    feature_names_[feature_order_[i]] = meshing::name_in_order(i, meshing::pieces_of(named_));
+}
+
+/// A vertex is told of by the owner of its last triangle, who knows all that are there.
+void ShareBuilder::add_vertices() {
+  const meshing::SurfaceTopology& s = topology();
+  const std::vector<std::uint8_t> flags =
+      vertex_flags(local_->mesh, s.vertex_kind, s.triangle_patch, tables_->patches);
+  std::vector<std::uint32_t> last(local_->mesh.points.size(), meshing::kNone);
+  for (std::uint32_t t = 0; t < s.triangles.size(); ++t)
+    for (const std::uint32_t v : s.triangles[t]) last[v] = t;
+  for (std::uint32_t v = 0; v < last.size(); ++v) {
+    if (last[v] == meshing::kNone || s.ring(last[v]) > 0) continue;
+    std::uint32_t hint = kNoName;
+    if (s.vertex_kind[v] == VertexKind::surface)
+      hint = own_told_[meshing::place_in(own_, local_->triangles[last[v]])].name;
+    else if (s.vertex_kind[v] == VertexKind::ridge)
+      hint = feature_names_[s.feature_number[s.vertex_hint[v]]];
+    parts_.records.vertices.push_back({local_->vertices[v], hint, s.vertex_kind[v], flags[v]});
+  }
+}
+
+/// Listed vertices may be no triangle's.
+void ShareBuilder::add_listed_vertices() {
+  if (peers_.rank() > 0) return;
+  const auto add = [&](const std::vector<std::uint32_t>& listed, std::uint8_t flags) {
+    for (const std::uint32_t v : listed)
+      parts_.records.vertices.push_back({v, kNoName, VertexKind::interior, flags});
+  };
+  add(boundary_.corners, meshing::kFixed | meshing::kListedCorner);
+  add(boundary_.required_points, meshing::kFixed | meshing::kListedRequired);
+}
+
+void ShareBuilder::add_records() {
+  add_vertices();
+  add_listed_vertices();
+  parts_.triangles.assign(patch_refs_.size(), 0);
+  for_each_own([&](std::uint32_t t, std::uint32_t i) {
+    const auto& [a, b, c] = local_->mesh.triangles[t];
+    const PatchId patch = own_told_[i].patch;
+    parts_.records.faces.push_back({{local_->vertices[a], local_->vertices[b], local_->vertices[c]}, patch});
+    std::ranges::sort(parts_.records.faces.back().vertices);
+    ++parts_.triangles[patch.value];
+  });
+  parts_.triangles = partition::sum(peers_, parts_.triangles);
+  required_.assign(patch_refs_.size(), 0);
+  for (const std::uint32_t t : local_->mesh.required_triangles)
+    if (topology().ring(t) == 0) required_[topology().triangle_patch[t].value] = 1;
+  required_ = partition::max(peers_, required_);
+  for (std::uint32_t f = 0; f < topology().features.size(); ++f) {
+    if (topology().ring(topology().triangles_at(f)[0]) > 0) continue;
+    const std::uint32_t number = topology().feature_number[f];
+    parts_.records.edges.push_back({curves_->features[number], curves_->curve_of[number]});
+  }
+}
+
+/// All ranks: the triangles of this rank's pieces, in order.
+std::vector<BoundaryTriangle> ShareBuilder::deal_triangles(const DealtPieces& dealt) {
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t i = 0; i < my_order_.size(); ++i)
+    to_each[dealt.maker(my_first_ + i)].push_back(boundary_.triangles[my_order_[i]]);
+  return all_to_all_joined(peers_, std::move(to_each));
+}
+
+/// All ranks: the triangles at the features of this rank's pieces.
+std::vector<BoundaryTriangle> ShareBuilder::deal_features(const DealtPieces& dealt) {
+  std::vector<std::uint32_t> place(curves_->features.size());
+  for (std::uint32_t i = 0; i < feature_order_.size(); ++i) place[feature_order_[i]] = i;
+  std::vector<std::vector<BoundaryTriangle>> to_each(static_cast<std::size_t>(peers_.ranks()));
+  for (std::size_t f = 0; f < at_features_.size(); ++f) {
+    const std::uint32_t number = my_features_[f];
+    if (feature_names_[number] == kNoName) continue;
+    auto& list = to_each[dealt.maker(place[number])];
+    list.insert(list.end(), at_features_[f].begin(), at_features_[f].end());
+  }
+  at_features_ = {};
+  return all_to_all_joined(peers_, std::move(to_each));
+}
+
+/// The triangles of this rank's pieces, and those at the features of its others.
+std::vector<BoundaryTriangle> ShareBuilder::triangles_to_make() {
+  const int me = peers_.rank();
+  const DealtPieces triangles(named_, peers_.ranks()), features(feature_order_.size(), peers_.ranks());
+  std::vector<BoundaryTriangle> all = deal_triangles(triangles);
+  names_.of_triangles.first = triangles.first(me);
+  for (const BoundaryTriangle& t : all) names_.of_triangles.members.push_back(t.number);
+  names_.of_features.first = triangles.count() + features.first(me);
+  const auto place_of = [&](std::uint32_t piece) {
+    return std::min(std::size_t{piece} * meshing::kSurfacePieceSize, feature_order_.size());
+  };
+  names_.of_features.members.assign(
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me))),
+      feature_order_.begin() + static_cast<std::ptrdiff_t>(place_of(features.first(me + 1))));
+  const std::vector<BoundaryTriangle> beside = deal_features(features);
+  all.insert(all.end(), beside.begin(), beside.end());
+  meshing::sort_unique(all, &BoundaryTriangle::number);
+  return all;
+}
+
+/// From the share to what is to be cut.
+void ShareBuilder::take_pieces() {
+  std::vector<BoundaryTriangle> own = triangles_to_make();
+  if (!alone()) {
+    begin(std::move(own));
+    take_normals();
+    builder_->components();
+  }
+  const auto told =
+      from_owners<ToldLater>(peers_, *local_, own_, [&](std::size_t i) { return own_told_[i]; });
+  std::vector<PatchId> patches;
+  std::vector<std::uint8_t> turned;
+  for (const ToldLater& t : told) {
+    patches.push_back(t.patch);
+    turned.push_back(static_cast<std::uint8_t>(t.turned));
+    turned_.push_back(t.turned != 0);
+    names_.triangles.push_back(t.name);
+  }
+  if (!alone()) {
+    builder_->take_patches(std::move(patches), std::move(turned), patch_refs_);
+    builder_->take_curves(*curves_);
+  }
+  if (model_) classify_pieces();
+  own_told_ = {};
+  neighbours_.reset();
+  on_model_.reset();
+  boundary_ = {};
+}
+
+/// What the share knows of the model, of what pieces are made of.
+void ShareBuilder::classify_pieces() {
+  if (!model_->has_formulas())
+    classification_.parameters = from_owners<std::array<meshing::Parameters, 3>>(
+        peers_, *local_, own_, [&](std::size_t i) { return on_model_->parameters()[i]; });
+  classification_.nodes = on_model_->nodes(*local_);
+  feature_t_ = meshing::parameters_at(topology().features, on_model_->edges(peers_, *local_));
+  warnings_.insert(warnings_.end(), on_model_->warnings().begin(), on_model_->warnings().end());
+  faults_ = on_model_->faults();
+}
+
+void ShareBuilder::cut() {
+  meshing::SurfaceTopology topology = builder_->take();
+  builder_.reset();
+  names_.features = feature_names_;
+  for (std::uint32_t& t : names_.of_triangles.members)
+    t = static_cast<std::uint32_t>(meshing::place_in(local_->triangles, t));
+  for (std::uint32_t& f : names_.of_features.members)
+    f = static_cast<std::uint32_t>(meshing::place_in(topology.feature_number, f));
+  auto handles = control_points(local_->mesh.points, fitted_, *curves_, topology);
+  const auto cutter = std::make_shared<meshing::SurfaceCutter>(
+      meshing::UncutSurface{local_->mesh.points, std::move(topology), curves_, std::move(handles),
+                            std::move(classification_), std::move(feature_t_), std::move(turned_)},
+      std::move(names_));
+  for (const auto& corner : cutter->corners())
+    parts_.records.vertices.push_back({local_->vertices[corner.vertex], corner.name, VertexKind::corner, 0});
+  parts_.cutter = cutter;
+}
+
+SurfaceParts ShareBuilder::finish() {
+  parts_.mesh = {local_, &local_->mesh};
+  parts_.geometry = std::make_shared<Geometry>(Geometry{meshing::Surface(tables_),
+                                                        {required_.begin(), required_.end()},
+                                                        std::vector<bool>(patch_refs_.size(), false),
+                                                        faults_});
+  return std::move(parts_);
 }
 
 }  // namespace
@@ -180,10 +603,7 @@ SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const F
                                  double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,
                                  std::vector<std::string>& warnings) {
-  if (!model)
-    if (auto parts = build_surface_in_shares(peers, boundary, points, ridge_angle_degrees))
-      return std::move(*parts);
-  return build_on_one(peers, std::move(boundary), points, ridge_angle_degrees, model, warnings);
+  return ShareBuilder(peers, boundary, points, ridge_angle_degrees, model, warnings).build();
 }
 
 }  // namespace weft::partition

@@ -1,8 +1,10 @@
-// The surface of the boundary: patches and curves, which all ranks know, and what one of them knows beside.
+// The surface of the boundary, built in shares: patches and curves, which all ranks know, and what each of
+// them knows beside.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "meshing/geometry/model/model.h"
@@ -18,14 +20,18 @@ struct SurfaceParts {
   std::shared_ptr<Geometry> geometry;                    ///< `patch_inner` is left to others
   std::vector<std::uint64_t> triangles;                  ///< by patch, of the whole boundary
   BoundaryRecords records;                               ///< each of one rank
-  std::shared_ptr<const meshing::SurfaceCutter> cutter;  ///< of the pieces that this rank can make; or null
+  std::shared_ptr<const meshing::SurfaceCutter> cutter;  ///< of the pieces that this rank can make
   /// What the cutter reads.
   std::shared_ptr<const meshing::MeshData> mesh;
 };
 
-/// Finds patches, curves and the shape of the surface: in shares (surface_shares.h); on the last rank, which
-/// tells the others, where it is classified on a model or a patch has one side only. Gives the boundary back.
-/// Adds to the warnings. All ranks call together, and throw alike.
+/// Finds patches, curves and the shape of the surface: each rank of the triangles near its own. Twice
+/// triangles are dealt to the ranks along a Morton curve, with two rings of others around each share: evenly,
+/// for patches, curves, planes and what is told of vertices; then by pieces of the surface, for the shape and
+/// the pieces. With a model (or null) each share is classified on it first. Patches, curves, names and pieces
+/// are those of the whole surface, for any number of ranks. All ranks know patches, curves and feature edges
+/// (some 150 bytes each), and which vertices are on the model's nodes. Gives the boundary back. Adds to the
+/// warnings. All ranks call together, and throw alike.
 SurfaceParts build_surface_parts(Peers& peers, BoundaryShare&& boundary, const FetchPoints& points,
                                  double ridge_angle_degrees,
                                  const std::shared_ptr<const meshing::Model>& model,

@@ -224,6 +224,12 @@ std::vector<std::uint32_t> Model::bodies_at(std::span<const Point> points) const
   return geometry_->bodies_at(own);
 }
 
+bool Model::has_formulas() const {
+  for (std::uint32_t f = 0; f < num_faces(); ++f)
+    if (!has_formula(f)) return false;
+  return true;
+}
+
 CurveJet Model::curve(std::uint32_t e, double t) const {
   const ModelEdge& m = edge(e);
   CurveJet jet;

@@ -74,6 +74,8 @@ class Model {
   double detail(std::uint32_t f) const { return details_[f]; }
   /// Whether the closest point needs no guess.
   bool has_formula(std::uint32_t f) const { return face(f).form.kind != SurfaceForm::Kind::other; }
+  /// Whether that holds of all faces.
+  bool has_formulas() const;
   bool edge_has_formula(std::uint32_t e) const { return edge(e).form.kind != CurveForm::Kind::other; }
   /// The plane that a face lies in to 1e-11 of the model's size: a point and the unit normal du x dv.
   const std::optional<Frame>& plane(std::uint32_t f) const { return planes_[f]; }

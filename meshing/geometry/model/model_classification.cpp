@@ -12,6 +12,8 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
+#include "meshing/base/place_in.h"
+#include "meshing/base/sort_unique.h"
 
 namespace weft::meshing {
 namespace {
@@ -47,14 +49,24 @@ struct Carrier {
   Parameters guess{};  ///< on a face without formula
 };
 
+using Tallies = std::map<std::pair<std::uint32_t, std::int32_t>, FaceTally>;  // by face and reference
+
+void add(const FaceTally& tally, Tallies& all) {
+  const auto [at, fresh] = all.try_emplace({tally.face, tally.ref}, tally);
+  if (!fresh) at->second.add(tally);
+}
+
 class Classifier {
  public:
-  Classifier(const MeshData& mesh, std::shared_ptr<const Model> model) : mesh_(mesh), model_(*model) {
+  Classifier(const BoundaryDomain& domain, std::shared_ptr<const Model> model)
+      : domain_(domain), mesh_(domain.mesh()), model_(*model) {
     c_.model = std::move(model);
   }
 
   ModelClassification run() {
     measure_edges();
+    find_vertices();
+    sort_sides();
     take_records();
     find_faces_of_vertices();
     refuse_another_body();
@@ -62,13 +74,13 @@ class Classifier {
     fill_gaps();
     refuse_another_shape();
     refuse_another_place();
-    sort_sides();
     find_nodes();
     find_edges();
     group_faces();
+    find_carriers();
     set_parameters();
     find_faults();
-    warn();
+    judge_triangles();
     return std::move(c_);
   }
 
@@ -79,6 +91,7 @@ class Classifier {
   };
 
   void measure_edges();
+  void find_vertices();
   void take_records();
   bool fits(const Association::OnNode& record) const;
   bool fits(const Association::OnEdge& record) const;
@@ -89,6 +102,7 @@ class Classifier {
   void refuse_another_shape() const;
   void refuse_another_place() const;
   double area_of_face(std::uint32_t f) const;
+  std::vector<double> areas_on_faces() const;
   std::string distances() const;
   std::string hint_of_scale() const;
   void find_faces_of_triangles();
@@ -96,7 +110,9 @@ class Classifier {
   bool references_are_faces() const;
   std::uint32_t face_of_triangle(std::uint32_t triangle, bool by_reference) const;
   void fill_gaps();
+  std::uint32_t face_beside(std::uint32_t triangle) const;
   void sort_sides();
+  std::vector<NearVertex> nearest_to_nodes() const;
   void find_nodes();
   void find_edges();
   void consider_edge(std::size_t begin, std::size_t end, bool listed);
@@ -105,9 +121,11 @@ class Classifier {
                              std::array<double, 2>& t) const;
   std::array<double, 2> parameters_along(std::uint32_t e, const std::array<std::uint32_t, 2>& v) const;
   void group_faces();
+  void find_carriers();
   void set_parameters();
+  std::vector<std::uint32_t> triangles_with_parameters() const;
+  Parameters unwrapped(std::uint32_t f, Parameters at, const Parameters& middle) const;
   void find_faults();
-  std::uint64_t turned_triangles() const;
   std::vector<Carrier> places() const;
   double distance_from(const Carrier& place, const Point& p) const;
   double tolerance_of(const Carrier& place) const;
@@ -121,9 +139,12 @@ class Classifier {
       for (std::size_t j = 0; j < 2; ++j) middle[j] += guess(triangle, k)[j] / 3;
     return middle;
   }
-  void warn();
+  void judge_triangles();
+  Tallies tallies() const;
+  void warn(const Tallies& all);
 
   double on() const { return kOn * model_.size(); }
+  double tolerance_at(std::uint32_t node) const { return std::max(on(), 2 * model_.node_tolerance(node)); }
   static bool is_id(std::int32_t id, std::size_t count) {
     return id >= 1 && id <= static_cast<std::int64_t>(count);
   }
@@ -138,14 +159,20 @@ class Classifier {
     return std::binary_search(face_records_.begin(), face_records_.end(), std::pair{v, face});
   }
 
+  const BoundaryDomain& domain_;
   const MeshData& mesh_;
   const Model& model_;
   ModelClassification c_;
   std::vector<double> longest_;               // edge at a vertex; 0: not of the boundary
-  std::vector<std::uint32_t> vertices_;       // of the boundary
+  std::vector<std::uint32_t> vertices_;       // of own triangles
+  std::vector<std::uint8_t> is_here_;         // whether a vertex is one of these
+  std::vector<std::uint32_t> counted_;        // of these; each vertex of the boundary in one part
+  std::uint64_t num_vertices_ = 0;            // of all parts
+  Box box_;                                   // of theirs
   std::vector<std::vector<Candidate>> near_;  // of each vertex, nearest first
   std::vector<double> distance_;              // of each vertex from the nearest face
   std::vector<Side> sides_;
+  std::vector<std::uint32_t> carrier_;  // of each vertex: the last triangle at it that lies on a face
   std::vector<std::pair<std::uint32_t, std::uint32_t>> face_records_,
       edge_records_;  // (vertex, entity), sorted
   std::vector<std::pair<std::uint32_t, std::uint32_t>> node_records_;
@@ -160,8 +187,27 @@ void Classifier::measure_edges() {
       const double length = norm(mesh_.points[a] - mesh_.points[b]);
       for (const std::uint32_t v : {a, b}) longest_[v] = std::max(longest_[v], length);
     }
-  for (std::uint32_t v = 0; v < longest_.size(); ++v)
-    if (longest_[v] > 0) vertices_.push_back(v);
+}
+
+/// A vertex counts where its last triangle is: who has an own triangle at it has all.
+void Classifier::find_vertices() {
+  is_here_.assign(mesh_.points.size(), 0);
+  std::vector<std::uint8_t> last_is_own(mesh_.points.size(), 0);
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+    for (const std::uint32_t v : mesh_.triangles[i]) {
+      last_is_own[v] = domain_.owns(i);
+      is_here_[v] |= last_is_own[v];
+    }
+  for (std::uint32_t v = 0; v < longest_.size(); ++v) {
+    is_here_[v] &= longest_[v] > 0;
+    if (!is_here_[v]) continue;
+    vertices_.push_back(v);
+    if (!last_is_own[v]) continue;
+    counted_.push_back(v);
+    box_.include(mesh_.points[v]);
+  }
+  num_vertices_ = domain_.sum(counted_.size());
+  box_ = domain_.unite(box_);
 }
 
 /// Whether the model has a record's entity, and it gives back the vertex.
@@ -183,15 +229,24 @@ bool Classifier::fits(const Association::OnFace& r) const {
 /// Records of another file of the same body fit but for some: its nodes and edges may count otherwise. A
 /// record that does not fit is none; where more than one in ten do not, those that fit do so by chance.
 void Classifier::take_records() {
-  const Association& a = mesh_.association;
-  const auto take = [this](const auto& records, auto& taken) {
-    for (const auto& r : records)
-      if (fits(r)) taken.emplace_back(r.vertex, index_of(r.id));
-    return records.size() - taken.size();
+  std::vector<std::uint64_t> counts(2);  // of records, and of those that do not fit
+  const auto take = [&](const auto& records, auto& taken) {
+    for (const auto& r : records) {
+      if (!is_here_[r.vertex]) continue;
+      const bool fit = fits(r);
+      if (fit) taken.emplace_back(r.vertex, index_of(r.id));
+      if (!std::ranges::binary_search(counted_, r.vertex)) continue;
+      ++counts[0];
+      counts[1] += !fit;
+    }
   };
-  const std::size_t given = a.nodes.size() + a.edges.size() + a.faces.size();
-  const std::size_t wrong =
-      take(a.nodes, node_records_) + take(a.edges, edge_records_) + take(a.faces, face_records_);
+  domain_.run([&] {
+    take(mesh_.association.nodes, node_records_);
+    take(mesh_.association.edges, edge_records_);
+    take(mesh_.association.faces, face_records_);
+  });
+  counts = domain_.sum(std::move(counts));
+  const std::uint64_t given = counts[0], wrong = counts[1];
   if (10 * wrong > given) {
     for (auto* list : {&face_records_, &edge_records_, &node_records_}) list->clear();
     c_.warnings.push_back(
@@ -209,10 +264,7 @@ void Classifier::take_records() {
   for (const auto& [v, n] : node_records_)
     for (const std::uint32_t e : model_.edges_at_node(n))
       for (const std::uint32_t f : model_.faces_at_edge(e)) face_records_.emplace_back(v, f);
-  for (auto* list : {&face_records_, &edge_records_, &node_records_}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
-  }
+  for (auto* list : {&face_records_, &edge_records_, &node_records_}) sort_unique(*list);
 }
 
 /// The faces that a vertex may lie on: those it is on, else the nearest and what is nearly as near.
@@ -248,45 +300,47 @@ std::vector<Classifier::Candidate> Classifier::faces_near(std::uint32_t v) const
 void Classifier::find_faces_of_vertices() {
   near_.resize(mesh_.points.size());
   distance_.assign(mesh_.points.size(), kUnbounded);
-  tbb::parallel_for(std::size_t{0}, vertices_.size(), [&](std::size_t i) {
-    const std::uint32_t v = vertices_[i];
-    near_[v] = faces_near(v);
-    for (const Candidate& c : near_[v]) distance_[v] = std::min(distance_[v], c.distance);
-    if (distance_[v] > std::max(reach(v), 2 * model_.face_tolerance(near_[v].front().face)) &&
-        !has_record(v, near_[v].front().face))
-      near_[v].clear();
+  domain_.run([&] {
+    tbb::parallel_for(std::size_t{0}, vertices_.size(), [&](std::size_t i) {
+      const std::uint32_t v = vertices_[i];
+      near_[v] = faces_near(v);
+      for (const Candidate& c : near_[v]) distance_[v] = std::min(distance_[v], c.distance);
+      if (distance_[v] > std::max(reach(v), 2 * model_.face_tolerance(near_[v].front().face)) &&
+          !has_record(v, near_[v].front().face))
+        near_[v].clear();
+    });
   });
 }
 
 /// What the boxes tell of a wrong unit.
 std::string Classifier::hint_of_scale() const {
-  Box box;
-  for (const std::uint32_t v : vertices_) box.include(mesh_.points[v]);
-  const double factor = norm(box.size()) / model_.size();
+  const double factor = norm(box_.size()) / model_.size();
   if (std::abs(factor - 1) < 0.05) return "";
   for (int i = 0; i < 3; ++i)
-    if (std::abs(box.size()[i] - factor * model_.box().size()[i]) > 0.05 * norm(box.size())) return "";
+    if (std::abs(box_.size()[i] - factor * model_.box().size()[i]) > 0.05 * norm(box_.size())) return "";
   return fmt::format(". The mesh is {:.3g} times as large as the model: --geometry-scale {:.3g}?", factor,
                      factor * model_.scale());
 }
 
 void Classifier::refuse_another_body() const {
-  std::size_t on_model = 0;
-  for (const std::uint32_t v : vertices_) on_model += !near_[v].empty();
-  if (static_cast<double>(on_model) >= kLeastShare * static_cast<double>(vertices_.size())) return;
+  std::uint64_t on_model = 0;
+  for (const std::uint32_t v : counted_) on_model += !near_[v].empty();
+  on_model = domain_.sum(on_model);
+  if (static_cast<double>(on_model) >= kLeastShare * static_cast<double>(num_vertices_)) return;
   throw InputError(
       model_.geometry().name(), "",
       fmt::format("is not the model of this mesh: of {} vertices of the boundary {} lie on it, {}{}",
-                  vertices_.size(), on_model, distances(), hint_of_scale()));
+                  num_vertices_, on_model, distances(), hint_of_scale()));
 }
 
 /// Of vertices from the model.
 std::string Classifier::distances() const {
-  std::vector<double> all;
-  for (const std::uint32_t v : vertices_) all.push_back(distance_[v]);
-  std::ranges::sort(all);
+  std::vector<double> mine;
+  for (const std::uint32_t v : counted_) mine.push_back(distance_[v]);
+  const std::vector<double> found =
+      domain_.select(std::move(mine), std::array{num_vertices_ / 2, num_vertices_ - 1});
   return fmt::format("half of them are farther than {:.3g} from it and one {:.3g}, where its size is {:.3g}",
-                     all[all.size() / 2], all.back(), model_.size());
+                     found[0], found[1], model_.size());
 }
 
 /// Within its border, roughly.
@@ -305,26 +359,35 @@ double Classifier::area_of_face(std::uint32_t f) const {
   return area;
 }
 
+/// Of the mesh on each face of the model; at last on none.
+std::vector<double> Classifier::areas_on_faces() const {
+  const int exponent = exponent_above(norm2(box_.size()));
+  std::vector<FixedPointSum> sums(model_.num_faces() + 1);
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    if (!domain_.owns(i)) continue;
+    const auto& [a, b, c] = mesh_.triangles[i];
+    const double twice = norm(cross(mesh_.points[b] - mesh_.points[a], mesh_.points[c] - mesh_.points[a]));
+    sums[std::min<std::size_t>(c_.triangle_face[i], model_.num_faces())].add(0.5 * twice, exponent);
+  }
+  std::vector<double> areas;
+  for (const FixedPointSum& sum : domain_.sum(std::move(sums))) areas.push_back(sum.value(exponent));
+  return areas;
+}
+
 /// By areas: vertices of another body may lie on the model by chance, as those of a plane through it.
 void Classifier::refuse_another_shape() const {
-  std::vector<double> on_face(model_.num_faces(), 0);
-  double all = 0, on_model = 0;
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-    const auto& t = mesh_.triangles[i];
-    const double area =
-        0.5 * norm(cross(mesh_.points[t[1]] - mesh_.points[t[0]], mesh_.points[t[2]] - mesh_.points[t[0]]));
-    all += area;
-    if (c_.triangle_face[i] == kNoEntity) continue;
-    on_model += area;
-    on_face[c_.triangle_face[i]] += area;
-  }
+  if (num_vertices_ == 0) return;
+  const std::vector<double> areas = areas_on_faces();
+  const double all = std::accumulate(areas.begin(), areas.end(), 0.0), on_model = all - areas.back();
   if (on_model >= kLeastOfMesh * all) return;
   double of_model = 0, covered = 0;
-  for (std::uint32_t f = 0; f < model_.num_faces(); ++f) {
-    const double area = area_of_face(f);
-    of_model += area;
-    covered += std::min(area, on_face[f]);
-  }
+  domain_.run([&] {
+    for (std::uint32_t f = 0; f < model_.num_faces(); ++f) {
+      const double area = area_of_face(f);
+      of_model += area;
+      covered += std::min(area, areas[f]);
+    }
+  });
   if (covered >= kLeastOfModel * of_model) return;
   throw InputError(
       model_.geometry().name(), "",
@@ -338,18 +401,32 @@ namespace {
 constexpr std::size_t kUnknowns = 7;
 using Unknowns = std::array<double, kUnknowns>;
 
-/// Least squares of the seven unknowns of a similarity: scale, shift, turn; kept regular.
+/// Least squares of the seven unknowns of a similarity: scale, shift, turn; kept regular. Of sums that are
+/// the same bits in any order.
 class Fit {
  public:
-  void add(const Unknowns& row, double value) {
-    for (std::size_t i = 0; i < kUnknowns; ++i) {
-      right_[i] += row[i] * value;
-      for (std::size_t j = 0; j < kUnknowns; ++j) matrix_[i][j] += row[i] * row[j];
-    }
-    squares_ += value * value;
-    ++count_;
+  static constexpr std::size_t kSums = (kUnknowns + 2) * (kUnknowns + 3) / 2;
+
+  /// An equation; its numbers are of the order of 1 or below.
+  static void add(const Unknowns& row, double value, std::vector<FixedPointSum>& sums) {
+    std::array<double, kUnknowns + 2> all{};
+    std::ranges::copy(row, all.begin());
+    all[kUnknowns] = value;
+    all[kUnknowns + 1] = 1;
+    for (std::size_t i = 0, at = 0; i < all.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) sums[at++].add(all[i] * all[j], kExponent);
   }
-  double mean_square() const { return count_ > 0 ? squares_ / static_cast<double>(count_) : 0; }
+
+  explicit Fit(const std::vector<FixedPointSum>& sums) {
+    const auto sum = [&](std::size_t i, std::size_t j) { return sums[i * (i + 1) / 2 + j].value(kExponent); };
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      right_[i] = sum(kUnknowns, i);
+      for (std::size_t j = 0; j <= i; ++j) matrix_[i][j] = matrix_[j][i] = sum(i, j);
+    }
+    squares_ = sum(kUnknowns, kUnknowns);
+    count_ = sum(kUnknowns + 1, kUnknowns + 1);
+  }
+  double mean_square() const { return count_ > 0 ? squares_ / count_ : 0; }
   Unknowns solution() const;
   /// The share of the squares that the solution explains.
   double explained(const Unknowns& x) const {
@@ -362,16 +439,16 @@ class Fit {
   }
 
  private:
+  static constexpr int kExponent = 4;
   std::array<Unknowns, kUnknowns> matrix_{};
   Unknowns right_{};
-  double squares_ = 0;
-  std::size_t count_ = 0;
+  double squares_ = 0, count_ = 0;
 };
 
 Unknowns Fit::solution() const {
   auto a = matrix_;
   auto x = right_;
-  for (std::size_t i = 0; i < kUnknowns; ++i) a[i][i] += 1e-6 * static_cast<double>(count_);
+  for (std::size_t i = 0; i < kUnknowns; ++i) a[i][i] += 1e-6 * count_;
   for (std::size_t i = 0; i < kUnknowns; ++i)  // positive definite: no pivots
     for (std::size_t k = i + 1; k < kUnknowns; ++k) {
       const double factor = a[k][i] / a[i][i];
@@ -390,16 +467,19 @@ Unknowns Fit::solution() const {
 /// The mesh as a whole may be a little too large, or beside its place: each vertex is near the model then,
 /// but they are off it as a similarity would have it.
 void Classifier::refuse_another_place() const {
-  Fit fit;
+  std::vector<FixedPointSum> sums(Fit::kSums);
   const double size = model_.size();
   const Point middle = 0.5 * (model_.box().lo + model_.box().hi);
-  for (const std::uint32_t v : vertices_) {
-    if (near_[v].empty()) continue;
-    const OnFace q = model_.closest_within(near_[v].front().face, mesh_.points[v]);
-    const Vec away = mesh_.points[v] - q.x, from_middle = (1 / size) * (mesh_.points[v] - middle);
-    const Vec u = norm(away) > on() ? normalized(away) : q.normal, turn = cross(from_middle, u);
-    fit.add({dot(u, from_middle), u.x, u.y, u.z, turn.x, turn.y, turn.z}, dot(u, away) / size);
-  }
+  domain_.run([&] {
+    for (const std::uint32_t v : counted_) {
+      if (near_[v].empty()) continue;
+      const OnFace q = model_.closest_within(near_[v].front().face, mesh_.points[v]);
+      const Vec away = mesh_.points[v] - q.x, from_middle = (1 / size) * (mesh_.points[v] - middle);
+      const Vec u = norm(away) > on() ? normalized(away) : q.normal, turn = cross(from_middle, u);
+      Fit::add({dot(u, from_middle), u.x, u.y, u.z, turn.x, turn.y, turn.z}, dot(u, away) / size, sums);
+    }
+  });
+  const Fit fit(domain_.sum(std::move(sums)));
   if (fit.mean_square() <= kBeside * kBeside) return;
   const Unknowns x = fit.solution();
   if (fit.explained(x) < kExplained) return;
@@ -425,14 +505,16 @@ std::vector<std::uint32_t> Classifier::shared_faces(const std::array<std::uint32
 
 /// Whether references are the faces' ids, as far as vertices alone tell the faces.
 bool Classifier::references_are_faces() const {
-  std::size_t told = 0, agree = 0;
+  std::vector<std::uint64_t> counts(2);  // of triangles that are told one face, and of those that agree
   for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    if (!domain_.owns(i)) continue;
     const std::vector<std::uint32_t> shared = shared_faces(mesh_.triangles[i]);
     if (shared.size() != 1) continue;
-    ++told;
-    agree += mesh_.triangle_refs[i] == static_cast<std::int64_t>(shared.front()) + 1;
+    ++counts[0];
+    counts[1] += mesh_.triangle_refs[i] == static_cast<std::int64_t>(shared.front()) + 1;
   }
-  return told > 0 && agree == told;
+  counts = domain_.sum(std::move(counts));
+  return counts[0] > 0 && counts[1] == counts[0];
 }
 
 /// By the vertices; where these allow several, by the reference or by the place and the normal. Of a narrow
@@ -460,11 +542,15 @@ std::uint32_t Classifier::face_of_triangle(std::uint32_t triangle, bool by_refer
 }
 
 void Classifier::find_faces_of_triangles() {
-  c_.triangle_face.resize(mesh_.triangles.size());
+  c_.triangle_face.assign(mesh_.triangles.size(), kNoEntity);
   const bool by_reference = references_are_faces();
-  for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
-    c_.triangle_face[i] = face_of_triangle(static_cast<std::uint32_t>(i), by_reference);
+  domain_.run([&] {
+    for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
+      if (domain_.owns(i))
+        c_.triangle_face[i] = face_of_triangle(static_cast<std::uint32_t>(i), by_reference);
+    });
   });
+  domain_.refresh(c_.triangle_face);
 }
 
 void Classifier::sort_sides() {
@@ -476,73 +562,81 @@ void Classifier::sort_sides() {
   std::sort(sides_.begin(), sides_.end());
 }
 
-/// A triangle whose vertices share no face takes that of a neighbour with its reference which its centroid is
-/// near to; so on from neighbour to neighbour.
+/// Of the first neighbour with the triangle's reference on whose face all vertices of the triangle are.
+std::uint32_t Classifier::face_beside(std::uint32_t triangle) const {
+  const auto& t = mesh_.triangles[triangle];
+  const auto fits = [&](std::uint32_t f) {
+    return std::ranges::all_of(
+        t, [&](std::uint32_t v) { return model_.closest_within(f, mesh_.points[v]).distance <= reach(v); });
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+    for (const Side& side : std::ranges::equal_range(sides_, std::array{a, b}, {}, &Side::vertices)) {
+      const std::uint32_t f = c_.triangle_face[side.triangle];
+      if (f != kNoEntity && mesh_.triangle_refs[side.triangle] == mesh_.triangle_refs[triangle] && fits(f))
+        return f;
+    }
+  }
+  return kNoEntity;
+}
+
+/// A triangle whose vertices share no face takes that of a neighbour which it is near to; so on from
+/// neighbour to neighbour, all of one round by what was known before it.
 void Classifier::fill_gaps() {
   std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < c_.triangle_face.size(); ++i)
-    if (c_.triangle_face[i] == kNoEntity) open.push_back(i);
-  if (open.empty()) return;
-  std::multimap<std::array<std::uint32_t, 2>, std::uint32_t> at_edge;
-  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh_.triangles[i][k], b = mesh_.triangles[i][(k + 1) % 3];
-      at_edge.emplace(std::array{std::min(a, b), std::max(a, b)}, i);
-    }
-  const auto fits = [&](std::uint32_t i, std::uint32_t f) {
-    for (const std::uint32_t v : mesh_.triangles[i])
-      if (model_.closest_within(f, mesh_.points[v]).distance > reach(v)) return false;
-    return true;
-  };
-  for (bool again = true; again;) {
-    again = false;
-    std::erase_if(open, [&](std::uint32_t i) {
-      for (int k = 0; k < 3; ++k) {
-        const std::uint32_t a = mesh_.triangles[i][k], b = mesh_.triangles[i][(k + 1) % 3];
-        const auto [first, last] = at_edge.equal_range(std::array{std::min(a, b), std::max(a, b)});
-        for (auto n = first; n != last; ++n) {
-          const std::uint32_t f = c_.triangle_face[n->second];
-          if (f == kNoEntity || mesh_.triangle_refs[n->second] != mesh_.triangle_refs[i] || !fits(i, f))
-            continue;
-          c_.triangle_face[i] = f;
-          return again = true;
-        }
-      }
-      return false;
+    if (domain_.owns(i) && c_.triangle_face[i] == kNoEntity) open.push_back(i);
+  if (domain_.sum(open.size()) == 0) return;
+  for (;;) {
+    std::vector<std::uint32_t> found;
+    domain_.run([&] {
+      for (const std::uint32_t i : open) found.push_back(face_beside(i));
     });
+    const auto none = static_cast<std::uint64_t>(std::ranges::count(found, kNoEntity));
+    if (domain_.sum(found.size() - none) == 0) return;
+    for (std::size_t k = 0; k < open.size(); ++k) c_.triangle_face[open[k]] = found[k];
+    std::erase_if(open, [&](std::uint32_t i) { return c_.triangle_face[i] != kNoEntity; });
+    domain_.refresh(c_.triangle_face);
   }
 }
 
-/// The vertex of each node: recorded, else the nearest that lies on all the node's faces.
-void Classifier::find_nodes() {
-  for (const auto& [v, n] : node_records_) c_.nodes.emplace_back(v, n);
-  std::vector<std::uint8_t> taken(model_.num_nodes(), 0);
-  for (const auto& [v, n] : c_.nodes) taken[n] = 1;
+/// The nearest vertex to each node that no record names, of those that lie on it or on all its faces.
+std::vector<NearVertex> Classifier::nearest_to_nodes() const {
+  std::vector<std::uint64_t> recorded(model_.num_nodes(), 0);
+  for (const auto& [v, n] : node_records_) recorded[n] = 1;
+  recorded = domain_.sum(std::move(recorded));
   const auto touches = [&](std::uint32_t v, std::uint32_t n) {
     for (const std::uint32_t e : model_.edges_at_node(n))
       for (const std::uint32_t f : model_.faces_at_edge(e))
         if (std::ranges::none_of(near_[v], [&](const Candidate& c) { return c.face == f; })) return false;
     return true;
   };
-  for (std::uint32_t n = 0; n < model_.num_nodes(); ++n) {
-    if (taken[n]) continue;
-    const double tolerance = std::max(on(), 2 * model_.node_tolerance(n));
-    std::uint32_t best = kNoEntity;
-    double best_distance = kUnbounded;
-    for (const std::uint32_t v : vertices_) {
+  std::vector<NearVertex> nearest(model_.num_nodes());
+  for (std::uint32_t n = 0; n < nearest.size(); ++n) {
+    if (recorded[n]) continue;
+    for (const std::uint32_t v : counted_) {
       const double d = norm(mesh_.points[v] - model_.node(n));
-      if (d < best_distance && (d <= tolerance || (d <= reach(v) && touches(v, n))))
-        best = v, best_distance = d;
+      if (d < nearest[n].distance && (d <= tolerance_at(n) || (d <= reach(v) && touches(v, n))))
+        nearest[n] = {d, domain_.number(v)};
     }
-    if (best == kNoEntity) continue;
-    // A node amid a smooth curve or face is one only where a vertex is put on it.
-    if (best_distance > tolerance && model_.edges_at_node(n).size() < 3) continue;
-    c_.nodes.emplace_back(best, n);
   }
-  std::sort(c_.nodes.begin(), c_.nodes.end());
-  c_.nodes.erase(std::unique(c_.nodes.begin(), c_.nodes.end(),
-                             [](const auto& a, const auto& b) { return a.first == b.first; }),
-                 c_.nodes.end());
+  return domain_.nearest(std::move(nearest));
+}
+
+/// The vertex of each node: recorded, else the nearest.
+void Classifier::find_nodes() {
+  c_.nodes = node_records_;
+  const std::vector<NearVertex> nearest = nearest_to_nodes();
+  for (std::uint32_t n = 0; n < nearest.size(); ++n) {
+    if (nearest[n].distance == kUnbounded) continue;
+    // A node amid a smooth curve or face is one only where a vertex is put on it.
+    if (nearest[n].distance > tolerance_at(n) && model_.edges_at_node(n).size() < 3) continue;
+    const std::uint32_t v = domain_.vertex(static_cast<std::uint32_t>(nearest[n].number));
+    if (v != kNoEntity && is_here_[v]) c_.nodes.emplace_back(v, n);
+  }
+  std::ranges::sort(c_.nodes);
+  const auto rest = std::ranges::unique(c_.nodes, {}, &std::pair<std::uint32_t, std::uint32_t>::first);
+  c_.nodes.erase(rest.begin(), rest.end());
 }
 
 /// The parameters of an edge's ends, such that what lies between them is the edge.
@@ -606,14 +700,15 @@ std::uint32_t Classifier::edge_between(const std::array<std::uint32_t, 2>& v,
 
 void Classifier::consider_edge(std::size_t begin, std::size_t end, bool listed) {
   std::vector<std::uint32_t> faces;
-  bool unknown = false;
+  bool unknown = false, own = false;
   for (std::size_t i = begin; i < end; ++i) {
+    own |= domain_.owns(sides_[i].triangle);
     const std::uint32_t f = c_.triangle_face[sides_[i].triangle];
     unknown |= f == kNoEntity;
     if (f != kNoEntity && std::ranges::find(faces, f) == faces.end()) faces.push_back(f);
   }
-  if (faces.empty() || (faces.size() == 1 && !unknown && !listed && end - begin == 2)) return;
-  ModelClassification::Edge found{sides_[begin].vertices, kNoEntity, {}};
+  if (!own || faces.empty() || (faces.size() == 1 && !unknown && !listed && end - begin == 2)) return;
+  EdgeOnModel found{.vertices = sides_[begin].vertices};
   found.edge = edge_between(found.vertices, faces, found.t);
   if (found.edge != kNoEntity) return c_.edges.push_back(found);
   for (std::size_t i = 1; i < faces.size(); ++i) uncut_.push_back({faces[0], faces[i]});
@@ -623,14 +718,19 @@ void Classifier::find_edges() {
   std::vector<std::array<std::uint32_t, 2>> listed;
   for (const auto& e : mesh_.edges) listed.push_back({std::min(e[0], e[1]), std::max(e[0], e[1])});
   std::sort(listed.begin(), listed.end());
-  for (std::size_t begin = 0, end; begin < sides_.size(); begin = end) {
-    for (end = begin; end < sides_.size() && sides_[end].vertices == sides_[begin].vertices;) ++end;
-    consider_edge(begin, end, std::binary_search(listed.begin(), listed.end(), sides_[begin].vertices));
-  }
+  domain_.run([&] {
+    for (std::size_t begin = 0, end; begin < sides_.size(); begin = end) {
+      for (end = begin; end < sides_.size() && sides_[end].vertices == sides_[begin].vertices;) ++end;
+      consider_edge(begin, end, std::binary_search(listed.begin(), listed.end(), sides_[begin].vertices));
+    }
+  });
+  domain_.refresh(c_.edges);
 }
 
 /// Faces with a mesh edge between them that lies on no edge of the model are one to the mesh.
 void Classifier::group_faces() {
+  sort_unique(uncut_);
+  uncut_ = domain_.all(std::move(uncut_));
   c_.face_group.resize(model_.num_faces());
   std::iota(c_.face_group.begin(), c_.face_group.end(), 0u);
   const auto root = [&](std::uint32_t f) {
@@ -644,55 +744,77 @@ void Classifier::group_faces() {
   for (std::uint32_t f = 0; f < c_.face_group.size(); ++f) c_.face_group[f] = root(f);
 }
 
-/// Corners of a triangle on a periodic face are brought within half a period of its centroid; where a
-/// parameter means nothing (a pole), the centroid lends its own.
-void Classifier::set_parameters() {
-  const bool needed = [&] {
-    for (std::uint32_t f = 0; f < model_.num_faces(); ++f)
-      if (!model_.has_formula(f)) return true;
-    return false;
-  }();
-  if (!needed) return;
-  c_.parameters.resize(mesh_.triangles.size());
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> asked;  // (vertex, face)
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
-    if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity && !model_.has_formula(f))
-      for (const std::uint32_t v : mesh_.triangles[i]) asked.emplace_back(v, f);
-  std::sort(asked.begin(), asked.end());
-  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
-  std::vector<Parameters> answers(asked.size());
-  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t k) {
-    answers[k] = model_.closest_on_face(asked[k].second, mesh_.points[asked[k].first]).at;
+void Classifier::find_carriers() {
+  carrier_.assign(mesh_.points.size(), kNoEntity);
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
+    if (c_.triangle_face[i] != kNoEntity)
+      for (const std::uint32_t v : mesh_.triangles[i]) carrier_[v] = i;
+}
+
+/// Own ones, and those that carry a vertex that is judged here; where the face has no formula.
+std::vector<std::uint32_t> Classifier::triangles_with_parameters() const {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
+    if (domain_.owns(i)) all.push_back(i);
+  for (const std::uint32_t v : counted_)
+    if (carrier_[v] != kNoEntity) all.push_back(carrier_[v]);
+  std::erase_if(all, [&](std::uint32_t i) {
+    return c_.triangle_face[i] == kNoEntity || model_.has_formula(c_.triangle_face[i]);
   });
-  tbb::parallel_for(std::size_t{0}, mesh_.triangles.size(), [&](std::size_t i) {
-    const std::uint32_t f = c_.triangle_face[i];
-    if (f == kNoEntity || model_.has_formula(f)) return;
-    const auto& t = mesh_.triangles[i];
-    const Point centroid = (1.0 / 3) * (mesh_.points[t[0]] + mesh_.points[t[1]] + mesh_.points[t[2]]);
-    const Parameters middle = model_.closest_on_face(f, centroid).at;
-    for (int k = 0; k < 3; ++k) {
-      const auto at = std::lower_bound(asked.begin(), asked.end(), std::pair{t[k], f});
-      Parameters q = answers[static_cast<std::size_t>(at - asked.begin())];
-      const SurfaceJet jet = model_.surface(f, q);
-      const std::array<double, 2> speed{norm(jet.du), norm(jet.dv)};
-      for (std::size_t j = 0; j < 2; ++j) {
-        const double period = model_.face(f).period[j];
-        if (period > 0) q[j] -= period * std::round((q[j] - middle[j]) / period);
-        if (speed[j] < 1e-6 * speed[1 - j]) q[j] = middle[j];
+  sort_unique(all);
+  return all;
+}
+
+/// On a periodic face within half a period of the middle, which lends its own where a parameter means nothing
+/// (a pole).
+Parameters Classifier::unwrapped(std::uint32_t f, Parameters at, const Parameters& middle) const {
+  const SurfaceJet jet = model_.surface(f, at);
+  const std::array<double, 2> speed{norm(jet.du), norm(jet.dv)};
+  for (std::size_t j = 0; j < 2; ++j) {
+    const double period = model_.face(f).period[j];
+    if (period > 0) at[j] -= period * std::round((at[j] - middle[j]) / period);
+    if (speed[j] < 1e-6 * speed[1 - j]) at[j] = middle[j];
+  }
+  return at;
+}
+
+/// Of corners, by the triangle's centroid.
+void Classifier::set_parameters() {
+  if (model_.has_formulas()) return;
+  c_.parameters.resize(mesh_.triangles.size());
+  const std::vector<std::uint32_t> triangles = triangles_with_parameters();
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> asked;  // (vertex, face)
+  for (const std::uint32_t i : triangles)
+    for (const std::uint32_t v : mesh_.triangles[i]) asked.emplace_back(v, c_.triangle_face[i]);
+  sort_unique(asked);
+  domain_.run([&] {
+    std::vector<Parameters> answers(asked.size());
+    tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t k) {
+      answers[k] = model_.closest_on_face(asked[k].second, mesh_.points[asked[k].first]).at;
+    });
+    tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t j) {
+      const std::uint32_t i = triangles[j], f = c_.triangle_face[i];
+      const auto& t = mesh_.triangles[i];
+      const Point centroid = (1.0 / 3) * (mesh_.points[t[0]] + mesh_.points[t[1]] + mesh_.points[t[2]]);
+      const Parameters middle = model_.closest_on_face(f, centroid).at;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Parameters& at = answers[place_in(asked, std::pair{t[k], f})];
+        c_.parameters[i][k] = unwrapped(f, at, middle);
       }
-      c_.parameters[i][k] = q;
-    }
+    });
   });
 }
 
-/// Where each vertex of the mesh lies.
+/// Where each vertex that counts here lies.
 std::vector<Carrier> Classifier::places() const {
   std::vector<Carrier> places(mesh_.points.size());
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
-    if (const std::uint32_t f = c_.triangle_face[i]; f != kNoEntity)
-      for (std::size_t k = 0; k < 3; ++k)
-        places[mesh_.triangles[i][k]] = {Carrier::Kind::face, f, guess(i, k)};
-  for (const ModelClassification::Edge& e : c_.edges)
+  for (const std::uint32_t v : counted_)
+    if (const std::uint32_t i = carrier_[v]; i != kNoEntity) {
+      const auto corner =
+          static_cast<std::size_t>(std::ranges::find(mesh_.triangles[i], v) - mesh_.triangles[i].begin());
+      places[v] = {Carrier::Kind::face, c_.triangle_face[i], guess(i, corner)};
+    }
+  for (const EdgeOnModel& e : c_.edges)
     for (const std::uint32_t v : e.vertices) places[v] = {Carrier::Kind::edge, e.edge, {}};
   for (const auto& [v, n] : c_.nodes) places[v] = {Carrier::Kind::node, n, {}};
   return places;
@@ -726,59 +848,71 @@ double Classifier::tolerance_of(const Carrier& place) const {
 
 void Classifier::find_faults() {
   const std::vector<Carrier> places = this->places();
-  std::vector<double> distance(vertices_.size(), 0);
-  std::vector<std::uint8_t> off(vertices_.size(), 0);
-  for_each_index(vertices_.size(), [&](std::size_t i) {
-    const Carrier& at = places[vertices_[i]];
-    const Point& p = mesh_.points[vertices_[i]];
-    distance[i] = distance_from(at, p);
-    off[i] = distance[i] > std::max(kOffModel * model_.size(), tolerance_of(at));
+  std::vector<double> distance(counted_.size(), 0);
+  std::vector<std::uint8_t> off(counted_.size(), 0);
+  domain_.run([&] {
+    for_each_index(counted_.size(), [&](std::size_t i) {
+      const Carrier& at = places[counted_[i]];
+      distance[i] = distance_from(at, mesh_.points[counted_[i]]);
+      off[i] = distance[i] > std::max(kOffModel * model_.size(), tolerance_of(at));
+    });
   });
   for (std::size_t i = 0; i < off.size(); ++i) {
     c_.faults.off += off[i];
     c_.faults.largest = std::max(c_.faults.largest, distance[i]);
   }
-  c_.faults.turned = turned_triangles();
+  c_.faults.off = domain_.sum(c_.faults.off);
+  c_.faults.largest = domain_.max(c_.faults.largest);
 }
 
-/// Files may list triangles turned as it comes: most of those on a face with one reference are right.
-std::uint64_t Classifier::turned_triangles() const {
+/// Of own triangles.
+Tallies Classifier::tallies() const {
   std::vector<std::int8_t> side(mesh_.triangles.size(), 0);
   for_each_index(mesh_.triangles.size(), [&](std::size_t i) {
     const std::uint32_t f = c_.triangle_face[i];
-    if (f == kNoEntity) return;
+    if (f == kNoEntity || !domain_.owns(i)) return;
     const auto& t = mesh_.triangles[i];
     const Point &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
     const OnFace q = model_.closest_on_face(f, (1.0 / 3) * (a + b + c), guess(i));
     const double along = dot(cross(b - a, c - a), q.normal);
     side[i] = along > 0 ? 1 : along < 0 ? -1 : 0;
   });
-  std::map<std::pair<std::uint32_t, std::int32_t>, std::array<std::uint64_t, 2>> counts;
-  for (std::size_t i = 0; i < side.size(); ++i)
-    if (side[i] != 0) ++counts[{c_.triangle_face[i], mesh_.triangle_refs[i]}][side[i] > 0];
-  std::uint64_t turned = 0;
-  for (const auto& [key, count] : counts) turned += std::min(count[0], count[1]);
-  return turned;
+  Tallies all;
+  for (std::size_t i = 0; i < side.size(); ++i) {
+    if (!domain_.owns(i)) continue;
+    FaceTally tally{c_.triangle_face[i], mesh_.triangle_refs[i], 1};
+    if (side[i] != 0) tally.sides[side[i] > 0] = 1;
+    if (tally.face == kNoEntity)
+      for (const std::uint32_t v : mesh_.triangles[i])
+        tally.farthest = std::max(tally.farthest, distance_[v]);
+    add(tally, all);
+  }
+  return all;
+}
+
+/// Files may list triangles turned as it comes: most of those on a face with one reference are right.
+void Classifier::judge_triangles() {
+  std::vector<FaceTally> mine;
+  domain_.run([&] {
+    for (const auto& [key, tally] : tallies()) mine.push_back(tally);
+  });
+  Tallies all;
+  for (const FaceTally& tally : domain_.all(std::move(mine))) add(tally, all);
+  for (const auto& [key, tally] : all) c_.faults.turned += std::min(tally.sides[0], tally.sides[1]);
+  warn(all);
 }
 
 /// Names what lies on no face by the references of its triangles, and faces that nothing lies on.
-void Classifier::warn() {
-  std::map<std::int32_t, std::pair<std::size_t, double>> open;
+void Classifier::warn(const Tallies& all) {
   std::vector<std::uint8_t> used(model_.num_faces(), 0);
-  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-    if (c_.triangle_face[i] != kNoEntity) {
-      used[c_.triangle_face[i]] = 1;
-      continue;
-    }
-    auto& [count, farthest] = open[mesh_.triangle_refs[i]];
-    ++count;
-    for (const std::uint32_t v : mesh_.triangles[i]) farthest = std::max(farthest, distance_[v]);
-  }
-  for (const auto& [ref, what] : open)
-    c_.warnings.push_back(
-        fmt::format("{} triangles of reference {} lie on no face of the model (up to {:.3g} from it): their "
-                    "surface is reconstructed",
-                    what.first, ref, what.second));
+  for (const auto& [key, tally] : all)
+    if (tally.face != kNoEntity)
+      used[tally.face] = 1;
+    else
+      c_.warnings.push_back(fmt::format(
+          "{} triangles of reference {} lie on no face of the model (up to {:.3g} from it): their "
+          "surface is reconstructed",
+          tally.triangles, tally.ref, tally.farthest));
   std::string list;
   int missing = 0;
   for (std::uint32_t f = 0; f < used.size(); ++f)
@@ -791,7 +925,11 @@ void Classifier::warn() {
 }  // namespace
 
 ModelClassification classify_on_model(const MeshData& boundary, std::shared_ptr<const Model> model) {
-  return Classifier(boundary, std::move(model)).run();
+  return classify_on_model(WholeBoundaryDomain(boundary), std::move(model));
+}
+
+ModelClassification classify_on_model(const BoundaryDomain& part, std::shared_ptr<const Model> model) {
+  return Classifier(part, std::move(model)).run();
 }
 
 }  // namespace weft::meshing

@@ -1,9 +1,10 @@
 // A surface is built whole, and then cut into pieces.
 #include <algorithm>
-#include <map>
 #include <utility>
 
+#include "meshing/base/sort_unique.h"
 #include "meshing/geometry/surface/cut_surface.h"
+#include "meshing/geometry/surface/model_tables.h"
 #include "meshing/geometry/surface/surface_curves.h"
 #include "meshing/geometry/surface/surface_shape.h"
 #include "meshing/geometry/surface/surface_tables.h"
@@ -12,36 +13,19 @@
 namespace weft::meshing {
 namespace {
 
-/// References that also tell the face or edge of the model: each pair gets a number, 0 for (0, none).
-class JointRefs {
- public:
-  std::int32_t number(std::int32_t ref, std::uint32_t entity) {
-    const auto [at, fresh] =
-        numbers_.emplace(std::pair{ref, entity}, static_cast<std::int32_t>(pairs_.size()));
-    if (fresh) pairs_.push_back(at->first);
-    return at->second;
-  }
-  std::int32_t ref(std::int32_t number) const { return pairs_[static_cast<std::size_t>(number)].first; }
-  std::uint32_t entity(std::int32_t number) const { return pairs_[static_cast<std::size_t>(number)].second; }
-  std::vector<bool> on_model() const {
-    std::vector<bool> result;
-    for (const auto& [ref, entity] : pairs_) result.push_back(entity != kNoEntity);
-    return result;
-  }
-
- private:
-  std::map<std::pair<std::int32_t, std::uint32_t>, std::int32_t> numbers_{{{0, kNoEntity}, 0}};
-  std::vector<std::pair<std::int32_t, std::uint32_t>> pairs_{{0, kNoEntity}};
-};
+/// Puts these into `all`; their numbers.
+std::vector<std::int32_t> numbered(const std::vector<JointRef>& refs, JointRefs& all) {
+  all = JointRefs(refs);
+  std::vector<std::int32_t> numbers;
+  numbers.reserve(refs.size());
+  for (const JointRef& ref : refs) numbers.push_back(all.number(ref));
+  return numbers;
+}
 
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification,
-                 std::vector<std::uint32_t>&& vertex_numbers)
-      : mesh_(mesh),
-        options_(options),
-        classification_(std::move(classification)),
-        vertex_numbers_(std::move(vertex_numbers)) {
+  SurfaceBuilder(const MeshData& mesh, const Surface::Options& options, ModelClassification&& classification)
+      : mesh_(mesh), options_(options), classification_(std::move(classification)) {
     tables_.model = classification_.model;
   }
 
@@ -52,12 +36,13 @@ class SurfaceBuilder {
       build_topology(mesh_, {});
     find_patches();
     auto handles = control_points(mesh_.points, tables_.patches, curves_, topology_);
+    tables_.curves = curves_.curves;
+    tables_.lines = curves_.lines;
     if (on_model()) {
       take_patches_of_model();
       take_curves_of_model();
+      put_on_model(std::move(on_model_), curves_, tables_);
     }
-    tables_.curves = curves_.curves;
-    tables_.lines = curves_.lines;
     BuiltSurface built;
     built.input = {topology_.triangle_patch, topology_.features, topology_.vertex_kind, {}};
     UncutSurface uncut{
@@ -79,14 +64,11 @@ class SurfaceBuilder {
   MeshData with_joint_refs();
   void take_patches_of_model();
   void take_curves_of_model();
-  void take_plane(std::uint32_t patch);
-  void take_line(std::uint32_t curve);
 
   const MeshData& mesh_;
   const Surface::Options& options_;
   ModelClassification classification_;
-  std::vector<std::uint32_t> vertex_numbers_;
-  JointRefs triangle_refs_, edge_refs_;
+  SurfaceOnModel on_model_;
   SurfaceTopology topology_;
   SurfaceCurves curves_;
   SurfaceTables tables_;
@@ -96,7 +78,7 @@ class SurfaceBuilder {
 
 /// All at once of what parts of a surface do one after the other.
 void SurfaceBuilder::build_topology(const MeshData& mesh, const KnownShapes& known) {
-  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known, {}, std::move(vertex_numbers_));
+  TopologyBuilder builder(mesh, options_.ridge_angle_degrees, known);
   std::vector<FlatTriangle> flat = builder.flat_triangles();
   lend_normals(flat);
   builder.take_normals(flat);
@@ -117,122 +99,64 @@ void SurfaceBuilder::find_patches() {
 
 void SurfaceBuilder::build_on_model() {
   const MeshData joint = with_joint_refs();
-  build_topology(joint, {triangle_refs_.on_model(), edge_refs_.on_model()});
+  KnownShapes known{on_model_.triangle_refs.on_model(), on_model_.edge_refs.on_model(), {}};
+  for (const auto& [vertex, node] : classification_.nodes) known.corners.push_back(vertex);
+  build_topology(joint, known);
   for (std::size_t t = 0; t < topology_.triangles.size(); ++t)
     turned_.push_back(topology_.triangles[t] != mesh_.triangles[t]);
 }
 
-/// The mesh as the topology is to see it: references tell faces and edges of the model apart, edges on the
-/// model's edges are listed, and so are vertices on its nodes.
+/// The mesh as the topology is to see it: references tell faces and edges of the model apart, and edges on
+/// the model's edges are listed.
 MeshData SurfaceBuilder::with_joint_refs() {
   const ModelClassification& c = classification_;
-  MeshData joint = mesh_;
-  for (std::size_t i = 0; i < joint.triangles.size(); ++i) {
+  std::vector<JointRef> triangles, edges;
+  triangles.reserve(mesh_.triangles.size());
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
     const std::uint32_t face = c.triangle_face[i];
-    joint.triangle_refs[i] =
-        triangle_refs_.number(mesh_.triangle_refs[i], face == kNoEntity ? kNoEntity : c.face_group[face]);
+    triangles.push_back({mesh_.triangle_refs[i], face == kNoEntity ? kNoEntity : c.face_group[face]});
   }
   std::vector<std::array<std::uint32_t, 2>> listed;
-  for (std::size_t i = 0; i < joint.edges.size(); ++i) {
+  for (std::size_t i = 0; i < mesh_.edges.size(); ++i) {
     const auto [a, b] = mesh_.edges[i];
     listed.push_back({std::min(a, b), std::max(a, b)});
-    const auto at =
-        std::ranges::lower_bound(c.edges, listed.back(), {}, &ModelClassification::Edge::vertices);
-    const bool found = at != c.edges.end() && at->vertices == listed.back();
-    joint.edge_refs[i] = edge_refs_.number(mesh_.edge_refs[i], found ? at->edge : kNoEntity);
+    const EdgeOnModel* on_model = find_edge(c.edges, listed.back());
+    edges.push_back({mesh_.edge_refs[i], on_model ? on_model->edge : kNoEntity});
   }
   std::sort(listed.begin(), listed.end());
-  for (const ModelClassification::Edge& e : c.edges) {
+  MeshData joint = mesh_;
+  for (const EdgeOnModel& e : c.edges) {
     if (std::binary_search(listed.begin(), listed.end(), e.vertices)) continue;
     joint.edges.push_back(e.vertices);
-    joint.edge_refs.push_back(edge_refs_.number(0, e.edge));
+    edges.push_back({0, e.edge});
   }
-  for (const auto& [vertex, node] : c.nodes) joint.corners.push_back(vertex);
+  joint.triangle_refs = numbered(triangles, on_model_.triangle_refs);
+  joint.edge_refs = numbered(edges, on_model_.edge_refs);
   return joint;
 }
 
-/// The plane of the model in the place of one through the points.
-void SurfaceBuilder::take_plane(std::uint32_t patch) {
-  Patch& p = tables_.patches[patch];
-  Plane& plane = tables_.planes[patch];
-  const std::vector<std::uint32_t>& faces = tables_.patch_faces[patch];
-  const std::optional<Frame>* frame = faces.size() == 1 ? &tables_.model->plane(faces[0]) : nullptr;
-  p.planar = frame && *frame;
-  if (!p.planar) {
-    p.normal = {};
-    return;
-  }
-  const double side = dot((*frame)->z, plane.normal) < 0 ? -1 : 1;
-  plane.point = (*frame)->origin;
-  p.normal = plane.normal = on_axes(side * (*frame)->z);
-}
-
 void SurfaceBuilder::take_patches_of_model() {
-  const ModelClassification& c = classification_;
-  tables_.patch_faces.resize(tables_.patches.size());
-  for (std::uint32_t t = 0; t < topology_.triangles.size(); ++t) {
-    auto& faces = tables_.patch_faces[topology_.triangle_patch[t].value];
-    const std::uint32_t face = c.triangle_face[t];
-    if (face != kNoEntity && std::ranges::find(faces, face) == faces.end()) faces.push_back(face);
-  }
-  for (std::uint32_t p = 0; p < tables_.patches.size(); ++p) {
-    tables_.patches[p].ref = triangle_refs_.ref(tables_.patches[p].ref);
-    std::ranges::sort(tables_.patch_faces[p]);
-    for (const std::uint32_t f : tables_.patch_faces[p])
-      tables_.patches[p].detail = std::min(tables_.patches[p].detail, tables_.model->detail(f));
-    if (!tables_.patch_faces[p].empty()) take_plane(p);
-  }
-}
-
-void SurfaceBuilder::take_line(std::uint32_t curve) {
-  const std::optional<Frame>& frame = tables_.model->line(tables_.curve_edge[curve]);
-  curves_.curves[curve].straight = frame.has_value();
-  if (!frame) return;
-  Line& line = curves_.lines[curve];
-  const auto points = curves_.points_along(CurveId(curve));
-  const Vec chord = points.back() - points.front();
-  line.point = frame->origin;
-  line.direction = on_axes((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
-  double length = 0;
-  for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
-  line.rounding = 1e-12 * length;
+  on_model_.patch_faces.resize(tables_.patches.size());
+  for (std::uint32_t t = 0; t < topology_.triangles.size(); ++t)
+    if (const std::uint32_t face = classification_.triangle_face[t]; face != kNoEntity)
+      on_model_.patch_faces[topology_.triangle_patch[t].value].push_back(face);
+  for (auto& faces : on_model_.patch_faces) sort_unique(faces);
 }
 
 void SurfaceBuilder::take_curves_of_model() {
-  const ModelClassification& c = classification_;
-  tables_.curve_edge.resize(curves_.curves.size());
-  tables_.curve_patch.assign(curves_.curves.size(), kNone);
-  feature_t_.resize(topology_.features.size());
-  for (std::uint32_t f = 0; f < topology_.features.size(); ++f) {
-    const auto at = std::ranges::lower_bound(c.edges, topology_.features[f].vertices, {},
-                                             &ModelClassification::Edge::vertices);
-    if (at != c.edges.end() && at->vertices == topology_.features[f].vertices) feature_t_[f] = at->t;
-  }
   for (std::uint32_t i = 0; i < curves_.curves.size(); ++i) {
-    const std::int32_t number = curves_.curves[i].ref;
-    curves_.curves[i].ref = edge_refs_.ref(number);
-    tables_.curve_edge[i] = edge_refs_.entity(number);
-    if (tables_.curve_edge[i] != kNoEntity) {
-      take_line(i);
-      continue;
-    }
-    // A curve that the user has drawn on a face: its vertices stay on the face.
-    const auto at = topology_.triangles_at(curves_.chain(CurveId(i)).front());
-    const PatchId patch = topology_.triangle_patch[at[0]];
-    const bool amid = std::ranges::all_of(at, [&](std::uint32_t t) {
-      return tables_.patch_faces[topology_.triangle_patch[t].value] == tables_.patch_faces[patch.value];
-    });
-    if (!amid || !tables_.is_on_model(patch) || tables_.patches[patch.value].planar) continue;
-    tables_.curve_patch[i] = patch.value;
-    curves_.curves[i].straight = false;
+    on_model_.curve_patches.emplace_back();
+    for (const std::uint32_t t : topology_.triangles_at(curves_.chain(CurveId(i)).front()))
+      on_model_.curve_patches.back().push_back(topology_.triangle_patch[t]);
   }
+  feature_t_ = parameters_at(topology_.features, classification_.edges);
 }
 
 }  // namespace
 
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification, std::vector<std::uint32_t> vertex_numbers) {
-  return SurfaceBuilder(mesh, options, std::move(classification), std::move(vertex_numbers)).build();
+                           ModelClassification&& classification) {
+  return SurfaceBuilder(mesh, options, std::move(classification)).build();
 }
 
 }  // namespace weft::meshing

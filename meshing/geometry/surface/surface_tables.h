@@ -1,10 +1,8 @@
 // What all parts of a surface share: patches and curves with their formulas, and the CAD model.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "meshing/geometry/model/model.h"
@@ -32,12 +30,6 @@ struct SurfaceTables {
   }
 };
 
-/// The tables in bytes that another process reads, all but the model.
-std::vector<std::byte> bytes_of(const SurfaceTables& tables);
-/// Of bytes that bytes_of() has made.
-std::shared_ptr<const SurfaceTables> tables_of(std::span<const std::byte> bytes,
-                                               std::shared_ptr<const Model> model);
-
 /// What is known of the mesh that a surface was built of: by its triangles and vertices.
 struct SurfaceInput {
   std::vector<PatchId> triangle_patch;
@@ -54,10 +46,8 @@ struct BuiltSurface {
   std::shared_ptr<const SurfaceCutter> cutter;  ///< of the pieces; reads the mesh's points
 };
 
-/// See Surface's constructors; `classification` may be of no model. Pieces tell vertices by `vertex_numbers`,
-/// which ascend, or as the mesh does.
+/// See Surface's constructors; `classification` may be of no model.
 BuiltSurface build_surface(const MeshData& mesh, const Surface::Options& options,
-                           ModelClassification&& classification,
-                           std::vector<std::uint32_t> vertex_numbers = {});
+                           ModelClassification&& classification);
 
 }  // namespace weft::meshing

@@ -2,8 +2,10 @@
 #include "meshing/geometry/surface/surface_topology.h"
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
 #include <numeric>
+#include <queue>
 #include <string>
 #include <utility>
 
@@ -86,10 +88,17 @@ struct TopologyBuilder::Impl {
   void form_components();
   void flood(std::uint32_t seed);
   bool same_direction(const HalfEdge& a, const HalfEdge& b) const { return forward(a) == forward(b); }
+  /// 1: the two triangles at the edge agree when one of them is turned.
+  std::uint8_t turns_across(std::uint32_t edge) const {
+    return same_direction(halves_[edge_begin_[edge]], halves_[edge_begin_[edge] + 1]);
+  }
   bool forward(const HalfEdge& h) const {
     const auto& t = s_.triangles[h.triangle];
     return t[(h.local + 1) % 3] < t[(h.local + 2) % 3];
   }
+  bool find_steps(std::vector<std::uint32_t>& steps) const;
+  bool turn_along(std::span<const std::uint32_t> steps, std::vector<std::uint8_t>& turned) const;
+  void cut_where_turned(std::span<const std::uint8_t> turned);
   void turn_triangles(std::span<const std::uint8_t> turned);
   void list_features();
   void form_fans();
@@ -267,31 +276,74 @@ void TopologyBuilder::Impl::form_components() {
 void TopologyBuilder::Impl::flood(std::uint32_t seed) {
   std::vector<std::uint32_t>& component = components_.of_triangle;
   std::vector<std::uint8_t>& turned = components_.turned;
+  const std::uint32_t number = components_.count();
+  components_.one_sided.push_back(0);
   queue_.assign(1, seed);
-  component[seed] = components_.count;
+  component[seed] = number;
   for (std::size_t head = 0; head < queue_.size(); ++head) {
     const std::uint32_t t = queue_[head];
     for (int i = 0; i < 3; ++i) {
-      const std::uint32_t n = s_.neighbors[t][i], e = s_.triangle_edges[t][i];
+      const std::uint32_t n = s_.neighbors[t][i];
       if (n == kNone || !is_own(n)) continue;
-      const std::uint8_t turn =
-          turned[t] ^ same_direction(halves_[edge_begin_[e]], halves_[edge_begin_[e] + 1]);
+      const auto turn = static_cast<std::uint8_t>(turned[t] ^ turns_across(s_.triangle_edges[t][i]));
       if (component[n] == kNone) {
-        component[n] = components_.count;
+        component[n] = number;
         turned[n] = turn;
         queue_.push_back(n);
       } else if (turned[n] != turn) {
-        // A Moebius strip: cut it here, since normals must agree across an edge within a patch.
-        components_.one_sided = true;
-        edge_flags_[e] = kFeature;
-        s_.neighbors[t][i] = kNone;
-        for (int j = 0; j < 3; ++j) {
-          if (s_.triangle_edges[n][j] == e) s_.neighbors[n][j] = kNone;
-        }
+        components_.one_sided[number] = 1;
       }
     }
   }
-  ++components_.count;
+}
+
+bool TopologyBuilder::Impl::find_steps(std::vector<std::uint32_t>& steps) const {
+  using Reached = std::pair<std::uint32_t, std::uint32_t>;  // steps, triangle
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
+  for (std::uint32_t t = 0; t < steps.size(); ++t)
+    if (steps[t] != kNone) queue.emplace(steps[t], t);
+  bool changed = false;
+  while (!queue.empty()) {
+    const auto [so_far, t] = queue.top();
+    queue.pop();
+    if (so_far > steps[t]) continue;
+    for (const std::uint32_t n : s_.neighbors[t]) {
+      if (n == kNone || !is_own(n) || steps[n] <= so_far + 1) continue;
+      steps[n] = so_far + 1;
+      queue.emplace(steps[n], n);
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+bool TopologyBuilder::Impl::turn_along(std::span<const std::uint32_t> steps,
+                                       std::vector<std::uint8_t>& turned) const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> open;  // steps, triangle
+  for (std::uint32_t t = 0; t < steps.size(); ++t)
+    if (is_own(t) && steps[t] != kNone && turned[t] == kUnknownTurn) open.emplace_back(steps[t], t);
+  std::ranges::sort(open);
+  bool changed = false;
+  for (const auto& [so_far, t] : open) {
+    std::pair<std::uint32_t, std::uint32_t> from{kNone, kNone};  // triangle, edge
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const std::uint32_t n = s_.neighbors[t][i]; n != kNone && steps[n] + 1 == so_far)
+        from = std::min(from, std::pair{n, s_.triangle_edges[t][i]});
+    if (turned[from.first] == kUnknownTurn) continue;
+    turned[t] = static_cast<std::uint8_t>(turned[from.first] ^ turns_across(from.second));
+    changed = true;
+  }
+  return changed;
+}
+
+void TopologyBuilder::Impl::cut_where_turned(std::span<const std::uint8_t> turned) {
+  for (std::uint32_t e = 0; e < s_.edges.size(); ++e) {
+    if (edge_flags_[e]) continue;
+    const HalfEdge &a = halves_[edge_begin_[e]], &b = halves_[edge_begin_[e] + 1];
+    if ((turned[a.triangle] ^ turned[b.triangle]) == turns_across(e)) continue;
+    edge_flags_[e] = kFeature;
+    s_.neighbors[a.triangle][a.local] = s_.neighbors[b.triangle][b.local] = kNone;
+  }
 }
 
 void TopologyBuilder::Impl::turn_triangles(std::span<const std::uint8_t> turned) {
@@ -423,7 +475,7 @@ void TopologyBuilder::Impl::find_corners() {
   for (const Fan& fan : s_.fans) {
     if (!on_feature[fan.vertex] && (fan.peaked || fan_count_[fan.vertex] > 1)) is_corner_[fan.vertex] = 1;
   }
-  for (const auto* list : {&mesh_.corners, &mesh_.required_points}) {
+  for (const auto* list : {&mesh_.corners, &mesh_.required_points, &known_.corners}) {
     for (std::uint32_t v : *list) is_corner_[v] = fan_count_[v] > 0;
   }
 }
@@ -514,11 +566,18 @@ std::vector<SurfaceCrossing> TopologyBuilder::crossings() const {
   const SurfaceTopology& s = impl_->s_;
   for (std::uint32_t t = 0; t < s.triangles.size(); ++t)
     for (std::size_t i = 0; i < 3 && impl_->is_own(t); ++i) {
-      const std::uint32_t n = s.neighbors[t][i], begin = impl_->edge_begin_[s.triangle_edges[t][i]];
+      const std::uint32_t n = s.neighbors[t][i];
       if (n == kNone || impl_->is_own(n)) continue;
-      all.push_back({t, n, impl_->same_direction(impl_->halves_[begin], impl_->halves_[begin + 1])});
+      all.push_back({t, n, impl_->turns_across(s.triangle_edges[t][i]) != 0});
     }
   return all;
+}
+
+bool TopologyBuilder::find_steps(std::vector<std::uint32_t>& steps) const { return impl_->find_steps(steps); }
+
+bool TopologyBuilder::turn_along(std::span<const std::uint32_t> steps,
+                                 std::vector<std::uint8_t>& turned) const {
+  return impl_->turn_along(steps, turned);
 }
 
 void TopologyBuilder::take_patches(std::vector<PatchId> of_triangle, std::vector<std::uint8_t> turned,
@@ -526,6 +585,7 @@ void TopologyBuilder::take_patches(std::vector<PatchId> of_triangle, std::vector
   impl_->components_ = {};
   impl_->s_.triangle_patch = std::move(of_triangle);
   impl_->s_.patch_refs = std::move(refs);
+  impl_->cut_where_turned(turned);
   impl_->turn_triangles(turned);
   impl_->list_features();
   impl_->form_fans();
@@ -592,16 +652,35 @@ void lend_normals(std::vector<FlatTriangle>& flat) {
   for (std::size_t i = 0; i < flat.size(); ++i) flat[i].normal = found[i];
 }
 
+namespace {
+
+/// Of the components with one side.
+void turn_one_sided(const TopologyBuilder& builder, const SurfaceComponents& all,
+                    std::vector<std::uint8_t>& turned) {
+  std::vector<std::uint32_t> steps(turned.size(), kNone);
+  std::vector<std::uint8_t> begun = all.one_sided;
+  for (std::size_t t = 0; t < turned.size(); ++t) {
+    if (!all.one_sided[all.of_triangle[t]]) continue;
+    turned[t] = kUnknownTurn;
+    if (std::exchange(begun[all.of_triangle[t]], 0)) steps[t] = turned[t] = 0;
+  }
+  builder.find_steps(steps);
+  builder.turn_along(steps, turned);
+}
+
+}  // namespace
+
 void take_components_as_patches(const MeshData& mesh, TopologyBuilder& builder) {
   const SurfaceComponents& all = builder.components();
-  std::vector<std::int64_t> excess(all.count, 0);  // turned triangles over those that are not
-  std::vector<std::int32_t> refs(all.count);
+  std::vector<std::uint8_t> turned = all.turned;
+  if (std::ranges::count(all.one_sided, 1) > 0) turn_one_sided(builder, all, turned);
+  std::vector<std::int64_t> excess(all.count(), 0);  // turned triangles over those that are not
+  std::vector<std::int32_t> refs(all.count());
   for (std::size_t t = all.of_triangle.size(); t-- > 0;) {
-    excess[all.of_triangle[t]] += all.turned[t] ? 1 : -1;
+    excess[all.of_triangle[t]] += turned[t] ? 1 : -1;
     refs[all.of_triangle[t]] = ref_at(mesh.triangle_refs, t);
   }
   std::vector<PatchId> patches;
-  std::vector<std::uint8_t> turned = all.turned;
   for (std::size_t t = 0; t < turned.size(); ++t) {
     patches.emplace_back(all.of_triangle[t]);
     turned[t] ^= excess[all.of_triangle[t]] > 0;

@@ -75,9 +75,10 @@ inline int corner_of(const std::array<std::uint32_t, 3>& triangle, std::uint32_t
 
 /// What is known of references beside their equality: by triangle reference and by edge reference, whether a
 /// model tells the shape there. Then angles between triangles, or along a chain, are those of a coarse mesh
-/// and make no feature.
+/// and make no feature. Vertices on the model's nodes are corners as listed ones are.
 struct KnownShapes {
   std::vector<bool> triangle_refs, edge_refs;
+  std::vector<std::uint32_t> corners;
 };
 
 /// A triangle whose area is lost in rounding. It takes the normal of the one behind its longest edge.
@@ -96,9 +97,12 @@ void lend_normals(std::vector<FlatTriangle>& flat);
 struct SurfaceComponents {
   std::vector<std::uint32_t> of_triangle;  ///< kNone for those of others
   std::vector<std::uint8_t> turned;        ///< triangles that are to be turned to agree with their first
-  std::uint32_t count = 0;
-  bool one_sided = false;  ///< some component does not agree with itself, and has been cut
+  std::uint32_t count() const { return static_cast<std::uint32_t>(one_sided.size()); }
+  std::vector<std::uint8_t> one_sided;  ///< by component: it does not agree with itself, as a Moebius strip
 };
+
+/// Of triangles of which it is not known whether they are turned.
+inline constexpr std::uint8_t kUnknownTurn = 2;
 
 /// An edge that is no feature between an own triangle and another's.
 struct SurfaceCrossing {
@@ -109,7 +113,8 @@ struct SurfaceCrossing {
 /// The steps to the topology of a surface, or of a part of it with two rings of triangles around its own
 /// (SurfaceTopology::rings), where what is known of all parts comes in between:
 ///
-///   flat_triangles, take_normals; components, crossings, take_patches; own_features, take_curves; take
+///   flat_triangles, take_normals; components, crossings; find_steps, turn_along; take_patches;
+///   own_features, take_curves; take
 ///
 /// Numbers are those of the mesh given; in a part triangles and vertices must have the order of the whole.
 class TopologyBuilder {
@@ -127,7 +132,16 @@ class TopologyBuilder {
 
   const SurfaceComponents& components();
   std::vector<SurfaceCrossing> crossings() const;
-  /// Of all triangles here; `refs` of the whole surface's patches.
+  /// How a patch with one side is turned: as on the shortest ways from its first triangle, of several the one
+  /// by the lowest triangle. `steps` by triangle: how long the way is, kNone where that is not known; 0 of
+  /// the first, kNone of other patches. The own triangles' become as short as what is here tells; whether
+  /// some did.
+  bool find_steps(std::vector<std::uint32_t>& steps) const;
+  /// When all steps are final. `turned` by triangle: kUnknownTurn where that is not known, 0 of the first
+  /// ones. The own triangles' become known as far as what is here tells; whether some did.
+  bool turn_along(std::span<const std::uint32_t> steps, std::vector<std::uint8_t>& turned) const;
+  /// Of all triangles here; `refs` of the whole surface's patches. Cuts the surface where neighbours do not
+  /// agree, since normals must agree across an edge within a patch.
   void take_patches(std::vector<PatchId> of_triangle, std::vector<std::uint8_t> turned,
                     std::vector<std::int32_t> refs);
 
@@ -146,7 +160,8 @@ class TopologyBuilder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Each component becomes a patch, with the orientation that most of its triangles have in the mesh.
+/// Of a whole surface: each component becomes a patch, with the orientation that most of its triangles have
+/// in the mesh.
 void take_components_as_patches(const MeshData& mesh, TopologyBuilder& builder);
 
 }  // namespace weft::meshing

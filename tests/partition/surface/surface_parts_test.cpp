@@ -1,10 +1,14 @@
 // A surface built in shares is the whole one, whatever is cut by the shares' borders.
-#include "partition/surface/surface_shares.h"
+#include "partition/surface/surface_parts.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,19 +20,22 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/base/error.h"
 #include "meshing/geometry/model/analytic_model.h"
 #include "meshing/geometry/model/model.h"
+#include "meshing/geometry/model/model_classification.h"
 #include "meshing/geometry/surface/surface.h"
 #include "partition/surface/joined_patches.h"
-#include "partition/surface/surface_parts.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
 #include "tests/support/repetitions.h"
 
-namespace weft::partition::surface_shares_test {
+namespace weft::partition::surface_parts_test {
 namespace {
 
 using meshing::MeshData;
+using meshing::Model;
+using meshing::ModelClassification;
 using meshing::Point;
 using meshing::Surface;
 
@@ -74,8 +81,10 @@ void flatten(MeshData& mesh, unsigned seed) {
   }
 }
 
+constexpr std::uint32_t kMoebiusSteps = 400;  // more triangles than a share of eight has
+
 void add_moebius_strip(MeshData& mesh) {
-  constexpr std::uint32_t kSteps = 40;
+  constexpr std::uint32_t kSteps = kMoebiusSteps;
   const auto first = static_cast<std::uint32_t>(mesh.points.size());
   for (std::uint32_t i = 0; i < kSteps; ++i)
     for (const double side : {-0.2, 0.2}) {
@@ -113,7 +122,22 @@ BoundaryShare share_of(const MeshData& mesh, const Peers& peers) {
     if (vertices[0] % ranks == me) share.edges.push_back(edge);
   share.corners = mesh.corners;
   share.required_points = mesh.required_points;
+  const auto take = [&](const auto& records, auto& mine) {
+    for (const auto& r : records)
+      if ((r.vertex + 1) % ranks == me) mine.push_back(r);
+  };
+  take(mesh.association.nodes, share.on_model.nodes);
+  take(mesh.association.edges, share.on_model.edges);
+  take(mesh.association.faces, share.on_model.faces);
   return share;
+}
+
+FetchPoints points_of(const MeshData& mesh) {
+  return [&](const std::vector<std::uint32_t>& numbers) {
+    std::vector<Point> found;
+    for (const std::uint32_t v : numbers) found.push_back(mesh.points[v]);
+    return found;
+  };
 }
 
 std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> v) {
@@ -124,36 +148,47 @@ std::array<std::uint32_t, 3> sorted(std::array<std::uint32_t, 3> v) {
 /// What one rank has, against the whole surface.
 class Comparison {
  public:
-  explicit Comparison(const MeshData& mesh) : mesh_(mesh), whole_(mesh, {}) {}
+  explicit Comparison(const MeshData& mesh, std::shared_ptr<const Model> model = nullptr)
+      : mesh_(mesh),
+        classification_(model ? meshing::classify_on_model(mesh, model) : ModelClassification{}),
+        whole_(mesh, {}, classification_) {}
 
   /// Returns how many ranks can make pieces.
   std::size_t check(int ranks) {
     SCOPED_TRACE(ranks);
     made_.clear();
+    pieces_.clear();
     makers_ = 0;
     support::run_ranks(ranks, [&](Peers& peers) {
       std::vector<std::string> warnings;
-      const FetchPoints points = [&](const std::vector<std::uint32_t>& numbers) {
-        std::vector<Point> found;
-        for (const std::uint32_t v : numbers) found.push_back(mesh_.points[v]);
-        return found;
-      };
-      SurfaceParts parts = build_surface_parts(peers, share_of(mesh_, peers), points, 45, nullptr, warnings);
+      SurfaceParts parts = build_surface_parts(peers, share_of(mesh_, peers), points_of(mesh_), 45,
+                                               classification_.model, warnings);
       std::vector<std::uint32_t> all(mesh_.points.size());
       std::iota(all.begin(), all.end(), 0u);
       const BoundaryIndex index(peers, std::exchange(parts.records, {}), all);
       const std::lock_guard lock(mutex_);  // all ranks look at all
+      EXPECT_EQ(warnings, classification_.warnings);
+      check_faults(parts.geometry->on_model);
       check_tables(parts);
       check_index(index);
       check_pieces(peers, parts);
+      geometry_ = parts.geometry;
     });
     EXPECT_EQ(made_.size(), whole_.pieces().all().size());
+    check_projections();
     return makers_;
   }
 
   const Surface& whole() const { return whole_; }
+  const ModelClassification& classification() const { return classification_; }
 
  private:
+  void check_faults(const meshing::ModelFaults& found) const {
+    EXPECT_EQ(found.off, classification_.faults.off);
+    EXPECT_EQ(found.largest, classification_.faults.largest);
+    EXPECT_EQ(found.turned, classification_.faults.turned);
+  }
+
   void check_tables(const SurfaceParts& parts) const {
     const Surface& found = parts.geometry->surface;
     ASSERT_EQ(found.patches().size(), whole_.patches().size());
@@ -167,12 +202,21 @@ class Comparison {
       EXPECT_EQ(found.patches()[p].ref, whole_.patches()[p].ref);
       EXPECT_EQ(found.patches()[p].planar, whole_.patches()[p].planar);
       EXPECT_EQ(found.patches()[p].normal, whole_.patches()[p].normal);
+      EXPECT_EQ(found.patches()[p].detail, whole_.patches()[p].detail);
+      const meshing::PatchId patch(static_cast<std::uint32_t>(p));
+      if (found.model()) {
+        EXPECT_TRUE(std::ranges::equal(found.faces(patch), whole_.faces(patch)));
+      }
     }
     ASSERT_EQ(found.curves().size(), whole_.curves().size());
     for (std::size_t c = 0; c < found.curves().size(); ++c) {
       EXPECT_EQ(found.curves()[c].ref, whole_.curves()[c].ref);
       EXPECT_EQ(found.curves()[c].straight, whole_.curves()[c].straight);
       EXPECT_EQ(found.curves()[c].required, whole_.curves()[c].required);
+      const meshing::CurveId curve(static_cast<std::uint32_t>(c));
+      if (found.model()) {
+        EXPECT_EQ(found.edge(curve), whole_.edge(curve));
+      }
     }
   }
 
@@ -200,6 +244,7 @@ class Comparison {
       ASSERT_LT(id, whole_.pieces().all().size());
       const auto piece = parts.cutter->piece(id), expected = whole_.pieces().all()[id];
       EXPECT_TRUE(std::ranges::equal(piece->bytes(), expected->bytes())) << "piece " << id;
+      pieces_.push_back(piece);
       EXPECT_EQ(parts.cutter->box(id).lo, expected->box.lo);
       EXPECT_EQ(parts.cutter->box(id).hi, expected->box.hi);
     }
@@ -209,8 +254,42 @@ class Comparison {
     }
   }
 
+  /// Of points beside feature edges and triangles, with all pieces.
+  void check_projections() const {
+    meshing::SurfacePieces pieces;
+    pieces.add(pieces_);
+    const Surface found = geometry_->surface.part(std::move(pieces));
+    const Point aside{1e-3, 2e-3, -1e-3};
+    const auto bits = [](const Point& p) {
+      return std::array{std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y),
+                        std::bit_cast<std::uint64_t>(p.z)};
+    };
+    for (const auto& [v, curve] : whole_.feature_edges()) {
+      const Point p = midpoint(mesh_.points[v[0]], mesh_.points[v[1]]) + aside;
+      const auto on = [&](const Surface& s) {
+        return s.project_to_curve(curve, p, whole_.vertex_kind(v[0]), whole_.vertex_hint(v[0]));
+      };
+      EXPECT_EQ(bits(on(found).x), bits(on(whole_).x));
+      EXPECT_EQ(bits(on(found).tangent), bits(on(whole_).tangent));
+      EXPECT_EQ(on(found).hint, on(whole_).hint);
+    }
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); t += 5) {
+      const auto& [a, b, c] = mesh_.triangles[t];
+      const Point p = (1.0 / 3) * (mesh_.points[a] + mesh_.points[b] + mesh_.points[c]) + aside;
+      const auto on = [&](const Surface& s) {
+        return s.project_to_patch(whole_.triangle_patch(t), p, whole_.vertex_kind(a), whole_.vertex_hint(a));
+      };
+      EXPECT_EQ(bits(on(found).x), bits(on(whole_).x));
+      EXPECT_EQ(bits(on(found).normal), bits(on(whole_).normal));
+      EXPECT_EQ(on(found).hint, on(whole_).hint);
+    }
+  }
+
   const MeshData& mesh_;
+  const ModelClassification classification_;
   const Surface whole_;
+  std::shared_ptr<const Geometry> geometry_;
+  std::vector<meshing::SurfacePieces::Piece> pieces_;
   std::mutex mutex_;
   std::set<std::uint32_t> made_;
   std::size_t makers_ = 0;
@@ -222,7 +301,7 @@ void expect_all_ranks_make_pieces(Comparison& comparison) {
 }
 
 TEST(SurfaceParts, HearTheRecordsOfAllRanksOnAModel) {
-  const auto model = std::make_shared<const meshing::Model>(meshing::frustum_model({0, 0, 0}, 1, 1, 2));
+  const auto model = std::make_shared<const Model>(meshing::frustum_model({0, 0, 0}, 1, 1, 2));
   const MeshData mesh = body(1);
   for (const bool fit : {true, false})
     support::run_ranks(3, [&](Peers& peers) {
@@ -232,13 +311,8 @@ TEST(SurfaceParts, HearTheRecordsOfAllRanksOnAModel) {
         const meshing::OnFace on = model->closest_within(1, mesh.points[v]);
         share.on_model.faces.push_back({v, fit ? 2 : 9, on.at[0], on.at[1], 2});
       }
-      const FetchPoints points = [&](const std::vector<std::uint32_t>& numbers) {
-        std::vector<Point> found;
-        for (const std::uint32_t v : numbers) found.push_back(mesh.points[v]);
-        return found;
-      };
       std::vector<std::string> warnings;
-      build_surface_parts(peers, std::move(share), points, 45, model, warnings);
+      build_surface_parts(peers, std::move(share), points_of(mesh), 45, model, warnings);
       const auto unfit = [](const std::string& w) { return w.find("do not fit") != std::string::npos; };
       EXPECT_EQ(std::ranges::any_of(warnings, unfit), !fit);
     });
@@ -274,12 +348,159 @@ TEST(SurfaceShares, LendNormalsToFlatTriangles) {
   }
 }
 
-/// Where it is cut depends on an order of all triangles: one rank has all.
-TEST(SurfaceShares, OfAMoebiusStripAreOne) {
+/// A cylinder as body(1) is one.
+std::shared_ptr<const meshing::GeometryModel> cylinder_model() {
+  return meshing::frustum_model({0, 0, 0}, 1, 1, 2);
+}
+
+/// With formulas, and with parameters.
+std::vector<std::shared_ptr<const Model>> cylinder_models() {
+  return {std::make_shared<const Model>(cylinder_model()),
+          std::make_shared<const Model>(meshing::without_formulas(cylinder_model()))};
+}
+
+bool is_on_lower_rim(const Point& p) { return p.z == 0 && p.x * p.x + p.y * p.y > 0.9; }
+
+/// Of the lower end: on its face, its edge and its node; some are of another model.
+void add_records(MeshData& mesh, const Model& model) {
+  std::size_t count = 0;
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+    const Point& p = mesh.points[v];
+    if (p.z != 0) continue;
+    const auto at = model.closest_within(1, p).at;
+    mesh.association.faces.push_back({v, ++count % 15 == 0 ? 9 : 2, at[0], at[1], 0});
+    if (is_on_lower_rim(p) && v % 2 == 0)
+      mesh.association.edges.push_back({v, 1, model.closest_on_edge(0, p).t, 0});
+    if (norm(p - model.node(0)) < 1e-9) mesh.association.nodes.push_back({v, 1});
+  }
+}
+
+/// Vertices of the rim, but for one in `every`, are exactly on the lower end, and off the side by this: its
+/// triangles there share no face.
+void pull_from_side(MeshData& mesh, double by, std::uint32_t every) {
+  for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+    Point& p = mesh.points[v];
+    if (is_on_lower_rim(p) && (every == 1 || v % every > 0)) p.x *= 1 - by, p.y *= 1 - by;
+  }
+}
+
+/// Its triangles, of another reference.
+void add_ball(MeshData& mesh, double radius, double x) {
+  const MeshData ball = support::ball(3, 1);
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  for (const Point& p : ball.points) mesh.points.push_back(radius * p + Point{x, 0, 0});
+  mesh.point_refs.resize(mesh.points.size(), 0);
+  for (const auto& [a, b, c] : ball.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  mesh.triangle_refs.resize(mesh.triangles.size(), 11);
+}
+
+TEST(SurfaceSharesOnAModel, AreTheWholeSurface) {
+  const MeshData mesh = body(1);
+  for (const auto& model : cylinder_models()) {
+    SCOPED_TRACE(model->has_formulas());
+    Comparison comparison(mesh, model);
+    EXPECT_EQ(comparison.classification().nodes.size(), 2u);
+    expect_all_ranks_make_pieces(comparison);
+  }
+}
+
+TEST(SurfaceSharesOnAModel, KeepFeaturesAndRecords) {
+  for (const auto& model : cylinder_models()) {
+    MeshData mesh = body(1);
+    add_features(mesh, 3);
+    add_records(mesh, *model);
+    Comparison comparison(mesh, model);
+    EXPECT_FALSE(comparison.classification().warnings.empty());
+    EXPECT_GT(comparison.classification().faults.turned, 100u);
+    EXPECT_GT(comparison.whole().curves().size(), 100u);
+    expect_all_ranks_make_pieces(comparison);
+  }
+}
+
+TEST(SurfaceSharesOnAModel, FillGapsAndReconstructWhatLiesOnNoFace) {
+  for (const auto& model : cylinder_models()) {
+    MeshData mesh = body(1);
+    pull_from_side(mesh, 0.01, 3);
+    add_ball(mesh, 0.3, 5);
+    Comparison comparison(mesh, model);
+    const ModelClassification& c = comparison.classification();
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      EXPECT_EQ(c.triangle_face[t] == meshing::kNoEntity, mesh.triangle_refs[t] == 11);
+    EXPECT_GT(c.faults.off, 10u);
+    EXPECT_FALSE(c.warnings.empty());
+    for (const int ranks : support::kNumbersOfRanks) comparison.check(ranks);
+  }
+}
+
+/// The lower rim is farther from its edge than its own edges are long: its triangles cross it.
+TEST(SurfaceSharesOnAModel, AreOneWhereTheMeshDoesNotKeepFacesApart) {
+  MeshData mesh = support::cylinder(120, 1, 30, 2);
+  support::shuffle(mesh, 4);
+  std::ranges::fill(mesh.triangle_refs, 3);
+  pull_from_side(mesh, 0.02, 1);
+  for (const auto& model : cylinder_models()) {
+    Comparison comparison(mesh, model);
+    EXPECT_EQ(comparison.classification().face_group, (std::vector<std::uint32_t>{0, 0, 2}));
+    expect_all_ranks_make_pieces(comparison);
+  }
+}
+
+TEST(SurfaceSharesOnAModel, CutAMoebiusStripAsTheWholeDoes) {
   MeshData mesh = body(1);
   add_moebius_strip(mesh);
+  Comparison comparison(mesh, cylinder_models()[1]);
+  expect_all_ranks_make_pieces(comparison);
+}
+
+std::string what_of(const std::exception_ptr& thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const meshing::InputError& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+/// Of the whole, and of all ranks; with these words.
+void expect_refusal(const MeshData& mesh, const std::shared_ptr<const Model>& model,
+                    const std::string& words) {
+  std::string expected;
+  try {
+    meshing::classify_on_model(mesh, model);
+  } catch (const meshing::InputError& error) {
+    expected = error.what();
+  }
+  EXPECT_NE(expected.find(words), std::string::npos) << expected;
+  for (const int ranks : support::kNumbersOfRanks) {
+    const auto thrown = support::run_ranks_caught(ranks, [&](Peers& peers) {
+      std::vector<std::string> warnings;
+      build_surface_parts(peers, share_of(mesh, peers), points_of(mesh), 45, model, warnings);
+    });
+    for (const std::exception_ptr& of_rank : thrown) EXPECT_EQ(what_of(of_rank), expected);
+  }
+}
+
+TEST(SurfaceSharesOnAModel, RefuseAnotherModelAsTheWholeDoes) {
+  const std::shared_ptr<const Model> model = cylinder_models()[0];
+  MeshData large = body(1), larger = large, with_ball = large;
+  for (Point& p : large.points) p = 1.01 * p;
+  expect_refusal(large, model, "as it is");
+  for (Point& p : larger.points) p = 1.3 * p;
+  expect_refusal(larger, model, "--geometry-scale");
+  add_ball(with_ball, 3, 20);
+  expect_refusal(with_ball, std::make_shared<const Model>(meshing::frustum_model({0, 0, 0}, 1, 1, 6)),
+                 "of its area");
+}
+
+TEST(SurfaceShares, CutAMoebiusStripAsTheWholeDoes) {
+  MeshData mesh = body(1);
+  const std::size_t first = mesh.points.size();
+  add_moebius_strip(mesh);
   Comparison comparison(mesh);
-  for (const int ranks : support::kNumbersOfRanks) EXPECT_EQ(comparison.check(ranks), 1u);
+  const auto is_of_strip = [&](const Surface::FeatureEdge& f) { return f.vertices[0] >= first; };
+  EXPECT_EQ(std::ranges::count_if(comparison.whole().feature_edges(), is_of_strip),
+            2 * std::ptrdiff_t{kMoebiusSteps} + 1);  // its border, and the cut
+  expect_all_ranks_make_pieces(comparison);
 }
 
 TEST(SurfaceShares, MayBeFewerThanTheRanks) {
@@ -301,16 +522,17 @@ TEST(JoinedPatches, AgreeWithMostOfTheirTriangles) {
       mine = {{6, 1, 2, 1}};
       links = {{0, 2, 1}};
     }
-    const auto joined = join_patches(peers, mine, links);
-    ASSERT_TRUE(joined);
-    EXPECT_EQ(joined->patch, (std::vector<std::uint32_t>{0, 1, 0}));
-    EXPECT_EQ(joined->refs, (std::vector<std::int32_t>{1, 2}));
+    const JoinedPatches joined = join_patches(peers, mine, links);
+    EXPECT_EQ(joined.patch, (std::vector<std::uint32_t>{0, 1, 0}));
+    EXPECT_EQ(joined.refs, (std::vector<std::int32_t>{1, 2}));
+    EXPECT_EQ(joined.firsts, (std::vector<std::uint32_t>{2, 4}));
+    EXPECT_EQ(joined.one_sided, (std::vector<std::uint8_t>{0, 0}));
     // Of nine, one of the six is turned and two of the three: most are not.
-    EXPECT_EQ(joined->turned, (std::vector<std::uint8_t>{1, 0, 0}));
+    EXPECT_EQ(joined.turned, (std::vector<std::uint8_t>{1, 0, 0}));
     links.push_back({0, 2, 0});
-    EXPECT_FALSE(join_patches(peers, mine, links));
+    EXPECT_EQ(join_patches(peers, mine, links).one_sided, (std::vector<std::uint8_t>{1, 0}));
   });
 }
 
 }  // namespace
-}  // namespace weft::partition::surface_shares_test
+}  // namespace weft::partition::surface_parts_test

@@ -1,0 +1,87 @@
+// Patch by patch, then curve by curve.
+#include "meshing/geometry/surface/model_tables.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "meshing/geometry/surface/surface_topology.h"
+
+namespace weft::meshing {
+namespace {
+
+/// The plane of the model in the place of one through the points.
+void take_plane(std::uint32_t patch, SurfaceTables& tables) {
+  Patch& p = tables.patches[patch];
+  Plane& plane = tables.planes[patch];
+  const std::vector<std::uint32_t>& faces = tables.patch_faces[patch];
+  const std::optional<Frame>* frame = faces.size() == 1 ? &tables.model->plane(faces[0]) : nullptr;
+  p.planar = frame && *frame;
+  if (!p.planar) {
+    p.normal = {};
+    return;
+  }
+  const double side = dot((*frame)->z, plane.normal) < 0 ? -1 : 1;
+  plane.point = (*frame)->origin;
+  p.normal = plane.normal = on_axes(side * (*frame)->z);
+}
+
+void take_patches(SurfaceOnModel& on_model, SurfaceTables& tables) {
+  tables.patch_faces = std::move(on_model.patch_faces);
+  for (std::uint32_t p = 0; p < tables.patches.size(); ++p) {
+    tables.patches[p].ref = on_model.triangle_refs[tables.patches[p].ref].ref;
+    for (const std::uint32_t f : tables.patch_faces[p])
+      tables.patches[p].detail = std::min(tables.patches[p].detail, tables.model->detail(f));
+    if (!tables.patch_faces[p].empty()) take_plane(p, tables);
+  }
+}
+
+void take_line(std::uint32_t curve, const SurfaceCurves& curves, SurfaceTables& tables) {
+  const std::optional<Frame>& frame = tables.model->line(tables.curve_edge[curve]);
+  tables.curves[curve].straight = frame.has_value();
+  if (!frame) return;
+  Line& line = tables.lines[curve];
+  const auto points = curves.points_along(CurveId(curve));
+  const Vec chord = points.back() - points.front();
+  line.point = frame->origin;
+  line.direction = on_axes((dot(chord, frame->x) < 0 ? -1.0 : 1.0) * frame->x);
+  double length = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) length += norm(points[i] - points[i - 1]);
+  line.rounding = kRounding * length;
+}
+
+/// A curve that the user has drawn on a face: its vertices stay on the face.
+void take_patch(std::uint32_t curve, const std::vector<PatchId>& at, SurfaceTables& tables) {
+  const PatchId patch = at[0];
+  const bool amid = std::ranges::all_of(
+      at, [&](PatchId p) { return tables.patch_faces[p.value] == tables.patch_faces[patch.value]; });
+  if (!amid || !tables.is_on_model(patch) || tables.patches[patch.value].planar) return;
+  tables.curve_patch[curve] = patch.value;
+  tables.curves[curve].straight = false;
+}
+
+}  // namespace
+
+std::vector<std::array<double, 2>> parameters_at(std::span<const Surface::FeatureEdge> features,
+                                                 std::span<const EdgeOnModel> edges) {
+  std::vector<std::array<double, 2>> all(features.size());
+  for (std::size_t f = 0; f < all.size(); ++f)
+    if (const EdgeOnModel* edge = find_edge(edges, features[f].vertices)) all[f] = edge->t;
+  return all;
+}
+
+void put_on_model(SurfaceOnModel&& on_model, const SurfaceCurves& curves, SurfaceTables& tables) {
+  take_patches(on_model, tables);
+  tables.curve_patch.assign(tables.curves.size(), kNone);
+  for (std::uint32_t c = 0; c < tables.curves.size(); ++c) {
+    const JointRef& joint = on_model.edge_refs[tables.curves[c].ref];
+    tables.curves[c].ref = joint.ref;
+    tables.curve_edge.push_back(joint.entity);
+    if (joint.entity != kNoEntity)
+      take_line(c, curves, tables);
+    else
+      take_patch(c, on_model.curve_patches[c], tables);
+  }
+}
+
+}  // namespace weft::meshing
