@@ -172,7 +172,7 @@ class BadInput(CommandTest):
         self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "a.solb")
         before = [(self.folder / name).read_bytes() for name in (mesh, "a.solb")]
         self.assert_fails("convert", mesh, mesh, "--sol", "a.solb", says="OUT: it would replace the input box.meshb", code=64)
-        self.assert_fails("convert", mesh, "a.solb", "--sol", "a.solb", code=64)
+        self.assert_fails("convert", mesh, "a.solb", "--sol", "a.solb", says="OUT: it would replace the input a.solb", code=64)
         self.assertEqual([(self.folder / name).read_bytes() for name in (mesh, "a.solb")], before)
         self.weft("convert", mesh, "a.vtu", "--sol", "a.solb")
         self.weft("convert", mesh, "a.meshb", "--sol", "a.solb")  # the fields beside it are those that are there
