@@ -367,6 +367,20 @@ void complete_edges(Peers& peers, std::uint64_t num_edges, const MeshData& m,
   if (counts[1] > 0) b.warnings.push_back(meshing::touching_edges_warning(counts[1]));
 }
 
+/// In the words in which the topology of a surface refuses them: that of a share would do so on one rank
+/// alone, and count the triangles there.
+void refuse_collapsed(Peers& peers, const std::vector<BoundaryTriangle>& triangles) {
+  std::optional<InputIssue> first;
+  for (const BoundaryTriangle& t : triangles) {
+    const auto& [a, b, c] = t.vertices;
+    if (a == b || b == c || c == a)
+      keep_least(
+          first,
+          {{t.number, 0, 0}, fmt::format("triangle {}", std::uint64_t{t.number} + 1), "has a vertex twice"});
+  }
+  throw_first(peers, first);
+}
+
 }  // namespace
 
 BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets& placed,
@@ -395,6 +409,7 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
 BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice) {
   BoundaryShare b;
   b.triangles = listed_triangles(peers, slice.boundary);
+  refuse_collapsed(peers, b.triangles);
   complete_edges(peers, slice.num_edges, slice.boundary, {}, b);
   b.corners = slice.boundary.corners;
   b.required_points = slice.boundary.required_points;

@@ -52,7 +52,7 @@ BoundaryShare complete_boundary(Peers& peers, MeshSlice& slice, const PlacedTets
                                 const Ranges& points, const Ranges& tets);
 
 /// All ranks: the boundary as it is listed, not compared with the tets: edges that lie on no triangle are
-/// left out alone.
+/// left out alone. Every rank throws the same InputError for a triangle that has a vertex twice.
 BoundaryShare listed_boundary(Peers& peers, const MeshSlice& slice);
 
 }  // namespace weft::partition

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <string>
 
+#include "meshing/base/error.h"
 #include "meshing/geometry/model/analytic_model.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/partition/distribute/slices.h"
@@ -67,6 +69,40 @@ TEST(CurvatureInParts, HasTheBitsOfTheWholeMesh) {
 TEST(CurvatureInParts, OfAModelToo) {
   expect_that_of_the_whole(support::ball(2, 2), {20, 0, 45},
                            std::make_shared<const meshing::Model>(meshing::ball_model({0, 0, 0}, 1)));
+}
+
+template <class Work>
+std::string refusal_of(const Work& work) {
+  try {
+    work();
+  } catch (const meshing::InputError& error) {
+    return error.what();
+  }
+  return "nothing";
+}
+
+TEST(CurvatureInParts, RefusesATriangleWithAVertexTwiceAsTheWholeDoes) {
+  MeshData mesh = support::ball(2, 2);
+  for (const std::size_t t : {mesh.triangles.size() - 1, mesh.triangles.size() / 2})
+    mesh.triangles[t][2] = mesh.triangles[t][0];
+  const CurvatureOptions options{20, 0, 45};
+  for (const bool on_model : {false, true}) {
+    const auto model =
+        on_model ? std::make_shared<const meshing::Model>(meshing::ball_model({0, 0, 0}, 1)) : nullptr;
+    const std::string expected = refusal_of([&] { meshing::curvature_metric(mesh, options, model); });
+    EXPECT_NE(expected.find("has a vertex twice"), std::string::npos) << expected;
+    for (const int ranks : support::kNumbersOfRanks) {
+      SCOPED_TRACE(ranks);
+      const auto thrown = support::run_ranks_caught(ranks, [&](Peers& peers) {
+        in_parts(peers, support::slice_of({mesh, {}}, peers.rank(), ranks, 5), options, model);
+      });
+      for (const std::exception_ptr& of_rank : thrown)
+        EXPECT_EQ(refusal_of([&] {
+                    if (of_rank) std::rethrow_exception(of_rank);
+                  }),
+                  expected);
+    }
+  }
 }
 
 TEST(MayCurve, IsTheSameForAnySharesAndTellsRoundFromPlanar) {
