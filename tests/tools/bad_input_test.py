@@ -167,6 +167,17 @@ class BadInput(CommandTest):
         self.weft("convert", "a_0.vtu", "b/a.pvtu")
         self.weft("convert", "a_0.vtu", "a_.pvtu")
 
+    def test_pieces_of_an_input_that_would_be_replaced(self):
+        self.weft("convert", self.box(), "a.pvtu")
+        before = (self.folder / "a_1.vtu").read_bytes()
+        for words in (["convert", "a.pvtu", "a_1.vtu"], ["adapt", "a.pvtu", "--metric-fn", "uniform:1", "-o", "a_1.vtu"]):
+            self.assert_fails(*words, says="would replace the input a_1.vtu", code=64)
+        (self.folder / "a.pvtu").rename(self.folder / "b.pvtu")
+        self.assert_fails("convert", "b.pvtu", "a.pvtu", says="would replace the input a_0.vtu", code=64)
+        self.assertEqual((self.folder / "a_1.vtu").read_bytes(), before)
+        self.weft("convert", "b.pvtu", "a_2.vtu")
+        self.weft("convert", "b.pvtu", "a_2.vtu")  # is there, but no piece
+
     def test_conversion_that_would_replace_an_input(self):
         mesh = self.box()
         self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "a.solb")

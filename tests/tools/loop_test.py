@@ -62,6 +62,15 @@ class Cycles(LoopTest):
         self.fails("run.json: mesh", "would be replaced by that of cycle 2", mesh="run/002/mesh.meshb")
         self.assertEqual(self.files(), ["run", "run.json"])
 
+    def test_a_solution_that_is_the_first_mesh_is_not_replaced(self):
+        for cycle in (0, 2):
+            mesh = f"run/{cycle:03}/solution.vtu"
+            (self.folder / mesh).parent.mkdir(parents=True)
+            self.weft("convert", "box.meshb", mesh)
+            before = (self.folder / mesh).read_bytes()
+            self.fails("run.json: mesh", f"would be replaced by the solution of cycle {cycle}", mesh=mesh, solution_extension=".vtu")
+            self.assertEqual((self.folder / mesh).read_bytes(), before)
+
     def test_everything_is_kept(self):
         text = self.loop().stdout
         self.assertIn("cycle 2 of 2: complexity", text)

@@ -93,12 +93,18 @@ class Loop {
             folder / "checkpoints.json"};
   }
 
-  /// It may be the result of an earlier loop in the same folder.
+  /// It may be the result of an earlier loop in the same folder, or a solution, which can hold a mesh.
   void keep_first_mesh() const {
-    for (std::size_t cycle = 1; cycle < cycles(); ++cycle)
-      if (same_file(files(cycle).mesh.string(), config_.mesh.string()))
+    const auto keep = [this](const fs::path& file, const char* what, std::size_t cycle) {
+      const std::string mesh = config_.mesh.string();
+      if (same_file(file.string(), mesh) || is_piece_of(file.string(), mesh))
         throw InputError(config_.file, "mesh",
-                         fmt::format("would be replaced by that of cycle {}: give another folder", cycle));
+                         fmt::format("would be replaced by {} of cycle {}: give another folder", what, cycle));
+    };
+    for (std::size_t cycle = 0; cycle < cycles(); ++cycle) {
+      if (cycle > 0) keep(files(cycle).mesh, "that", cycle);
+      keep(files(cycle).solution, "the solution", cycle);
+    }
   }
 
   /// Reads the markers of the cycles that need not be done again.
