@@ -171,22 +171,20 @@ class BadInput(CommandTest):
         self.weft("convert", self.box(), "a.pvtu")
         before = (self.folder / "a_1.vtu").read_bytes()
         for words in (["convert", "a.pvtu", "a_1.vtu"], ["adapt", "a.pvtu", "--metric-fn", "uniform:1", "-o", "a_1.vtu"]):
-            self.assert_fails(*words, says="would replace the input a_1.vtu", code=64)
-        (self.folder / "a.pvtu").rename(self.folder / "b.pvtu")
-        self.assert_fails("convert", "b.pvtu", "a.pvtu", says="would replace the input a_0.vtu", code=64)
+            self.assert_fails(*words, says="would replace the input a.pvtu", code=64)
         self.assertEqual((self.folder / "a_1.vtu").read_bytes(), before)
-        self.weft("convert", "b.pvtu", "a_2.vtu")
-        self.weft("convert", "b.pvtu", "a_2.vtu")  # is there, but no piece
+        self.weft("convert", "a.pvtu", "a_2.vtu")
+        self.weft("convert", "a.pvtu", "a.pvtu")
 
     def test_conversion_that_would_replace_an_input(self):
         mesh = self.box()
         self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "a.solb")
-        before = [(self.folder / name).read_bytes() for name in (mesh, "a.solb")]
-        self.assert_fails("convert", mesh, mesh, "--sol", "a.solb", says="OUT: it would replace the input box.meshb", code=64)
-        self.assert_fails("convert", mesh, "a.solb", "--sol", "a.solb", says="OUT: it would replace the input a.solb", code=64)
-        self.assertEqual([(self.folder / name).read_bytes() for name in (mesh, "a.solb")], before)
         self.weft("convert", mesh, "a.vtu", "--sol", "a.solb")
         self.weft("convert", mesh, "a.meshb", "--sol", "a.solb")  # the fields beside it are those that are there
+        before = (self.folder / "a.solb").read_bytes()
+        self.weft("convert", "a.vtu", "a.vtu", "--compress")  # it is read before
+        self.assert_fails("convert", mesh, "a.vtu", "--sol", "a.vtu", says="OUT: it would replace the input a.vtu", code=64)
+        self.assertEqual((self.folder / "a.solb").read_bytes(), before)
 
 
 if __name__ == "__main__":

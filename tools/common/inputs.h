@@ -1,10 +1,7 @@
 // Files that are read are not to be replaced.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -28,34 +25,19 @@ inline bool is_piece_of(const std::string& index, const std::string& file) {
          same_file((whole.parent_path() / piece.filename()).string(), file);
 }
 
-/// The files that the .pvtu `index` names; none of any other file, and of one that cannot be read.
-inline std::vector<std::string> pieces_named_by(const std::string& index) {
-  const std::filesystem::path path(index);
-  if (path.extension() != ".pvtu") return {};
-  std::ifstream in(path);
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  const std::string attribute = "Source=";
-  std::vector<std::string> pieces;
-  for (std::size_t at = text.find(attribute); at != std::string::npos; at = text.find(attribute, at)) {
-    at += attribute.size();
-    const std::size_t end = at < text.size() ? text.find(text[at], at + 1) : std::string::npos;
-    if (end == std::string::npos) break;
-    pieces.push_back((path.parent_path() / text.substr(at + 1, end - at - 1)).string());
-  }
-  return pieces;
-}
-
-/// Throws OptionError where `output`, called `name` and given by `option`, is one of the inputs or of their
-/// pieces, or has one as a piece.
+/// Throws OptionError where `output`, called `name` and given by `option`, is one of the inputs or a piece of
+/// one, or has one as a piece.
 inline void keep_inputs(const std::string& output, const std::string& name,
                         const std::vector<std::string>& inputs, const std::string& option = "--out") {
-  for (const std::string& input : inputs) {
-    std::vector<std::string> files = pieces_named_by(input);
-    files.insert(files.begin(), input);
-    for (const std::string& file : files)
-      if (same_file(output, file) || is_piece_of(output, file))
-        throw OptionError(option, name + " would replace the input " + file);
-  }
+  for (const std::string& file : inputs)
+    if (same_file(output, file) || is_piece_of(output, file) || is_piece_of(file, output))
+      throw OptionError(option, name + " would replace the input " + file);
+}
+
+/// The same of a conversion, which may replace the mesh itself: it is read before it is written.
+inline void keep_solution(const std::string& input, const std::string& output, const std::string& solution) {
+  keep_inputs(output, "it", same_file(output, input) ? std::vector{solution} : std::vector{input, solution},
+              "OUT");
 }
 
 }  // namespace weft::tools

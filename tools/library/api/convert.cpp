@@ -28,7 +28,7 @@ void add_solution(const std::string& input, const std::string& file, MeshFile& c
 
 Converted convert(const std::string& input, const std::string& output, const std::string& solution,
                   const WriteOptions& options) {
-  tools::keep_inputs(output, "it", {input, solution}, "OUT");
+  tools::keep_solution(input, output, solution);
   check_writable(output);
   MeshFile contents = read_mesh_file(input);
   if (!solution.empty()) add_solution(input, solution, contents);

@@ -222,7 +222,7 @@ bool can_convert_on_ranks(const std::string& input, const std::string& solution,
 
 ConvertedOnRanks convert_on_ranks(const std::string& input, const std::string& solution,
                                   const std::string& output, const WriteOptions& options) {
-  tools::keep_inputs(output, "it", {input, solution}, "OUT");
+  tools::keep_solution(input, output, solution);
   ConvertedOnRanks result;
   const bool first = tools::on_peers_of_world([&](Peers& peers) {
     check_output(peers, output);

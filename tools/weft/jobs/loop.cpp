@@ -98,8 +98,9 @@ class Loop {
     const auto keep = [this](const fs::path& file, const char* what, std::size_t cycle) {
       const std::string mesh = config_.mesh.string();
       if (same_file(file.string(), mesh) || is_piece_of(file.string(), mesh))
-        throw InputError(config_.file, "mesh",
-                         fmt::format("would be replaced by {} of cycle {}: give another folder", what, cycle));
+        throw InputError(
+            config_.file, "mesh",
+            fmt::format("would be replaced by {} of cycle {}: give another folder", what, cycle));
     };
     for (std::size_t cycle = 0; cycle < cycles(); ++cycle) {
       if (cycle > 0) keep(files(cycle).mesh, "that", cycle);

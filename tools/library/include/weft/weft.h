@@ -654,7 +654,7 @@ struct Converted {
 };
 /// From file to file as `weft convert` does. `solution`: a file of fields at the vertices; empty: none. These
 /// and the input's own are written into the result, or beside it where its format holds none. Throws
-/// OptionError where the result would replace a file that is read.
+/// OptionError where the result would replace a file that is read, other than the mesh itself.
 WEFT_API Converted convert(const std::string& input, const std::string& output,
                            const std::string& solution = {}, const WriteOptions& options = {});
 /// Writes .solb or .sol, whole or not at all.
