@@ -24,11 +24,11 @@ namespace {
 
 using namespace cgns;
 
-using ElementType = CGNS_ENUMT(ElementType_t);
+using CgnsType = CGNS_ENUMT(ElementType_t);
 
 /// One section of elements: its type and range.
 struct SectionHead {
-  ElementType type{};
+  CgnsType type{};
   std::int64_t start = 0;
   std::uint64_t count = 0;
 };
@@ -36,12 +36,12 @@ struct SectionHead {
 /// The type that a number among mixed elements stands for in files of this version. (Of whole sections the
 /// library does this itself.) Version 3 has put PYRA_13 in front of PYRA_14, 3.1 behind MIXED; before 3.2 a
 /// number above that of NGON_n is a polygon, which counts its nodes.
-ElementType mixed_type(std::int64_t number, int version) {
+CgnsType mixed_type(std::int64_t number, int version) {
   const int ngon = CGNS_ENUMV(NGON_n) - (version < 3000 ? 1 : 0);
   if (version < 3200 && number >= ngon) return CGNS_ENUMV(NGON_n);
   const bool is_moved = version >= 3000 && version < 3100 && number >= CGNS_ENUMV(PYRA_14);
   if (is_moved && number == CGNS_ENUMV(PYRA_14)) return CGNS_ENUMV(PYRA_13);
-  return static_cast<ElementType>(is_moved ? number - 1 : number);
+  return static_cast<CgnsType>(is_moved ? number - 1 : number);
 }
 
 /// References for names, the same in all zones.
@@ -92,7 +92,7 @@ class ZoneReader {
       const SectionHead head = section_head(s);
       if (head.type == CGNS_ENUMV(TETRA_4)) size.tets += head.count;
       if (head.type == CGNS_ENUMV(MIXED))
-        for_each_mixed(head, [&](ElementType type, const std::int64_t*) {
+        for_each_mixed(head, [&](CgnsType type, const std::int64_t*) {
           size.tets += type == CGNS_ENUMV(TETRA_4) ? 1 : 0;
         });
     }
@@ -222,7 +222,7 @@ class ZoneReader {
   /// Tets of the range, and all others. What the tets' reference is they say together, on every reader.
   void read_mixed(const SectionHead& head) {
     std::optional<std::int32_t> ref;
-    for_each_mixed(head, [&](ElementType type, const std::int64_t* nodes) {
+    for_each_mixed(head, [&](CgnsType type, const std::int64_t* nodes) {
       if (type != CGNS_ENUMV(TETRA_4)) return add_element(type, nodes);
       if (!ref) ref = tet_ref();
       const std::uint64_t tet = tets_passed_++;
@@ -241,7 +241,7 @@ class ZoneReader {
       const std::int64_t* number = data.take(1);
       if (!number) fail_element("is missing");
       if (*number < 0 || *number >= NofValidElementTypes) fail_element("has an unknown type");
-      const ElementType type = mixed_type(*number, version);
+      const CgnsType type = mixed_type(*number, version);
       const std::size_t count = type == CGNS_ENUMV(MIXED) ? 0 : num_nodes(type);
       if (count == 0) fail_element("has the unknown type " + std::to_string(*number));
       const std::int64_t* nodes = data.take(count);
@@ -252,7 +252,7 @@ class ZoneReader {
   }
 
   /// None for a type that is unknown, or has no number of nodes.
-  static std::size_t num_nodes(ElementType type) {
+  static std::size_t num_nodes(CgnsType type) {
     int nodes = 0;
     return cg_npe(type, &nodes) == CG_OK && nodes > 0 ? static_cast<std::size_t>(nodes) : 0;
   }
@@ -285,10 +285,10 @@ class ZoneReader {
     mesh().tet_refs.push_back(ref);
   }
 
-  static bool is_kept(ElementType type) { return type == CGNS_ENUMV(TRI_3) || type == CGNS_ENUMV(BAR_2); }
+  static bool is_kept(CgnsType type) { return type == CGNS_ENUMV(TRI_3) || type == CGNS_ENUMV(BAR_2); }
 
   /// One that is no tet.
-  void add_element(ElementType type, const std::int64_t* nodes) {
+  void add_element(CgnsType type, const std::int64_t* nodes) {
     if (!is_kept(type)) return drop_elements(type, 1);
     if (type == CGNS_ENUMV(TRI_3)) {
       mesh().triangles.push_back(nodes_of<3>(nodes));
@@ -300,7 +300,7 @@ class ZoneReader {
     }
   }
 
-  void drop_elements(ElementType type, std::uint64_t count) {
+  void drop_elements(CgnsType type, std::uint64_t count) {
     const std::string_view kind = cg_ElementTypeName(type);
     const std::string name = "elements " + std::string(kind);
     const bool volume = kind.starts_with("TETRA") || kind.starts_with("PYRA") || kind.starts_with("PENTA") ||
