@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 #include "meshing/base/error.h"
 #include "meshing/base/parallel.h"
@@ -100,6 +101,7 @@ class Classifier {
   std::vector<Candidate> faces_near(std::uint32_t v) const;
   void refuse_another_body() const;
   void refuse_another_shape() const;
+  double mean_square_beside() const;
   void refuse_another_place() const;
   double area_of_face(std::uint32_t f) const;
   std::vector<double> areas_on_faces() const;
@@ -110,7 +112,7 @@ class Classifier {
   bool references_are_faces() const;
   std::uint32_t face_of_triangle(std::uint32_t triangle, bool by_reference) const;
   void fill_gaps();
-  std::uint32_t face_beside(std::uint32_t triangle) const;
+  std::uint32_t face_beside(std::uint32_t triangle, std::span<const std::uint8_t> is_new) const;
   void sort_sides();
   std::vector<NearVertex> nearest_to_nodes() const;
   void find_nodes();
@@ -406,6 +408,7 @@ using Unknowns = std::array<double, kUnknowns>;
 class Fit {
  public:
   static constexpr std::size_t kSums = (kUnknowns + 2) * (kUnknowns + 3) / 2;
+  static constexpr int kExponent = 4;
 
   /// An equation; its numbers are of the order of 1 or below.
   static void add(const Unknowns& row, double value, std::vector<FixedPointSum>& sums) {
@@ -426,7 +429,6 @@ class Fit {
     squares_ = sum(kUnknowns, kUnknowns);
     count_ = sum(kUnknowns + 1, kUnknowns + 1);
   }
-  double mean_square() const { return count_ > 0 ? squares_ / count_ : 0; }
   Unknowns solution() const;
   /// The share of the squares that the solution explains.
   double explained(const Unknowns& x) const {
@@ -439,7 +441,6 @@ class Fit {
   }
 
  private:
-  static constexpr int kExponent = 4;
   std::array<Unknowns, kUnknowns> matrix_{};
   Unknowns right_{};
   double squares_ = 0, count_ = 0;
@@ -464,9 +465,29 @@ Unknowns Fit::solution() const {
 
 }  // namespace
 
+/// The mean square of how far the vertices on the model are off it, as a share of its size.
+double Classifier::mean_square_beside() const {
+  std::vector<FixedPointSum> squares(1);
+  std::uint64_t count = 0;
+  domain_.run([&] {
+    for (const std::uint32_t v : counted_) {
+      if (near_[v].empty()) continue;
+      const OnFace q = model_.closest_within(near_[v].front().face, mesh_.points[v]);
+      const Vec away = mesh_.points[v] - q.x;
+      const double off = dot(norm(away) > on() ? normalized(away) : q.normal, away) / model_.size();
+      squares[0].add(off * off, Fit::kExponent);
+      ++count;
+    }
+  });
+  squares = domain_.sum(std::move(squares));
+  count = domain_.sum(count);
+  return count > 0 ? squares[0].value(Fit::kExponent) / static_cast<double>(count) : 0;
+}
+
 /// The mesh as a whole may be a little too large, or beside its place: each vertex is near the model then,
-/// but they are off it as a similarity would have it.
+/// but they are off it as a similarity would have it. Most meshes are not, and nothing is fitted.
 void Classifier::refuse_another_place() const {
+  if (mean_square_beside() <= kBeside * kBeside) return;
   std::vector<FixedPointSum> sums(Fit::kSums);
   const double size = model_.size();
   const Point middle = 0.5 * (model_.box().lo + model_.box().hi);
@@ -480,7 +501,6 @@ void Classifier::refuse_another_place() const {
     }
   });
   const Fit fit(domain_.sum(std::move(sums)));
-  if (fit.mean_square() <= kBeside * kBeside) return;
   const Unknowns x = fit.solution();
   if (fit.explained(x) < kExplained) return;
   throw InputError(model_.geometry().name(), "",
@@ -562,8 +582,9 @@ void Classifier::sort_sides() {
   std::sort(sides_.begin(), sides_.end());
 }
 
-/// Of the first neighbour with the triangle's reference on whose face all vertices of the triangle are.
-std::uint32_t Classifier::face_beside(std::uint32_t triangle) const {
+/// Of the first neighbour with the triangle's reference on whose face all vertices of the triangle are. Only
+/// those whose faces are new are tried.
+std::uint32_t Classifier::face_beside(std::uint32_t triangle, std::span<const std::uint8_t> is_new) const {
   const auto& t = mesh_.triangles[triangle];
   const auto fits = [&](std::uint32_t f) {
     return std::ranges::all_of(
@@ -573,7 +594,8 @@ std::uint32_t Classifier::face_beside(std::uint32_t triangle) const {
     const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
     for (const Side& side : std::ranges::equal_range(sides_, std::array{a, b}, {}, &Side::vertices)) {
       const std::uint32_t f = c_.triangle_face[side.triangle];
-      if (f != kNoEntity && mesh_.triangle_refs[side.triangle] == mesh_.triangle_refs[triangle] && fits(f))
+      if (f != kNoEntity && is_new[side.triangle] &&
+          mesh_.triangle_refs[side.triangle] == mesh_.triangle_refs[triangle] && fits(f))
         return f;
     }
   }
@@ -587,16 +609,19 @@ void Classifier::fill_gaps() {
   for (std::uint32_t i = 0; i < c_.triangle_face.size(); ++i)
     if (domain_.owns(i) && c_.triangle_face[i] == kNoEntity) open.push_back(i);
   if (domain_.sum(open.size()) == 0) return;
+  std::vector<std::uint8_t> is_new(c_.triangle_face.size(), 1);  // what has not fitted once will not
   for (;;) {
     std::vector<std::uint32_t> found;
     domain_.run([&] {
-      for (const std::uint32_t i : open) found.push_back(face_beside(i));
+      for (const std::uint32_t i : open) found.push_back(face_beside(i, is_new));
     });
     const auto none = static_cast<std::uint64_t>(std::ranges::count(found, kNoEntity));
     if (domain_.sum(found.size() - none) == 0) return;
+    const std::vector<std::uint32_t> before = c_.triangle_face;
     for (std::size_t k = 0; k < open.size(); ++k) c_.triangle_face[open[k]] = found[k];
     std::erase_if(open, [&](std::uint32_t i) { return c_.triangle_face[i] != kNoEntity; });
     domain_.refresh(c_.triangle_face);
+    for (std::size_t i = 0; i < is_new.size(); ++i) is_new[i] = c_.triangle_face[i] != before[i];
   }
 }
 

@@ -318,34 +318,34 @@ TEST(SurfaceParts, HearTheRecordsOfAllRanksOnAModel) {
     });
 }
 
-TEST(SurfaceShares, AreTheWholeSurface) {
-  for (unsigned seed = 0; seed < support::repetitions(2, 4); ++seed) {
+/// Bodies that change(mesh, seed) has changed: check(comparison).
+template <class Change, class Check>
+void compare_bodies(unsigned count, const Change& change, const Check& check) {
+  for (unsigned seed = 0; seed < count; ++seed) {
     SCOPED_TRACE(seed);
-    const MeshData mesh = body(seed);
+    MeshData mesh = body(seed);
+    change(mesh, seed);
     Comparison comparison(mesh);
-    expect_all_ranks_make_pieces(comparison);
+    check(comparison);
   }
+}
+
+TEST(SurfaceShares, AreTheWholeSurface) {
+  compare_bodies(
+      support::repetitions(2, 4), [](MeshData&, unsigned) {}, expect_all_ranks_make_pieces);
 }
 
 TEST(SurfaceShares, KeepFeaturesOfAllKinds) {
-  for (unsigned seed = 0; seed < support::repetitions(2, 6); ++seed) {
-    SCOPED_TRACE(seed);
-    MeshData mesh = body(seed);
-    add_features(mesh, seed);
-    Comparison comparison(mesh);
+  compare_bodies(support::repetitions(2, 6), add_features, [](Comparison& comparison) {
     EXPECT_GT(comparison.whole().curves().size(), 100u);
     expect_all_ranks_make_pieces(comparison);
-  }
+  });
 }
 
 TEST(SurfaceShares, LendNormalsToFlatTriangles) {
-  for (unsigned seed = 0; seed < support::repetitions(2, 6); ++seed) {
-    SCOPED_TRACE(seed);
-    MeshData mesh = body(seed);
-    flatten(mesh, seed);
-    Comparison comparison(mesh);
+  compare_bodies(support::repetitions(2, 6), flatten, [](Comparison& comparison) {
     for (const int ranks : support::kNumbersOfRanks) comparison.check(ranks);
-  }
+  });
 }
 
 /// A cylinder as body(1) is one.
