@@ -175,7 +175,7 @@ void SubdomainTask::adapt_interior(NodeContext& context, BeginPhase) {
   if (rank.plan.refine_interface && !makes_coarse)
     before_level = [&](double long_edge, meshing::MetricMean mean) {
       const engine::TimePoint begin = engine::now();
-      refinement.refine(long_edge, mean);
+      refinement.refine(partition::kLongAtInterface * long_edge, mean);
       refining += engine::now() - begin;
     };
   double coarseness = rank.plan.phase_of(round).coarseness;
