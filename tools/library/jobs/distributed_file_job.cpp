@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -66,9 +67,7 @@ class DistributedFileJob {
 
   FilesResult run() {
     agree_on_files();
-    partition::agree_on(run_.peers(), [this] {
-      if (run_.first()) check_outputs(files_, options_, account_.outputs);
-    });
+    agree_on_outputs();
     SliceInput input = read();
     const double target = input.target_complexity;
     keep_for_fields(input);
@@ -99,6 +98,22 @@ class DistributedFileJob {
     const std::string first = partition::text_of_first(run_.peers(), mine);
     partition::agree(run_.peers(),
                      mine == first ? "" : fmt::format("files differ: {}; on rank 0: {}", mine, first));
+  }
+
+  /// Rank 0 looks at them; what is wrong with an option all throw as such.
+  void agree_on_outputs() {
+    std::string option, reason;
+    partition::agree_on(run_.peers(), [&] {
+      if (!run_.first()) return;
+      try {
+        check_outputs(files_, options_, account_.outputs);
+      } catch (const OptionError& error) {
+        option = error.option();
+        reason = error.reason();
+      }
+    });
+    option = partition::text_of_first(run_.peers(), option);
+    if (!option.empty()) throw OptionError(option, partition::text_of_first(run_.peers(), reason));
   }
 
   /// Outside the engine: other ranks have the other cores. Simulated ranks take turns within one thread,
