@@ -264,6 +264,23 @@ TEST(Door, CancelsByAFlagOfAnotherThread) {
   EXPECT_TRUE(verify(result.mesh).ok());
 }
 
+TEST(Door, CancelledWhileItsMetricIsMadeReturnsTheInput) {
+  const Mesh start = box_of(6);
+  std::atomic<bool> cancel = true;
+  for (const std::uint32_t subdomains : {0u, 4u}) {
+    Options options = one_thread();
+    options.distributed.subdomains = subdomains;
+    options.metric.function = "polar-2";
+    options.metric.complexity = 20000;
+    options.metric.hgrad = 1.3;
+    options.run.cancel = &cancel;
+    const Result result = adapt(start, options);
+    EXPECT_EQ(result.ended_by, "interrupted");
+    EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("the metric need not be as asked for")));
+    EXPECT_TRUE(verify(result.mesh).ok());
+  }
+}
+
 TEST(Door, WhatEndsARunLeavesTheCallersFlagAlone) {
   const Mesh start = box_of(6);
   std::atomic<bool> cancel = false;

@@ -42,7 +42,8 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
     const meshing::MeshData& owner = input.background ? *input.background : input.mesh;
     tools::LogMetricMade made =
         tools::make_log_metric(metric, owner, input.background ? input.background_name : input.name,
-                               input.metric, run.read_model(input.mesh, input.name), bound);
+                               input.metric, run.read_model(input.mesh, input.name), bound,
+                               tools::flag_for_metric(run.monitor(), options.checkpoint));
     result.warnings = std::move(made.warnings);
     result.surface_limit = made.surface_limit;
     partition::MeshSlice of_metric = tools::deal_out(run.peers(), owner, made.field), of_mesh;

@@ -74,7 +74,8 @@ class OneMesh {
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
     const auto bound = input_.background ? std::nullopt : surface_bound(options_.geometry, input_.mesh);
-    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound);
+    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound,
+                                         flag_for_metric(monitor_, options_.checkpoint));
     field_ = std::move(made.field);
     result_.surface_limit = made.surface_limit;
     result_.warnings = model_warnings(model_.get());

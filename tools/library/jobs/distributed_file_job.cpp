@@ -133,7 +133,10 @@ class DistributedFileJob {
     });
     carrier.association.model = carried_.model;
     const auto model = run_.read_model(carrier, files_.input);
-    SliceInput input = on_threads([&] { return read_slice(run_.peers(), files_, options_, model); });
+    SliceInput input = on_threads([&] {
+      return read_slice(run_.peers(), files_, options_, model,
+                        flag_for_metric(run_.monitor(), options_.checkpoint));
+    });
     account_.warnings = input.warnings;
     if (std::string other = carry_model(options_.geometry, carried_); !other.empty())
       account_.warnings.push_back(std::move(other));

@@ -92,4 +92,9 @@ class Monitor {
   std::thread watcher_;
 };
 
+/// What ends the making of a metric: nothing of a run with checkpoints, which are known by their metric.
+inline const std::atomic<bool>* flag_for_metric(Monitor& monitor, const CheckpointOptions& checkpoint) {
+  return checkpoint.folder.empty() && checkpoint.resume.empty() ? &monitor.flag() : nullptr;
+}
+
 }  // namespace weft::tools
