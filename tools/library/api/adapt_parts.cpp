@@ -14,12 +14,12 @@
 #include "partition/fields/piece_slices.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/numbering.h"
-#include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/parts/part_fields.h"
@@ -88,12 +88,10 @@ void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, c
     return;
   }
   const partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
-  Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method);
-  const std::vector<std::string> warnings = tools::transfer_warnings(transfer, "");
-  result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
-  result.transfer = method;
+  Transfer transfer =
+      partition::transfer_in_parts(run.peers(), old, fields, slice, method, &run.monitor().caller_waits());
   result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
-  result.field_accounts = std::move(transfer.accounts);
+  tools::account_for_transfer(transfer, method, "", result);
 }
 
 /// `background`: the part that `metric` belongs to; null: `part`.

@@ -26,7 +26,6 @@
 #include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
-#include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
@@ -194,14 +193,12 @@ class DistributedFileJob {
     const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
     meshing::Transfer result = naming(files_.input, [&] {
       return on_threads([&] {
-        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer);
+        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
+                                            &run_.monitor().caller_waits());
       });
     });
     old_ = {};
-    const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
-    account_.warnings.insert(account_.warnings.end(), warnings.begin(), warnings.end());
-    account_.transfer = options_.transfer;
-    account_.field_accounts = std::move(result.accounts);
+    account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);
     piece_fields_.file = account_.outputs.fields;
