@@ -1,6 +1,7 @@
 // Two meshes between which fields are carried, whole or in parts.
 #pragma once
 
+#include <atomic>
 #include <span>
 
 #include "meshing/base/error.h"
@@ -50,8 +51,9 @@ auto of_new_mesh(const Call& call) {
 /// Two whole meshes.
 class WholePair final : public MeshPair {
  public:
-  /// Both must outlive the object.
-  WholePair(const MeshData& from, const MeshData& to) : old_(from), new_(to) {}
+  /// All must outlive the object. `interrupt`: the domains' (MetricDomain).
+  WholePair(const MeshData& from, const MeshData& to, const std::atomic<bool>* interrupt = nullptr)
+      : old_(from, interrupt), new_(to, interrupt) {}
 
   const MetricDomain& old_mesh() const override { return old_; }
   const MetricDomain& new_mesh() const override { return new_; }

@@ -166,8 +166,10 @@ struct Demands {
   std::vector<double> loads, lo, hi;  ///< as in a ValueTable
 };
 
-Demands demands_of(const Background* from, const ValueTable& old, const MeshData& to,
+/// Not all where this part is interrupted.
+Demands demands_of(const Background* from, const ValueTable& old, const MetricDomain& domain,
                    std::span<const std::uint32_t> places, const ValueTable& interpolated) {
+  const MeshData& to = domain.mesh();
   // Tets in batches that are worked out in parallel and added up in order: sums do not depend on the threads.
   constexpr std::size_t kBatch = 8192, kGrain = 64;
   const std::size_t n = old.columns, size = to.points.size() * n;
@@ -175,7 +177,7 @@ Demands demands_of(const Background* from, const ValueTable& old, const MeshData
                   std::vector<double>(size, -kInfinity)};
   tbb::enumerable_thread_specific<Receiver> receivers([&] { return Receiver(*from, old); });
   std::vector<Receipt> receipts(std::min(kBatch, to.tets.size()));
-  for (std::size_t begin = 0; begin < to.tets.size(); begin += kBatch) {
+  for (std::size_t begin = 0; begin < to.tets.size() && !domain.interrupted_here(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, to.tets.size() - begin);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
       Receiver& receiver = receivers.local();
@@ -261,10 +263,12 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
   return sums;
 }
 
-std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
-                            std::span<const std::uint32_t> places, std::span<const double> wanted,
-                            std::span<const TensorColumns> tensors, ValueTable& table) {
-  const Demands demands = demands_of(from, old, to.mesh(), places, table);
+std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
+                                           const MetricDomain& to, std::span<const std::uint32_t> places,
+                                           std::span<const double> wanted,
+                                           std::span<const TensorColumns> tensors, ValueTable& table) {
+  const Demands demands = demands_of(from, old, to, places, table);
+  if (to.interrupted()) return std::nullopt;
   const MassMatrix mass(to.mesh());
   const auto refresh = [&](std::vector<double>& values) { to.refresh(table.columns, values); };
   mass.solve(demands.loads, table.columns, table.values, refresh);

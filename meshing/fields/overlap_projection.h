@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,10 +21,12 @@ std::vector<double> integrals(const MetricDomain& domain, const ValueTable& tabl
 /// projection with the integrals `wanted` (see TransferMethod::conservative); `places` are tets of `from` at
 /// the vertices of `to`. `from` need not be more of the old mesh than what the part `to` overlaps. The
 /// columns of `tensors`, all positive definite, stay so (limit_tensors) instead of being bounded one by one.
-/// Returns how far each column had to leave its bounds. Throws InputError for a tet of `to` without volume.
+/// Returns how far each column had to leave its bounds; nothing, and leaves `table` as it is, where `to` is
+/// interrupted before the overlaps are known. Throws InputError for a tet of `to` without volume.
 /// `from` may be null where `to` has no tets here.
-std::vector<double> project(const Background* from, const ValueTable& old, const MetricDomain& to,
-                            std::span<const std::uint32_t> places, std::span<const double> wanted,
-                            std::span<const TensorColumns> tensors, ValueTable& table);
+std::optional<std::vector<double>> project(const Background* from, const ValueTable& old,
+                                           const MetricDomain& to, std::span<const std::uint32_t> places,
+                                           std::span<const double> wanted,
+                                           std::span<const TensorColumns> tensors, ValueTable& table);
 
 }  // namespace weft::meshing

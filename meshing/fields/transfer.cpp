@@ -126,15 +126,17 @@ std::vector<TensorColumns> append_eigenvalues(const MetricDomain& domain, Soluti
 
 using Way = MeshPair::Way;
 
-/// Replaces what was read by its projection; accounts for its bounds.
-void conserve(const MeshPair& meshes, std::span<const double> wanted,
+/// Replaces what was read by its projection and accounts for its bounds; false: was interrupted before.
+bool conserve(const MeshPair& meshes, std::span<const double> wanted,
               const std::vector<TensorColumns>& tensors, Reading& reading,
               std::vector<ComponentAccount>& accounts) {
-  const std::vector<double> beyond = project(reading.background.get(), reading.source, meshes.new_mesh(),
-                                             reading.at.places, wanted, tensors, reading.at.table);
-  for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = beyond[c];
+  const auto beyond = project(reading.background.get(), reading.source, meshes.new_mesh(), reading.at.places,
+                              wanted, tensors, reading.at.table);
+  if (!beyond) return false;
+  for (std::size_t c = 0; c < accounts.size(); ++c) accounts[c].beyond_bounds = (*beyond)[c];
   for (const TensorColumns& t : tensors)
     for (std::size_t c = 0; c < 6; ++c) accounts[t.first + c].stays_definite = true;
+  return true;
 }
 
 void account_for_outside(const MetricDomain& to, std::span<const double> distances, Transfer& result) {
@@ -156,9 +158,9 @@ void check_tets(const MeshPair& meshes) {
 
 }  // namespace
 
-Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to,
-                  TransferMethod method) {
-  WholePair meshes(from, to);
+Transfer transfer(const MeshData& from, const SolutionData& fields, const MeshData& to, TransferMethod method,
+                  const std::atomic<bool>* interrupt) {
+  WholePair meshes(from, to, interrupt);
   return transfer(meshes, fields, method);
 }
 
@@ -174,7 +176,7 @@ Transfer transfer(MeshPair& meshes, const SolutionData& fields, TransferMethod m
   const std::vector<double> before = integrals(meshes.old_mesh(), old);
   Reading reading = read(meshes, Way::onto_new, old);
   account_for_outside(meshes.new_mesh(), reading.at.distances, result);
-  if (conservative) conserve(meshes, before, tensors, reading, result.accounts);
+  if (conservative && conserve(meshes, before, tensors, reading, result.accounts)) result.method = method;
   const ValueTable carried = std::move(reading.at.table);
   reading = {};
   const std::vector<double> after = integrals(meshes.new_mesh(), carried);

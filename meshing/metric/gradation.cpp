@@ -147,8 +147,9 @@ class Grading {
     std::iota(changed_.begin(), changed_.end(), 0u);
   }
 
-  /// True when some metric changed. Only neighbours that changed in the last sweep can demand anything new,
-  /// because metrics never become smaller; most sweeps are over a front of few vertices.
+  /// True when some metric changed and nobody is interrupted. Only neighbours that changed in the last sweep
+  /// can demand anything new, because metrics never become smaller; most sweeps are over a front of few
+  /// vertices.
   bool sweep() {
     for_each_index(changed_.size(),
                    [&](std::size_t i) { growth_.update(changed_[i], metrics_[changed_[i]]); });
@@ -180,12 +181,14 @@ class Grading {
       state_[v] |= kChanged | kEverChanged;
       changed_.push_back(v);
     }
-    return domain_.any(!changed_.empty());
+    return domain_.max(domain_.interrupted_here() ? kInterrupted : changed_.empty() ? 0 : kGoesOn) == kGoesOn;
   }
   bool ever_changed(std::size_t v) const { return state_[v] & kEverChanged; }
 
  private:
   static constexpr std::uint8_t kChanged = 1, kEverChanged = 2, kCandidate = 4;
+  /// Of parts the greatest counts: whose flag is set ends the sweeps of all.
+  static constexpr double kGoesOn = 1, kInterrupted = 2;
 
   /// All owned neighbours of the vertices that changed last, once each.
   std::vector<std::uint32_t> beside_changed() {

@@ -1,6 +1,7 @@
 // What a metric is made on: a whole mesh, or one rank's part of a mesh together with the vertices around it.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,6 +19,9 @@ namespace weft::meshing {
 /// values together.
 class MetricDomain {
  public:
+  /// `interrupt`: once set, long work ends early with what it has; null: never. Parts may have flags of their
+  /// own.
+  explicit MetricDomain(const std::atomic<bool>* interrupt = nullptr) : interrupt_(interrupt) {}
   virtual ~MetricDomain() = default;
 
   /// Points and tets; of a part those that the values of owned vertices depend on.
@@ -47,13 +51,22 @@ class MetricDomain {
   /// this.
   virtual std::vector<std::uint32_t> refresh_changed(std::span<const std::uint32_t> changed,
                                                      std::vector<SymTensor>& values) const = 0;
+
+  /// Whether this part's flag is set.
+  bool interrupted_here() const { return interrupt_ && interrupt_->load(std::memory_order_relaxed); }
+  /// That of any part.
+  bool interrupted() const { return any(interrupted_here()); }
+
+ private:
+  const std::atomic<bool>* interrupt_;
 };
 
 /// A mesh that nobody else has a part of.
 class WholeDomain final : public MetricDomain {
  public:
   /// `mesh` must outlive the object.
-  explicit WholeDomain(const MeshData& mesh) : mesh_(mesh) {}
+  explicit WholeDomain(const MeshData& mesh, const std::atomic<bool>* interrupt = nullptr)
+      : MetricDomain(interrupt), mesh_(mesh) {}
 
   const MeshData& mesh() const override { return mesh_; }
   bool owns(std::size_t) const override { return true; }

@@ -124,6 +124,7 @@ double fit_to_complexity(const MetricDomain& domain, double target, const Metric
     // sizes by less than the gradation's own tolerance.
     const bool near = error > kNearBelow && error < kNearAbove;
     reached = near ? reached_at(field, search.x() - last_x) : reached_at(wanted, search.x());
+    if (domain.interrupted()) break;
     error = std::log(reached / target);
     if (std::abs(error) < kComplexityTolerance) break;
     last_x = search.x();

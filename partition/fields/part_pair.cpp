@@ -6,13 +6,15 @@
 
 namespace weft::partition {
 
-PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to)
-    : PartPair(peers, from, to, morton_shares(peers, {from.points, to.points})) {}
+PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to,
+                   const std::atomic<bool>* interrupt)
+    : PartPair(peers, from, to, morton_shares(peers, {from.points, to.points}), interrupt) {}
 
-PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares)
+PartPair::PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares,
+                   const std::atomic<bool>* interrupt)
     : peers_(peers),
-      old_(peers, from, 1, shares),
-      new_(meshing::of_new_mesh([&] { return PartDomain(peers, to, 1, shares); })),
+      old_(peers, from, 1, shares, interrupt),
+      new_(meshing::of_new_mesh([&] { return PartDomain(peers, to, 1, shares, interrupt); })),
       diameter_(norm(shares.box.size())) {
   sides_[false].reach.assign(new_.mesh().points.size(), 0);
   sides_[true].reach.assign(old_.mesh().points.size(), 0);

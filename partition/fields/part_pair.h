@@ -1,6 +1,7 @@
 // Two meshes in parts between which fields are carried.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -21,7 +22,8 @@ namespace weft::partition {
 class PartPair final : public meshing::MeshPair {
  public:
   /// Throws as PartDomain does, meshing::NewMeshError for a fault of `to`.
-  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to);
+  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to,
+           const std::atomic<bool>* interrupt = nullptr);
 
   const PartDomain& old_mesh() const override { return old_; }
   const PartDomain& new_mesh() const override { return new_; }
@@ -35,7 +37,8 @@ class PartPair final : public meshing::MeshPair {
   const std::vector<std::uint64_t>& source_numbers(Way way) const { return nearby(way).numbers(); }
 
  private:
-  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares);
+  PartPair(Peers& peers, const MeshSlice& from, const MeshSlice& to, const MortonShares& shares,
+           const std::atomic<bool>* interrupt);
 
   /// The source, and how far it reaches from each vertex of the other part.
   struct Side {

@@ -6,8 +6,9 @@
 
 namespace weft::partition {
 meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const meshing::SolutionData& fields,
-                                    const MeshSlice& to, meshing::TransferMethod method) {
-  PartPair meshes(peers, from, to);
+                                    const MeshSlice& to, meshing::TransferMethod method,
+                                    const std::atomic<bool>* interrupt) {
+  PartPair meshes(peers, from, to, interrupt);
   const meshing::SolutionData at_part =
       by_components(fields, meshes.old_mesh().mesh().points.size(),
                     [&](const auto& values) { return meshes.old_mesh().from_slices(values); });

@@ -1,6 +1,8 @@
 // Carries fields from a mesh in slices to another one, on all ranks together.
 #pragma once
 
+#include <atomic>
+
 #include "meshing/fields/transfer.h"
 #include "partition/communication/peers.h"
 #include "partition/slice/mesh_slice.h"
@@ -9,9 +11,10 @@ namespace weft::partition {
 
 /// All ranks: `fields` at the points of the slices of `from`, of the same kinds and names everywhere, at
 /// those of the slices of `to`; the accounts, the same on all ranks, are the whole meshes'. No rank sees more
-/// than its parts and what is near them. Throws InputError, the same on all ranks, meshing::NewMeshError for
-/// a fault of `to`.
+/// than its parts and what is near them. `interrupt`: as of meshing::transfer(), of any rank. Throws
+/// InputError, the same on all ranks, meshing::NewMeshError for a fault of `to`.
 meshing::Transfer transfer_in_parts(Peers& peers, const MeshSlice& from, const meshing::SolutionData& fields,
-                                    const MeshSlice& to, meshing::TransferMethod method);
+                                    const MeshSlice& to, meshing::TransferMethod method,
+                                    const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::partition

@@ -32,8 +32,12 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
 
 }  // namespace
 
-PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares)
-    : peers_(peers), points_(peers, slice.points.size()), me_(static_cast<std::uint32_t>(peers.rank())) {
+PartDomain::PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares,
+                       const std::atomic<bool>* interrupt)
+    : MetricDomain(interrupt),
+      peers_(peers),
+      points_(peers, slice.points.size()),
+      me_(static_cast<std::uint32_t>(peers.rank())) {
   check_slices(peers, slice, points_, Ranges(peers, slice.tets.size()), SliceMetric::missing);
   choose_owners(slice, shares);
   std::vector<TetRecord> tets = first_ring(slice);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -23,10 +24,11 @@ class PartDomain final : public meshing::MetricDomain {
  public:
   /// Throws meshing::InputError, the same on all ranks, for what check_slices() and inverted() refuse.
   /// Memory: 130 bytes a tet of the part, and twice that for a moment.
-  PartDomain(Peers& peers, const MeshSlice& slice, int rings)
-      : PartDomain(peers, slice, rings, morton_shares(peers, {slice.points})) {}
+  PartDomain(Peers& peers, const MeshSlice& slice, int rings, const std::atomic<bool>* interrupt = nullptr)
+      : PartDomain(peers, slice, rings, morton_shares(peers, {slice.points}), interrupt) {}
   /// Vertices belong to the ranks that `shares` says, the same on all ranks; largest_size() is its box's.
-  PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares);
+  PartDomain(Peers& peers, const MeshSlice& slice, int rings, const MortonShares& shares,
+             const std::atomic<bool>* interrupt = nullptr);
 
   const meshing::MeshData& mesh() const override { return mesh_; }
   bool owns(std::size_t vertex) const override { return owners_[vertex] == me_; }

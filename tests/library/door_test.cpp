@@ -264,6 +264,23 @@ TEST(Door, CancelsByAFlagOfAnotherThread) {
   EXPECT_TRUE(verify(result.mesh).ok());
 }
 
+TEST(Door, CancelledWhileItsMetricIsMadeReturnsTheInput) {
+  const Mesh start = box_of(6);
+  std::atomic<bool> cancel = true;
+  for (const std::uint32_t subdomains : {0u, 4u}) {
+    Options options = one_thread();
+    options.distributed.subdomains = subdomains;
+    options.metric.function = "polar-2";
+    options.metric.complexity = 20000;
+    options.metric.hgrad = 1.3;
+    options.run.cancel = &cancel;
+    const Result result = adapt(start, options);
+    EXPECT_EQ(result.ended_by, "interrupted");
+    EXPECT_THAT(result.warnings, ::testing::Contains(HasSubstr("the metric need not be as asked for")));
+    EXPECT_TRUE(verify(result.mesh).ok());
+  }
+}
+
 TEST(Door, WhatEndsARunLeavesTheCallersFlagAlone) {
   const Mesh start = box_of(6);
   std::atomic<bool> cancel = false;
@@ -356,6 +373,35 @@ Fields wave_at(const Mesh& mesh) {
   Field field{Field::Kind::scalar, {}, "wave"};
   for (const Point& p : mesh.points) field.values.push_back(std::tanh(10 * (p.x - 0.5)) + p.y * p.z);
   return {mesh.points.size(), {field}};
+}
+
+TEST(Door, CancelledWhileFieldsAreCarriedInterpolatesThem) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "weft-door-fields";
+  std::filesystem::create_directories(folder);
+  const Mesh start = box_of(4);
+  Files files;
+  files.input = (folder / "start.meshb").string();
+  files.output = (folder / "fine.meshb").string();
+  files.fields = {(folder / "wave.solb").string()};
+  write_mesh(files.input, start);
+  write_fields(files.fields[0], wave_at(start));
+  for (const std::uint32_t subdomains : {0u, 2u}) {
+    Options options = one_thread();
+    options.metric.function = "uniform:0.3";
+    options.distributed.subdomains = subdomains;
+    options.transfer = TransferMethod::conservative;
+    const FilesResult whole = adapt_files(files, options);
+    EXPECT_EQ(whole.transfer, TransferMethod::conservative);
+    EXPECT_FALSE(whole.cancelled);
+    options.run.progress = [](const Progress& now) { return now.stage != "fields"; };
+    const FilesResult cut = adapt_files(files, options);
+    EXPECT_EQ(cut.transfer, TransferMethod::linear);
+    EXPECT_EQ(cut.ended_by, "interrupted");
+    EXPECT_THAT(cut.missed, ::testing::Contains(HasSubstr("interrupted")));
+    EXPECT_THAT(cut.warnings, ::testing::Contains(HasSubstr("the fields are interpolated")));
+    EXPECT_TRUE(cut.after.has_value());  // the mesh is what was asked for
+    EXPECT_TRUE(std::filesystem::exists(cut.fields));
+  }
 }
 
 TEST(Door, WhatIsAtTheVerticesOfAMendedMeshFollows) {

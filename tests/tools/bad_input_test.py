@@ -140,7 +140,9 @@ class BadInput(CommandTest):
     def test_output_that_would_replace_the_metric(self):
         mesh = self.box()
         self.weft("metric", mesh, "--metric-fn", "uniform:1", "-o", "out.solb")
-        self.assert_fails("adapt", mesh, "--metric", "out.solb", "-o", "out.meshb", says="would replace", code=64)
+        for subdomains in [], ["--subdomains", 2], ["--subdomains", 2, "--simulate-ranks", 2]:
+            self.assert_fails("adapt", mesh, "--metric", "out.solb", "-o", "out.meshb", *subdomains, code=64,
+                              says="--out: its metric out.solb would replace the input out.solb")
 
     def test_output_that_would_replace_another_input(self):
         mesh = self.box()
@@ -157,7 +159,7 @@ class BadInput(CommandTest):
                           code=64)
         self.assert_fails("mesh", mesh, "-o", mesh, says="would replace the input box.meshb", code=64)
         self.assert_fails("adapt", mesh, *metric, "--subdomains", 2, "--trace", mesh, "-o", "fine.meshb",
-                          says="--trace: it would replace the input box.meshb")
+                          says="--trace: it would replace the input box.meshb", code=64)
 
     def test_pieces_that_would_replace_an_input(self):
         self.weft("convert", self.box(), "a_0.vtu")

@@ -471,6 +471,13 @@ class Failures(Subdomains):
         self.assert_all_ranks_fail("box.meshb", "--metric-fn", "uniform:0.3", "-o", "out.meshb", "--report", "box.meshb/r",
                                    says="box.meshb/r")
 
+    def test_outputs_that_would_replace_an_input(self):
+        self.weft("metric", self.box(2), "--metric-fn", "uniform:0.3", "-o", "out.solb")
+        before = self.files()
+        done = self.run_on(2, "box.meshb", "--metric", "out.solb", "-o", "out.meshb", "--quiet", expect=64)
+        self.assertIn("--out: its metric out.solb would replace the input out.solb", done.stderr)
+        self.assertEqual(self.files(), before)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -15,6 +15,7 @@
 #include "meshing/base/parallel.h"
 #include "meshing/base/place_in.h"
 #include "meshing/base/sort_unique.h"
+#include "meshing/geometry/model/closest_tree.h"
 
 namespace weft::meshing {
 namespace {
@@ -49,6 +50,12 @@ struct Carrier {
   std::uint32_t entity = kNoEntity;
   Parameters guess{};  ///< on a face without formula
 };
+
+/// By more than rounding: what is as far, to the bit, is not beyond it.
+double square_above(double distance) {
+  constexpr double kRounding = 1 + 1e-12;
+  return kRounding * distance * distance;
+}
 
 using Tallies = std::map<std::pair<std::uint32_t, std::int32_t>, FaceTally>;  // by face and reference
 
@@ -637,13 +644,26 @@ std::vector<NearVertex> Classifier::nearest_to_nodes() const {
     return true;
   };
   std::vector<NearVertex> nearest(model_.num_nodes());
+  if (counted_.empty()) return domain_.nearest(std::move(nearest));
+  std::vector<ClosestForest::Item> items;
+  double farthest = 0;
+  for (const std::uint32_t v : counted_) {
+    items.push_back({{mesh_.points[v], mesh_.points[v]}, v});
+    farthest = std::max(farthest, reach(v));
+  }
+  ClosestForest tree;
+  const std::uint32_t root = tree.add(items);
   for (std::uint32_t n = 0; n < nearest.size(); ++n) {
     if (recorded[n]) continue;
-    for (const std::uint32_t v : counted_) {
-      const double d = norm(mesh_.points[v] - model_.node(n));
-      if (d < nearest[n].distance && (d <= tolerance_at(n) || (d <= reach(v) && touches(v, n))))
-        nearest[n] = {d, domain_.number(v)};
-    }
+    const Point at = model_.node(n);
+    double limit2 = square_above(std::max(farthest, tolerance_at(n)));
+    tree.visit_within(root, at, limit2, [&](std::uint32_t v) {
+      const NearVertex found{norm(mesh_.points[v] - at), domain_.number(v)};
+      if (!(found < nearest[n])) return;
+      if (found.distance > tolerance_at(n) && !(found.distance <= reach(v) && touches(v, n))) return;
+      nearest[n] = found;
+      limit2 = square_above(found.distance);
+    });
   }
   return domain_.nearest(std::move(nearest));
 }

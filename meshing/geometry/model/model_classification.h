@@ -40,7 +40,7 @@ struct ModelClassification {
 /// Classifies `boundary`, which has all of a mesh's boundary and interface triangles, by the records that it
 /// has of its vertices (where the model agrees with them) and by coordinates, references and listed edges.
 /// Throws InputError naming the distance where the model is another body's: most vertices lie off it, or
-/// little of either's area is common, or they are off as if scaled or shifted. O(n) for a given model.
+/// little of either's area is common, or they are off as if scaled or shifted. O(n log n) for a given model.
 ModelClassification classify_on_model(const MeshData& boundary, std::shared_ptr<const Model> model);
 /// The same of a part of a boundary: to the bit what the whole has there. All parts call together, and throw
 /// alike.

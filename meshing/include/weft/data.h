@@ -333,6 +333,7 @@ struct Transfer {
   std::uint64_t outside = 0;  ///< vertices outside the old mesh; they read its closest point
   double farthest = 0;        ///< largest distance of one of them from it
   std::vector<ComponentAccount> accounts;
+  TransferMethod method = TransferMethod::linear;  ///< as asked for, but linear where that was interrupted
 };
 
 enum class Verdict : std::uint8_t {

@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 
@@ -65,6 +66,21 @@ TEST(Transfer, IsExactForLinearFieldsOfEveryKind) {
           EXPECT_NEAR(result.fields.fields[f].values[i], exact.fields[f].values[i], 1e-11);
       for (const ComponentAccount& a : result.accounts) EXPECT_LT(a.difference_l2 / a.norm_l2, 1e-11);
     }
+}
+
+TEST(Transfer, InterpolatesOnceItIsInterrupted) {
+  const MeshData from = jittered(5, 1), to = jittered(4, 2);
+  const SolutionData fields = scalar(from, shock);
+  const std::atomic<bool> interrupt{true}, no_interrupt{false};
+  const Transfer linear = transfer(from, fields, to, TransferMethod::linear);
+  const Transfer whole = transfer(from, fields, to, TransferMethod::conservative, &no_interrupt);
+  const Transfer cut = transfer(from, fields, to, TransferMethod::conservative, &interrupt);
+  EXPECT_EQ(linear.method, TransferMethod::linear);
+  EXPECT_EQ(whole.method, TransferMethod::conservative);
+  EXPECT_EQ(cut.method, TransferMethod::linear);
+  EXPECT_EQ(cut.fields.fields[0].values, linear.fields.fields[0].values);
+  EXPECT_NE(whole.fields.fields[0].values, linear.fields.fields[0].values);
+  EXPECT_EQ(cut.accounts[0].integral_after, linear.accounts[0].integral_after);
 }
 
 TEST(Transfer, ConservesAShockWithoutNewExtremes) {

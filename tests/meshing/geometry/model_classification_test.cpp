@@ -64,10 +64,11 @@ TEST(ModelClassification, FindsTheEdgeOfVerticesThatAreExactlyOnOneFaceAndOffThe
 class LooseEdge : public GeometryModel {
  public:
   static constexpr double kGap = 8e-6;
-  explicit LooseEdge(std::shared_ptr<const GeometryModel> model) : model_(std::move(model)) {
+  explicit LooseEdge(std::shared_ptr<const GeometryModel> model, double tolerance = 1e-5)
+      : model_(std::move(model)) {
     nodes_.assign(model_->nodes().begin(), model_->nodes().end());
     edges_.assign(model_->edges().begin(), model_->edges().end());
-    nodes_[0].tolerance = 1e-5;
+    nodes_[0].tolerance = tolerance;
     edges_[0].form = {};
   }
   std::span<const ModelNode> nodes() const override { return nodes_; }
@@ -101,6 +102,22 @@ TEST(ModelClassification, FindsTheEdgeAtANodeFromWhichItsCurveIsOff) {
   for (std::uint32_t k = 1; k < kRing; ++k)
     m.points[k].x *= 1 - LooseEdge::kGap, m.points[k].y *= 1 - LooseEdge::kGap;
   expect_rings_on_edges(classify_on_model(m, std::make_shared<const Model>(model)));
+}
+
+/// On either side of a node the same distance from it.
+TEST(ModelClassification, GivesANodeTheLowestOfVerticesThatAreEquallyNear) {
+  for (const double side : {1.0, -1.0}) {
+    MeshData m = cylinder();
+    const double half = std::numbers::pi / kRing, c = std::cos(half), s = std::sin(half);
+    for (std::uint32_t v = 0; v < 2 * kRing; ++v) {
+      const Point p = m.points[v];
+      m.points[v] = {c * p.x - s * p.y, side * (s * p.x + c * p.y), p.z};
+    }
+    m.points[kRing - 1] = {m.points[0].x, -m.points[0].y, 0};
+    const auto model = std::make_shared<LooseEdge>(frustum_model({}, 1, 1, 2), 0.1);
+    const ModelClassification found = classify_on_model(m, std::make_shared<const Model>(model));
+    EXPECT_EQ(found.nodes, (std::vector{std::pair{0u, 0u}}));
+  }
 }
 
 /// The cylinder with triangles below each side, of the side's reference, whose vertices are all on the edge

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "tests/support/meshes.h"
@@ -50,6 +51,21 @@ double worst_violation(const MeshData& mesh, double beta, const LogMetricField& 
       for (const std::uint32_t q : tet)
         if (p != q) visit(p, q);
   return worst;
+}
+
+TEST(Gradation, EndsAfterASweepOnceItIsInterrupted) {
+  const MeshData mesh = unit_cube(8);
+  LogMetricField start(mesh.points.size(), LogMetric{});
+  start[0] = log_of(identity_tensor(1e4));
+  const std::atomic<bool> interrupt{true}, no_interrupt{false};
+  for (const GradationSpace space : kSpaces) {
+    LogMetricField field = start, whole = start;
+    EXPECT_EQ(Gradation(WholeDomain(mesh, &interrupt), 1.2, space).limit(field), 0);
+    EXPECT_GT(Gradation(WholeDomain(mesh, &no_interrupt), 1.2, space).limit(whole), 3);
+    EXPECT_LT(worst_violation(mesh, 1.2, whole, space), 2e-3);
+    EXPECT_GT(worst_violation(mesh, 1.2, field, space), 0.1);
+    EXPECT_NE(field, start);  // what there is by then
+  }
 }
 
 TEST(Gradation, LeavesAConstantFieldUnchanged) {

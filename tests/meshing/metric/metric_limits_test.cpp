@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <atomic>
 #include <cmath>
 
 #include "meshing/base/error.h"
 #include "meshing/metric/measures.h"
+#include "meshing/metric/metric_domain.h"
 #include "tests/support/meshes.h"
 
 namespace weft::meshing::metric_limits_test {
@@ -48,6 +50,16 @@ TEST(FitToComplexity, ReachesTheTargetWithinAllLimits) {
         limit_gradation(mesh, limits.gradation, again, space);
         EXPECT_NEAR(complexity(mesh, again) / reached, 1, 0.02);  // graded, but for the last clamp
       }
+}
+
+TEST(FitToComplexity, EndsAfterATrialOnceItIsInterrupted) {
+  const MeshData mesh = unit_cube(8);
+  const std::atomic<bool> interrupt{true};
+  const WholeDomain domain(mesh, &interrupt);
+  LogMetricField field = sample(AnalyticMetric("polar-2"), mesh);
+  const double reached = fit_to_complexity(domain, 5000, {0, 0, 5, 1.3, {}}, nullptr, field);
+  EXPECT_GT(std::abs(reached / 5000 - 1), 0.01);
+  EXPECT_NEAR(complexity(mesh, field), reached, 1e-9 * reached);
 }
 
 TEST(FitToComplexity, DoesNotScaleDemands) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -75,6 +76,24 @@ Transfer on_ranks(int ranks, unsigned seed, const MeshData& from, const MeshData
     EXPECT_EQ(part.accounts[0].integral_after, whole.accounts[0].integral_after) << "the same on all ranks";
   }
   return whole;
+}
+
+TEST(TransferInParts, InterpolatesOnAllRanksWhenOneIsInterrupted) {
+  const MeshData from = jittered(5, 1), to = jittered(6, 2);
+  const std::atomic<bool> interrupt{true};
+  support::run_ranks(3, [&](Peers& peers) {
+    const MeshSlice old_slice = support::slice_of({from, {}}, peers.rank(), 3, 1);
+    const MeshSlice new_slice = support::slice_of({to, {}}, peers.rank(), 3, 2);
+    const SolutionData fields = fields_on(old_slice.points);
+    const auto carried = [&](TransferMethod method, const std::atomic<bool>* flag) {
+      return transfer_in_parts(peers, old_slice, fields, new_slice, method, flag);
+    };
+    const Transfer cut = carried(TransferMethod::conservative, peers.rank() == 1 ? &interrupt : nullptr);
+    const Transfer linear = carried(TransferMethod::linear, nullptr);
+    EXPECT_EQ(cut.method, TransferMethod::linear);
+    for (std::size_t f = 0; f < 3; ++f)
+      EXPECT_EQ(cut.fields.fields[f].values, linear.fields.fields[f].values);
+  });
 }
 
 /// Beside a transfer in one piece, to rounding.

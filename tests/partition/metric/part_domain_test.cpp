@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <numeric>
 #include <random>
 
 #include "meshing/base/error.h"
+#include "meshing/metric/gradation.h"
 #include "meshing/metric/metric_limits.h"
 #include "meshing/metric/sources/implied_metric.h"
 #include "meshing/metric/sources/multiscale.h"
@@ -136,6 +138,22 @@ TEST(PartDomain, MeetsTheComplexityUnderLimitsAlikeOnAnyRanks) {
     LogMetricField field = multiscale(domain, values, HessianRecovery::least_squares);
     meshing::scale_to_complexity(domain, 800, 0.02, 0.3, field);
     return field;
+  });
+}
+
+TEST(PartDomain, EndsGradationOnAllRanksWhenOneIsInterrupted) {
+  const support::MetricMesh whole{shuffled_box(), {}};
+  const std::atomic<bool> interrupt{true};
+  support::run_ranks(3, [&](Peers& peers) {
+    const MeshSlice slice = support::slice_of(whole, peers.rank(), 3, 1);
+    const PartDomain domain(peers, slice, 1, peers.rank() == 1 ? &interrupt : nullptr);
+    LogMetricField field = domain.from_slices(LogMetricField(slice.points.size()));
+    for (std::size_t v = 0; v < field.size(); ++v)
+      if (domain.numbers()[v] == 0) field[v] = meshing::identity_tensor(std::log(1e4));
+    const meshing::Gradation gradation(domain, 1.2, meshing::GradationSpace::metric);
+    EXPECT_EQ(gradation.limit(field), 0);
+    EXPECT_TRUE(domain.interrupted());
+    EXPECT_EQ(domain.interrupted_here(), peers.rank() == 1);
   });
 }
 

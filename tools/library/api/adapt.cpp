@@ -8,7 +8,6 @@
 #include "meshing/fields/transfer.h"
 #include "meshing/metric/measures.h"
 #include "partition/output/merge_pieces.h"
-#include "tools/common/field_text.h"
 #include "tools/library/api/whole_mesh.h"
 #include "tools/library/jobs/adapt_one.h"
 #include "tools/library/jobs/distributed_run.h"
@@ -29,7 +28,8 @@ namespace weft {
 namespace {
 
 /// A metric that is only scaled is scaled by all subdomains together, as in runs on ranks.
-Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& options) {
+Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& options,
+                           const tools::Monitor& monitor) {
   Result result;
   tools::Stopwatch watch;
   result.input_counts = tools::count(input.mesh);
@@ -42,7 +42,8 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
     const meshing::MeshData& owner = input.background ? *input.background : input.mesh;
     tools::LogMetricMade made =
         tools::make_log_metric(metric, owner, input.background ? input.background_name : input.name,
-                               input.metric, run.read_model(input.mesh, input.name), bound);
+                               input.metric, run.read_model(input.mesh, input.name), bound,
+                               tools::flag_for_metric(run.monitor(), options.checkpoint));
     result.warnings = std::move(made.warnings);
     result.surface_limit = made.surface_limit;
     partition::MeshSlice of_metric = tools::deal_out(run.peers(), owner, made.field), of_mesh;
@@ -65,11 +66,9 @@ Result adapt_in_subdomains(const tools::AdaptInput& input, const Options& option
   });
   result.output_counts = tools::count(result.mesh);
   if (!input.fields.fields.empty()) {
-    Transfer carried = meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer);
-    for (std::string& warning : tools::transfer_warnings(carried, ""))
-      result.warnings.push_back(std::move(warning));
-    result.transfer = options.transfer;
-    result.field_accounts = std::move(carried.accounts);
+    Transfer carried =
+        meshing::transfer(input.mesh, input.fields, result.mesh, options.transfer, &monitor.caller_waits());
+    tools::account_for_transfer(carried, options.transfer, "", result);
     result.fields = std::move(carried.fields);
   }
   return result;
@@ -80,7 +79,7 @@ Result adapt_input(const tools::AdaptInput& input, const Options& options) {
   tools::Monitor monitor(options.run);
   Result result = options.distributed.asked()
                       ? tools::with_threads(tools::number_of_threads(options.run.threads),
-                                            [&] { return adapt_in_subdomains(input, options); })
+                                            [&] { return adapt_in_subdomains(input, options, monitor); })
                       : tools::adapt_one(input, options, monitor);
   result.times.total = watch.lap();
   result.peak_memory = tools::peak_memory_bytes();

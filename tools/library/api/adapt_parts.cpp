@@ -14,12 +14,12 @@
 #include "partition/fields/piece_slices.h"
 #include "partition/fields/transfer_in_parts.h"
 #include "partition/output/numbering.h"
-#include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/ranks.h"
 #include "tools/library/jobs/resources/memory.h"
 #include "tools/library/jobs/resources/stopwatch.h"
+#include "tools/library/jobs/run_result.h"
 #include "tools/library/jobs/sources/metric_in_parts.h"
 #include "tools/library/jobs/sources/metric_source.h"
 #include "tools/library/parts/part_fields.h"
@@ -40,14 +40,15 @@ bool only_scaled(const MetricOptions& options) {
 /// that it still has to be scaled to.
 double add_metric(partition::Peers& peers, const Part& part, const Metric* metric, const Options& options,
                   const std::shared_ptr<const meshing::Model>& model,
-                  const std::optional<tools::SurfaceBound>& bound, partition::MeshSlice& slice,
-                  Report& report) {
+                  const std::optional<tools::SurfaceBound>& bound, const std::atomic<bool>* interrupt,
+                  partition::MeshSlice& slice, Report& report) {
   // Ranks without points need not have the solutions.
   const bool solves = partition::max(peers, options.metric.solutions.empty() ? 0 : 1) != 0;
   if (metric && !solves && only_scaled(options.metric) && !bound) return options.metric.complexity;
   MetricOptions of_slice = options.metric;
   if (solves) of_slice.solutions = {tools::solutions_of_slices(peers, part, options.metric.solutions)};
-  tools::LogMetricMade made = tools::make_metric_in_parts(peers, of_slice, slice, "", model, bound);
+  tools::LogMetricMade made =
+      tools::make_metric_in_parts(peers, of_slice, slice, "", model, bound, interrupt);
   slice.log_metrics = std::move(made.field);
   report.warnings.insert(report.warnings.end(), made.warnings.begin(), made.warnings.end());
   report.surface_limit = made.surface_limit;
@@ -64,11 +65,12 @@ void agree_that_given(partition::Peers& peers, bool given, const std::string& wh
 /// Another mesh that has the metric (null: that options make), with which nothing is to be done any more.
 partition::MeshSlice background_of(partition::Peers& peers, const Part& part, const Metric* metric,
                                    const Options& options, const std::shared_ptr<const meshing::Model>& model,
-                                   Report& report) {
+                                   const std::atomic<bool>* interrupt, Report& report) {
   return tools::naming("background", [&] {
     partition::MeshSlice slice = tools::slice_of_parts(peers, part, metric);
-    if (add_metric(peers, part, metric, options, model, {}, slice, report) > 0) {
-      tools::LogMetricMade made = tools::make_metric_in_parts(peers, options.metric, slice, "", nullptr);
+    if (add_metric(peers, part, metric, options, model, {}, interrupt, slice, report) > 0) {
+      tools::LogMetricMade made =
+          tools::make_metric_in_parts(peers, options.metric, slice, "", nullptr, {}, interrupt);
       slice.log_metrics = std::move(made.field);
       report.warnings.insert(report.warnings.end(), made.warnings.begin(), made.warnings.end());
     }
@@ -86,12 +88,10 @@ void carry_fields(tools::DistributedRun& run, const partition::MeshSlice& old, c
     return;
   }
   const partition::MeshSlice slice = partition::slice_of_pieces(run.peers(), run.pieces(), numbering);
-  Transfer transfer = partition::transfer_in_parts(run.peers(), old, fields, slice, method);
-  const std::vector<std::string> warnings = tools::transfer_warnings(transfer, "");
-  result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
-  result.transfer = method;
+  Transfer transfer =
+      partition::transfer_in_parts(run.peers(), old, fields, slice, method, &run.monitor().caller_waits());
   result.part.fields = tools::fields_at(run.peers(), slice, transfer.fields, result.part.ids);
-  result.field_accounts = std::move(transfer.accounts);
+  tools::account_for_transfer(transfer, method, "", result);
 }
 
 /// `background`: the part that `metric` belongs to; null: `part`.
@@ -104,13 +104,15 @@ PartResult adapt_part(engine::Transport& transport, const Part& part, const Part
   agree_that_given(run.peers(), metric != nullptr, "metric");
   partition::MeshSlice slice = tools::slice_of_parts(run.peers(), part, background ? nullptr : metric);
   const auto model = run.read_model(part.mesh, "");
+  const std::atomic<bool>* interrupt = tools::flag_for_metric(run.monitor(), options.checkpoint);
   double target = 0;
   std::optional<partition::MeshSlice> of_metric;
   if (background)
-    of_metric = background_of(run.peers(), *background, metric, options, model, result);
+    of_metric = background_of(run.peers(), *background, metric, options, model, interrupt, result);
   else
     target = add_metric(run.peers(), part, metric, options, model,
-                        tools::surface_bound_in_parts(run.peers(), options.geometry, slice), slice, result);
+                        tools::surface_bound_in_parts(run.peers(), options.geometry, slice), interrupt, slice,
+                        result);
   result.input_counts = {slice.num_points, slice.num_tets, slice.num_triangles, slice.num_edges};
   const Fields fields = tools::fields_of_slices(run.peers(), part);
   partition::MeshSlice old;

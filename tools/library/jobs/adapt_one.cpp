@@ -13,7 +13,6 @@
 #include "meshing/fields/transfer.h"
 #include "meshing/metric/measure_again.h"
 #include "meshing/metric/measures.h"
-#include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/common/text.h"
 #include "tools/library/jobs/mesh_checkpoints.h"
@@ -74,7 +73,8 @@ class OneMesh {
     monitor_.update("metric", work_->at_metric(), result_.input_counts.tets);
     const std::string& owner = input_.background ? input_.background_name : input_.name;
     const auto bound = input_.background ? std::nullopt : surface_bound(options_.geometry, input_.mesh);
-    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound);
+    LogMetricMade made = make_log_metric(options_.metric, background(), owner, input_.metric, model_, bound,
+                                         flag_for_metric(monitor_, options_.checkpoint));
     field_ = std::move(made.field);
     result_.surface_limit = made.surface_limit;
     result_.warnings = model_warnings(model_.get());
@@ -203,12 +203,10 @@ class OneMesh {
     monitor_.update("fields", work_->at_fields(), result_.output_counts.tets);
     watch_.lap();
     Transfer carried = naming(input_.name, [&] {
-      return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer);
+      return meshing::transfer(input_.mesh, input_.fields, result_.mesh, options_.transfer,
+                               &monitor_.caller_waits());
     });
-    const std::vector<std::string> warnings = transfer_warnings(carried, input_.name);
-    result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
-    result_.transfer = options_.transfer;
-    result_.field_accounts = std::move(carried.accounts);
+    account_for_transfer(carried, options_.transfer, input_.name, result_);
     result_.fields = std::move(carried.fields);
     result_.times.fields = watch_.lap();
   }

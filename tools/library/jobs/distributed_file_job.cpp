@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,7 +26,6 @@
 #include "partition/output/numbering.h"
 #include "partition/output/output.h"
 #include "partition/output/piece_files.h"
-#include "tools/common/field_text.h"
 #include "tools/common/naming.h"
 #include "tools/library/jobs/distributed_run.h"
 #include "tools/library/jobs/file_job.h"
@@ -66,9 +66,7 @@ class DistributedFileJob {
 
   FilesResult run() {
     agree_on_files();
-    partition::agree_on(run_.peers(), [this] {
-      if (run_.first()) check_outputs(files_, options_, account_.outputs);
-    });
+    agree_on_outputs();
     SliceInput input = read();
     const double target = input.target_complexity;
     keep_for_fields(input);
@@ -101,6 +99,22 @@ class DistributedFileJob {
                      mine == first ? "" : fmt::format("files differ: {}; on rank 0: {}", mine, first));
   }
 
+  /// Rank 0 looks at them; what is wrong with an option all throw as such.
+  void agree_on_outputs() {
+    std::string option, reason;
+    partition::agree_on(run_.peers(), [&] {
+      if (!run_.first()) return;
+      try {
+        check_outputs(files_, options_, account_.outputs);
+      } catch (const OptionError& error) {
+        option = error.option();
+        reason = error.reason();
+      }
+    });
+    option = partition::text_of_first(run_.peers(), option);
+    if (!option.empty()) throw OptionError(option, partition::text_of_first(run_.peers(), reason));
+  }
+
   /// Outside the engine: other ranks have the other cores. Simulated ranks take turns within one thread,
   /// where an arena would be left by another rank than has entered it.
   template <class Work>
@@ -118,7 +132,10 @@ class DistributedFileJob {
     });
     carrier.association.model = carried_.model;
     const auto model = run_.read_model(carrier, files_.input);
-    SliceInput input = on_threads([&] { return read_slice(run_.peers(), files_, options_, model); });
+    SliceInput input = on_threads([&] {
+      return read_slice(run_.peers(), files_, options_, model,
+                        flag_for_metric(run_.monitor(), options_.checkpoint));
+    });
     account_.warnings = input.warnings;
     if (std::string other = carry_model(options_.geometry, carried_); !other.empty())
       account_.warnings.push_back(std::move(other));
@@ -176,14 +193,12 @@ class DistributedFileJob {
     const partition::MeshSlice slice = partition::slice_of_pieces(run_.peers(), run_.pieces(), numbering);
     meshing::Transfer result = naming(files_.input, [&] {
       return on_threads([&] {
-        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer);
+        return partition::transfer_in_parts(run_.peers(), old_, fields_, slice, options_.transfer,
+                                            &run_.monitor().caller_waits());
       });
     });
     old_ = {};
-    const std::vector<std::string> warnings = transfer_warnings(result, files_.input);
-    account_.warnings.insert(account_.warnings.end(), warnings.begin(), warnings.end());
-    account_.transfer = options_.transfer;
-    account_.field_accounts = std::move(result.accounts);
+    account_for_transfer(result, options_.transfer, files_.input, account_);
     fields_ = std::move(result.fields);
     piece_fields_ = partition::fields_of_pieces(run_.peers(), slice, numbering, fields_);
     piece_fields_.file = account_.outputs.fields;

@@ -83,6 +83,7 @@ EndReason Monitor::reason() {
 
 /// Who comes second has not ended the run.
 void Monitor::cancel(EndReason reason) {
+  if (reason == EndReason::interrupted) caller_waits_ = true;
   if (flag_.exchange(true)) return;
   reason_ = reason;
 }

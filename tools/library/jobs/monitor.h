@@ -44,6 +44,9 @@ class Monitor {
   /// Set once the run is to end with the mesh that it has: by the caller's flag, because its function said
   /// so, or by a limit. It is the run's own: who ends one run does not end the next one with these options.
   std::atomic<bool>& flag() { return flag_; }
+  /// Set once the caller wants the run to end, whatever else has ended it: nothing long is to be begun for
+  /// its result. (A limit of time leaves time for what was expected.)
+  const std::atomic<bool>& caller_waits() const { return caller_waits_; }
   bool cancelled();
   EndReason reason();
   /// Ends the run: an allocation has failed. From any thread.
@@ -77,7 +80,7 @@ class Monitor {
   const int sharers_here_;  ///< found at first: the environment may change while other threads run
   const Clock::time_point begin_;
   const bool first_;
-  std::atomic<bool> flag_ = false;
+  std::atomic<bool> flag_ = false, caller_waits_ = false;
   std::atomic<EndReason> reason_ = EndReason::none;
   std::atomic<std::uint64_t> tets_ = 0;     ///< the most that have been told of
   std::atomic<double> seconds_of_tet_ = 0;  ///< expect()
@@ -91,5 +94,10 @@ class Monitor {
   bool ended_ = false;
   std::thread watcher_;
 };
+
+/// What ends the making of a metric: nothing of a run with checkpoints, which are known by their metric.
+inline const std::atomic<bool>* flag_for_metric(Monitor& monitor, const CheckpointOptions& checkpoint) {
+  return checkpoint.folder.empty() && checkpoint.resume.empty() ? &monitor.flag() : nullptr;
+}
 
 }  // namespace weft::tools

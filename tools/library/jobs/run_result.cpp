@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
+#include "tools/common/field_text.h"
 #include "tools/common/text.h"
 
 namespace weft::tools {
@@ -85,6 +87,21 @@ std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& af
                                  grouped(after->complexity), percent(std::abs(off)),
                                  grouped(asked_complexity)));
   return missed;
+}
+
+void account_for_transfer(meshing::Transfer& carried, TransferMethod asked, const std::string& from,
+                          Report& report) {
+  for (std::string& warning : transfer_warnings(carried, from)) report.warnings.push_back(std::move(warning));
+  report.transfer = carried.method;
+  report.field_accounts = std::move(carried.accounts);
+  if (carried.method == asked) return;
+  report.warnings.emplace_back(
+      "the fields are interpolated and need not keep their integrals: the run was interrupted");
+  if (report.cancelled) return;
+  report.cancelled = true;
+  report.ended_by = "interrupted";
+  const std::vector<std::string> missed = missed_goals({}, 0, report.ended_by, nullptr);
+  report.missed.insert(report.missed.begin(), missed.begin(), missed.end());
 }
 
 std::string begun_anew(const std::string& folder) {

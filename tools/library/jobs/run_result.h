@@ -27,6 +27,11 @@ struct RunResult : Report {
 std::vector<std::string> missed_goals(const std::optional<meshing::Measures>& after, double asked_complexity,
                                       const std::string& ended_by, const meshing::ModelAccount* model);
 
+/// What became of fields that were carried to the result from the mesh called `from`: accounts (taken from
+/// `carried`), warnings, and the end of the run where that was what cut `asked` short.
+void account_for_transfer(meshing::Transfer& carried, TransferMethod asked, const std::string& from,
+                          Report& report);
+
 /// In which respects a result lies on the CAD model worse than its input did: more vertices off it, or
 /// farther off, or more triangles turned against it. Empty for what the input had and could not be mended.
 std::vector<std::string> worse_on_model(const meshing::ModelAccount& model);

@@ -20,6 +20,8 @@ void telling(const bool& first, const std::function<void()>& work) {
     work();
   } catch (const InputError& error) {
     tell(error);
+  } catch (const OptionError&) {
+    throw;
   } catch (const std::invalid_argument& error) {
     tell(error);
   } catch (const partition::InvariantViolation& error) {

@@ -8,7 +8,7 @@
 
 namespace weft::tools {
 
-/// Does work of all ranks. What all throw alike (InputError, std::invalid_argument,
+/// Does work of all ranks. What all throw alike (InputError, std::invalid_argument but OptionError,
 /// partition::InvariantViolation) the rank that is the `first` by then throws as InputError, the others as a
 /// RunError that counts as reported.
 void telling(const bool& first, const std::function<void()>& work);

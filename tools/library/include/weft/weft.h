@@ -374,7 +374,7 @@ struct Report {
   std::shared_ptr<const DistributedStats> distributed;  ///< null: the mesh was adapted as one
   std::shared_ptr<const CheckpointStats> checkpoints;   ///< of one mesh; null: nothing to tell
   std::vector<ComponentAccount> field_accounts;         ///< of the fields carried along
-  TransferMethod transfer = TransferMethod::linear;
+  TransferMethod transfer = TransferMethod::linear;  ///< their; linear too where the caller cancelled another
   StageTimes times;
   int threads = 1;
   double peak_memory = 0;  ///< bytes, of this process; of ranks the largest

@@ -94,10 +94,11 @@ std::optional<SurfaceBound> surface_bound_in_parts(Peers& peers, const GeometryO
 LogMetricMade make_metric_in_parts(Peers& peers, const MetricOptions& options, const MeshSlice& slice,
                                    const std::string& mesh_name,
                                    const std::shared_ptr<const meshing::Model>& model,
-                                   const std::optional<SurfaceBound>& bound) {
+                                   const std::optional<SurfaceBound>& bound,
+                                   const std::atomic<bool>* interrupt) {
   const PartDomain domain = naming(mesh_name, [&] {
     const bool resolves = !options.sol.empty() || !options.solutions.empty();
-    return PartDomain(peers, slice, resolves ? meshing::rings_of(options.recovery) : 1);
+    return PartDomain(peers, slice, resolves ? meshing::rings_of(options.recovery) : 1, interrupt);
   });
   MetricOptions here = options;
   for (Fields& solution : here.solutions) solution = of_part(domain, solution);

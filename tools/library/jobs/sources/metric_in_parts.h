@@ -1,6 +1,7 @@
 // The metric that options ask for, made by all ranks together: none holds the whole mesh.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,7 +27,8 @@ meshing::LogMetricField metric_of_share(partition::Peers& peers, const MetricOpt
 LogMetricMade make_metric_in_parts(partition::Peers& peers, const MetricOptions& options,
                                    const partition::MeshSlice& slice, const std::string& mesh_name,
                                    const std::shared_ptr<const meshing::Model>& model,
-                                   const std::optional<SurfaceBound>& bound = {});
+                                   const std::optional<SurfaceBound>& bound = {},
+                                   const std::atomic<bool>* interrupt = nullptr);
 
 /// All ranks: surface_bound() of the mesh of all slices.
 std::optional<SurfaceBound> surface_bound_in_parts(partition::Peers& peers, const GeometryOptions& options,

@@ -79,12 +79,16 @@ GivenMetric given_metric(const MetricOptions& options, const MetricInputs& input
   return given;
 }
 
+/// What takes no sweeps and no trials.
+bool limits_sizes_alone(const meshing::MetricLimits& limits, const meshing::LogMetricField* demands) {
+  return !demands && !(limits.gradation > 1) && !(limits.aspect >= 1);
+}
+
 /// Returns the complexity reached.
 double scale(const MetricOptions& options, const meshing::MetricDomain& domain,
              const meshing::LogMetricField* demands, meshing::LogMetricField& field) {
   const meshing::MetricLimits limits = limits_of(options);
-  const bool only_sizes = !demands && !(limits.gradation > 1) && !(limits.aspect >= 1);
-  if (only_sizes)
+  if (limits_sizes_alone(limits, demands))
     return meshing::scale_to_complexity(domain, options.complexity, limits.hmin, limits.hmax, field);
   return meshing::fit_to_complexity(domain, options.complexity, limits, demands, field);
 }
@@ -95,12 +99,17 @@ std::vector<std::string> process(const MetricOptions& options, const meshing::Me
                                  const std::optional<meshing::LogMetricField>& demands,
                                  meshing::LogMetricField& field) {
   constexpr double kComplexityTolerance = 0.01;
-  if (options.complexity <= 0) {
-    if (demands) meshing::intersect_with(*demands, field);
+  const meshing::LogMetricField* more = demands ? &*demands : nullptr;
+  double reached = options.complexity;
+  if (reached > 0) {
+    reached = scale(options, domain, more, field);
+  } else {
+    if (more) meshing::intersect_with(*more, field);
     meshing::apply_limits(domain, limits_of(options), field);
-    return {};
   }
-  const double reached = scale(options, domain, demands ? &*demands : nullptr, field);
+  if (!limits_sizes_alone(limits_of(options), more) && domain.interrupted())
+    return {"the metric need not be as asked for: the run was ended while it was made"};
+  if (!(options.complexity > 0)) return {};
   if (std::abs(reached / options.complexity - 1) <= kComplexityTolerance) return {};
   return {fmt::format("limits and boundary sizes lead to a complexity of {} instead of {}", grouped(reached),
                       grouped(options.complexity))};
@@ -112,6 +121,7 @@ LogMetricMade within_surface(const MetricOptions& options, const meshing::Metric
                              meshing::LogMetricField of_surface, meshing::LogMetricField given) {
   LogMetricMade made{given, {}};
   made.warnings = process(options, domain, demands, made.field);
+  if (domain.interrupted()) return made;
   // A complexity that is asked for stays in reach.
   constexpr double kMostOfComplexity = 0.5, kAny = std::numeric_limits<double>::infinity();
   auto limit = meshing::limit_of_surface(domain, std::move(of_surface), made.field,
@@ -218,8 +228,8 @@ LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& 
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source,
                               std::shared_ptr<const meshing::Model> model,
-                              const std::optional<SurfaceBound>& bound) {
-  const meshing::WholeDomain domain(mesh);
+                              const std::optional<SurfaceBound>& bound, const std::atomic<bool>* interrupt) {
+  const meshing::WholeDomain domain(mesh, interrupt);
   const auto read_metric = [&](const std::string& file) {
     return meshing::metric_from_solution(meshing::read_solution(file), mesh.points.size(), file);
   };

@@ -1,6 +1,7 @@
 // The metric that options ask for: all sources intersected, scaled, limited and graded.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -68,7 +69,8 @@ struct LogMetricMade {
 /// as the boundary demands, limited and graded; where a curved boundary bears no edges as long as that, once
 /// more with what it bears (surface_limit.h). Metrics of solutions come in with that complexity, or with
 /// the mesh's own where none is requested. Curvature is that of `model`, where not null. All parts of a mesh
-/// call together; what they read must be without faults then. Throws InputError naming file, entity and
+/// call together; what they read must be without faults then. Once the domain is interrupted limits and
+/// gradation are left as they are, which is among the warnings. Throws InputError naming file, entity and
 /// reason.
 LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& inputs,
                               const std::string& mesh_name);
@@ -76,6 +78,7 @@ LogMetricMade make_log_metric(const MetricOptions& options, const MetricInputs& 
 LogMetricMade make_log_metric(const MetricOptions& options, const meshing::MeshData& mesh,
                               const std::string& mesh_name, const meshing::LogMetricField* source = nullptr,
                               std::shared_ptr<const meshing::Model> model = nullptr,
-                              const std::optional<SurfaceBound>& bound = {});
+                              const std::optional<SurfaceBound>& bound = {},
+                              const std::atomic<bool>* interrupt = nullptr);
 
 }  // namespace weft::tools

@@ -32,14 +32,16 @@ bool has_background(const Files& files) {
 
 /// A metric that is only scaled is scaled where all ranks know it.
 void add_metric(Peers& peers, const Files& files, const Options& options,
-                const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
+                const std::shared_ptr<const meshing::Model>& model, const std::atomic<bool>* interrupt,
+                SliceInput& input) {
   const std::optional<SurfaceBound> bound = surface_bound_in_parts(peers, options.geometry, input.slice);
   if (only_scaled(options.metric) && !bound) {
     input.target_complexity = options.metric.complexity;
     input.slice.log_metrics = metric_of_share(peers, options.metric, input.slice);
     return;
   }
-  LogMetricMade made = make_metric_in_parts(peers, options.metric, input.slice, files.input, model, bound);
+  LogMetricMade made =
+      make_metric_in_parts(peers, options.metric, input.slice, files.input, model, bound, interrupt);
   input.slice.log_metrics = std::move(made.field);
   input.warnings = std::move(made.warnings);
   input.surface_limit = made.surface_limit;
@@ -54,10 +56,12 @@ void keep_background(Peers& peers, MeshSlice slice, SliceInput& input) {
 
 /// The metric on its own mesh, with which nothing is to be done any more.
 void add_background(Peers& peers, const Files& files, const Options& options,
-                    const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
+                    const std::shared_ptr<const meshing::Model>& model, const std::atomic<bool>* interrupt,
+                    SliceInput& input) {
   MeshShare share = read_mesh_share(peers, files.background);
   if (share.slice.num_tets == 0) throw InputError(files.background, "", "has no tetrahedra");
-  LogMetricMade made = make_metric_in_parts(peers, options.metric, share.slice, files.background, model);
+  LogMetricMade made =
+      make_metric_in_parts(peers, options.metric, share.slice, files.background, model, {}, interrupt);
   share.slice.log_metrics = std::move(made.field);
   keep_background(peers, std::move(share.slice), input);
   input.warnings = std::move(made.warnings);
@@ -66,14 +70,15 @@ void add_background(Peers& peers, const Files& files, const Options& options,
 }
 
 SliceInput read_share(Peers& peers, const Files& files, const Options& options,
-                      const std::shared_ptr<const meshing::Model>& model) {
+                      const std::shared_ptr<const meshing::Model>& model,
+                      const std::atomic<bool>* interrupt) {
   MeshShare share = read_mesh_share(peers, files.input);
   if (share.slice.num_tets == 0) throw InputError(files.input, "", "has no tetrahedra");
   SliceInput input;
   input.slice = std::move(share.slice);
   input.names = std::move(share.names);
   input.fields = read_fields_of_slice(peers, files.fields, input.slice, files.input);
-  if (!has_background(files)) add_metric(peers, files, options, model, input);
+  if (!has_background(files)) add_metric(peers, files, options, model, interrupt, input);
   if (share.read_whole && peers.ranks() > 1)
     input.warnings.push_back(read_whole_warning(files.input, "meshes"));
   return input;
@@ -82,7 +87,8 @@ SliceInput read_share(Peers& peers, const Files& files, const Options& options,
 /// What rank 0 does with the whole mesh: mends it, with what belongs to its vertices, and makes the metric
 /// (without a background of its own).
 SliceInput read_and_mend(Peers& peers, const Files& files, const Options& options,
-                         const std::shared_ptr<const meshing::Model>& model) {
+                         const std::shared_ptr<const meshing::Model>& model,
+                         const std::atomic<bool>* interrupt) {
   SliceInput input;
   MeshData whole;  // on rank 0, with what follows
   meshing::LogMetricField field;
@@ -106,8 +112,8 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
     input.target_complexity = std::exchange(metric.complexity, 0);
   partition::agree_on(peers, [&] {
     if (peers.rank() != 0 || has_background(files)) return;
-    LogMetricMade made = make_log_metric(metric, whole, files.input,
-                                         repaired.source ? &*repaired.source : nullptr, model, bound);
+    LogMetricMade made = make_log_metric(
+        metric, whole, files.input, repaired.source ? &*repaired.source : nullptr, model, bound, interrupt);
     field = std::move(made.field);
     input.warnings = std::move(made.warnings);
     input.surface_limit = made.surface_limit;
@@ -121,7 +127,8 @@ SliceInput read_and_mend(Peers& peers, const Files& files, const Options& option
 
 /// The same of a background.
 void mend_background(Peers& peers, const Files& files, const Options& options,
-                     const std::shared_ptr<const meshing::Model>& model, SliceInput& input) {
+                     const std::shared_ptr<const meshing::Model>& model, const std::atomic<bool>* interrupt,
+                     SliceInput& input) {
   MeshData whole;  // on rank 0, with its metric
   LogMetricMade made;
   partition::agree_on(peers, [&] {
@@ -132,7 +139,7 @@ void mend_background(Peers& peers, const Files& files, const Options& options,
     RepairedMetric repaired = repair_background(whole, files.background, metric);
     input.mends.insert(input.mends.end(), repaired.mends.begin(), repaired.mends.end());
     made = make_log_metric(metric, whole, files.background, repaired.source ? &*repaired.source : nullptr,
-                           model);
+                           model, {}, interrupt);
     input.warnings.insert(input.warnings.end(), made.warnings.begin(), made.warnings.end());
   });
   keep_background(peers, deal_out(peers, whole, made.field), input);
@@ -158,16 +165,17 @@ std::vector<T> concentrate(Peers& peers, const std::vector<T>& mine) {
 }  // namespace
 
 SliceInput read_slice(Peers& peers, const Files& files, const Options& options,
-                      const std::shared_ptr<const meshing::Model>& model) {
-  SliceInput input = options.run.repair ? read_and_mend(peers, files, options, model)
-                                        : read_share(peers, files, options, model);
+                      const std::shared_ptr<const meshing::Model>& model,
+                      const std::atomic<bool>* interrupt) {
+  SliceInput input = options.run.repair ? read_and_mend(peers, files, options, model, interrupt)
+                                        : read_share(peers, files, options, model, interrupt);
   warn_of_fields(peers, files, options, input);
   if (has_background(files)) {
     input.target_complexity = 0;
     if (options.run.repair)
-      mend_background(peers, files, options, model, input);
+      mend_background(peers, files, options, model, interrupt, input);
     else
-      add_background(peers, files, options, model, input);
+      add_background(peers, files, options, model, interrupt, input);
   }
   return input;
 }

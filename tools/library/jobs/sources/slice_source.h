@@ -1,6 +1,7 @@
 // Every rank's share of the input mesh with its metric.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,10 +30,12 @@ struct SliceInput {
 
 /// All ranks: reads the mesh and makes the metric, in shares where the formats allow (read_mesh_share(),
 /// read_fields_share()); no rank holds more then. Else rank 0 reads all and deals it out, which is among the
-/// warnings; a mesh that is to be mended rank 0 prepares whole. Throws meshing::InputError alike on all
-/// ranks.
+/// warnings; a mesh that is to be mended rank 0 prepares whole. `interrupt`: once set on a
+/// rank, the metric is left as it is (make_log_metric()); null: never. Throws meshing::InputError alike on
+/// all ranks.
 SliceInput read_slice(partition::Peers& peers, const Files& files, const Options& options,
-                      const std::shared_ptr<const meshing::Model>& model);
+                      const std::shared_ptr<const meshing::Model>& model,
+                      const std::atomic<bool>* interrupt = nullptr);
 
 /// All ranks: fields at the points of all slices on rank 0; elsewhere none.
 Fields gather_to_first(partition::Peers& peers, const Fields& mine);
