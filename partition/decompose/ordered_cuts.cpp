@@ -80,23 +80,32 @@ class SortedItems {
   std::vector<std::size_t> begins_;
 };
 
+/// Sorted by value, group by group: by index, keys would be fetched from all over memory.
 SortedItems::SortedItems(const OrderedItems& items, std::span<const std::uint32_t> groups,
                          std::size_t num_groups)
-    : order_(items.keys.size()), begins_(num_groups + 1, 0) {
-  std::iota(order_.begin(), order_.end(), 0u);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (groups[a] != groups[b]) return groups[a] < groups[b];
-    if (items.keys[a] != items.keys[b]) return items.keys[a] < items.keys[b];
-    return items.numbers[a] < items.numbers[b];
-  });
-  prefix_.push_back(0);
-  for (const std::uint32_t i : order_) {
-    keys_.push_back(items.keys[i]);
-    numbers_.push_back(items.numbers[i]);
-    prefix_.push_back(prefix_.back() + items.weights[i]);
-    ++begins_[groups[i] + 1];
-  }
+    : begins_(num_groups + 1, 0) {
+  struct Entry {
+    std::uint64_t key, number;
+    std::uint32_t item;
+  };
+  for (const std::uint32_t g : groups) ++begins_[g + 1];
   std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+  std::vector<Entry> entries(groups.size());
+  std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+  for (std::uint32_t i = 0; i < entries.size(); ++i)
+    entries[next[groups[i]]++] = {items.keys[i], items.numbers[i], i};
+  for (std::size_t g = 0; g < num_groups; ++g)
+    std::sort(
+        entries.begin() + static_cast<std::ptrdiff_t>(begins_[g]),
+        entries.begin() + static_cast<std::ptrdiff_t>(begins_[g + 1]),
+        [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.number < b.number; });
+  prefix_.push_back(0);
+  for (const Entry& e : entries) {
+    order_.push_back(e.item);
+    keys_.push_back(e.key);
+    numbers_.push_back(e.number);
+    prefix_.push_back(prefix_.back() + items.weights[e.item]);
+  }
 }
 
 std::size_t SortedItems::position(std::uint32_t group, const Threshold& t) const {

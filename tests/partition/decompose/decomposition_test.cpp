@@ -18,6 +18,7 @@
 #include "partition/decompose/ordered_cuts.h"
 #include "partition/decompose/slabs.h"
 #include "partition/decompose/tet_measures.h"
+#include "tests/partition/communication/counting_peers.h"
 #include "tests/partition/communication/threads_peers.h"
 #include "tests/support/meshes.h"
 
@@ -358,31 +359,72 @@ TEST(Interfaces, FollowFacesAlongALayer) {
   }
 }
 
+/// By graph, in groups where there are more than `most` items. `most_bytes`: that a rank has got at once.
+std::vector<SubdomainId> graph_parts(int ranks, const Whole& w, std::uint32_t n, std::uint64_t most,
+                                     std::size_t* most_bytes = nullptr) {
+  std::vector<SubdomainId> all(w.work.size());
+  std::vector<std::size_t> bytes(static_cast<std::size_t>(ranks));
+  support::run_ranks(ranks, [&](Peers& plain) {
+    support::CountingPeers peers(plain);
+    const auto [mine, numbers] = dealt(peers, w);
+    const std::vector<std::uint64_t> weights = integer_weights(peers, mine.work);
+    const auto found =
+        graph_partition(peers, {mine.centres, mine.corners, weights, numbers, mine.cut_tensors},
+                        {mine.vertices, mine.face_areas}, n, most);
+    for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
+    bytes[static_cast<std::size_t>(peers.rank())] = peers.most;
+  });
+  if (most_bytes) *most_bytes = std::ranges::max(bytes);
+  return all;
+}
+
 TEST(GraphPartition, BisectsWhatIsTooLargeForAGraph) {
   const Whole w = random_whole(8, 9);
   const double total = std::accumulate(w.work.begin(), w.work.end(), 0.0);
   constexpr std::uint32_t n = 12;
-  const auto divide = [&](int ranks, std::uint64_t most) {
-    std::vector<SubdomainId> all(w.work.size());
-    support::run_ranks(ranks, [&](Peers& peers) {
-      const auto [mine, numbers] = dealt(peers, w);
-      const std::vector<std::uint64_t> weights = integer_weights(peers, mine.work);
-      const auto found =
-          graph_partition(peers, {mine.centres, mine.corners, weights, numbers, mine.cut_tensors},
-                          {mine.vertices, mine.face_areas}, n, most);
-      for (std::size_t k = 0; k < numbers.size(); ++k) all[numbers[k]] = found[k];
-    });
-    return all;
-  };
-  const double area = interface_area(w, divide(1, w.work.size()));
+  const double area = interface_area(w, graph_parts(1, w, n, w.work.size()));
   for (const std::uint64_t most : {1500, 400}) {
-    const auto expected = divide(1, most);
+    const auto expected = graph_parts(1, w, n, most);
     for (const double load : loads(w, expected, n)) EXPECT_NEAR(load, total / n, 0.15 * total / n) << most;
     EXPECT_LT(interface_area(w, expected), 2 * area) << most;
-    EXPECT_NE(expected, divide(1, w.work.size()));
-    for (const int ranks : support::kNumbersOfRanks) EXPECT_EQ(divide(ranks, most), expected) << ranks;
+    EXPECT_NE(expected, graph_parts(1, w, n, w.work.size()));
+    for (const int ranks : support::kNumbersOfRanks)
+      EXPECT_EQ(graph_parts(ranks, w, n, most), expected) << ranks;
   }
-  EXPECT_EQ(divide(2, 1), decompose_on(2, w, n, "bisection"));
+  EXPECT_EQ(graph_parts(2, w, n, 1), decompose_on(2, w, n, "bisection"));
+}
+
+/// 24,576 tets of equal work in subdomains of 192.
+struct GroupedCase {
+  static constexpr std::uint32_t n = 128;
+  static constexpr std::uint64_t most = 8000;  // so 4 groups of 32, halved for subdomains being many
+
+  Whole w = whole_of(jittered_cube());
+};
+
+TEST(GraphPartition, GroupsDoNotDependOnTheNumberOfRanks) {
+  const GroupedCase c;
+  const auto expected = graph_parts(1, c.w, c.n, c.most);
+  for (const int ranks : {2, 3, 4, 5, 6, 7, 8})
+    EXPECT_EQ(graph_parts(ranks, c.w, c.n, c.most), expected) << ranks;
+}
+
+// METIS divides a single graph to 3 %, small groups by recursion to less, with less cut.
+TEST(GraphPartition, GroupsAreBalancedAndCutLittleMore) {
+  const GroupedCase c;
+  const auto whole = graph_parts(2, c.w, c.n, c.w.work.size()), grouped = graph_parts(2, c.w, c.n, c.most);
+  EXPECT_LT(interface_area(c.w, grouped), 1.03 * interface_area(c.w, whole));
+  for (const double load : loads(c.w, grouped, c.n)) EXPECT_NEAR(load, 192, 3);
+}
+
+TEST(GraphPartition, GroupsAreEnoughForManyRanks) {
+  const GroupedCase c;
+  std::size_t of_one_graph = 0, of_groups = 0, of_few_subdomains = 0;
+  graph_parts(8, c.w, c.n, c.w.work.size(), &of_one_graph);
+  graph_parts(8, c.w, c.n, c.most, &of_groups);
+  graph_parts(8, c.w, c.n / 2, c.most, &of_few_subdomains);
+  EXPECT_LT(of_groups, of_one_graph / 7);
+  EXPECT_GT(of_few_subdomains, of_one_graph / 5);  // 16 subdomains a group are not halved
 }
 
 TEST(DualGraph, JoinsTetsAtTheFaceTheyShare) {
