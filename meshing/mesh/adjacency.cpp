@@ -18,6 +18,7 @@
 
 #include "meshing/base/error.h"
 #include "meshing/base/filled_array.h"
+#include "meshing/base/parallel.h"
 
 namespace weft::meshing {
 namespace {
@@ -79,11 +80,11 @@ void for_each_vertex(std::size_t num_vertices, const Visit& visit) {
 void check_tets(std::span<const Tet> tets, std::size_t num_vertices) {
   constexpr std::size_t kMaxTets = (std::size_t{1} << 30) - 1;  // so that no code equals kNoNeighbour
   if (tets.size() > kMaxTets) throw InputError("", "", "more than 1073741823 tets in one mesh");
-  const auto bad = std::find_if(tets.begin(), tets.end(), [num_vertices](const Tet& tet) {
+  const std::size_t bad = find_first(tets.size(), [&](std::size_t t) {
+    const Tet& tet = tets[t];
     return std::max(std::max(tet[0], tet[1]), std::max(tet[2], tet[3])) >= num_vertices;
   });
-  if (bad != tets.end())
-    throw InputError("", "tet " + std::to_string(bad - tets.begin() + 1), "vertex out of range");
+  if (bad != tets.size()) throw InputError("", "tet " + std::to_string(bad + 1), "vertex out of range");
 }
 
 /// Calls visit(begin, end) for runs of tets, which do not depend on the number of threads.

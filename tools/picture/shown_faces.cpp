@@ -29,15 +29,19 @@ bool is_behind(const MeshData& mesh, const std::array<std::uint32_t, kSize>& ver
 
 /// The section of a tet whose vertices lie in front of the plane or not as `front` says.
 Section section_of(const MeshData& mesh, std::uint32_t tet, const std::array<double, 4>& distances) {
-  std::array<std::size_t, 4> order = {0, 1, 2, 3};
-  const auto in_front = [&](std::size_t i) { return distances[i] > 0; };
-  const auto middle = std::stable_partition(order.begin(), order.end(), in_front);
+  std::array<std::size_t, 4> order;  // those in front, then the others
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (distances[i] > 0) order[n++] = i;
+  const std::size_t in_front = n;
+  for (std::size_t i = 0; i < 4; ++i)
+    if (!(distances[i] > 0)) order[n++] = i;
   const auto corner = [&](std::size_t i, std::size_t j) {
     const std::size_t a = order[i], b = order[j];
     return Section::Corner{mesh.tets[tet][a], mesh.tets[tet][b],
                            distances[a] / (distances[a] - distances[b])};
   };
-  switch (middle - order.begin()) {
+  switch (in_front) {
     case 1:
       return {tet, 3, {corner(0, 1), corner(0, 2), corner(0, 3)}};
     case 3:

@@ -1,14 +1,19 @@
 #include "tools/report/mesh_view.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
+#include <utility>
 
 #include "engine/json/json.h"
+#include "meshing/base/parallel.h"
 #include "meshing/geometry/model/face_deviations.h"
+#include "meshing/mesh/adjacency.h"
 #include "meshing/metric/measures.h"
 #include "tools/picture/shown_faces.h"
+#include "tools/report/cut_tets.h"
 #include "tools/report/encode/base64.h"
 #include "tools/report/flat_index.h"
 
@@ -19,191 +24,181 @@ using meshing::Box;
 using meshing::LogMetric;
 using meshing::MeshData;
 using meshing::Point;
-using Corner = std::array<float, 3>;
 
 /// How far a length is from 1, by ratio.
 float off_unit(float length) { return std::max(length, 1 / length); }
 
 float worse_length(float a, float b) { return off_unit(a) >= off_unit(b) ? a : b; }
 
-/// Values of tets, worked out where they are asked for.
-class TetValues {
- public:
-  TetValues(const MeshData& mesh, std::span<const LogMetric> log_metrics)
-      : mesh_(mesh), log_metrics_(log_metrics), numbers_(mesh.points.size() / 8) {}
-
-  void fill(std::uint32_t tet, ViewFacet& facet) {
-    if (tet >= mesh_.tets.size()) return;
-    std::array<Point, 4> points;
-    std::array<LogMetric, 4> log_metrics;
-    std::array<meshing::Metric, 4> metrics;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t vertex = mesh_.tets[tet][i];
-      points[i] = mesh_.points[vertex];
-      log_metrics[i] = log_metrics_[vertex];
-      metrics[i] = metric_at(vertex);
-    }
-    facet.quality = static_cast<float>(meshing::mean_ratio(points, log_metrics));
-    facet.length = 1;
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t j = i + 1; j < 4; ++j) {
-        const double length = meshing::edge_length(points[j] - points[i], metrics[i], metrics[j]);
-        facet.length = worse_length(facet.length, static_cast<float>(length));
-      }
-  }
-
- private:
-  /// Kept: a vertex is asked for by several tets, and an exponential costs as much as all the rest.
-  const meshing::Metric& metric_at(std::uint32_t vertex) {
-    const std::uint32_t number = numbers_.number_of({vertex});
-    if (number == metrics_.size()) metrics_.push_back(meshing::exp_fast(log_metrics_[vertex]));
-    return metrics_[number];
-  }
-
-  const MeshData& mesh_;
-  std::span<const LogMetric> log_metrics_;
-  FlatIndex<std::uint32_t, 1> numbers_;  // of vertices in metrics_
-  std::vector<meshing::Metric> metrics_;
-};
-
 Corner corner_of(const Point& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
 }
 
-ViewLayer surface_layer(const MeshData& mesh, TetValues& values, std::uint32_t subdomain, bool is_piece,
-                        const meshing::Model* model) {
-  ViewLayer layer;
-  std::optional<meshing::FaceDeviations> deviations;
-  if (model) deviations.emplace(mesh, *model);
-  for (const picture::ShownFace& face : picture::Surface(mesh).faces()) {
-    if (is_piece && !face.ref) continue;  // a face that another piece has too
-    ViewFacet facet;
-    for (std::size_t i = 0; i < 3; ++i) facet.corners[i] = corner_of(mesh.points[face.vertices[i]]);
-    facet.subdomain = subdomain;
-    values.fill(face.tet, facet);
-    if (deviations)
-      if (const double d = deviations->at(face.vertices); d >= 0) facet.deviation = static_cast<float>(d);
-    layer.facets.push_back(facet);
-  }
-  return layer;
-}
+constexpr std::uint32_t kAbsent = meshing::kNoNeighbour;
 
-void add_section(const MeshData& mesh, const picture::Section& section, ViewFacet facet, ViewLayer& layer) {
-  std::array<Corner, 4> corners;
-  for (int i = 0; i < section.size; ++i) {
-    const auto& [from, to, share] = section.corners[static_cast<std::size_t>(i)];
-    corners[static_cast<std::size_t>(i)] =
-        corner_of(mesh.points[from] + share * (mesh.points[to] - mesh.points[from]));
-  }
-  for (std::size_t i = 2; i < static_cast<std::size_t>(section.size); ++i) {
-    facet.corners = {corners[0], corners[i - 1], corners[i]};
-    layer.facets.push_back(facet);
-  }
-}
-
-/// Planes across one axis, at equal distances.
-struct Planes {
-  double lo, distance;
-  int count;
-
-  Planes(const Box& box, int axis, int planes)
-      : lo(box.lo[axis]), distance((box.hi[axis] - box.lo[axis]) / (planes + 1)), count(planes) {}
-
-  /// Of plane `i`, from 0: not at round shares of the box, where structured meshes have their faces.
-  double position(int i) const { return lo + (i + 1 + 1e-3) * distance; }
-  /// The first plane that is not before x.
-  int first_from(double x) const {
-    if (!(distance > 0)) return count;
-    int i = static_cast<int>(std::clamp((x - lo) / distance - 2, 0.0, 1.0 * count));  // before it
-    while (i < count && position(i) < x) ++i;
-    return i;
-  }
+/// Where a facet comes from.
+struct Origin {
+  std::uint32_t piece;
+  std::uint32_t tet;                 ///< kAbsent: a triangle without
+  std::uint32_t triangle = kAbsent;  ///< of the surface; kAbsent in a section
 };
 
-/// Adds the sections of one tet by the planes across an axis to `layers`, one layer a plane.
-void add_sections(const MeshData& mesh, TetValues& values, std::uint32_t tet, std::uint32_t subdomain,
-                  int axis, const Planes& planes, std::span<ViewLayer> layers) {
-  double lo = mesh.points[mesh.tets[tet][0]][axis], hi = lo;
-  for (const std::uint32_t v : mesh.tets[tet]) {
-    lo = std::min(lo, mesh.points[v][axis]);
-    hi = std::max(hi, mesh.points[v][axis]);
+/// A layer before it is thinned out.
+struct WholeLayer {
+  Triangles triangles;
+  std::vector<Origin> origins;  ///< of each triangle
+};
+
+/// Quality and length of a tet in its metric.
+void put_values(const ViewedPiece& piece, const meshing::Tet& tet, ViewFacet& facet) {
+  std::array<Point, 4> points;
+  std::array<LogMetric, 4> log_metrics;
+  std::array<meshing::Metric, 4> metrics;
+  for (std::size_t i = 0; i < 4; ++i) {
+    points[i] = piece.mesh.points[tet[i]];
+    log_metrics[i] = piece.log_metrics[tet[i]];
+    metrics[i] = meshing::exp_fast(log_metrics[i]);
   }
-  for (int i = planes.first_from(lo); i < planes.count && planes.position(i) < hi; ++i) {
-    picture::Plane plane{{0, 0, 0}, planes.position(i)};
-    plane.normal[axis] = 1;
-    const auto section = picture::section(mesh, tet, plane);
-    if (!section) continue;
-    ViewFacet facet;
-    facet.subdomain = subdomain;
-    values.fill(tet, facet);
-    add_section(mesh, *section, facet, layers[static_cast<std::size_t>(i)]);
+  facet.quality = static_cast<float>(meshing::mean_ratio(points, log_metrics));
+  facet.length = 1;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      const double length = meshing::edge_length(points[j] - points[i], metrics[i], metrics[j]);
+      facet.length = worse_length(facet.length, static_cast<float>(length));
+    }
+}
+
+void put_worse(const ViewFacet& other, ViewFacet& facet) {
+  facet.quality = std::min(facet.quality, other.quality);
+  facet.length = worse_length(facet.length, other.length);
+  facet.deviation = std::max(facet.deviation, other.deviation);
+}
+
+/// The facets that are left, each with the worst values of those that it stands for: `kept[i]` is the facet
+/// thinning.kept[i] was.
+std::vector<ViewFacet> merged(const Thinning& thinning, const std::vector<ViewFacet>& kept) {
+  std::vector<ViewFacet> facets;
+  facets.reserve(thinning.left.corners.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const std::uint32_t place = thinning.in_left[i];
+    if (place < facets.size()) {
+      put_worse(kept[i], facets[place]);
+    } else {
+      facets.push_back(kept[i]);
+      facets.back().corners = thinning.left.at(place);
+    }
+  }
+  return facets;
+}
+
+/// Corners are shared by the two triangles of a quadrilateral only: joining them finds the others.
+void add_section(const MeshData& mesh, const picture::Section& section, const Origin& origin,
+                 WholeLayer& layer) {
+  const auto first = static_cast<std::uint32_t>(layer.triangles.points.size());
+  const auto size = static_cast<std::uint32_t>(section.size);
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const auto& [from, to, share] = section.corners[i];
+    layer.triangles.points.push_back(
+        corner_of(mesh.points[from] + share * (mesh.points[to] - mesh.points[from])));
+  }
+  for (std::uint32_t i = 2; i < size; ++i) {
+    layer.triangles.corners.push_back({first, first + i - 1, first + i});
+    layer.origins.push_back(origin);
   }
 }
 
-// --- Thinning
-
-/// The cells of a grid as vertices: the first point met in a cell stands for all of it.
-class GridVertices {
- public:
-  GridVertices(const Box& box, double cell, std::size_t expected)
-      : box_(box), cells_in_one_(1 / cell), numbers_(expected) {}
-
-  std::uint32_t number_of(const Corner& corner) {
-    std::array<std::int32_t, 3> cell;
-    for (int a = 0; a < 3; ++a) {
-      const auto i = static_cast<std::size_t>(a);
-      cell[i] = static_cast<std::int32_t>(std::floor((corner[i] - box_.lo[a]) * cells_in_one_));
-    }
-    const std::uint32_t number = numbers_.number_of(cell);
-    if (number == points_.size()) points_.push_back(corner);
-    return number;
+/// Planes at equal distances: not at round shares of the box, where structured meshes have their faces.
+AxisPlanes planes_across(const Box& box, int sections) {
+  AxisPlanes planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double distance = (box.hi[axis] - box.lo[axis]) / (sections + 1);
+    for (int i = 0; i < sections; ++i)
+      planes[static_cast<std::size_t>(axis)].push_back(box.lo[axis] + (i + 1 + 1e-3) * distance);
   }
-  const Corner& point(std::uint32_t number) const { return points_[number]; }
+  return planes;
+}
+
+/// Makes the layers of a view, each on its own.
+class LayerMaker {
+ public:
+  LayerMaker(std::span<const ViewedPiece> pieces, const AxisPlanes& planes, const meshing::Model* model)
+      : pieces_(pieces) {
+    for (const ViewedPiece& piece : pieces) {
+      const MeshData& mesh = piece.mesh;
+      codes_.push_back(meshing::match_triangles(mesh.triangles, mesh.tets, mesh.points.size()));
+      cut_.push_back(cut_tets(mesh, planes));
+      if (model) deviations_.emplace_back(mesh, *model);
+    }
+  }
+
+  WholeLayer surface() const {
+    WholeLayer layer;
+    auto& [points, corners] = layer.triangles;
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+      const MeshData& mesh = pieces_[p].mesh;
+      std::vector<std::uint32_t> place(mesh.points.size(), kAbsent);  // in `points`
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        corners.push_back(mesh.triangles[t]);
+        for (std::uint32_t& v : corners.back()) {
+          if (place[v] == kAbsent) {
+            place[v] = static_cast<std::uint32_t>(points.size());
+            points.push_back(corner_of(mesh.points[v]));
+          }
+          v = place[v];
+        }
+        const std::uint32_t code = codes_[p][t];
+        layer.origins.push_back({p, code == kAbsent ? kAbsent : code / 4, t});
+      }
+    }
+    return layer;
+  }
+
+  /// `number`: of the plane in the order of cut_tets().
+  WholeLayer section(std::size_t number, int axis, double position) const {
+    picture::Plane plane{{0, 0, 0}, position};
+    plane.normal[axis] = 1;
+    WholeLayer layer;
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+      for (const std::uint32_t tet : cut_[p][number])
+        if (const auto section = picture::section(pieces_[p].mesh, tet, plane))
+          add_section(pieces_[p].mesh, *section, {p, tet}, layer);
+    return layer;
+  }
+
+  /// With all but the corners.
+  ViewFacet facet(const Origin& origin) const {
+    const ViewedPiece& piece = pieces_[origin.piece];
+    ViewFacet facet;
+    facet.subdomain = piece.subdomain;
+    if (origin.tet != kAbsent) put_values(piece, piece.mesh.tets[origin.tet], facet);
+    if (origin.triangle != kAbsent && !deviations_.empty()) {
+      const double d = deviations_[origin.piece].at(piece.mesh.triangles[origin.triangle]);
+      if (d >= 0) facet.deviation = static_cast<float>(d);
+    }
+    return facet;
+  }
 
  private:
-  const Box& box_;
-  double cells_in_one_;
-  FlatIndex<std::int32_t, 3> numbers_;
-  std::vector<Corner> points_;
+  std::span<const ViewedPiece> pieces_;
+  std::vector<std::vector<std::uint32_t>> codes_;             // of the pieces' triangles
+  std::vector<std::vector<std::vector<std::uint32_t>>> cut_;  // of the pieces, by plane
+  std::vector<meshing::FaceDeviations> deviations_;           // of the pieces, where there is a model
 };
 
-/// Joins vertices in the cells of a grid; facets that collapse go, equal ones become one.
-std::vector<ViewFacet> joined(const std::vector<ViewFacet>& facets, const Box& box, double cell) {
-  GridVertices vertices(box, cell, facets.size());
-  FlatIndex<std::uint32_t, 3> known(facets.size());
-  std::vector<ViewFacet> left;
-  for (const ViewFacet& facet : facets) {
-    std::array<std::uint32_t, 3> v;
-    for (std::size_t i = 0; i < 3; ++i) v[i] = vertices.number_of(facet.corners[i]);
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
-    std::array<std::uint32_t, 3> key = v;
-    std::ranges::sort(key);
-    const std::uint32_t number = known.number_of(key);
-    if (number == left.size()) {
-      left.push_back(facet);
-      for (std::size_t i = 0; i < 3; ++i) left.back().corners[i] = vertices.point(v[i]);
-    } else {
-      ViewFacet& other = left[number];
-      other.quality = std::min(other.quality, facet.quality);
-      other.length = worse_length(other.length, facet.length);
-      other.deviation = std::max(other.deviation, facet.deviation);
-    }
-  }
-  return left;
+Triangles triangles_of(const std::vector<ViewFacet>& facets) {
+  Triangles triangles;
+  for (const ViewFacet& facet : facets) triangles.add(facet.corners);
+  return triangles;
 }
 
-/// On a surface the number of facets goes at most with the square of the cells' size, once these are larger
-/// than the facets: the step to the next grid is as large as that allows.
-void thin_out(ViewLayer& layer, const Box& box, std::size_t most) {
-  constexpr double kLeastStep = 1.1;
-  const meshing::Vec size = box.size();
-  double cell = std::max({size.x, size.y, size.z}) / 1024;
-  while (layer.facets.size() > most) {
-    layer.facets = joined(layer.facets, box, cell);
-    layer.thinned = true;
-    const double excess = static_cast<double>(layer.facets.size()) / static_cast<double>(most);
-    cell *= std::max(kLeastStep, std::sqrt(excess));
-  }
+std::size_t most_facets(const ViewLayer& layer, const MeshViewOptions& options) {
+  return layer.axis < 0 ? options.surface_facets : options.section_facets;
+}
+
+/// Layers are independent of each other; the largest take longest.
+template <class Visit>
+void for_each_layer(std::size_t n, const Visit& visit) {
+  tbb::parallel_for(std::size_t{0}, n, visit);
 }
 
 // --- JSON
@@ -266,20 +261,25 @@ nlohmann::ordered_json json_of(const ViewLayer& layer, const Box& box, float lar
 
 }  // namespace
 
-MeshView mesh_view(const MeshData& mesh, std::span<const LogMetric> log_metrics, std::uint32_t subdomain,
-                   const Box& box, bool is_piece, const MeshViewOptions& options,
+MeshView mesh_view(std::span<const ViewedPiece> pieces, const Box& box, const MeshViewOptions& options,
                    const meshing::Model* model) {
+  const AxisPlanes planes = planes_across(box, options.sections);
+  const LayerMaker maker(pieces, planes, model);
   MeshView view;
-  TetValues values(mesh, log_metrics);
-  view.layers.push_back(surface_layer(mesh, values, subdomain, is_piece, model));
-  for (int axis = 0; axis < 3; ++axis) {
-    const Planes planes(box, axis, options.sections);
-    const std::size_t first = view.layers.size();
-    for (int i = 0; i < planes.count; ++i) view.layers.push_back({axis, planes.position(i), {}, false});
-    const std::span<ViewLayer> mine = std::span(view.layers).subspan(first);
-    for (std::uint32_t tet = 0; tet < mesh.tets.size(); ++tet)
-      add_sections(mesh, values, tet, subdomain, axis, planes, mine);
-  }
+  view.layers.push_back({});
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double position : planes[static_cast<std::size_t>(axis)])
+      view.layers.push_back({axis, position, {}, false});
+  for_each_layer(view.layers.size(), [&](std::size_t l) {
+    ViewLayer& layer = view.layers[l];
+    WholeLayer whole = l == 0 ? maker.surface() : maker.section(l - 1, layer.axis, layer.position);
+    const Thinning thinning = thinned_out(std::move(whole.triangles), box, most_facets(layer, options));
+    std::vector<ViewFacet> kept(thinning.kept.size());
+    meshing::for_each_index(kept.size(),
+                            [&](std::size_t i) { kept[i] = maker.facet(whole.origins[thinning.kept[i]]); });
+    layer.facets = merged(thinning, kept);
+    layer.thinned = thinning.thinned;
+  });
   return view;
 }
 
@@ -296,17 +296,25 @@ void append(MeshView& view, MeshView&& part) {
 }
 
 void thin_out(MeshView& view, const Box& box, const MeshViewOptions& options) {
-  for (ViewLayer& layer : view.layers)
-    thin_out(layer, box, layer.axis < 0 ? options.surface_facets : options.section_facets);
+  for_each_layer(view.layers.size(), [&](std::size_t l) {
+    ViewLayer& layer = view.layers[l];
+    if (layer.facets.size() <= most_facets(layer, options)) return;
+    const Thinning thinning = thinned_out(triangles_of(layer.facets), box, most_facets(layer, options));
+    std::vector<ViewFacet> kept;
+    kept.reserve(thinning.kept.size());
+    for (const std::uint32_t f : thinning.kept) kept.push_back(layer.facets[f]);
+    layer.facets = merged(thinning, kept);
+    layer.thinned = true;
+  });
 }
 
 nlohmann::ordered_json json_of(const MeshView& view, const Box& box) {
-  nlohmann::ordered_json layers = nlohmann::ordered_json::array();
   float largest = kNoDeviation;
   for (const ViewLayer& layer : view.layers)
     if (layer.axis < 0)
       for (const ViewFacet& facet : layer.facets) largest = std::max(largest, facet.deviation);
-  for (const ViewLayer& layer : view.layers) layers.push_back(json_of(layer, box, largest));
+  std::vector<nlohmann::ordered_json> layers(view.layers.size());
+  for_each_layer(layers.size(), [&](std::size_t l) { layers[l] = json_of(view.layers[l], box, largest); });
   nlohmann::ordered_json json = {{"box", {{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}}},
                                  {"layers", layers}};
   json["largest_deviation"] = largest >= 0 ? nlohmann::ordered_json(largest) : nlohmann::ordered_json();

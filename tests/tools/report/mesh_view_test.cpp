@@ -3,13 +3,17 @@
 #include "tools/report/mesh_view.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "engine/json/json.h"
+#include "meshing/base/error.h"
 #include "meshing/mesh/structured_box.h"
 #include "meshing/metric/metric_field.h"
 
@@ -52,7 +56,28 @@ double area(const ViewLayer& layer) {
 }
 
 MeshView whole_view(const Shaken& s, const MeshViewOptions& options = {}) {
-  return mesh_view(s.mesh, s.metric, 5, s.box, false, options);
+  return mesh_view(std::array{ViewedPiece{s.mesh, s.metric, 5}}, s.box, options);
+}
+
+/// With more facets than any mesh here has.
+MeshViewOptions unlimited(int sections) {
+  return {.sections = sections, .surface_facets = 1'000'000, .section_facets = 1'000'000};
+}
+
+void expect_same(const MeshView& a, const MeshView& b) {
+  ASSERT_EQ(a.layers.size(), b.layers.size());
+  for (std::size_t l = 0; l < a.layers.size(); ++l) {
+    EXPECT_EQ(a.layers[l].thinned, b.layers[l].thinned);
+    ASSERT_EQ(a.layers[l].facets.size(), b.layers[l].facets.size());
+    for (std::size_t f = 0; f < a.layers[l].facets.size(); ++f) {
+      const ViewFacet &mine = a.layers[l].facets[f], &other = b.layers[l].facets[f];
+      EXPECT_EQ(mine.corners, other.corners);
+      EXPECT_EQ(mine.subdomain, other.subdomain);
+      EXPECT_EQ(mine.quality, other.quality);
+      EXPECT_EQ(mine.length, other.length);
+      EXPECT_EQ(mine.deviation, other.deviation);
+    }
+  }
 }
 
 TEST(MeshView, ShowsTheSurfaceAndSectionsWholly) {
@@ -103,22 +128,50 @@ MeshData part_of(const MeshData& mesh, const Mine& mine) {
   return part;
 }
 
+std::vector<MeshData> random_parts(const MeshData& mesh, int count) {
+  std::mt19937 random(5);
+  std::vector<int> owner(mesh.tets.size());
+  for (int& o : owner) o = static_cast<int>(random() % static_cast<unsigned>(count));
+  std::vector<MeshData> parts;
+  for (int p = 0; p < count; ++p)
+    parts.push_back(part_of(mesh, [&](std::size_t t) { return owner[t] == p; }));
+  return parts;
+}
+
 TEST(MeshView, OfPiecesIsThatOfTheWhole) {
   const Shaken s = shaken_box(4, 3);
-  std::mt19937 random(5);
-  std::vector<int> owner(s.mesh.tets.size());
-  for (int& o : owner) o = static_cast<int>(random() % 3);
-  MeshView together;
-  for (int p = 0; p < 3; ++p) {
-    const MeshData part = part_of(s.mesh, [&](std::size_t t) { return owner[t] == p; });
-    append(together, mesh_view(part, s.metric, 5, s.box, true, {}));
-  }
   const MeshView whole = whole_view(s);
+  std::vector<ViewedPiece> pieces;
+  MeshView appended;
+  const std::vector<MeshData> parts = random_parts(s.mesh, 3);
+  for (const MeshData& part : parts) {
+    pieces.push_back({part, s.metric, 5});
+    append(appended, mesh_view(std::array{pieces.back()}, s.box, {}));
+  }
+  const MeshView together = mesh_view(pieces, s.box, {});
+  expect_same(together, appended);
   ASSERT_EQ(together.layers.size(), whole.layers.size());
   for (std::size_t l = 0; l < whole.layers.size(); ++l) {
     EXPECT_EQ(together.layers[l].facets.size(), whole.layers[l].facets.size());
     EXPECT_NEAR(area(together.layers[l]), area(whole.layers[l]), 1e-5);
   }
+}
+
+TEST(MeshView, OfNoPiecesHasTheLayersOfAny) {
+  const Shaken s = shaken_box(2, 3);
+  MeshView view = mesh_view({}, s.box, {});
+  append(view, whole_view(s));
+  expect_same(view, whole_view(s));
+}
+
+TEST(MeshView, RefusesIndicesOutOfRange) {
+  Shaken s = shaken_box(2, 3);
+  const auto points = static_cast<std::uint32_t>(s.mesh.points.size());
+  s.mesh.tets.back()[2] = points;
+  EXPECT_THROW(whole_view(s), meshing::InputError);
+  s = shaken_box(2, 3);
+  s.mesh.triangles.back()[1] = points;
+  EXPECT_THROW(whole_view(s), meshing::InputError);
 }
 
 bool is_unit(const ViewFacet& facet) {
@@ -128,10 +181,8 @@ bool is_unit(const ViewFacet& facet) {
 TEST(MeshView, IsThinnedOutToItsLimits) {
   const Shaken s = shaken_box(12, 3);
   const MeshViewOptions options{.sections = 2, .surface_facets = 500, .section_facets = 100};
-  MeshView view = whole_view(s, options);
-  const std::size_t before = view.layers[0].facets.size();
-  thin_out(view, s.box, options);
-  EXPECT_GT(before, 500u);
+  const MeshView view = whole_view(s, options);
+  EXPECT_GT(whole_view(s, unlimited(2)).layers[0].facets.size(), 500u);
   EXPECT_LE(view.layers[0].facets.size(), 500u);
   EXPECT_GT(view.layers[0].facets.size(), 50u);
   EXPECT_TRUE(view.layers[0].thinned);
@@ -139,11 +190,32 @@ TEST(MeshView, IsThinnedOutToItsLimits) {
   for (std::size_t l = 1; l < view.layers.size(); ++l) EXPECT_LE(view.layers[l].facets.size(), 100u);
 }
 
+/// Values are worked out after thinning, of the tets that count: as if it had been of all before.
+TEST(MeshView, HasTheValuesThatThinningAllFacetsLeaves) {
+  const Shaken s = shaken_box(12, 3);
+  const MeshViewOptions options{.sections = 3, .surface_facets = 400, .section_facets = 90};
+  std::vector<ViewedPiece> pieces;
+  const std::vector<MeshData> parts = random_parts(s.mesh, 3);
+  for (std::uint32_t p = 0; p < parts.size(); ++p) pieces.push_back({parts[p], s.metric, p});
+  MeshView all = mesh_view(pieces, s.box, unlimited(3));
+  thin_out(all, s.box, options);
+  expect_same(mesh_view(pieces, s.box, options), all);
+}
+
+TEST(MeshView, DoesNotDependOnThreads) {
+  const Shaken s = shaken_box(20, 3);
+  const MeshViewOptions options{.sections = 3, .surface_facets = 2000, .section_facets = 400};
+  const auto made_by = [&](std::size_t threads) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    return whole_view(s, options);
+  };
+  const MeshView one = made_by(1);
+  for (const std::size_t threads : {2, 3, 8}) expect_same(made_by(threads), one);
+}
+
 TEST(MeshView, KeepsMostOfWhatItMayWhereItIsThinnedOut) {
   const Shaken s = shaken_box(40, 3);
-  const MeshViewOptions options{.sections = 3, .surface_facets = 10'000, .section_facets = 2'000};
-  MeshView view = whole_view(s, options);
-  thin_out(view, s.box, options);
+  const MeshView view = whole_view(s, {.sections = 3, .surface_facets = 10'000, .section_facets = 2'000});
   for (const ViewLayer& layer : view.layers) {
     EXPECT_TRUE(layer.thinned);
     EXPECT_GT(layer.facets.size(), layer.axis < 0 ? 5'000u : 1'000u);
@@ -155,20 +227,19 @@ TEST(MeshView, KeepsMostOfWhatItMayWhereItIsThinnedOut) {
 TEST(MeshView, StaysRedWhereItIsThinnedOut) {
   Shaken s = shaken_box(10, 4);
   s.metric = meshing::sample(meshing::AnalyticMetric("uniform:0.01"), s.mesh);
-  const MeshViewOptions options{.sections = 1, .surface_facets = 300, .section_facets = 100};
-  MeshView view = whole_view(s, options);
-  thin_out(view, s.box, options);
+  const MeshView view = whole_view(s, {.sections = 1, .surface_facets = 300, .section_facets = 100});
   for (const ViewLayer& layer : view.layers)
     for (const ViewFacet& facet : layer.facets) EXPECT_FALSE(is_unit(facet));
 }
 
 TEST(MeshView, IsLeftAsItIsWithinItsLimits) {
   const Shaken s = shaken_box(3, 2);
-  MeshView view = whole_view(s);
-  const std::size_t facets = view.layers[0].facets.size();
-  thin_out(view, s.box, {});
-  EXPECT_EQ(view.layers[0].facets.size(), facets);
-  EXPECT_FALSE(view.layers[0].thinned);
+  const MeshView view = whole_view(s);
+  EXPECT_EQ(view.layers[0].facets.size(), 2u * 6 * 9);
+  MeshView again = view;
+  thin_out(again, s.box, {});
+  expect_same(again, view);
+  for (const ViewLayer& layer : view.layers) EXPECT_FALSE(layer.thinned);
 }
 
 TEST(MeshView, IsWrittenWithSharedVertices) {

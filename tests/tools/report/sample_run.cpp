@@ -98,13 +98,12 @@ meshing::MeshData slab(const meshing::MeshData& mesh, double from, double to) {
 
 report::MeshView view_of(const meshing::AdaptResult& result, const meshing::Box& box,
                          std::uint32_t subdomains) {
-  report::MeshView view;
-  const report::MeshViewOptions options;
+  std::vector<meshing::MeshData> slabs;
   for (std::uint32_t s = 0; s < subdomains; ++s)
-    append(view, report::mesh_view(slab(result.mesh, 1.0 * s / subdomains, (s + 1.0) / subdomains),
-                                   result.log_metrics, s, box, true, options));
-  thin_out(view, box, options);
-  return view;
+    slabs.push_back(slab(result.mesh, 1.0 * s / subdomains, (s + 1.0) / subdomains));
+  std::vector<report::ViewedPiece> pieces;
+  for (std::uint32_t s = 0; s < subdomains; ++s) pieces.push_back({slabs[s], result.log_metrics, s});
+  return report::mesh_view(pieces, box, {});
 }
 
 }  // namespace

@@ -115,9 +115,11 @@ class FileJob {
     if (run_.report_path.empty()) return;
     once_written([this] {
       write_text(run_.report_path, text_of(json_of(run_), 1) + "\n");
-      if (files_.page)
+      if (!files_.page) return;
+      with_threads(number_of_threads(options_.run.threads), [this] {
         write_record(run_, record_of(result_.mesh, result_.metric.logarithms(), model_.get()),
                      files_.case_name);
+      });
     });
   }
 

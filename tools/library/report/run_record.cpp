@@ -1,5 +1,6 @@
 #include "tools/library/report/run_record.h"
 
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -109,14 +110,11 @@ void gather_view(RankExchange& exchange, partition::Peers& peers,
                  RunRecord& record) {
   const report::MeshViewOptions options;
   record.box = common_box(peers, pieces);
-  report::MeshView mine;
+  std::vector<report::ViewedPiece> viewed;
   for (const partition::MeshPiece& piece : pieces)
-    append(mine, report::mesh_view(piece.mesh, piece.log_metrics, piece.subdomain.value, record.box, true,
-                                   options, model));
-  thin_out(mine, record.box, options);
-  for (report::MeshView& part : gather(exchange, std::move(mine))) {
-    if (!part.layers.empty()) append(record.mesh, std::move(part));
-  }
+    viewed.push_back({piece.mesh, piece.log_metrics, piece.subdomain.value});
+  report::MeshView mine = report::mesh_view(viewed, record.box, options, model);
+  for (report::MeshView& part : gather(exchange, std::move(mine))) append(record.mesh, std::move(part));
   thin_out(record.mesh, record.box, options);
 }
 
@@ -125,8 +123,8 @@ RunRecord record_of(const meshing::MeshData& mesh, const meshing::LogMetricField
   const report::MeshViewOptions options;
   RunRecord record;
   for (const meshing::Point& p : mesh.points) record.box.include(p);
-  record.mesh = report::mesh_view(mesh, log_metrics, 0, record.box, false, options, model);
-  thin_out(record.mesh, record.box, options);
+  const std::array whole = {report::ViewedPiece{mesh, log_metrics}};
+  record.mesh = report::mesh_view(whole, record.box, options, model);
   record.hardware = {report::this_machine(0)};
   return record;
 }
